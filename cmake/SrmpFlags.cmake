@@ -1,0 +1,20 @@
+# Compiler settings shared by every target of this project. Only the standard is public.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+add_library(srmp_flags INTERFACE)
+target_compile_options(
+  srmp_flags INTERFACE -Wall -Wextra -Wno-unused-parameter
+                       -ffp-contract=off  # the same bits whether or not the CPU has fma
+)
+if(SRMP_SANITIZE)
+  add_compile_options(-fsanitize=${SRMP_SANITIZE} -fno-omit-frame-pointer -g)
+  add_link_options(-fsanitize=${SRMP_SANITIZE})
+endif()

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "srmp/core/deadline.hpp"
+#include "srmp/robot/robot_model.hpp"
+
+namespace srmp {
+
+struct IkOptions {
+  int max_solutions{16};            ///< stop once this many different solutions are known, > 0
+  int seeds{64};                    ///< starts tried: the reference first, then a fixed low-discrepancy sequence, > 0
+  int max_iterations{100};          ///< damped least-squares steps a seed, > 0
+  double position_tolerance{1e-5};  ///< [m], > 0
+  double rotation_tolerance{1e-4};  ///< [rad], > 0; infinity = position only
+  double distinct{0.05};            ///< solutions nearer than this (largest joint difference [rad or m]) are one
+};
+
+/// Configurations that put `link` ("" = end effector) at `target` (robot base frame): within limits, nearest to
+/// `reference` first, the same every time. Empty when none was found. Damped least squares on Pinocchio's frame
+/// Jacobian, from several seeds. `deadline` may cut it short.
+std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const Pose& target, ConstVector reference,
+                                                const IkOptions& options = {}, const std::string& link = "",
+                                                const Deadline& deadline = {});
+
+}  // namespace srmp
