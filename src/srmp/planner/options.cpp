@@ -25,7 +25,7 @@ constexpr Range from_one{1.0, inf};
 constexpr Range share{0.0, 1.0, true};
 
 const std::vector<std::string> heuristics{"joint_euclidean", "bfs"};
-const std::vector<std::string> directions{"forward", "backward"};
+const std::vector<std::string> directions{"auto", "forward", "backward"};
 
 // One list of fields for each planner: reading, checking, writing and suggesting all walk it.
 template <class V>

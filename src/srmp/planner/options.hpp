@@ -14,7 +14,7 @@ struct CommonOptions {
   double resolution{6.0};                      ///< lattice step of revolute joints [degrees], > 0
   double prismatic_resolution{0.05};           ///< lattice step of prismatic joints [m], > 0
   std::string mprim_path;                      ///< motion primitives (YAML); "" = one and two steps of every joint
-  std::string direction{"forward"};            ///< forward: search from the start | backward: from the goals
+  std::string direction{"auto"};               ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
   double bfs_resolution{0.05};                 ///< cell of the bfs heuristic's grid [m], > 0
   double bfs_radius{0.05};                     ///< obstacles are inflated by this in that grid [m], >= 0
   int ik_solutions{16};                        ///< configurations tried for a pose or position goal, > 0

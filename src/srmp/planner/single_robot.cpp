@@ -57,6 +57,7 @@ class SingleRobotPlan {
   Trajectory run() {
     check_start();
     find_targets();
+    choose_direction();
     std::vector<Eigen::VectorXd> path = find_path();
     if (common_.shortcut) path = shortened(std::move(path));
     statistics_.path_cost_rad = length(path);
@@ -162,7 +163,7 @@ class SingleRobotPlan {
     std::vector<Eigen::VectorXd> goals;
     for (const Target& target : targets_) goals.push_back(target.q);
     std::vector<Eigen::VectorXd> anchors{start_};
-    if (backward()) anchors.swap(goals);
+    if (backward_) anchors.swap(goals);
     return Lattice(robot_, std::move(anchors), std::move(goals), std::move(options),
                    [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
                      return problem_.checker.is_motion_free(a, b, workspace(worker), true);
@@ -170,7 +171,19 @@ class SingleRobotPlan {
                    workspaces_.size());
   }
 
-  bool backward() const { return common_.direction == "backward"; }
+  /// A search out of a narrow place is easier than one into it: "auto" starts at the end with less clearance.
+  void choose_direction() {
+    backward_ = common_.direction == "backward";
+    if (common_.direction != "auto") return;
+    double at_goals = search::infinity;
+    for (const Target& target : targets_) at_goals = std::min(at_goals, clearance(target.q));
+    backward_ = at_goals < clearance(start_);
+  }
+
+  double clearance(const Eigen::VectorXd& q) {
+    const auto pair = problem_.checker.nearest(q, workspace());
+    return pair ? pair->distance : search::infinity;
+  }
 
   StateHeuristic make_heuristic(const std::string& name, Lattice& lattice) {
     if (name == "bfs") return bfs_heuristic(lattice);
@@ -259,11 +272,11 @@ class SingleRobotPlan {
     statistics_.states = lattice.size();
     require_solved(result);
     std::vector<Eigen::VectorXd> path = lattice.configurations(result.path);
-    const search::StateId goal_state = backward() ? result.path.front() : result.path.back();
-    statistics_.goal_index = targets_[backward() ? goal_state : goal_state - lattice.anchor_count()].goal_index;
+    const search::StateId goal_state = backward_ ? result.path.front() : result.path.back();
+    statistics_.goal_index = targets_[backward_ ? goal_state : goal_state - lattice.anchor_count()].goal_index;
     statistics_.bound = result.bound;
     statistics_.search_cost_rad = result.cost;
-    if (backward()) path = reversed(path);
+    if (backward_) path = reversed(path);
     return path;
   }
 
@@ -335,6 +348,7 @@ class SingleRobotPlan {
   std::vector<Checker::WorkspacePtr> workspaces_;
   Eigen::VectorXd start_;
   std::vector<Target> targets_;
+  bool backward_{false};
 };
 
 }  // namespace
