@@ -1,8 +1,10 @@
 #include "srmp/planner/planner_interface.hpp"
 
+#include <cmath>
 #include <mutex>
 
 #include "bind.hpp"
+#include "srmp/planner/moveit_request.hpp"
 
 namespace srmp::python {
 
@@ -49,6 +51,16 @@ std::string only_robot(nb::handle robots) {
   if (names.size() != 1)
     throw InvalidArgument("plan is for one robot, but " + std::to_string(names.size()) + " were named; use plan_multi for many");
   return names[0];
+}
+
+std::array<int, 3> to_triangle(const Eigen::Vector3d& row, const std::string& mesh) {
+  std::array<int, 3> triangle{};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (!(row[i] >= 0 && row[i] < 2e9 && row[i] == std::floor(row[i])))
+      throw InvalidArgument("triangles of mesh '" + mesh + "' hold " + to_text(row[i]) + "; they must be whole vertex numbers from 0");
+    triangle[static_cast<std::size_t>(i)] = static_cast<int>(row[i]);
+  }
+  return triangle;
 }
 
 nb::dict to_dict(const PlanStatistics& s) {
@@ -156,10 +168,10 @@ void bind_objects(nb::class_<Self>& cls) {
              }
              Mesh mesh;
              mesh.convex = convex;
-             for (const auto& row : vertices->rows("vertices of mesh '" + name + "'", 3).rowwise()) mesh.vertices.emplace_back(row.transpose());
-             if (triangles)
-               for (const auto& row : triangles->rows("triangles of mesh '" + name + "'", 3).rowwise())
-                 mesh.triangles.push_back({static_cast<int>(row[0]), static_cast<int>(row[1]), static_cast<int>(row[2])});
+             const RowMatrix corners = vertices->rows("vertices of mesh '" + name + "'", 3);
+             for (const auto& row : corners.rowwise()) mesh.vertices.emplace_back(row.transpose());
+             const RowMatrix faces = triangles ? triangles->rows("triangles of mesh '" + name + "'", 3) : RowMatrix(0, 3);
+             for (const auto& row : faces.rowwise()) mesh.triangles.push_back(to_triangle(row.transpose(), name));
              self.use([&](auto& p) { p.add_mesh(name, mesh, pose, padding); });
            },
            nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(), nb::arg("convex") = false,
@@ -199,6 +211,13 @@ void bind_objects(nb::class_<Self>& cls) {
            "Ignore (or, with False, heed again) contact of two bodies: objects, links ('link' or 'robot/link'), whole robots.")
       .def("load_moveit_scene", [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); }, nb::arg("path"),
            "Add the collision objects of a MoveIt scene file (YAML), all or none. Raises FileError with the line.")
+      .def("apply_moveit_request",
+           [](Self& self, const std::string& name, const io::RequestFile& request) {
+             return self.use([&](PlannerInterface& p) { return apply_moveit_request(p, name, request); });
+           },
+           nb::arg("name"), nb::arg("request"),
+           "The request in the terms of this robot: start, goals, and the joints it names that are no movable joints of the robot.\n"
+           "Movable joints that are not planned (a gripper's) are set, and held objects attached.")
       .def("reset", [](Self& self) { self.use([](auto& p) { p.reset(); }); }, "Remove all robots, objects and planners.");
 }
 
@@ -352,6 +371,11 @@ void bind_planner_interface(nb::module_& m) {
       .def_prop_ro("point_a", [](const Contact& c) { return to_numpy(c.point_a); }, "On body_a, world frame [m].")
       .def_prop_ro("point_b", [](const Contact& c) { return to_numpy(c.point_b); }, "On body_b, world frame [m].")
       .def("__repr__", &Contact::describe);
+
+  nb::class_<MoveItProblem>(m, "MoveItProblem", "A MoveIt motion request in the terms of one robot.")
+      .def_prop_ro("start", [](const MoveItProblem& problem) { return to_numpy(problem.start); }, "(dof,) [rad or m]")
+      .def_ro("goals", &MoveItProblem::goals, "GoalConstraints; any one will do.")
+      .def_ro("ignored_joints", &MoveItProblem::ignored_joints, "Named by the start state, but no movable joints of this robot.");
 
   nb::class_<Self> cls(m, "PlannerInterface",
                        "A world of robots and objects, and planners for them.\n\n"
