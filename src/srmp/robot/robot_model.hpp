@@ -49,6 +49,8 @@ struct Joint {
 struct LinkGeometry {
   std::string link;  ///< link name
   std::string name;  ///< unique within the robot: "<link>_<n>"
+  /// Boxes, spheres, cylinders and capsules as such. A mesh is its convex hull where it is a closed convex surface (to
+  /// 1 µm): a solid; else its triangles: a surface.
   std::shared_ptr<const coal::CollisionGeometry> shape;
   Eigen::Vector3d center;  ///< of a bounding sphere, in the geometry's frame [m]
   double radius{};         ///< of that sphere [m]

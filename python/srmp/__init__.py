@@ -1,0 +1,2 @@
+from srmp._srmp import *
+from srmp._srmp import __version__
