@@ -3,6 +3,7 @@
 #include <mutex>
 
 #include "bind.hpp"
+#include "srmp/planner/moveit_request.hpp"
 
 namespace srmp::python {
 
@@ -199,6 +200,13 @@ void bind_objects(nb::class_<Self>& cls) {
            "Ignore (or, with False, heed again) contact of two bodies: objects, links ('link' or 'robot/link'), whole robots.")
       .def("load_moveit_scene", [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); }, nb::arg("path"),
            "Add the collision objects of a MoveIt scene file (YAML), all or none. Raises FileError with the line.")
+      .def("apply_moveit_request",
+           [](Self& self, const std::string& name, const io::RequestFile& request) {
+             return self.use([&](PlannerInterface& p) { return apply_moveit_request(p, name, request); });
+           },
+           nb::arg("name"), nb::arg("request"),
+           "The request in the terms of this robot: start, goals, and the joints it names that are no movable joints of the robot.\n"
+           "Movable joints that are not planned (a gripper's) are set, and held objects attached.")
       .def("reset", [](Self& self) { self.use([](auto& p) { p.reset(); }); }, "Remove all robots, objects and planners.");
 }
 
@@ -352,6 +360,11 @@ void bind_planner_interface(nb::module_& m) {
       .def_prop_ro("point_a", [](const Contact& c) { return to_numpy(c.point_a); }, "On body_a, world frame [m].")
       .def_prop_ro("point_b", [](const Contact& c) { return to_numpy(c.point_b); }, "On body_b, world frame [m].")
       .def("__repr__", &Contact::describe);
+
+  nb::class_<MoveItProblem>(m, "MoveItProblem", "A MoveIt motion request in the terms of one robot.")
+      .def_prop_ro("start", [](const MoveItProblem& problem) { return to_numpy(problem.start); }, "(dof,) [rad or m]")
+      .def_ro("goals", &MoveItProblem::goals, "GoalConstraints; any one will do.")
+      .def_ro("ignored_joints", &MoveItProblem::ignored_joints, "Named by the start state, but no movable joints of this robot.");
 
   nb::class_<Self> cls(m, "PlannerInterface",
                        "A world of robots and objects, and planners for them.\n\n"

@@ -76,8 +76,8 @@ BOOST_AUTO_TEST_CASE(edge_costs_are_joint_space_lengths_and_the_heuristic_is_con
 BOOST_AUTO_TEST_CASE(continuous_joints_wrap_and_paths_unwrap) {
   const auto robot = robots::planar("continuous");
   Lattice lattice = make_lattice(*robot, {3.0, 0}, {Vector2d(-3.0, 0)});
-  auto result = search::weighted_astar(
-      lattice, lattice.starts(), [&](search::StateId s) { return lattice.distance_to_targets(s); }, {.weight = 1.0}, Deadline());
+  const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+  const auto result = search::weighted_astar(lattice, lattice.starts(), h, {.weight = 1.0}, Deadline());
   BOOST_REQUIRE(result.status == Status::solved);
   BOOST_TEST(std::abs(result.cost - (2 * std::numbers::pi - 6.0)) < 1e-9);
   const auto path = lattice.configurations(result.path);
@@ -105,15 +105,15 @@ BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
 
   Lattice closed = make_lattice(*robot, {0, 0}, {Vector2d(2, 0)}, 10,
                                 [](std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd& b) { return b.norm() < 1.0; });
-  const auto none = search::weighted_astar(
-      closed, closed.starts(), [&](search::StateId s) { return closed.distance_to_targets(s); }, {.weight = 1.0}, Deadline());
+  const auto to_closed = [&](search::StateId s) { return closed.distance_to_targets(s); };
+  const auto none = search::weighted_astar(closed, closed.starts(), to_closed, {.weight = 1.0}, Deadline());
   BOOST_TEST((none.status == Status::exhausted));
 }
 
 BOOST_AUTO_TEST_CASE(primitives_are_checked) {
   const auto robot = robots::planar();
   check_throws<InvalidArgument>([&] { default_primitives(robot->joints(), Vector2d(0.1, 0.0)); }, "resolution of joint 'b'");
-  PrimitiveSet zero{{{"stay", PrimitiveFamily::Use::always, {Vector2d(0, 0)}}}};
+  PrimitiveSet zero{{{"stay", PrimitiveUse::always, {Vector2d(0, 0)}}}};
   check_throws<InvalidArgument>(
       [&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); }, "'stay' has a move of zero length");
 }

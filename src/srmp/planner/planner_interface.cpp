@@ -140,11 +140,11 @@ void PlannerInterface::set_allowed_collision(const std::string& a, const std::st
 
 void PlannerInterface::load_moveit_scene(const std::string& path) {
   const io::SceneFile file = io::read_moveit_scene(path);
-  impl_->change([&](Scene& scene) {
-    Scene changed = scene;  // all or none
-    io::apply(file, changed);
-    scene = std::move(changed);
-  });
+  impl_->change([&](Scene& scene) { io::apply(file, scene); });
+}
+
+void PlannerInterface::attach_moveit_objects(const io::RequestFile& request) {
+  impl_->change([&](Scene& scene) { io::apply_attached(request, scene); });
 }
 
 void PlannerInterface::reset() {

@@ -17,6 +17,10 @@
 
 namespace srmp {
 
+namespace io {
+struct RequestFile;
+}
+
 /// What the last plan did, and how long each phase took.
 struct PlanStatistics {
   Status status{Status::exhausted};
@@ -80,6 +84,8 @@ class PlannerInterface {
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
   /// Adds the collision objects of a MoveIt scene file, all or none.
   void load_moveit_scene(const std::string& path);
+  /// Adds and attaches the objects that a request's start state holds, all or none.
+  void attach_moveit_objects(const io::RequestFile& request);
   void reset();  ///< removes robots, objects and planners
 
   // --- questions

@@ -59,7 +59,7 @@ class SingleRobotPlan {
     find_targets();
     choose_direction();
     std::vector<Eigen::VectorXd> path = find_path();
-    if (common_.shortcut) path = shortened(std::move(path));
+    if (common_.shortcut) path = shortened(path);
     statistics_.path_cost_rad = length(path);
     collect_check_statistics();
     statistics_.plan_time_s = deadline_.elapsed();
@@ -249,7 +249,7 @@ class SingleRobotPlan {
   }
   search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const ARAStar& options) {
     return search::ara_star(lattice, starts, h,
-                            {.weight = options.weight, .weight_delta = options.weight_delta, .final_weight = options.final_weight}, deadline_);
+                            {.initial_weight = std::max(options.weight, options.final_weight), .weight_delta = options.weight_delta, .final_weight = options.final_weight}, deadline_);
   }
   search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const MHAStar& options) {
     std::vector<StateHeuristic> others;
@@ -302,13 +302,29 @@ class SingleRobotPlan {
     }
   }
 
-  std::vector<Eigen::VectorXd> shortened(std::vector<Eigen::VectorXd> path) {
+  std::vector<Eigen::VectorXd> shortened(const std::vector<Eigen::VectorXd>& path) {
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
-    return shortcut(std::move(path),
-                    [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-                      return problem_.checker.is_motion_free(a, b, workspace(), true);
-                    },
-                    deadline_);
+    const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return problem_.checker.is_motion_free(a, b, workspace(), true);
+    };
+    ShortcutOptions options;
+    options.continuous = continuous_joints();
+    const RowMatrix shorter = shortcut(to_rows(path), is_free, deadline_, options).waypoints;
+    std::vector<Eigen::VectorXd> result;
+    for (Eigen::Index i = 0; i < shorter.rows(); ++i) result.emplace_back(shorter.row(i).transpose());
+    return result;
+  }
+
+  std::vector<bool> continuous_joints() const {
+    std::vector<bool> result;
+    for (const Joint& joint : robot_.joints()) result.push_back(joint.kind == JointKind::continuous);
+    return result;
+  }
+
+  RowMatrix to_rows(const std::vector<Eigen::VectorXd>& path) const {
+    RowMatrix rows(static_cast<Eigen::Index>(path.size()), static_cast<Eigen::Index>(robot_.dof()));
+    for (std::size_t i = 0; i < path.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = path[i].transpose();
+    return rows;
   }
 
   Trajectory timed(const std::vector<Eigen::VectorXd>& path) {
@@ -319,9 +335,8 @@ class SingleRobotPlan {
     limits.velocity *= common_.velocity_scaling;
     limits.acceleration *= common_.acceleration_scaling;
     limits.jerk *= common_.acceleration_scaling;
-    Eigen::MatrixXd waypoints(static_cast<Eigen::Index>(path.size()), velocity.size());
-    for (std::size_t i = 0; i < path.size(); ++i) waypoints.row(static_cast<Eigen::Index>(i)) = path[i];
-    return time_parameterize(waypoints, robot_.joint_names(), limits, common_.sample_period);
+    limits.continuous = continuous_joints();
+    return time_parameterize(to_rows(path), robot_.joint_names(), limits, common_.sample_period);
   }
 
   /// The last word, by other code than the search's: every sample of the path, at most verification_step apart, is
