@@ -74,12 +74,12 @@ class PrimitiveReader {
     return family;
   }
 
-  Use read_use(const Node& node) const {
-    if (is_empty(node)) return Use::always;
+  PrimitiveUse read_use(const Node& node) const {
+    if (is_empty(node)) return PrimitiveUse::always;
     const std::string use = file_.text(node, "use");
-    if (use == "always") return Use::always;
-    if (use == "far") return Use::far;
-    if (use == "near") return Use::near;
+    if (use == "always") return PrimitiveUse::always;
+    if (use == "far") return PrimitiveUse::far;
+    if (use == "near") return PrimitiveUse::near;
     file_.fail(node, "use is '" + use + "'; it must be far, near or always");
   }
 
@@ -168,13 +168,14 @@ class PrimitiveReader {
   }
 
   void require_moves_everywhere(const Node& families) const {
-    const auto used = [&](Use use) {
-      return std::any_of(set_.families.begin(), set_.families.end(),
-                         [&](const PrimitiveFamily& family) { return family.use == Use::always || family.use == use; });
+    const auto used = [&](PrimitiveUse use) {
+      return std::any_of(set_.families.begin(), set_.families.end(), [&](const PrimitiveFamily& family) {
+        return family.use == PrimitiveUse::always || family.use == use;
+      });
     };
-    if (!used(Use::far))
+    if (!used(PrimitiveUse::far))
       file_.fail(families, "no family is used far from the goal; one needs 'use: far' or 'use: always'");
-    if (!used(Use::near) && set_.near_distance > 0.0)
+    if (!used(PrimitiveUse::near) && set_.near_distance > 0.0)
       file_.fail(families,
                  "no family is used near the goal; one needs 'use: near' or 'use: always', or near_distance: 0");
   }

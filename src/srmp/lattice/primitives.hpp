@@ -4,26 +4,33 @@
 #include <string>
 #include <vector>
 
+#include "srmp/robot/robot_model.hpp"
+
 namespace srmp {
 
 /// Where on the way a family of motion primitives is used.
-enum class Use {
+enum class PrimitiveUse {
   always,
-  far,   ///< more than near_distance from the goal
-  near,  ///< at most near_distance from the goal
+  far,   ///< only from states farther than PrimitiveSet::near_distance from every goal
+  near,  ///< only from the others
 };
 
-/// Motion primitives that belong together: joint moves of one size.
+/// Moves that belong together. A move is a joint displacement [rad or m], one entry a planned joint.
 struct PrimitiveFamily {
   std::string name;
-  Use use{Use::always};
-  std::vector<Eigen::VectorXd> moves;  ///< dof entries each [rad or m]; with every move its opposite
+  PrimitiveUse use{PrimitiveUse::always};
+  std::vector<Eigen::VectorXd> moves;
 };
 
-/// The moves of a lattice, in the order in which they are tried.
+/// The action space of a lattice (Cohen, Chitta, Likhachev 2010, "Search-based planning for manipulation with motion
+/// primitives"; long and short ones as in Cohen et al. 2011, "Planning for manipulation with adaptive motion primitives").
 struct PrimitiveSet {
   std::vector<PrimitiveFamily> families;
-  double near_distance{0.4};  ///< joint-space distance to the goal [rad, prismatic joints m], >= 0
+  double near_distance{0.4};  ///< joint-space distance to the goal [rad]
 };
+
+/// Every planned joint alone, both ways: by two steps when far from the goal, by one step always.
+/// `step` has one entry a joint [rad or m], > 0.
+PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
 }  // namespace srmp
