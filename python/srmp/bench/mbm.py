@@ -1,8 +1,8 @@
 """MotionBenchMaker (Chamzas et al., RA-L 2022): runs its problems and writes one row for each.
 
 The data folder holds, for each robot, its URDF and SRDF, meshes, and MoveIt's files
-problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (which is unpacked into a temporary
-folder, never into the data).
+problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (unpacked into a temporary folder,
+never into the data).
 """
 
 from __future__ import annotations
