@@ -113,7 +113,7 @@ BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
 BOOST_AUTO_TEST_CASE(primitives_are_checked) {
   const auto robot = robots::planar();
   check_throws<InvalidArgument>([&] { default_primitives(robot->joints(), Vector2d(0.1, 0.0)); }, "resolution of joint 'b'");
-  PrimitiveSet zero{{{"stay", PrimitiveFamily::Use::always, {Vector2d(0, 0)}}}};
+  PrimitiveSet zero{{{"stay", PrimitiveUse::always, {Vector2d(0, 0)}}}};
   check_throws<InvalidArgument>(
       [&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); }, "'stay' has a move of zero length");
 }

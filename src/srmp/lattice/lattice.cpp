@@ -134,7 +134,7 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
   }
   const bool near = to_target <= near_distance_;
   for (const Family& family : families_)
-    if (family.use == PrimitiveFamily::Use::always || (family.use == PrimitiveFamily::Use::near) == near)
+    if (family.use == PrimitiveUse::always || (family.use == PrimitiveUse::near) == near)
       add_moves(state, family, out);
 }
 

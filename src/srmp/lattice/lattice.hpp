@@ -58,7 +58,7 @@ class Lattice {
     double cost;
   };
   struct Family {
-    PrimitiveFamily::Use use;
+    PrimitiveUse use;
     std::vector<Move> moves;
   };
 

@@ -6,7 +6,7 @@ namespace srmp {
 
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
   const auto dof = static_cast<Eigen::Index>(joints.size());
-  PrimitiveFamily far{"long", PrimitiveFamily::Use::far, {}}, always{"short", PrimitiveFamily::Use::always, {}};
+  PrimitiveFamily far{"long", PrimitiveUse::far, {}}, always{"short", PrimitiveUse::always, {}};
   for (Eigen::Index j = 0; j < dof; ++j) {
     require_positive(step[j], "lattice resolution of joint '" + joints[static_cast<std::size_t>(j)].name + "'");
     for (const double sign : {1.0, -1.0}) {

@@ -8,15 +8,17 @@
 
 namespace srmp {
 
+/// Where on the way a family of motion primitives is used.
+enum class PrimitiveUse {
+  always,
+  far,   ///< only from states farther than PrimitiveSet::near_distance from every goal
+  near,  ///< only from the others
+};
+
 /// Moves that belong together. A move is a joint displacement [rad or m], one entry a planned joint.
 struct PrimitiveFamily {
-  enum class Use {
-    always,
-    far,   ///< only from states farther than PrimitiveSet::near_distance from every goal
-    near,  ///< only from the others
-  };
   std::string name;
-  Use use{Use::always};
+  PrimitiveUse use{PrimitiveUse::always};
   std::vector<Eigen::VectorXd> moves;
 };
 

@@ -34,6 +34,9 @@ enum class MeshModel {
 /// Is the mesh a closed surface that coincides with its own convex hull, to 1 µm?
 bool is_convex(const TriangleSoup& mesh);
 
+/// Do the vertices span a volume, so that they have a hull?
+bool spans_volume(const std::vector<Eigen::Vector3d>& vertices);
+
 /// Coal geometry of a mesh, local bounding box included. Throws InvalidArgument where there is nothing to build: no
 /// triangles for a surface; fewer than four points, or all in one plane, for a hull.
 std::shared_ptr<const coal::CollisionGeometry> make_mesh_geometry(const TriangleSoup& mesh, MeshModel model);

@@ -13,6 +13,7 @@ namespace srmp {
 namespace {
 
 using Hull = coal::Convex<coal::Triangle>;
+constexpr double kThin = 1e-9;  // of its size: points this near to a plane span no volume
 constexpr double kFlat = 1e-6;  // [m] how far a surface may be from its hull and still count as convex
 
 struct Plane {
@@ -21,9 +22,9 @@ struct Plane {
   double distance(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p) - offset); }
 };
 
-/// nullptr when the points span no volume.
+/// nullptr when the points span no volume (asked first, for qhull prints its complaint).
 std::shared_ptr<Hull> convex_hull(const std::vector<Eigen::Vector3d>& vertices) {
-  if (vertices.size() < 4) return nullptr;
+  if (!spans_volume(vertices)) return nullptr;
   auto points = std::make_shared<std::vector<coal::Vec3s>>(vertices.begin(), vertices.end());
   try {
     std::unique_ptr<coal::ConvexBase> hull(
@@ -31,7 +32,7 @@ std::shared_ptr<Hull> convex_hull(const std::vector<Eigen::Vector3d>& vertices) 
     std::shared_ptr<Hull> result(dynamic_cast<Hull*>(hull.get()));
     if (result) hull.release();
     return result;
-  } catch (const std::exception&) {  // qhull: the points lie in one plane
+  } catch (const std::exception&) {
     return nullptr;
   }
 }
@@ -97,6 +98,25 @@ std::shared_ptr<coal::CollisionGeometry> triangle_model(const TriangleSoup& mesh
 }
 
 }  // namespace
+
+bool spans_volume(const std::vector<Eigen::Vector3d>& vertices) {
+  if (vertices.size() < 4) return false;
+  const auto farthest = [&](auto&& measure) {
+    return *std::max_element(vertices.begin(), vertices.end(),
+                             [&](const auto& a, const auto& b) { return measure(a) < measure(b); });
+  };
+  const Eigen::Vector3d& a = vertices.front();
+  const Eigen::Vector3d b = farthest([&](const Eigen::Vector3d& v) { return (v - a).norm(); });
+  const double size = (b - a).norm();
+  if (size == 0.0) return false;
+  const Eigen::Vector3d along = (b - a) / size;
+  const Eigen::Vector3d c = farthest([&](const Eigen::Vector3d& v) { return along.cross(v - a).norm(); });
+  const Eigen::Vector3d across = along.cross(c - a);
+  if (across.norm() <= kThin * size) return false;
+  const Eigen::Vector3d normal = across.normalized();
+  const Eigen::Vector3d d = farthest([&](const Eigen::Vector3d& v) { return std::abs(normal.dot(v - a)); });
+  return std::abs(normal.dot(d - a)) > kThin * size;
+}
 
 bool is_convex(const TriangleSoup& mesh) {
   if (mesh.triangles.empty() || !is_closed(mesh)) return false;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/mesh_file.hpp"
@@ -49,24 +50,49 @@ void build_primitive(const UrdfGeometry& g, LinkGeometry& geometry) {
   geometry.shape = shape;
 }
 
-void build_mesh(const RobotModelBuilder::Impl& m, const UrdfGeometry& g, LinkGeometry& geometry) {
-  namespace fs = std::filesystem;
-  const std::string where = m.urdf.label + ":" + std::to_string(g.line) + ": ";
-  const std::string folder =
-      m.description.urdf_path.empty() ? "" : fs::absolute(m.description.urdf_path).parent_path().string();
-  const std::string path = find_mesh(g.filename, folder, m.description.package_dirs, where);
-  try {
-    const TriangleSoup mesh = read_mesh_file(path, g.scale);
-    geometry.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
-    bound_by_vertices(mesh.vertices, geometry);
-  } catch (const FileError& error) {
-    throw FileError(where + error.what());
+/// Reads each mesh file once, however many links use it.
+class MeshLoader {
+ public:
+  explicit MeshLoader(const RobotModelBuilder::Impl& m) : m_(m) {
+    if (!m.description.urdf_path.empty())
+      folder_ = std::filesystem::absolute(m.description.urdf_path).parent_path().string();
   }
-}
+
+  void load(const UrdfGeometry& g, LinkGeometry& geometry) {
+    const std::string where = m_.urdf.label + ":" + std::to_string(g.line) + ": ";
+    const std::string path = find_mesh(g.filename, folder_, m_.description.package_dirs, where);
+    const auto [it, is_new] = known_.try_emplace({path, {g.scale.x(), g.scale.y(), g.scale.z()}});
+    if (is_new) it->second = read(path, g.scale, where);
+    geometry.shape = it->second.shape;
+    geometry.hull = it->second.hull;
+    geometry.center = it->second.center;
+    geometry.radius = it->second.radius;
+  }
+
+ private:
+  static LinkGeometry read(const std::string& path, const Eigen::Vector3d& scale, const std::string& where) {
+    LinkGeometry result;
+    try {
+      const TriangleSoup mesh = read_mesh_file(path, scale);
+      result.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
+      if (result.shape->getObjectType() == coal::OT_BVH && spans_volume(mesh.vertices))
+        result.hull = make_mesh_geometry(mesh, MeshModel::hull);
+      bound_by_vertices(mesh.vertices, result);
+    } catch (const FileError& error) {
+      throw FileError(where + error.what());
+    }
+    return result;
+  }
+
+  const RobotModelBuilder::Impl& m_;
+  std::string folder_;
+  std::map<std::pair<std::string, std::array<double, 3>>, LinkGeometry> known_;
+};
 
 }  // namespace
 
 void RobotModelBuilder::build_geometries(Impl& m) {
+  MeshLoader meshes(m);
   for (std::size_t i = 0; i < m.urdf.links.size(); ++i) {
     const UrdfLink& link = m.urdf.links[i];
     for (std::size_t n = 0; n < link.collisions.size(); ++n) {
@@ -76,7 +102,7 @@ void RobotModelBuilder::build_geometries(Impl& m) {
       geometry.name = link.name + "_" + std::to_string(n);
       geometry.link_index = i;
       if (g.kind == UrdfGeometry::Kind::mesh)
-        build_mesh(m, g, geometry);
+        meshes.load(g, geometry);
       else
         build_primitive(g, geometry);
       const KinematicTree::Mount& mount = m.tree->mount(i);

@@ -82,8 +82,4 @@ struct RobotModelBuilder {
   static Impl& impl(RobotModel& model) { return *model.impl_; }
 };
 
-/// Point `index` of a fixed low-discrepancy sequence in the unit cube (Roberts 2018: additive recurrence on the
-/// generalised golden ratio; any dimension, no table).
-Eigen::VectorXd low_discrepancy_point(std::size_t index, Eigen::Index dimension);
-
 }  // namespace srmp
