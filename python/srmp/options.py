@@ -21,12 +21,12 @@ class _Options:
     """[s] over all phases of a plan, > 0."""
     heuristic: str = "joint_euclidean"
     """joint_euclidean | bfs."""
-    resolution: float = 6.0
+    resolution: float = 15.0
     """Lattice step of revolute joints [degrees], > 0."""
     prismatic_resolution: float = 0.05
     """Lattice step of prismatic joints [m], > 0."""
     mprim_path: str = ""
-    """Motion primitives (YAML); "" = one and two steps of every joint."""
+    """Motion primitives (YAML); "" = every joint by a step, and by a third of one near the ends."""
     direction: str = "auto"
     """Search from: forward = the start | backward = the goals | auto = the end with less clearance."""
     bfs_resolution: float = 0.05

@@ -32,13 +32,13 @@ std::vector<search::Successor> successors(Lattice& lattice, search::StateId stat
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(every_joint_moves_by_one_and_two_steps_when_far) {
+BOOST_AUTO_TEST_CASE(every_joint_moves_by_a_step_and_near_the_ends_by_a_third_of_one) {
   const auto robot = robots::planar();
-  Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)});
-  BOOST_TEST(successors(lattice, 0).size() == 1 + 4 + 4);  // snap, long, short
-  Lattice near = make_lattice(*robot, {0, 0}, {Vector2d(0.1, 0.1)});
-  BOOST_TEST(successors(near, 0).size() == 1 + 4);  // snap, short
-  Lattice no_snap = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 10, always_free, 1.0);
+  Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30);
+  const auto from_start = successors(lattice, 0);
+  BOOST_TEST(from_start.size() == 1 + 4 + 4);                              // snap, whole, third
+  BOOST_TEST(successors(lattice, from_start[1].state).size() == 1 + 4);    // 30 degrees away: far from both ends
+  Lattice no_snap = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30, always_free, 1.0);
   BOOST_TEST(successors(no_snap, 0).size() == 4 + 4);
 }
 
@@ -50,14 +50,13 @@ BOOST_AUTO_TEST_CASE(limits_end_the_lattice) {
 
 BOOST_AUTO_TEST_CASE(different_moves_meet_in_one_state) {
   const auto robot = robots::planar();
-  Lattice lattice = make_lattice(*robot, {0.123, -0.456}, {Vector2d(2, 2)});
-  // One long move ends where two short ones do.
-  const auto two_step = successors(lattice, 0)[1].state;
-  const auto one_step = successors(lattice, 0)[5].state;
-  bool met = false;
-  for (const auto& next : successors(lattice, one_step)) met |= next.state == two_step;
-  BOOST_TEST(met);
-  BOOST_TEST((lattice.configuration(two_step) - Vector2d(0.123 + 20 * degree, -0.456)).norm() < 1e-12);
+  Lattice lattice = make_lattice(*robot, {0.123, -0.456}, {Vector2d(2, 2)}, 9);
+  // One whole move ends where three thirds do.
+  const auto whole = successors(lattice, 0)[1].state;
+  search::StateId state = 0;
+  for (int third = 0; third < 3; ++third) state = successors(lattice, state)[5].state;
+  BOOST_TEST(state == whole);
+  BOOST_TEST((lattice.configuration(whole) - Vector2d(0.123 + 9 * degree, -0.456)).norm() < 1e-9);
 }
 
 BOOST_AUTO_TEST_CASE(edge_costs_are_joint_space_lengths_and_the_heuristic_is_consistent) {
@@ -85,7 +84,7 @@ BOOST_AUTO_TEST_CASE(continuous_joints_wrap_and_paths_unwrap) {
   // All the way round on the grid comes back to the same state.
   Lattice round = make_lattice(*robot, {0, 0}, {Vector2d(0, 3)}, 90, always_free, 0.0);
   search::StateId state = 0;
-  for (int quarter = 0; quarter < 4; ++quarter) state = successors(round, state)[4].state;
+  for (int quarter = 0; quarter < 4; ++quarter) state = successors(round, state)[0].state;
   BOOST_TEST(state == 0u);
 }
 

@@ -1,5 +1,6 @@
 #include "srmp/lattice/lattice.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,10 +10,8 @@ namespace srmp {
 
 namespace {
 
-constexpr double angular_unit = 1e-4 * std::numbers::pi / 180.0;  // [rad]
-constexpr double linear_unit = 1e-6;                              // [m]
-constexpr std::int32_t turn = 3'600'000;                          // grid units in 360 degrees
-constexpr std::int32_t target_anchor = -1;                        // first key entry of targets: on nobody's grid
+constexpr std::int32_t turn = 3'600'000;    // grid units in 360 degrees
+constexpr std::int32_t target_anchor = -1;  // first key entry of targets: on nobody's grid
 constexpr double limit_tolerance = 1e-9;
 
 double shortest(double difference) { return std::remainder(difference, 2.0 * std::numbers::pi); }
@@ -32,7 +31,7 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
       q_(static_cast<Eigen::Index>(robot.dof())),
       ends_(workers, {q_, q_}),
       workers_(workers) {
-  for (const Joint& joint : joints_) unit_.push_back(joint.kind == JointKind::prismatic ? linear_unit : angular_unit);
+  for (const Joint& joint : joints_) unit_.push_back(grid_unit(joint));
   for (const PrimitiveFamily& family : options.primitives.families) {
     Family& added = families_.emplace_back(Family{family.use, {}});
     for (const Eigen::VectorXd& delta : family.moves) {
@@ -126,16 +125,20 @@ void Lattice::add_moves(search::StateId state, const Family& family, std::vector
 
 void Lattice::successors(search::StateId state, std::vector<search::Successor>& out) {
   if (is_goal(state)) return;  // a target is an end, and on nobody's grid
-  const double to_target = distance_to_targets(state);
   read_configuration(state, q_);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const double cost = distance(q_, targets_[t]);
     if (cost <= snap_distance_) out.push_back({static_cast<search::StateId>(anchor_count() + t), std::max(cost, 1e-12)});
   }
-  const bool near = to_target <= near_distance_;
+  const bool near = near_an_end(q_);
   for (const Family& family : families_)
     if (family.use == PrimitiveUse::always || (family.use == PrimitiveUse::near) == near)
       add_moves(state, family, out);
+}
+
+bool Lattice::near_an_end(const Eigen::VectorXd& q) const {
+  const auto close = [&](const Eigen::VectorXd& end) { return distance(q, end) <= near_distance_; };
+  return std::any_of(targets_.begin(), targets_.end(), close) || std::any_of(anchors_.begin(), anchors_.end(), close);
 }
 
 void Lattice::evaluate(std::span<const search::Edge> edges, std::span<double> costs) {

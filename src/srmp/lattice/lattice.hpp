@@ -63,6 +63,7 @@ class Lattice {
   };
 
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
+  bool near_an_end(const Eigen::VectorXd& q) const;
   bool apply(search::StateId state, const Move& move);  // into scratch_key_; false when a limit is broken
   void read_configuration(search::StateId state, Eigen::VectorXd& q) const;
 

@@ -1,20 +1,31 @@
 #include "srmp/lattice/primitives.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "srmp/core/error.hpp"
 
 namespace srmp {
 
+double grid_unit(const Joint& joint) {
+  return joint.kind == JointKind::prismatic ? 1e-6 : 1e-4 * std::numbers::pi / 180.0;
+}
+
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
   const auto dof = static_cast<Eigen::Index>(joints.size());
-  PrimitiveFamily far{"long", PrimitiveUse::far, {}}, always{"short", PrimitiveUse::always, {}};
+  PrimitiveFamily whole{"whole", PrimitiveUse::always, {}}, third{"third", PrimitiveUse::near, {}};
   for (Eigen::Index j = 0; j < dof; ++j) {
-    require_positive(step[j], "lattice resolution of joint '" + joints[static_cast<std::size_t>(j)].name + "'");
+    const Joint& joint = joints[static_cast<std::size_t>(j)];
+    require_positive(step[j], "lattice resolution of joint '" + joint.name + "'");
+    // Three thirds must end exactly where a whole step does, or the lattice would fill with near twins.
+    const double a_third = grid_unit(joint) * std::max(1.0, std::round(step[j] / 3.0 / grid_unit(joint)));
     for (const double sign : {1.0, -1.0}) {
-      always.moves.push_back(Eigen::VectorXd::Unit(dof, j) * sign * step[j]);
-      far.moves.push_back(Eigen::VectorXd::Unit(dof, j) * sign * 2.0 * step[j]);
+      whole.moves.push_back(Eigen::VectorXd::Unit(dof, j) * sign * 3.0 * a_third);
+      third.moves.push_back(Eigen::VectorXd::Unit(dof, j) * sign * a_third);
     }
   }
-  return {{std::move(far), std::move(always)}};
+  return {{std::move(whole), std::move(third)}};
 }
 
 }  // namespace srmp

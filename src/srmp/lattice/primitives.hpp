@@ -11,7 +11,7 @@ namespace srmp {
 /// Where on the way a family of motion primitives is used.
 enum class PrimitiveUse {
   always,
-  far,   ///< only from states farther than PrimitiveSet::near_distance from every goal
+  far,   ///< only from states farther than PrimitiveSet::near_distance from both ends of the path
   near,  ///< only from the others
 };
 
@@ -26,10 +26,14 @@ struct PrimitiveFamily {
 /// primitives"; long and short ones as in Cohen et al. 2011, "Planning for manipulation with adaptive motion primitives").
 struct PrimitiveSet {
   std::vector<PrimitiveFamily> families;
-  double near_distance{0.4};  ///< joint-space distance to the goal [rad]
+  double near_distance{0.4};  ///< joint-space distance to the start or a goal [rad, prismatic joints m], >= 0
 };
 
-/// Every planned joint alone, both ways: by two steps when far from the goal, by one step always.
+/// Configurations of a lattice are whole multiples of this away from their anchor: 1e-4 degree [rad], or 1e-6 m.
+double grid_unit(const Joint& joint);
+
+/// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce and
+/// precision wanted, by a third of a step too.
 /// `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
