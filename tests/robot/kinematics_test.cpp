@@ -195,6 +195,17 @@ BOOST_AUTO_TEST_CASE(a_planned_joint_needs_a_velocity_limit) {
   BOOST_TEST(RobotModel::load(description)->dof() == 1);
 }
 
+BOOST_AUTO_TEST_CASE(floating_joints_stay_at_their_origin_and_say_so) {
+  RobotDescription description;
+  description.urdf_text = kCart;
+  description.urdf_text.replace(description.urdf_text.find("type='prismatic'"), 16, "type='floating'");
+  description.urdf_text.erase(description.urdf_text.find("<mimic joint='rail' multiplier='-2'/>"), 37);
+  description.end_effector = "nail";
+  const auto robot = RobotModel::load(description);
+  BOOST_TEST(robot->joint_names() == (std::vector<std::string>{"wheel"}), boost::test_tools::per_element());
+  BOOST_TEST(robot->warnings().at(0) == "joint 'rail' has more than one degree of freedom; it stays at its origin");
+}
+
 BOOST_AUTO_TEST_CASE(threads_share_the_model) {
   const auto robot = RobotModel::load(arm7());
   const std::size_t hand = robot->link_index("arm7_hand");

@@ -98,6 +98,9 @@ BOOST_AUTO_TEST_CASE(unknown_choices_are_refused_with_the_nearest) {
   refuses(d, "end effector 'thre' is not a link of robot 'r', did you mean 'three'?");
   d.end_effector = "base";
   refuses(d, "no movable joint leads to end effector 'base'");
+  d = group("arm");
+  d.end_effector = "base";
+  refuses(d, "none of the planned joints of robot 'r' moves its end effector 'base'");
   d = {};
   d.joint_names = {"a", "zz"};
   refuses(d, "robot 'r' has no joint 'zz'");

@@ -80,12 +80,14 @@ class RobotModel {
  public:
   /// Reads URDF, SRDF and meshes. Throws FileError (missing or broken file; a missing mesh lists every place tried;
   /// URDF and SRDF mistakes say the line) and InvalidArgument (unknown group, joint or link, with the nearest name).
+  /// Visuals, inertias and soft limits (safety_controller) are not read; a mimic joint's own limits are not enforced.
   static std::shared_ptr<const RobotModel> load(const RobotDescription& description);
   ~RobotModel();
 
   const std::string& name() const;
   const RobotDescription& description() const;
-  /// What was read but ignored, as sentences: SRDF rules about links that the URDF does not have, a differing name.
+  /// What was read but ignored, as sentences: SRDF rules about links that the URDF does not have, a differing
+  /// robot name, floating and planar joints (held at their origin).
   const std::vector<std::string>& warnings() const;
 
   // --- planned joints
