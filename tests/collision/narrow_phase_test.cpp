@@ -72,6 +72,30 @@ BOOST_AUTO_TEST_CASE(margins_hold_for_every_pair_of_kinds) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(what_overlaps_is_within_any_margin) {
+  const std::vector<Body> all = bodies();
+  Dice dice(4);
+  const auto on_a_grid = [&] {  // aligned and symmetric places are where GJK stops just short of 0
+    const auto step = [&] { return 0.02 * (static_cast<double>(dice.below(5)) - 2.0); };
+    const auto turn = [&] { return M_PI / 2 * static_cast<double>(dice.below(4)); };
+    return at(step(), step(), step(), turn(), turn(), turn());
+  };
+  for (const Body& a : all)
+    for (const Body& b : all) {
+      FunctorTable table;
+      const std::uint8_t functor = table.index(*a.geometry, *b.geometry);
+      NarrowPhase narrow(table);
+      for (int i = 0; i < 60; ++i) {
+        const Place place_a(a, on_a_grid()), place_b(b, on_a_grid());
+        if (NarrowPhase::deepest(place_a.placed(), place_b.placed(), 0.0).distance > -1e-4) continue;
+        double distance = 0.0;
+        for (double margin : {0.0, 1e-5, 0.02})
+          BOOST_TEST(narrow.within(functor, place_a.placed(), place_b.placed(), margin, distance),
+                     a.name << ' ' << b.name << ' ' << margin);
+      }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_cloud_is_its_voxels) {
   const PointCloud cloud{{{0.01, 0.01, 0.01}, {0.05, -0.03, 0.09}, {-0.07, 0.03, 0.01}}, 0.02};
   const Geometry geometry = make_geometry(cloud, "cloud"), box = make_geometry(Box{{0.02, 0.02, 0.02}}, "voxel");

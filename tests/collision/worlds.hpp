@@ -105,7 +105,7 @@ inline Scene crowd(std::shared_ptr<const RobotModel> robot, unsigned seed, std::
 
 inline std::shared_ptr<const RobotModel> panda() {
   const char* data = std::getenv("SRMP_MBM_DIR");
-  if (!data) return nullptr;
+  if (!data || !*data) return nullptr;
   RobotDescription description;
   description.urdf_path = std::string(data) + "/panda/panda.urdf";
   description.srdf_path = std::string(data) + "/panda/panda.srdf";
