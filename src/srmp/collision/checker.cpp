@@ -288,7 +288,8 @@ Checker::Workspace::Verdict Checker::Workspace::judge(const Pair& pair, double h
   double distance = 0.0;
   if (!hulls_within(pair, margin, distance)) return Verdict::proved;
   if (pair.hulls_have_distance) {
-    if (pair.hulls_are_exact) return distance <= pair.padding ? Verdict::contact : unproved;
+    if (pair.hulls_are_exact)
+      return distance <= pair.padding + NarrowPhase::contact_distance ? Verdict::contact : unproved;
     // Three more halvings let the hulls prove it: cheaper than asking the meshes.
     if (distance > margin - 0.9 * motion) return unproved;
   }

@@ -37,8 +37,9 @@ struct CheckStatistics {
 };
 
 /// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
-/// with a Workspace of its own. Other robots stand where set_qpos put them. Bodies collide when they touch, or come
-/// within the sum of their paddings; links of one robot and what it holds have no padding towards each other.
+/// with a Workspace of its own. Other robots stand where set_qpos put them. Bodies collide when they touch (are within
+/// 1 µm of each other) or come within the sum of their paddings; links of one robot and what it holds have no padding
+/// towards each other.
 ///
 /// Two bodies that never move relative to each other (the base on its table, an object in the hand) are judged once,
 /// without padding, and only what overlaps by more than `touching_tolerance` is a collision: things may stand on

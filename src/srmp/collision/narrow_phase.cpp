@@ -2,6 +2,8 @@
 
 #include <coal/collision.h>
 #include <coal/distance.h>
+#include <coal/narrowphase/gjk.h>
+#include <coal/narrowphase/minkowski_difference.h>
 #include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>
@@ -16,6 +18,9 @@ coal::Transform3s transform(const Eigen::Isometry3d& pose) { return {pose.linear
 /// Octrees are stored in single precision; their boxes are too, by this share.
 constexpr double single_precision = 1e-6;
 
+/// When GJK runs out of iterations, its distance is too large by less than this [m].
+constexpr double unconverged = 1e-3;
+
 /// A functor that can be pointed at another pair of geometries of the same types. One functor a type pair instead of
 /// one a pair keeps the workspace small and warm.
 struct Functor : coal::ComputeCollision {
@@ -26,13 +31,29 @@ struct Functor : coal::ComputeCollision {
   }
 };
 
-/// The first direction for GJK. Coal also keeps the last support vertex inside the functor; only "cached guess" resets
-/// that at every query, and a query must not depend on the one before.
+/// The first direction for GJK, in the frame of a.
+Eigen::Vector3d first_guess(const Placed& a, const Placed& b) {
+  const Eigen::Vector3d guess = a.pose.linear().transpose() * (a.center - b.center);
+  return guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0);
+}
+
+/// Coal also keeps the last support vertex inside the functor; only "cached guess" resets that at every query, and a
+/// query must not depend on the one before.
 void set_guess(coal::QueryRequest& request, const Placed& a, const Placed& b) {
   request.gjk_initial_guess = coal::GJKInitialGuess::CachedGuess;
-  const Eigen::Vector3d guess = a.pose.linear().transpose() * (a.center - b.center);
-  request.cached_gjk_guess = guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0);
+  request.cached_gjk_guess = first_guess(a, b);
   request.cached_support_func_guess.setZero();
+}
+
+/// Has Coal a formula for the distance of these two, so that it does not use GJK?
+bool has_formula(coal::NODE_TYPE a, coal::NODE_TYPE b) {
+  const auto beside_sphere = [](coal::NODE_TYPE type) {
+    return type == coal::GEOM_SPHERE || type == coal::GEOM_BOX || type == coal::GEOM_CAPSULE ||
+           type == coal::GEOM_CYLINDER;
+  };
+  if (a == coal::GEOM_SPHERE) return beside_sphere(b);
+  if (b == coal::GEOM_SPHERE) return beside_sphere(a);
+  return a == coal::GEOM_CAPSULE && b == coal::GEOM_CAPSULE;
 }
 
 }  // namespace
@@ -59,29 +80,56 @@ std::uint8_t FunctorTable::index(const coal::CollisionGeometry& a, const coal::C
 }
 
 struct NarrowPhase::Impl {
-  std::vector<std::unique_ptr<Functor>> functors;
+  std::vector<std::unique_ptr<Functor>> functors;  // null where GJK is run directly: Coal's functor allocates
+  coal::details::GJK gjk{coal::GJK_DEFAULT_MAX_ITERATIONS, coal::GJK_DEFAULT_TOLERANCE};
+  coal::details::MinkowskiDiff difference;
   coal::CollisionRequest request;
   coal::CollisionResult result;
 };
 
 NarrowPhase::NarrowPhase(const FunctorTable& table) : impl_(std::make_unique<Impl>()) {
-  for (const auto& [a, b] : table.examples()) impl_->functors.push_back(std::make_unique<Functor>(a, b));
+  for (const auto& [a, b] : table.examples()) {
+    const bool gjk = is_convex_solid(*a) && is_convex_solid(*b) && !has_formula(a->getNodeType(), b->getNodeType());
+    impl_->functors.push_back(gjk ? nullptr : std::make_unique<Functor>(a, b));
+  }
+  impl_->gjk.gjk_variant = coal::GJKVariant::DefaultGJK;
+  impl_->gjk.convergence_criterion = coal::GJKConvergenceCriterion::Default;
+  impl_->gjk.convergence_criterion_type = coal::GJKConvergenceCriterionType::Relative;
   coal::CollisionRequest& request = impl_->request;
   request.enable_contact = false;
   request.num_max_contacts = 1;
-  request.break_distance = 0.0;        // do not refine bounding volumes beyond the margin
-  request.distance_upper_bound = 0.0;  // GJK stops once it has proved more than the margin
+  request.break_distance = 2 * contact_distance;  // do not refine bounding volumes beyond the margin
+  request.collision_distance_threshold = contact_distance;
 }
 
 NarrowPhase::~NarrowPhase() = default;
 
+/// GJK as Coal's functors run it, without their allocations. evaluate() starts afresh every time.
+bool NarrowPhase::gjk_within(const Placed& a, const Placed& b, double margin, double& distance) {
+  coal::details::GJK& gjk = impl_->gjk;
+  impl_->difference.set(static_cast<const coal::ShapeBase*>(a.geometry),
+                        static_cast<const coal::ShapeBase*>(b.geometry), transform(a.pose), transform(b.pose));
+  gjk.setDistanceEarlyBreak(margin + contact_distance);  // enough once more than this is proved
+  gjk.evaluate(impl_->difference, first_guess(a, b));
+  distance = std::max(0.0, gjk.distance);
+  switch (gjk.status) {
+    case coal::details::GJK::Collision:
+    case coal::details::GJK::CollisionWithPenetrationInformation: return true;
+    case coal::details::GJK::NoCollisionEarlyStopped: return false;
+    case coal::details::GJK::NoCollision: return distance <= margin + contact_distance;
+    default: return distance <= margin + unconverged;
+  }
+}
+
 bool NarrowPhase::within(std::uint8_t functor, const Placed& a, const Placed& b, double margin, double& distance) {
-  Functor& coal_functor = *impl_->functors[functor];
-  coal_functor.point_at(a.geometry, b.geometry);
+  const Functor* coal_functor = impl_->functors[functor].get();
+  if (!coal_functor) return gjk_within(a, b, margin, distance);
+  coal_functor->point_at(a.geometry, b.geometry);
   set_guess(impl_->request, a, b);
   impl_->request.security_margin = margin;
+  impl_->request.distance_upper_bound = margin + contact_distance;  // GJK stops once it has proved more
   impl_->result.clear();
-  const bool near = coal_functor(transform(a.pose), transform(b.pose), impl_->request, impl_->result) > 0;
+  const bool near = (*coal_functor)(transform(a.pose), transform(b.pose), impl_->request, impl_->result) > 0;
   distance = std::max(0.0, impl_->result.distance_lower_bound + margin);
   return near;
 }

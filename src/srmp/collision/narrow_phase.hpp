@@ -52,16 +52,21 @@ class FunctorTable {
   std::map<std::pair<int, int>, std::uint8_t> known_;
 };
 
-/// One thread's Coal functors and result buffers: no allocation once warm.
+/// One thread's Coal functors and result buffers. Once warm, nothing is allocated for two convex solids; Coal does for
+/// the pieces of a mesh or an octree.
 class NarrowPhase {
  public:
   explicit NarrowPhase(const FunctorTable& table);
   ~NarrowPhase();
 
-  /// Coal's GJK converges to 1e-6 m; a pair reported farther than a margin may be nearer by this much [m].
+  /// GJK converges to 1e-6 m: nearer than this is contact. (Coal's own threshold of 1e-12 calls some overlapping boxes
+  /// free, where GJK stops at a distance below its tolerance but above 0.)
+  static constexpr double contact_distance = 1e-6;
+  /// A pair reported farther apart than a margin may be nearer by this much [m], contact_distance included.
   static constexpr double tolerance = 2e-6;
 
-  /// Are the two within `margin` of each other? For two convex solids that are, `distance` is theirs (0 in contact).
+  /// Are the two within `margin` + contact_distance of each other? For two convex solids that are, `distance` is theirs
+  /// (0 in contact).
   bool within(std::uint8_t functor, const Placed& a, const Placed& b, double margin, double& distance);
   /// The deepest contact of a pair within `margin` of each other; distance = margin when there is none. Allocates.
   static Proximity deepest(const Placed& a, const Placed& b, double margin);
@@ -69,6 +74,8 @@ class NarrowPhase {
   static Proximity distance(const Placed& a, const Placed& b);
 
  private:
+  bool gjk_within(const Placed& a, const Placed& b, double margin, double& distance);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

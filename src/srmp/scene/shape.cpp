@@ -133,14 +133,15 @@ std::shared_ptr<const coal::CollisionGeometry> make_geometry(const Shape& shape,
 
 std::shared_ptr<const coal::CollisionGeometry> outer_hull(std::shared_ptr<const coal::CollisionGeometry> geometry) {
   const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(geometry.get());
-  if (!mesh || mesh->num_vertices < 4) return geometry;
+  if (!mesh) return geometry;
   auto points =
       std::make_shared<std::vector<coal::Vec3s>>(mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices);
+  if (!spans_volume(*points)) return geometry;
   try {
     const std::shared_ptr<coal::ConvexBase> hull(coal::ConvexBase::convexHull(points, mesh->num_vertices, true));
     hull->computeLocalAABB();
     return hull;
-  } catch (const std::exception&) {  // qhull: the points lie in one plane
+  } catch (const std::exception&) {  // qhull gave up
     return geometry;
   }
 }

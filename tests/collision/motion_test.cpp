@@ -1,0 +1,286 @@
+#include <algorithm>
+#include <atomic>
+#include <boost/test/unit_test.hpp>
+#include <cstdlib>
+#include <new>
+#include <thread>
+
+#include "collision/worlds.hpp"
+
+using namespace srmp;
+using namespace worlds;
+using Eigen::Vector2d;
+
+// --- every allocation of this program is counted
+
+namespace {
+std::atomic<long> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  void* memory = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace {
+
+struct Motion {
+  Eigen::VectorXd a, b;
+};
+
+/// Half of them small, half of one joint only.
+Motion random_motion(Dice& dice, const RobotModel& robot, double largest) {
+  Motion motion{dice.configuration(robot), {}};
+  motion.b = motion.a;
+  const double size = largest * (dice.below(2) ? 1.0 : 0.2);
+  if (dice.below(2))
+    motion.b[static_cast<Eigen::Index>(dice.below(robot.dof()))] += dice.in(-size, size);
+  else
+    for (double& value : motion.b) value += dice.in(-size, size);
+  return motion;
+}
+
+/// Every configuration of the motion, no point of a robot of `reach` moving more than `step` between two.
+template <class Visit>
+bool sample(const RobotModel& robot, const Motion& motion, double reach, double step, Visit&& visit) {
+  const Eigen::VectorXd delta = robot.difference(motion.a, motion.b);
+  const int steps = 1 + static_cast<int>(delta.cwiseAbs().sum() * reach / step);
+  for (int i = 0; i <= steps; ++i)
+    if (!visit(motion.a + delta * (double(i) / steps))) return false;
+  return true;
+}
+
+struct Tally {
+  int motions{}, free{}, wrongly_free{}, clear{}, clear_accepted{};
+};
+
+/// Compares is_motion_free with dense sampling: nothing in contact may be called free, nothing clear refused.
+Tally compare(const Scene& scene, const RobotModel& robot, int motions, double largest, unsigned seed, double step) {
+  constexpr double reach = 1.3, clearance = 0.005;
+  const Checker checker(scene, robot.name());
+  const auto workspace = checker.make_workspace(), dense = checker.make_workspace();
+  Dice dice(seed);
+  Tally tally;
+  while (tally.motions < motions) {
+    const Motion motion = random_motion(dice, robot, largest);
+    if (dice.below(4) && !checker.is_free(motion.a, *dense)) continue;
+    ++tally.motions;
+    const bool free = checker.is_motion_free(motion.a, motion.b, *workspace);
+    if (checker.is_free(motion.a, *dense))
+      BOOST_TEST(free == checker.is_motion_free(motion.a, motion.b, *workspace, true));
+    tally.free += free;
+    const bool sampled_free =
+        sample(robot, motion, reach, step, [&](const Eigen::VectorXd& q) { return checker.is_free(q, *dense); });
+    if (free && !sampled_free) ++tally.wrongly_free;
+    if (free) {
+      ++tally.clear;
+      ++tally.clear_accepted;
+    } else if (sampled_free && sample(robot, motion, reach, 2 * clearance, [&](const Eigen::VectorXd& q) {
+                 const auto nearest = checker.nearest(q, *dense);
+                 return !nearest || nearest->distance > clearance;
+               })) {
+      ++tally.clear;
+    }
+  }
+  return tally;
+}
+
+void expect_sound_and_useful(const Tally& tally) {
+  BOOST_TEST(tally.wrongly_free == 0);
+  BOOST_TEST(tally.clear_accepted >= 0.95 * tally.clear);
+  BOOST_TEST(tally.free > tally.motions / 10);
+  BOOST_TEST(tally.free < tally.motions);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_motion_does_not_jump_over_a_thin_wall) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  scene.add_object("foil", Box{{0.1, 1e-4, 0.1}}, at(1.9, 0, 0));
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  BOOST_TEST(checker.is_free(Vector2d(-1, 0), *workspace));
+  BOOST_TEST(checker.is_free(Vector2d(1, 0), *workspace));
+  BOOST_TEST(!checker.is_motion_free(Vector2d(-1, 0), Vector2d(1, 0), *workspace));
+  BOOST_TEST(!checker.is_motion_free(Vector2d(-1, 0), Vector2d(1, 0), *workspace, true));
+  BOOST_TEST(checker.is_motion_free(Vector2d(0.2, 0), Vector2d(2, 0), *workspace));
+}
+
+BOOST_AUTO_TEST_CASE(both_ends_belong_to_the_motion) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  scene.add_object("x", Sphere{0.1}, at(1.5, 0, 0));
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0.5, 0), *workspace));
+  BOOST_TEST(!checker.is_motion_free(Vector2d(0.5, 0), Vector2d(0, 0), *workspace));
+  BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0), *workspace));
+  BOOST_TEST(checker.is_motion_free(Vector2d(0.5, 0), Vector2d(0.5, 0), *workspace));
+}
+
+BOOST_AUTO_TEST_CASE(a_pair_at_rest_in_a_motion_is_checked_unless_the_start_is_known_free) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  scene.add_object("x", Sphere{0.1}, at(0.5, 0, 0));
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
+  BOOST_TEST(checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace, true));
+}
+
+BOOST_AUTO_TEST_CASE(continuous_joints_go_the_short_way) {
+  const auto robot = robots::planar("continuous");
+  Scene scene;
+  scene.add_robot(robot);
+  scene.add_object("x", Sphere{0.1}, at(-1.5, 0, 0));
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  BOOST_TEST(!checker.is_motion_free(Vector2d(3, 0), Vector2d(-3, 0), *workspace));
+  BOOST_TEST(checker.is_motion_free(Vector2d(1, 0), Vector2d(-1, 0), *workspace));
+}
+
+BOOST_AUTO_TEST_CASE(a_wide_corridor_is_passed_and_a_gap_of_a_tenth_of_a_millimetre_too) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  scene.add_object("floor", Box{{6, 6, 0.1}}, at(0, 0, -0.1 - 1e-4));  // 0.1 mm below the bars
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace));
+}
+
+BOOST_AUTO_TEST_CASE(motions_among_every_kind_of_object_are_sound_and_useful) {
+  const auto robot = arm7();
+  for (unsigned world = 0; world < 4; ++world) {
+    const std::size_t held = world == 0 ? 99 : 2 * world - 1;  // nothing, a sphere, a capsule, a mesh
+    expect_sound_and_useful(compare(crowd(robot, world, held, "arm7_hand"), *robot, 300, 0.6, 100 + world, 2e-4));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(long_motions_are_sound_and_useful) {
+  const auto robot = arm7();
+  expect_sound_and_useful(compare(crowd(robot, 11, 7, "arm7_hand"), *robot, 100, 3.0, 7, 2e-3));
+}
+
+BOOST_AUTO_TEST_CASE(motions_of_mimic_and_prismatic_joints_are_sound_and_useful) {
+  // A slide that carries an arm whose second joint follows the first, backwards and half as fast.
+  const std::string limit = "<limit lower='-2' upper='2' velocity='2' effort='1'/>";
+  RobotDescription description;
+  description.urdf_text = "<robot name='slide'><link name='base'/>" + robots::bar("cart") + robots::bar("arm") +
+                          robots::bar("fore") + "<link name='tip'/>" +
+                          robots::joint("s", "prismatic", "base", "cart", "0 0 0.2", "0 1 0", limit) +
+                          robots::joint("a", "revolute", "cart", "arm", "0.5 0 0.2", "0 0 1", limit) +
+                          robots::joint("m", "revolute", "arm", "fore", "1 0 0.2", "0 1 0",
+                                        limit + "<mimic joint='a' multiplier='-0.5'/>") +
+                          robots::joint("z", "prismatic", "fore", "tip", "1 0 0", "1 0 0", limit) + "</robot>";
+  description.end_effector = "tip";
+  const auto robot = RobotModel::load(description);
+  Scene scene;
+  scene.add_robot(robot);
+  Dice dice(4);
+  for (int i = 0; i < 6; ++i) scene.add_object("x" + std::to_string(i), Box{{0.2, 0.3, 0.2}}, dice.pose(0.6, 2.5));
+  scene.add_object("held", Sphere{0.1}, {});
+  scene.attach_object("held", "slide", "tip", {"fore"});
+  const Tally tally = compare(scene, *robot, 200, 0.5, 2, 1e-3);
+  BOOST_TEST(tally.wrongly_free == 0);
+  BOOST_TEST(tally.clear_accepted >= 0.95 * tally.clear);
+}
+
+BOOST_AUTO_TEST_CASE(motions_of_a_robot_of_meshes_are_sound_and_useful) {
+  const auto robot = panda();
+  if (!robot) {
+    BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
+    return;
+  }
+  expect_sound_and_useful(compare(crowd(robot, 2, 5, "panda_hand"), *robot, 150, 0.6, 3, 5e-4));
+}
+
+BOOST_AUTO_TEST_CASE(answers_do_not_depend_on_what_was_asked_before) {
+  const auto robot = arm7();
+  const Scene scene = crowd(robot, 21, 5, "arm7_hand");
+  const Checker checker(scene, "arm7");
+  const auto used = checker.make_workspace();
+  Dice dice(1);
+  for (int i = 0; i < 300; ++i) {
+    const Motion motion = random_motion(dice, *robot, 1.0);
+    const auto fresh = checker.make_workspace();
+    BOOST_TEST(checker.is_free(motion.a, *used) == checker.is_free(motion.a, *fresh));
+    BOOST_TEST(checker.is_motion_free(motion.a, motion.b, *used) == checker.is_motion_free(motion.a, motion.b, *fresh));
+    const auto one = checker.nearest(motion.a, *used), other = checker.nearest(motion.a, *checker.make_workspace());
+    BOOST_TEST(one->distance == other->distance);
+    BOOST_TEST(one->point_a == other->point_a);
+    BOOST_TEST(one->describe() == other->describe());
+  }
+}
+
+BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
+  const auto robot = arm7();
+  const Scene scene = crowd(robot, 31, 5, "arm7_hand");
+  const Checker checker(scene, "arm7");
+  std::vector<Motion> motions;
+  Dice dice(8);
+  for (int i = 0; i < 400; ++i) motions.push_back(random_motion(dice, *robot, 0.8));
+  const auto answers = [&](std::string& out) {
+    const auto workspace = checker.make_workspace();
+    for (const Motion& m : motions) {
+      out += checker.is_free(m.a, *workspace) ? '1' : '0';
+      out += checker.is_motion_free(m.a, m.b, *workspace) ? '1' : '0';
+    }
+  };
+  std::string alone, first, second;
+  answers(alone);
+  std::thread one([&] { answers(first); }), two([&] { answers(second); });
+  one.join();
+  two.join();
+  BOOST_TEST(first == alone);
+  BOOST_TEST(second == alone);
+}
+
+BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
+  const auto robot = arm7();
+  Scene scene = crowd(robot, 41, 2, "arm7_hand");
+  for (const std::string name : {"mesh_a", "mesh_b", "cloud_a", "cloud_b"})
+    scene.remove_object(name);  // Coal allocates
+  const Checker checker(scene, "arm7");
+  const auto workspace = checker.make_workspace();
+  std::vector<Motion> motions;
+  Dice dice(5);
+  for (int i = 0; i < 300; ++i) motions.push_back(random_motion(dice, *robot, 0.5));
+  int free = 0;
+  const auto ask_all = [&] {
+    for (const Motion& m : motions)
+      free += checker.is_free(m.a, *workspace) + checker.is_motion_free(m.a, m.b, *workspace);
+  };
+  ask_all();
+  const long before = allocations;
+  ask_all();
+  const long after = allocations;
+  BOOST_TEST(after - before == 0);
+  BOOST_TEST(free > 0);
+}
+
+BOOST_AUTO_TEST_CASE(the_workspace_counts) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  scene.add_object("x", Sphere{0.1}, at(1.5, 0.3, 0));
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  checker.is_free(Vector2d(0, 0), *workspace);
+  checker.is_motion_free(Vector2d(0, 0), Vector2d(0.1, 0), *workspace);
+  const CheckStatistics& statistics = checker.statistics(*workspace);
+  BOOST_TEST(statistics.states == 1u);
+  BOOST_TEST(statistics.motions == 1u);
+  BOOST_TEST(statistics.configurations >= 2u);
+  BOOST_TEST(statistics.narrow_phase >= 1u);
+}

@@ -1,0 +1,156 @@
+#include "srmp/collision/narrow_phase.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+#include "collision/worlds.hpp"
+
+using namespace srmp;
+using namespace worlds;
+using namespace srmp::detail;
+
+// What the checker rests on: Coal's margin is right to the tolerance for every pair of kinds, and the hull is outside.
+
+namespace {
+
+using Geometry = std::shared_ptr<const coal::CollisionGeometry>;
+
+struct Body {
+  std::string name;
+  Geometry geometry;
+  Bounds bounds;
+};
+
+std::vector<Body> bodies() {
+  std::vector<Body> all;
+  for (const auto& [name, shape] : every_kind()) {
+    const Geometry geometry = make_geometry(shape, name);
+    all.push_back({name, geometry, bounds_of(*geometry)});
+  }
+  return all;
+}
+
+struct Place {
+  Place(const Body& body, const Pose& at)
+      : geometry(body.geometry.get()), pose(at.isometry()), center(pose * body.bounds.center) {}
+  Placed placed() const { return {geometry, pose, center}; }
+  const coal::CollisionGeometry* geometry;
+  Eigen::Isometry3d pose;
+  Eigen::Vector3d center;
+};
+
+Pose somewhere(Dice& dice) {
+  return at(dice.in(-0.25, 0.25), dice.in(-0.25, 0.25), dice.in(-0.25, 0.25), dice.in(-3, 3), dice.in(-3, 3),
+            dice.in(-3, 3));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(margins_hold_for_every_pair_of_kinds) {
+  const std::vector<Body> all = bodies();
+  Dice dice(1);
+  for (const Body& a : all)
+    for (const Body& b : all) {
+      FunctorTable table;
+      const std::uint8_t functor = table.index(*a.geometry, *b.geometry);
+      NarrowPhase narrow(table);
+      for (int i = 0; i < 40; ++i) {
+        const Place place_a(a, somewhere(dice)), place_b(b, somewhere(dice));
+        const double distance = NarrowPhase::distance(place_a.placed(), place_b.placed()).distance;
+        if (distance <= 1e-5) continue;
+        double found = 0.0;
+        for (double off : {1e-5, 1e-3, 0.05}) {
+          BOOST_TEST(narrow.within(functor, place_a.placed(), place_b.placed(), distance + off, found),
+                     a.name << ' ' << b.name);
+          if (is_convex_solid(*a.geometry) && is_convex_solid(*b.geometry))
+            BOOST_TEST(std::abs(found - distance) < NarrowPhase::tolerance, a.name << ' ' << b.name);
+        }
+        const double below = distance - NarrowPhase::tolerance;
+        BOOST_TEST(!narrow.within(functor, place_a.placed(), place_b.placed(), below, found), a.name << ' ' << b.name);
+        BOOST_TEST(!narrow.within(functor, place_a.placed(), place_b.placed(), 0.5 * below, found),
+                   a.name << ' ' << b.name);
+      }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_overlaps_is_within_any_margin) {
+  const std::vector<Body> all = bodies();
+  Dice dice(4);
+  const auto on_a_grid = [&] {  // aligned and symmetric places are where GJK stops just short of 0
+    const auto step = [&] { return 0.02 * (static_cast<double>(dice.below(5)) - 2.0); };
+    const auto turn = [&] { return M_PI / 2 * static_cast<double>(dice.below(4)); };
+    return at(step(), step(), step(), turn(), turn(), turn());
+  };
+  for (const Body& a : all)
+    for (const Body& b : all) {
+      FunctorTable table;
+      const std::uint8_t functor = table.index(*a.geometry, *b.geometry);
+      NarrowPhase narrow(table);
+      for (int i = 0; i < 60; ++i) {
+        const Place place_a(a, on_a_grid()), place_b(b, on_a_grid());
+        if (NarrowPhase::deepest(place_a.placed(), place_b.placed(), 0.0).distance > -1e-4) continue;
+        double distance = 0.0;
+        for (double margin : {0.0, 1e-5, 0.02})
+          BOOST_TEST(narrow.within(functor, place_a.placed(), place_b.placed(), margin, distance),
+                     a.name << ' ' << b.name << ' ' << margin);
+      }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_cloud_is_its_voxels) {
+  const PointCloud cloud{{{0.01, 0.01, 0.01}, {0.05, -0.03, 0.09}, {-0.07, 0.03, 0.01}}, 0.02};
+  const Geometry geometry = make_geometry(cloud, "cloud"), box = make_geometry(Box{{0.02, 0.02, 0.02}}, "voxel");
+  const Body body{"cloud", geometry, bounds_of(*geometry)}, voxel{"voxel", box, bounds_of(*box)};
+  const auto all = bodies();
+  Dice dice(2);
+  for (int i = 0; i < 200; ++i) {
+    const Body& other_body = all[dice.below(all.size() - 1)];
+    const Pose pose = somewhere(dice);
+    const Place place(body, pose), other(other_body, somewhere(dice));
+    double nearest = 1e9;
+    for (const Eigen::Vector3d& p : cloud.points)  // every point is the middle of its voxel
+      nearest = std::min(
+          nearest,
+          NarrowPhase::distance(Place(voxel, pose * at(p.x(), p.y(), p.z())).placed(), other.placed()).distance);
+    const double distance = NarrowPhase::distance(place.placed(), other.placed()).distance;
+    if (nearest > 0) BOOST_TEST(std::abs(distance - nearest) < 3e-6, other_body.name);
+    BOOST_TEST((distance <= 0) == (nearest <= 0), other_body.name);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(hulls_and_spheres_and_boxes_are_outside) {
+  const Mesh mesh = angle_iron();
+  const Geometry geometry = make_geometry(mesh, "mesh"), hull = outer_hull(geometry);
+  BOOST_TEST(hull != geometry);
+  BOOST_TEST(is_convex_solid(*hull));
+  BOOST_TEST(!is_convex_solid(*geometry));
+  const Bounds bounds = bounds_of(*geometry);
+  for (const Eigen::Vector3d& v : mesh.vertices) {
+    BOOST_TEST((v - bounds.center).norm() <= bounds.radius + 1e-12);
+    BOOST_TEST(((v - bounds.box_center).cwiseAbs() - bounds.box_half).maxCoeff() <= 1e-12);
+  }
+  const Geometry sphere = make_geometry(Sphere{0.1}, "ball"),
+                 flat = make_geometry(Mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 3, 2}}, false},
+                                      "flat");
+  BOOST_TEST(bounds_of(*sphere).radius == 0.1);
+  BOOST_TEST(outer_hull(sphere) == sphere);
+  BOOST_TEST(outer_hull(flat) == flat);
+}
+
+BOOST_AUTO_TEST_CASE(a_query_does_not_remember_the_one_before) {
+  const std::vector<Body> all = bodies();
+  Dice dice(3);
+  for (const Body& a : all)
+    for (const Body& b : all) {
+      FunctorTable table;
+      const std::uint8_t functor = table.index(*a.geometry, *b.geometry);
+      NarrowPhase used(table);
+      for (int i = 0; i < 15; ++i) {
+        const Place place_a(a, somewhere(dice)), place_b(b, somewhere(dice));
+        NarrowPhase fresh(table);
+        double one = 0, other = 0;
+        BOOST_TEST(used.within(functor, place_a.placed(), place_b.placed(), 0.1, one) ==
+                   fresh.within(functor, place_a.placed(), place_b.placed(), 0.1, other));
+        BOOST_TEST(one == other, a.name << ' ' << b.name);  // to the last bit
+      }
+    }
+}
