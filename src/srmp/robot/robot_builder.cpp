@@ -110,10 +110,11 @@ Selection select(const Impl& impl, const Srdf* srdf) {
   if (!d.group.empty()) {
     if (!srdf) throw InvalidArgument("group '" + d.group + "' needs an SRDF, and robot '" + impl.name + "' has none");
     group = srdf->find_group(d.group);
-    if (!group)
+    if (!group) {
+      const std::string hint = did_you_mean(d.group, srdf->group_names());
       throw InvalidArgument("robot '" + impl.name + "' has no group '" + d.group + "'" +
-                            did_you_mean(d.group, srdf->group_names()) + "; known are " +
-                            quoted_list(srdf->group_names()));
+                            (hint.empty() ? "; known are " + quoted_list(srdf->group_names()) : hint));
+    }
     selection.joints = group_joints(impl, *group, *srdf);
   } else if (!d.joint_names.empty()) {
     selection.joints = named_joints(impl);
@@ -212,9 +213,15 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
     srdf = Srdf::read_file(description.srdf_path, m.urdf);
     m.warnings = srdf->warnings;
   }
+  for (const UrdfJoint& joint : m.urdf.joints)
+    if (joint.type == UrdfJointType::floating || joint.type == UrdfJointType::planar)
+      m.warnings.push_back("joint '" + joint.name + "' has more than one degree of freedom; it stays at its origin");
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
   build_drives(m);
+  if (m.joint_movers[m.tree->mount(m.end_effector_index).joint] == 0)
+    throw InvalidArgument("none of the planned joints of robot '" + m.name + "' moves its end effector '" +
+                          m.end_effector + "'");
   build_geometries(m);
   allow_by_rules(m, srdf ? &*srdf : nullptr);
   list_self_pairs(m);

@@ -52,9 +52,6 @@ struct LinkGeometry {
   /// Boxes, spheres, cylinders and capsules as such. A mesh is its convex hull where it is a closed convex surface (to
   /// 1 µm): a solid; else its triangles: a surface.
   std::shared_ptr<const coal::CollisionGeometry> shape;
-  /// The convex hull of a mesh that is not convex: it contains the shape and is much faster to check, so what keeps
-  /// clear of it needs no look at the triangles. nullptr where shape is convex (or flat).
-  std::shared_ptr<const coal::CollisionGeometry> hull;
   Eigen::Vector3d center;  ///< of a bounding sphere, in the geometry's frame [m]
   double radius{};         ///< of that sphere [m]
   std::uint64_t
@@ -83,12 +80,14 @@ class RobotModel {
  public:
   /// Reads URDF, SRDF and meshes. Throws FileError (missing or broken file; a missing mesh lists every place tried;
   /// URDF and SRDF mistakes say the line) and InvalidArgument (unknown group, joint or link, with the nearest name).
+  /// Visuals, inertias and soft limits (safety_controller) are not read; a mimic joint's own limits are not enforced.
   static std::shared_ptr<const RobotModel> load(const RobotDescription& description);
   ~RobotModel();
 
   const std::string& name() const;
   const RobotDescription& description() const;
-  /// What was read but ignored, as sentences: SRDF rules about links that the URDF does not have, a differing name.
+  /// What was read but ignored, as sentences: SRDF rules about links that the URDF does not have, a differing
+  /// robot name, floating and planar joints (held at their origin).
   const std::vector<std::string>& warnings() const;
 
   // --- planned joints

@@ -46,27 +46,29 @@ class Reader {
   }
 
  private:
+  [[noreturn]] void refuse_unknown(const XMLElement& element, const char* kind, const std::string& name,
+                                   const Names& known) {
+    std::string text("<");
+    text.append(element.Name()).append("> names the unknown ").append(kind).append(" '").append(name).append("'");
+    xml_.fail(element, text + did_you_mean(name, known));
+  }
+
   std::string require_link(const XMLElement& element, const char* attribute) {
     const std::string link = xml_.required(element, attribute);
-    if (!urdf_.find_link(link))
-      xml_.fail(element, "<" + std::string(element.Name()) + "> names the unknown link '" + link + "'" +
-                             did_you_mean(link, link_names_));
+    if (!urdf_.find_link(link)) refuse_unknown(element, "link", link, link_names_);
     return link;
   }
 
   std::string require_joint(const XMLElement& element, const char* attribute) {
     const std::string joint = xml_.required(element, attribute);
     if (std::find(joint_names_.begin(), joint_names_.end(), joint) == joint_names_.end())
-      xml_.fail(element, "<" + std::string(element.Name()) + "> names the unknown joint '" + joint + "'" +
-                             did_you_mean(joint, joint_names_));
+      refuse_unknown(element, "joint", joint, joint_names_);
     return joint;
   }
 
   std::string require_group(const XMLElement& element, const char* attribute) {
     const std::string group = xml_.required(element, attribute);
-    if (!srdf_.find_group(group))
-      xml_.fail(element, "<" + std::string(element.Name()) + "> names the unknown group '" + group + "'" +
-                             did_you_mean(group, srdf_.group_names()));
+    if (!srdf_.find_group(group)) refuse_unknown(element, "group", group, srdf_.group_names());
     return group;
   }
 

@@ -49,7 +49,7 @@ class Reader {
                 "link '" + link.name + "' is already defined in line " + std::to_string(urdf_.links[*first].line));
     xml_.check_spelling(element, Names{"inertial", "visual", "collision"}, Names{"name", "type"},
                         Names{"contact", "sphere_velocity", "sensor", "origin", "self_collision_checking", "gazebo",
-                              "collision_checking", "capsule", "audio", "light", "projector"});
+                              "collision_checking", "capsule", "audio", "light", "projector", "material"});
     for (auto e = element.FirstChildElement("collision"); e; e = e->NextSiblingElement("collision"))
       link.collisions.push_back(read_collision(*e, link.name));
     urdf_.links.push_back(std::move(link));
@@ -57,7 +57,8 @@ class Reader {
 
   UrdfGeometry read_collision(const XMLElement& element, const std::string& link) {
     xml_.check_spelling(element, Names{"origin", "geometry"}, Names{"name", "group"},
-                        Names{"material", "verbose", "contact_coefficients", "collision_checking", "tag"});
+                        Names{"material", "verbose", "contact_coefficients", "collision_checking", "tag", "friction",
+                              "surface", "contact"});
     const XMLElement* geometry = element.FirstChildElement("geometry");
     if (!geometry) xml_.fail(element, "a <collision> of link '" + link + "' has no <geometry>");
     xml_.check_spelling(*geometry, Names{"box", "sphere", "cylinder", "capsule", "mesh"}, Names{});
@@ -134,7 +135,7 @@ class Reader {
                 "joint '" + joint.name + "' is already defined in line " + std::to_string(urdf_.joints[*first].line));
     xml_.check_spelling(element, Names{"origin", "parent", "child", "axis", "limit", "mimic"}, Names{"name", "type"},
                         Names{"dynamics", "safety_controller", "calibration", "gazebo", "hardwareInterface", "damping",
-                              "joint_properties", "implicitSpringDamper", "actuator", "sensor", "plugin"});
+                              "friction", "joint_properties", "implicitSpringDamper", "actuator", "sensor", "plugin"});
     joint.type = read_type(element, joint.name);
     joint.parent = read_end(element, joint.name, "parent");
     joint.child = read_end(element, joint.name, "child");
