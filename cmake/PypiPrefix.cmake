@@ -31,3 +31,5 @@ foreach(site IN LISTS SRMP_SYS_PATH)
   endif()
 endforeach()
 list(PREPEND CMAKE_PREFIX_PATH ${SRMP_PYPI_PREFIXES})
+
+set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # Boost's own CMake package, also where Pinocchio and Coal ask for it

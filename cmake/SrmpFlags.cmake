@@ -14,6 +14,12 @@ target_compile_options(
   srmp_flags INTERFACE -Wall -Wextra -Wno-unused-parameter
                        -ffp-contract=off  # the same bits whether or not the CPU has fma
 )
+if(SKBUILD)
+  # Assertions name their source files; in a wheel without the folders of the machine that built it.
+  foreach(prefix IN LISTS SRMP_PYPI_PREFIXES ITEMS ${PROJECT_SOURCE_DIR})
+    add_compile_options(-ffile-prefix-map=${prefix}/=)
+  endforeach()
+endif()
 if(SRMP_SANITIZE)
   add_compile_options(-fsanitize=${SRMP_SANITIZE} -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${SRMP_SANITIZE})

@@ -17,6 +17,10 @@ else()
 endif()
 set(SRMP_CMAKE_DIR ${SRMP_LIB_DIR}/cmake/srmp)
 
+# A symbol that no library has is an error now, not in the user's process.
+if(NOT SRMP_SANITIZE)
+  target_link_options(srmp PRIVATE $<$<PLATFORM_ID:Linux>:LINKER:-z,defs>)
+endif()
 # Symbols of the static libraries inside (ruckig) stay inside: another copy may live in the same process.
 target_link_options(srmp PRIVATE $<$<PLATFORM_ID:Linux>:LINKER:--exclude-libs,ALL>)
 # Wheels cannot hold the symbolic links of a versioned soname.

@@ -12,6 +12,7 @@ import pytest
 
 import srmp
 
+REPOSITORY = Path(__file__).parents[2]
 PACKAGE = Path(srmp.__file__).parent
 
 
@@ -19,15 +20,15 @@ def run(*command, **options):
     return subprocess.run([str(part) for part in command], check=True, capture_output=True, text=True, **options).stdout
 
 
-def test_version_is_the_same_everywhere(repository):
-    declared = re.search(r'^version = "(.+)"', (repository / "pyproject.toml").read_text(), re.MULTILINE)[1]
+def test_version_is_the_same_everywhere():
+    declared = re.search(r'^version = "(.+)"', (REPOSITORY / "pyproject.toml").read_text(), re.MULTILINE)[1]
     assert srmp.__version__ == importlib.metadata.version("srmp") == declared
-    assert f"## {declared}" in (repository / "CHANGELOG.md").read_text()
+    assert f"## {declared}" in (REPOSITORY / "CHANGELOG.md").read_text()
 
 
-def test_build_requirements_are_listed_twice_alike(repository):
+def test_build_requirements_are_listed_twice_alike():
     """[build-system] cannot refer to a dependency group, so the group repeats it."""
-    text = re.sub(r"#.*", "", (repository / "pyproject.toml").read_text())
+    text = re.sub(r"#.*", "", (REPOSITORY / "pyproject.toml").read_text())
     isolated = re.findall(r'"(.+?)"', re.search(r"requires = \[(.+?)\n\]", text, re.DOTALL)[1])
     group = re.findall(r'"(.+?)"', re.search(r"\nbuild = \[(.+?)\n\]", text, re.DOTALL)[1])
     assert set(isolated) <= set(group)
@@ -104,14 +105,14 @@ def test_finds_libraries_that_were_installed_elsewhere(tmp_path):
     assert printed.startswith(str(tmp_path))
 
 
-def test_cpp_project_builds_against_the_package(repository, tmp_path):
+def test_cpp_project_builds_against_the_package(tmp_path):
     """examples/cpp_consumer finds srmp and Eigen with nothing but the folder that `srmp cmake-dir` prints."""
     cmake = shutil.which("cmake")
     if cmake is None:
         pytest.skip("no cmake on this machine")
     printed = run(sys.executable, "-m", "srmp", "cmake-dir").strip()
     assert printed == srmp.get_cmake_dir()
-    source = repository / "examples" / "cpp_consumer"
+    source = REPOSITORY / "examples" / "cpp_consumer"
     # An Eigen of the system, or any other path of this machine, is not what is tested.
     run(cmake, "-S", source, "-B", tmp_path, f"-Dsrmp_DIR={printed}", "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF")
     assert "pinocchio" not in (tmp_path / "CMakeCache.txt").read_text().lower()

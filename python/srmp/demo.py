@@ -1,0 +1,119 @@
+"""The demonstration: the package's own arm takes its hand out of one compartment of a shelf and into another.
+
+Shows the whole way of a request (robot, scene, goal, planner, trajectory) and is short enough to copy from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import srmp
+from srmp._files import write_json
+from srmp._table import format_seconds
+from srmp._urdf import chain_links, read_joints
+from srmp.result import plan_result
+
+# name: (edge lengths, centre) [m]; the shelf is open towards the arm
+BOXES = {
+    "floor": ((1.8, 1.8, 0.02), (0.25, 0.0, -0.012)),
+    "board_low": ((0.30, 0.86, 0.02), (0.60, 0.0, 0.05)),
+    "board_middle": ((0.30, 0.86, 0.02), (0.60, 0.0, 0.40)),
+    "board_top": ((0.30, 0.86, 0.02), (0.60, 0.0, 0.75)),
+    "side_left": ((0.30, 0.02, 0.76), (0.60, 0.44, 0.38)),
+    "side_right": ((0.30, 0.02, 0.76), (0.60, -0.44, 0.38)),
+    "divider": ((0.30, 0.02, 0.68), (0.60, 0.0, 0.40)),
+    "back": ((0.02, 0.90, 0.76), (0.76, 0.0, 0.38)),
+}
+# name: (radius, length, centre) [m]
+CYLINDERS = {
+    "can": (0.025, 0.12, (0.60, -0.20, 0.471)),
+    "jar": (0.045, 0.16, (0.66, 0.22, 0.491)),
+}
+START = srmp.Pose.from_rpy([0.58, 0.20, 0.20], [0.0, np.pi / 2, 0.0])  # hand in the lower left compartment
+GOAL = srmp.Pose.from_rpy([0.60, -0.20, 0.48], [0.0, np.pi / 2, 0.0])  # fingers around the can, upper right
+ROBOT = "arm7"
+
+
+def make_world() -> srmp.PlannerInterface:
+    """The arm in front of the shelf."""
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(
+        urdf_path=srmp.data_path("arm7.urdf"),
+        srdf_path=srmp.data_path("arm7.srdf"),
+        name=ROBOT,
+        end_effector="arm7_hand",
+    )
+    for name, (size, centre) in BOXES.items():
+        planner.add_box(name, size, srmp.Pose(p=centre))
+    for name, (radius, length, centre) in CYLINDERS.items():
+        planner.add_cylinder(name, radius, length, srmp.Pose(p=centre))
+    return planner
+
+
+def start_configuration(planner: srmp.PlannerInterface) -> np.ndarray:
+    """The collision-free configuration with the hand at START that is nearest to the arm's zero position."""
+    for q in planner.compute_ik(ROBOT, START):
+        if not planner.is_state_colliding(ROBOT, q):
+            return q
+    raise srmp.Error("The hand does not reach into the lower compartment.")
+
+
+@dataclass
+class DemoResult:
+    planner: srmp.PlannerInterface
+    trajectory: srmp.Trajectory
+    statistics: Mapping[str, Any]
+
+    def summary(self) -> str:
+        t, s = self.trajectory, self.statistics
+        return (
+            f"solved in {format_seconds(s['plan_time_s'])} with {s['expansions']} expansions: {len(t.waypoints)} waypoints, "
+            f"{s['path_cost_rad']:.2f} rad, a motion of {t.times[-1]:.2f} s"
+        )
+
+    def write(self, path: str | Path) -> None:
+        """The plan with the scene that it belongs to."""
+        result = plan_result(self.statistics, self.trajectory.joint_names, self.trajectory)
+        result["scene"] = {
+            "boxes": {name: {"size": size, "position": centre} for name, (size, centre) in BOXES.items()},
+            "cylinders": {
+                name: {"radius": radius, "length": length, "position": centre}
+                for name, (radius, length, centre) in CYLINDERS.items()
+            },
+        }
+        write_json(path, result)
+
+    def draw(self, path: str | Path, poses: int = 9) -> None:
+        """A picture of the motion: the arm at `poses` moments. Needs matplotlib."""
+        from srmp.plot import MotionDrawing, SceneDrawing, draw_motion
+
+        links = chain_links(read_joints(srmp.data_path("arm7.urdf")), "arm7_hand")
+        times = np.linspace(0.0, self.trajectory.times[-1], poses)
+        arms = [self._link_origins(links, self.trajectory.sample(time)) for time in times]
+        tip = [self.planner.compute_fk(ROBOT, q).p for q in self.trajectory.positions]
+        scene = SceneDrawing(
+            boxes=[
+                (size, srmp.Pose(p=centre).matrix()) for name, (size, centre) in BOXES.items() if name != "floor"
+            ],
+            cylinders=[
+                (radius, length, srmp.Pose(p=centre).matrix()) for radius, length, centre in CYLINDERS.values()
+            ],
+        )
+        draw_motion(path, scene, MotionDrawing(arms, times, np.array(tip)), title=f"srmp demo: {self.summary()}")
+
+    def _link_origins(self, links: list[str], q: np.ndarray) -> np.ndarray:
+        return np.array([self.planner.compute_fk(ROBOT, q, link).p for link in links])
+
+
+def run(options: Mapping[str, Any] | None = None) -> DemoResult:
+    """Plans the demonstration; `options` as for PlannerInterface.make_planner. Raises PlanningError like plan."""
+    planner = make_world()
+    planner.make_planner([ROBOT], {"planner_id": "wAstar", "time_limit": 10, **(options or {})})
+    goal = srmp.GoalConstraint(srmp.GoalType.POSE, GOAL)
+    trajectory = planner.plan(ROBOT, start_configuration(planner), goal)
+    return DemoResult(planner, trajectory, planner.get_planning_stats())
