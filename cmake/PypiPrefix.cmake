@@ -1,18 +1,33 @@
 # Finds the C++ packages that were installed with pip.
 #
 # PyPI packages made with cmeel put headers, libraries and CMake configs under <site-packages>/cmeel.prefix; others
-# (ruckig) straight under <site-packages>. Both are added to CMAKE_PREFIX_PATH for the Python that CMake finds first.
-# After include: SRMP_CMEEL_PREFIX holds the folder.
+# (ruckig) straight under <site-packages>. Both go to the front of CMAKE_PREFIX_PATH, for the Python that CMake finds
+# first: the active virtual environment, or pip's own build environment, whose folders only sys.path knows.
+# After include: SRMP_CMEEL_PREFIX holds the folder of cmeel packages.
 
+set(Python_FIND_VIRTUALENV FIRST)
 find_package(Python 3.10 REQUIRED COMPONENTS Interpreter OPTIONAL_COMPONENTS Development.Module)
 
 execute_process(
-  COMMAND ${Python_EXECUTABLE} -c
-          "import sys, pathlib\nfor p in sys.path:\n    if (pathlib.Path(p) / 'cmeel.prefix').is_dir(): print(p); break"
-  OUTPUT_VARIABLE SRMP_SITE_PACKAGES OUTPUT_STRIP_TRAILING_WHITESPACE)
-if(NOT SRMP_SITE_PACKAGES)
-  message(FATAL_ERROR "The Python at ${Python_EXECUTABLE} has no cmeel.prefix folder. Install the build requirements "
-                      "there first: pip install --group dev (or see [build-system] in pyproject.toml).")
+  COMMAND ${Python_EXECUTABLE} -c "import sys; print(';'.join(p for p in sys.path if p))"
+  OUTPUT_VARIABLE SRMP_SYS_PATH OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+set(SRMP_CMEEL_PREFIX "")
+foreach(site IN LISTS SRMP_SYS_PATH)
+  if(EXISTS ${site}/cmeel.prefix/lib/cmake/pinocchio)
+    set(SRMP_CMEEL_PREFIX ${site}/cmeel.prefix)
+    break()
+  endif()
+endforeach()
+if(NOT SRMP_CMEEL_PREFIX)
+  message(FATAL_ERROR "The Python at ${Python_EXECUTABLE} has no cmeel.prefix folder with Pinocchio in it. Install the "
+                      "build requirements there first: pip install --group build")
 endif()
-set(SRMP_CMEEL_PREFIX ${SRMP_SITE_PACKAGES}/cmeel.prefix)
-list(APPEND CMAKE_PREFIX_PATH ${SRMP_CMEEL_PREFIX} ${SRMP_SITE_PACKAGES} ${SRMP_SITE_PACKAGES}/lib64/cmake)
+
+# Straight in site-packages, in lib or lib64 as the package's own build machine had it.
+set(SRMP_PYPI_PREFIXES ${SRMP_CMEEL_PREFIX})
+foreach(site IN LISTS SRMP_SYS_PATH)
+  if(EXISTS ${site}/lib64/cmake OR EXISTS ${site}/lib/cmake)
+    list(APPEND SRMP_PYPI_PREFIXES ${site} ${site}/lib64/cmake)
+  endif()
+endforeach()
+list(PREPEND CMAKE_PREFIX_PATH ${SRMP_PYPI_PREFIXES})

@@ -11,13 +11,18 @@
 
 namespace srmp {
 
+enum class BodyKind { link, object, attached_object };
+
 /// Two bodies in contact, or the nearest two.
 struct Contact {
-  std::string body_a;            ///< "link" of the planned robot (or attached object)
-  std::string body_b;            ///< object, link of the same robot, or "robot/link" of another
-  double distance{};             ///< [m]; negative: penetration depth
-  Eigen::Vector3d point_a;       ///< on body_a, world frame [m]
-  Eigen::Vector3d point_b;       ///< on body_b, world frame [m]
+  std::string body_a;       ///< "link" of the planned robot, or an object attached to it
+  std::string body_b;       ///< object, link of the same robot, or "robot/link" of another
+  double distance{};        ///< [m], less the padding; negative: how deep the two, with their padding, overlap
+  Eigen::Vector3d point_a;  ///< on body_a, world frame [m]
+  Eigen::Vector3d point_b;  ///< on body_b, world frame [m]
+  double padding{};         ///< of the pair [m]
+  BodyKind kind_a{};
+  BodyKind kind_b{};
 
   /// "link 'panda_link5' and object 'shelf' overlap by 12.3 mm".
   std::string describe() const;
@@ -25,21 +30,32 @@ struct Contact {
 
 /// What a thread's checks did so far.
 struct CheckStatistics {
-  std::uint64_t configurations{};    ///< kinematics computed
-  std::uint64_t states{};            ///< is_free calls
-  std::uint64_t motions{};           ///< is_motion_free calls
-  std::uint64_t narrow_phase{};      ///< pairs that Coal decided
+  std::uint64_t configurations{};  ///< kinematics computed
+  std::uint64_t states{};          ///< is_free calls
+  std::uint64_t motions{};         ///< is_motion_free calls
+  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
 };
 
 /// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
-/// with a Workspace of its own. Other robots stand where set_qpos put them.
+/// with a Workspace of its own. Other robots stand where set_qpos put them. Bodies collide when they touch, or come
+/// within the sum of their paddings; links of one robot and what it holds have no padding towards each other.
+///
+/// Two bodies that never move relative to each other (the base on its table, an object in the hand) are judged once,
+/// without padding, and only what overlaps by more than `touching_tolerance` is a collision: things may stand on
+/// things.
+///
+/// An answer depends on the arguments alone, never on earlier queries or the workspace.
 ///
 /// A motion is the straight line in joint space (continuous joints by the short way). It is called free only when it
 /// is *proved* free, between samples too: at a sample every pair must be farther apart than the two can move before
-/// the next proved sample (conservative advancement; motion bounds from the kinematic tree). A pair that can be neither
-/// proved free nor shown in contact above 20 µm of motion counts as not free.
+/// the next proved sample (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot
+/// paths", 2004; motion bounds from the kinematic tree). A pair that can be neither proved free nor shown in contact
+/// above 20 µm of motion counts as not free.
 class Checker {
  public:
+  static constexpr double touching_tolerance = 1e-5;  ///< [m]
+  static constexpr double motion_floor = 2e-5;        ///< [m]; motions are not divided below this
+
   class Workspace;
   struct WorkspaceDeleter {
     void operator()(Workspace*) const;
@@ -53,12 +69,17 @@ class Checker {
   const Pose& base() const;
   WorkspacePtr make_workspace() const;
 
+  /// Limits are not looked at. All of these throw InvalidArgument unless configurations have dof() finite entries.
   bool is_free(ConstVector q, Workspace& workspace) const;
-  bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace) const;
+  /// Both ends included. `a_is_free`: the caller knows that is_free(a); pairs that this motion leaves alone are
+  /// skipped.
+  bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free = false) const;
 
-  /// Every pair in contact at q, deepest first; empty when free.
+  /// Every pair in contact at q, deepest first; empty when free. Pairs are of bodies: a link with several geometries
+  /// is named once.
   std::vector<Contact> contacts(ConstVector q, Workspace& workspace) const;
-  /// The nearest pair (padding counts as part of a body); nullopt when the robot has nothing to collide with.
+  /// The nearest pair (padding counts as part of a body); nullopt when the robot has nothing to collide with. Pairs
+  /// that never move relative to each other count only while in collision.
   std::optional<Contact> nearest(ConstVector q, Workspace& workspace) const;
 
   const CheckStatistics& statistics(const Workspace& workspace) const;

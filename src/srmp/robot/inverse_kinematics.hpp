@@ -17,8 +17,10 @@ struct IkOptions {
 };
 
 /// Configurations that put `link` ("" = end effector) at `target` (robot base frame): within limits, nearest to
-/// `reference` first, the same every time. Empty when none was found. Damped least squares on Pinocchio's frame
-/// Jacobian, from several seeds. `deadline` may cut it short.
+/// `reference` first, the same every time. Empty when none was found. Damped least squares on the frame's Jacobian
+/// (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method"), each step kept
+/// inside the limits, from several seeds. Joints that do not move the link keep the reference's value; continuous
+/// joints are given within half a turn of it. `deadline` is looked at between seeds. Throws InvalidArgument.
 std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const Pose& target, ConstVector reference,
                                                 const IkOptions& options = {}, const std::string& link = "",
                                                 const Deadline& deadline = {});

@@ -17,8 +17,9 @@ struct Object {
   std::string name;
   Shape shape;
   std::shared_ptr<const coal::CollisionGeometry> geometry;  ///< of shape
-  Pose pose;            ///< in the world; once attached: in the link's frame
-  double padding{0.0};  ///< [m], >= 0: kept clear around the object
+  std::shared_ptr<const coal::CollisionGeometry> hull;      ///< outer_hull(geometry): what a checker asks first
+  Pose pose;                                                ///< in the world; once attached: in the link's frame
+  double padding{0.0};                                      ///< [m], >= 0: kept clear around the object
 };
 
 /// An object that moves with a link.
@@ -31,21 +32,24 @@ struct Attachment {
 /// A robot in the world.
 struct RobotInstance {
   std::shared_ptr<const RobotModel> model;
-  Pose base;                       ///< of the URDF's root link, in the world
-  Eigen::VectorXd q;               ///< planned joints, where the robot stands now
-  Eigen::VectorXd other_positions; ///< RobotModel::other_joints
-  double padding{0.0};             ///< [m] around every link
+  Pose base;                        ///< of the URDF's root link, in the world
+  Eigen::VectorXd q;                ///< planned joints, where the robot stands now
+  Eigen::VectorXd other_positions;  ///< RobotModel::other_joints
+  double padding{0.0};              ///< [m] around every link, towards everything but the robot itself
+  std::vector<std::shared_ptr<const coal::CollisionGeometry>> hulls;  ///< outer_hull of each of model->geometries()
 };
 
 /// Robots, objects, attachments and allowed collisions: the planning world. Every mutator checks first and changes
 /// after, so a refused call leaves the scene as it was. Copies are cheap enough to serve as snapshots: models and
 /// geometry are shared and const.
 ///
-/// Bodies are named: an object by its name, a link as "robot/link" or, where only one robot has it, "link".
+/// Bodies are named: an object by its name, a link as "robot/link" or, where only one robot has it, "link"; a robot's
+/// name stands for all its links. Objects and robots share one set of names, and those come before a bare link name.
 class Scene {
  public:
+  /// The robot starts with every planned joint at the value nearest to 0 within its limits.
   void add_robot(std::shared_ptr<const RobotModel> model, const Pose& base = {});
-  void remove_robot(const std::string& robot);
+  void remove_robot(const std::string& robot);  ///< lets go of what it holds; forgets its allowed collisions
   void set_base_pose(const std::string& robot, const Pose& base);
   /// Planned joints, checked for size, NaN and limits.
   void set_qpos(const std::string& robot, ConstVector q);
@@ -63,8 +67,11 @@ class Scene {
                      const std::vector<std::string>& touch_links = {}, const std::optional<Pose>& pose_in_link = {});
   void detach_object(const std::string& object);  ///< stays in the world where the hand holds it now
 
+  /// Overrides every other rule for the two bodies, either way. A later call wins over the earlier ones it covers: a
+  /// setting for a whole robot replaces those of its links. Where two settings of equal reach differ, contact counts.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
-  /// Is contact between the two bodies ignored? Robot self-collision rules, touch links and the calls above, together.
+  /// Is contact between the two bodies ignored? The calls above, else the robot's self-collision rules and touch links.
+  /// With a robot's name: for all its links.
   bool allowed_collision(const std::string& a, const std::string& b) const;
 
   const std::map<std::string, RobotInstance>& robots() const { return robots_; }
@@ -80,7 +87,17 @@ class Scene {
   void reset();  ///< removes everything
 
  private:
-  std::string resolve_body(const std::string& name) const;  // "robot/link" or object name, or throws
+  struct Body;  // an object, a robot, or a link of a robot
+
+  RobotInstance& find_robot(const std::string& name);
+  Object& find_object(const std::string& name);
+  void require_new_name(const std::string& name, const char* what) const;
+  Body find_body(const std::string& name) const;            // throws with the nearest name or the candidates
+  std::string resolve_body(const std::string& name) const;  // "robot/link", robot or object name, or throws
+  std::optional<bool> explicit_setting(const Body& a, const Body& b) const;
+  bool is_link_of(const std::string& robot, const std::string& key) const;
+  bool allowed_by_rule(const Body& a, const Body& b) const;
+  void forget_allowed(const std::string& body);
 
   std::map<std::string, RobotInstance> robots_;
   std::map<std::string, Object> objects_;

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "srmp/core/error.hpp"
+#include "srmp/core/pose.hpp"
+#include "srmp/planner/goal.hpp"
+#include "srmp/planner/options.hpp"
+#include "srmp/trajectory/trajectory.hpp"
+
+namespace nb = nanobind;
+
+namespace srmp::python {
+
+/// An argument that NumPy can make numbers of: a list, a tuple, an array.
+struct ArrayLike {
+  nb::object value;
+
+  Eigen::VectorXd vector(const std::string& what) const;
+  Eigen::Vector3d vector3(const std::string& what) const;
+  /// Rows of `columns` numbers.
+  RowMatrix rows(const std::string& what, Eigen::Index columns) const;
+};
+
+/// NumPy's float64 view or copy of any argument; InvalidArgument says `what` was not numbers.
+nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what);
+
+/// A new NumPy array of the vector's numbers.
+nb::object to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector);
+/// A new NumPy array with the rows; (0, columns) when there are none.
+nb::object to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns);
+
+OptionMap to_option_map(nb::handle dictionary);
+nb::dict to_dict(const OptionMap& map);
+std::vector<GoalConstraint> to_goals(nb::handle goal);
+/// One name, or a list of names.
+std::vector<std::string> to_names(nb::handle names);
+
+void bind_errors(nb::module_& m);
+void bind_pose(nb::module_& m);
+void bind_goal(nb::module_& m);
+void bind_options(nb::module_& m);
+void bind_trajectory(nb::module_& m);
+void bind_io(nb::module_& m);
+void bind_planner_interface(nb::module_& m);
+
+}  // namespace srmp::python
+
+namespace nanobind::detail {
+
+template <>
+struct type_caster<srmp::python::ArrayLike> {
+  NB_TYPE_CASTER(srmp::python::ArrayLike, const_name("numpy.typing.ArrayLike"))
+  bool from_python(handle source, uint8_t, cleanup_list*) noexcept {
+    value.value = borrow<object>(source);
+    return true;
+  }
+};
+
+}  // namespace nanobind::detail

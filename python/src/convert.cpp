@@ -1,0 +1,98 @@
+#include <algorithm>
+
+#include "bind.hpp"
+
+namespace srmp::python {
+
+nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what) {
+  try {
+    const nb::object array = nb::module_::import_("numpy").attr("ascontiguousarray")(value, nb::arg("dtype") = "float64");
+    return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
+  } catch (const nb::python_error&) {
+    throw InvalidArgument(what + " must be numbers, but is " + nb::cast<std::string>(nb::repr(value)));
+  }
+}
+
+Eigen::VectorXd ArrayLike::vector(const std::string& what) const {
+  const auto numbers = to_numbers(value, what);
+  if (numbers.ndim() != 1)
+    throw InvalidArgument(what + " must be one row of numbers, but has " + std::to_string(numbers.ndim()) + " dimensions");
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+Eigen::Vector3d ArrayLike::vector3(const std::string& what) const {
+  const Eigen::VectorXd numbers = vector(what);
+  if (numbers.size() != 3) throw InvalidArgument(what + " must be 3 numbers, x, y, z, but got " + std::to_string(numbers.size()));
+  return numbers;
+}
+
+RowMatrix ArrayLike::rows(const std::string& what, Eigen::Index columns) const {
+  const auto numbers = to_numbers(value, what);
+  if (numbers.size() == 0) return RowMatrix(0, columns);
+  if (numbers.ndim() != 2 || static_cast<Eigen::Index>(numbers.shape(1)) != columns)
+    throw InvalidArgument(what + " must have the shape (n, " + std::to_string(columns) + ")");
+  return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)), columns);
+}
+
+nb::object to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector) {
+  return to_numpy_rows({Eigen::VectorXd(vector)}, static_cast<std::size_t>(vector.size())).attr("reshape")(-1);
+}
+
+nb::object to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns) {
+  auto* data = new RowMatrix(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns));
+  const nb::capsule owner(data, [](void* p) noexcept { delete static_cast<RowMatrix*>(p); });
+  for (std::size_t i = 0; i < rows.size(); ++i) data->row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+  return nb::cast(nb::ndarray<nb::numpy, double>(data->data(), {rows.size(), columns}, owner));
+}
+
+OptionMap to_option_map(nb::handle dictionary) {
+  if (nb::hasattr(dictionary, "to_dict")) return to_option_map(dictionary.attr("to_dict")());
+  if (!nb::isinstance<nb::dict>(dictionary))
+    throw InvalidArgument("planner options must be a dictionary or one of the option classes, but are " +
+                          nb::cast<std::string>(nb::repr(dictionary)));
+  OptionMap map;
+  for (const auto [key, value] : nb::cast<nb::dict>(dictionary)) {
+    const std::string name = nb::cast<std::string>(nb::str(key));
+    if (nb::isinstance<nb::bool_>(value)) {
+      map[name] = nb::cast<bool>(value);
+    } else if (nb::isinstance<nb::str>(value)) {
+      map[name] = nb::cast<std::string>(value);
+    } else if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
+      map[name] = to_names(value);
+    } else {
+      double number{};
+      if (!nb::try_cast<double>(value, number) && PyNumber_Check(value.ptr())) number = nb::cast<double>(nb::float_(value));
+      else if (!nb::try_cast<double>(value, number))
+        throw InvalidArgument("option '" + name + "' is " + nb::cast<std::string>(nb::repr(value)) +
+                              "; it must be a number, a word, True or False, or a list of words");
+      map[name] = number;
+    }
+  }
+  return map;
+}
+
+nb::dict to_dict(const OptionMap& map) {
+  nb::dict result;
+  for (const auto& [key, value] : map)
+    result[key.c_str()] = std::visit([](const auto& v) -> nb::object { return nb::cast(v); }, value);
+  return result;
+}
+
+std::vector<std::string> to_names(nb::handle names) {
+  if (nb::isinstance<nb::str>(names)) return {nb::cast<std::string>(names)};
+  std::vector<std::string> result;
+  if (!nb::try_cast(names, result))
+    throw InvalidArgument("expected a name or a list of names, but got " + nb::cast<std::string>(nb::repr(names)));
+  return result;
+}
+
+std::vector<GoalConstraint> to_goals(nb::handle goal) {
+  GoalConstraint one;
+  if (nb::try_cast(goal, one)) return {one};
+  std::vector<GoalConstraint> many;
+  if ((nb::isinstance<nb::list>(goal) || nb::isinstance<nb::tuple>(goal)) && nb::len(goal) > 0 && nb::try_cast(goal, many)) return many;
+  throw InvalidArgument("a goal must be a GoalConstraint or a non-empty list of them, but is " +
+                        nb::cast<std::string>(nb::repr(goal)));
+}
+
+}  // namespace srmp::python

@@ -1,0 +1,62 @@
+#include "bind.hpp"
+#include "srmp/core/status.hpp"
+
+namespace srmp::python {
+
+namespace {
+
+// Owned by the module for the life of the process.
+PyObject *error_type, *invalid_argument_type, *file_error_type, *not_supported_type, *planning_error_type;
+
+PyObject* make_exception(nb::module_& m, const char* name, const char* doc, PyObject* base, PyObject* builtin) {
+  const nb::object bases = builtin ? nb::object(nb::make_tuple(nb::handle(base), nb::handle(builtin)))
+                                   : nb::object(nb::make_tuple(nb::handle(base)));
+  const std::string full_name = std::string("srmp.") + name;
+  PyObject* type = PyErr_NewExceptionWithDoc(full_name.c_str(), doc, bases.ptr(), nullptr);
+  m.attr(name) = nb::handle(type);
+  return type;
+}
+
+void raise_planning_error(const PlanningError& error) {
+  const nb::object exception = nb::handle(planning_error_type)(error.what());
+  exception.attr("status") = nb::cast(error.status());
+  PyErr_SetObject(planning_error_type, exception.ptr());
+}
+
+void translate(const std::exception_ptr& pointer, void*) {
+  try {
+    std::rethrow_exception(pointer);
+  } catch (const PlanningError& error) {
+    raise_planning_error(error);
+  } catch (const InvalidArgument& error) {
+    PyErr_SetString(invalid_argument_type, error.what());
+  } catch (const FileError& error) {
+    PyErr_SetString(file_error_type, error.what());
+  } catch (const NotSupported& error) {
+    PyErr_SetString(not_supported_type, error.what());
+  } catch (const Error& error) {
+    PyErr_SetString(error_type, error.what());
+  }
+}
+
+}  // namespace
+
+void bind_errors(nb::module_& m) {
+  nb::enum_<Status>(m, "Status", "How a plan ended.")
+      .value("solved", Status::solved)
+      .value("timed_out", Status::timed_out, "The time limit passed before a path was found.")
+      .value("exhausted", Status::exhausted, "The whole graph was searched: it holds no path (a finer resolution may).")
+      .value("start_invalid", Status::start_invalid, "The start is in collision or outside a limit.")
+      .value("goal_invalid", Status::goal_invalid, "No goal can be met: in collision, outside limits or out of reach.")
+      .value("cancelled", Status::cancelled, "The caller asked to stop.");
+
+  error_type = make_exception(m, "Error", "Base of everything that srmp raises.", PyExc_Exception, nullptr);
+  invalid_argument_type = make_exception(m, "InvalidArgument", "An argument was refused; nothing was changed.", error_type, PyExc_ValueError);
+  file_error_type = make_exception(m, "FileError", "A file is missing, unreadable or wrong.", error_type, PyExc_OSError);
+  not_supported_type = make_exception(m, "NotSupported", "Not done by this version yet.", error_type, PyExc_NotImplementedError);
+  planning_error_type = make_exception(m, "PlanningError", "No trajectory. `status` (a Status) says which kind of no, the text why.",
+                                       error_type, nullptr);
+  nb::register_exception_translator(translate);
+}
+
+}  // namespace srmp::python

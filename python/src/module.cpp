@@ -1,0 +1,15 @@
+#include "bind.hpp"
+#include "srmp/core/version.hpp"
+
+NB_MODULE(_srmp, m) {
+  using namespace srmp::python;
+  m.doc() = "Search-based robot motion planning (the C++ library's Python door).";
+  m.attr("__version__") = std::string(srmp::version());
+  bind_errors(m);
+  bind_pose(m);
+  bind_goal(m);
+  bind_options(m);
+  bind_trajectory(m);
+  bind_io(m);
+  bind_planner_interface(m);
+}

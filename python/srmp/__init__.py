@@ -1,0 +1,43 @@
+"""Search-based motion planning for robot arms: deterministic, with proven bounds, checked against exact geometry."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+try:
+    from srmp import _srmp
+except ImportError:  # the libraries of other wheels are not beside this package: find them first, then try again
+    from srmp._libraries import preload
+
+    preload()
+    from srmp import _srmp
+
+from srmp._srmp import *  # noqa: F403
+
+if TYPE_CHECKING:
+    from srmp.options import ARAStar, AStar, MHAStar, WAStar, WPASE, XECBS
+
+_OPTIONS = ("ARAStar", "AStar", "MHAStar", "WAStar", "WPASE", "XECBS")
+
+__version__: str = _srmp.__version__
+
+
+def get_cmake_dir() -> str:
+    """The folder of srmpConfig.cmake: configure C++ projects with ``-Dsrmp_DIR=<this>``."""
+    return str(Path(__file__).parent / "lib" / "cmake" / "srmp")
+
+
+def get_data_dir() -> str:
+    """The folder of the robots that come with this package (``arm7.urdf``)."""
+    return str(Path(__file__).parent / "data")
+
+
+def __getattr__(name: str) -> Any:
+    if name in _OPTIONS:  # on first use: import srmp stays quick
+        from srmp import options
+
+        return getattr(options, name)
+    raise AttributeError(f"module 'srmp' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_OPTIONS])

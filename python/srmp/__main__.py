@@ -1,0 +1,3 @@
+from srmp.cli import main
+
+main()

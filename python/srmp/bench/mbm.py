@@ -1,0 +1,371 @@
+"""MotionBenchMaker (Chamzas et al., RA-L 2022): runs its problems and writes one row for each.
+
+The data folder holds, for each robot, its URDF and SRDF, meshes, and problems/<scenario>_<robot>/{scene,request}NNNN.yaml
+in MoveIt's form, unpacked or as problems.tar.bz2 (which is unpacked into a temporary folder, never into the data).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import difflib
+import importlib.metadata
+import math
+import os
+import platform
+import re
+import tarfile
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import srmp
+from srmp._table import format_seconds, format_table
+from srmp._urdf import read_joints, settable_joints
+
+# The link whose path length is reported; other robots: the tip of the planning group.
+END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
+_MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
+_FK_STEP = 0.01  # [rad or m] between samples of the end effector's path
+
+
+# --- problems ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Problem:
+    scenario: str
+    number: int
+    scene: Path
+    request: Path
+
+    @property
+    def name(self) -> str:
+        return f"{self.scenario}/{self.number:04d}"
+
+
+@dataclass(frozen=True)
+class RobotFiles:
+    name: str
+    folder: Path
+    urdf: Path
+    srdf: Path
+
+
+def robot_files(data: str | Path, robot: str, geometry: str) -> RobotFiles:
+    """Finds URDF (geometry "urdf") or sphere model ("spheres") and SRDF of a robot in the data folder."""
+    data = Path(data)
+    folder = data / robot
+    if not folder.is_dir():
+        raise srmp.FileError(f"{folder} is not a folder{_nearest(robot, _folders(data))}.")
+    if geometry not in ("urdf", "spheres"):
+        raise srmp.InvalidArgument(f"geometry '{geometry}' is neither 'urdf' nor 'spheres'.")
+    urdf = folder / (f"{robot}.urdf" if geometry == "urdf" else f"{robot}_spherized.urdf")
+    srdf = folder / f"{robot}.srdf"
+    for file in (urdf, srdf):
+        if not file.is_file():
+            raise srmp.FileError(f"{file} does not exist.")
+    return RobotFiles(robot, folder, urdf, srdf)
+
+
+def parse_numbers(text: str) -> set[int]:
+    """ "1-10" or "1,3,5-7" as a set of problem numbers."""
+    numbers: set[int] = set()
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?", part)
+        if not match:
+            raise srmp.InvalidArgument(f"problems '{text}': '{part.strip()}' is neither a number nor a range like 1-10.")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if last < first:
+            raise srmp.InvalidArgument(f"problems '{text}': the range {first}-{last} runs backwards.")
+        numbers.update(range(first, last + 1))
+    return numbers
+
+
+@contextlib.contextmanager
+def open_problems(
+    folder: str | Path, robot: str, scenarios: Sequence[str] = (), numbers: set[int] | None = None
+) -> Iterator[list[Problem]]:
+    """The chosen problems in the order (scenario, number); their files exist until the context ends."""
+    folder = Path(folder)
+    with contextlib.ExitStack() as stack:
+        if (folder / "problems").is_dir():
+            root = folder / "problems"
+        elif (folder / "problems.tar.bz2").is_file():
+            root = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="srmp-mbm-")))
+            _unpack(folder / "problems.tar.bz2", root)
+        else:
+            raise srmp.FileError(f"{folder} has neither problems/ nor problems.tar.bz2.")
+        yield _select(_discover(root, robot), scenarios, numbers)
+
+
+def _unpack(archive: Path, root: Path) -> None:
+    try:
+        with tarfile.open(archive) as tar:
+            members = [member for member in tar.getmembers() if member.isfile() and _MEMBER.search(member.name)]
+            if hasattr(tarfile, "data_filter"):
+                tar.extractall(root, members, filter="data")
+            else:
+                tar.extractall(root, [member for member in members if ".." not in Path(member.name).parts])
+    except (tarfile.TarError, EOFError, OSError) as error:
+        raise srmp.FileError(f"{archive} cannot be unpacked: {error}.") from error
+
+
+def _discover(root: Path, robot: str) -> list[Problem]:
+    scenes: dict[tuple[str, int], Path] = {}
+    requests: dict[tuple[str, int], Path] = {}
+    for path in root.rglob("*.yaml"):
+        if match := _MEMBER.search(path.as_posix()):
+            key = (match["scenario"].removesuffix(f"_{robot}"), int(match["number"]))
+            (scenes if match["kind"] == "scene" else requests)[key] = path
+    if unpaired := sorted(scenes.keys() ^ requests.keys()):
+        scenario, number = unpaired[0]
+        raise srmp.FileError(f"Problem {scenario}/{number:04d} has only one of scene and request.")
+    return [Problem(*key, scenes[key], requests[key]) for key in sorted(scenes)]
+
+
+def _select(problems: list[Problem], scenarios: Sequence[str], numbers: set[int] | None) -> list[Problem]:
+    known = sorted({problem.scenario for problem in problems})
+    for scenario in scenarios:
+        if scenario not in known:
+            raise srmp.InvalidArgument(f"scenario '{scenario}' is not one of {', '.join(known)}{_nearest(scenario, known)}.")
+    chosen = [
+        problem
+        for problem in problems
+        if (not scenarios or problem.scenario in scenarios) and (numbers is None or problem.number in numbers)
+    ]
+    if not chosen:
+        raise srmp.InvalidArgument("no problem has the numbers asked for.")
+    return chosen
+
+
+def _folders(path: Path) -> list[str]:
+    return sorted(child.name for child in path.iterdir() if child.is_dir()) if path.is_dir() else []
+
+
+def _nearest(word: str, known: Sequence[str]) -> str:
+    near = difflib.get_close_matches(word, known, n=1)
+    return f", did you mean '{near[0]}'?" if near else ""
+
+
+# --- running ----------------------------------------------------------------------------------------------------------
+
+
+class Runner:
+    """Plans one problem after the other with one robot model; the scene is emptied in between."""
+
+    def __init__(self, files: RobotFiles, planner_id: str, options: Mapping[str, str], time_limit: float) -> None:
+        self._files = files
+        self._options = {"planner_id": planner_id, "time_limit": time_limit, **options}
+        self._settable = settable_joints(read_joints(files.urdf))
+        self._planner: srmp.PlannerInterface | None = None
+        self._group = ""
+
+    def _planner_for(self, group: str) -> srmp.PlannerInterface:
+        """The planner with an empty scene; the robot is read once a planning group."""
+        if self._planner is None or self._group != group:
+            planner = srmp.PlannerInterface()
+            planner.add_articulation(
+                urdf_path=str(self._files.urdf),
+                srdf_path=str(self._files.srdf),
+                name=self._files.name,
+                end_effector=END_EFFECTORS.get(self._files.name, ""),
+                group=group,
+                package_dirs=[str(self._files.folder)],
+            )
+            planner.make_planner([self._files.name], self._options)
+            self._planner, self._group = planner, group
+        for name in self._planner.object_names:
+            self._planner.remove_object(name)
+        return self._planner
+
+    def run(self, problem: Problem) -> dict[str, Any]:
+        """One row of the result file. Only problems that cannot even be posed raise."""
+        request = srmp.load_moveit_request(str(problem.request))
+        planner = self._planner_for(request.group_name)
+        planner.load_moveit_scene(str(problem.scene))
+        # The requests also place joints that these URDFs hold fixed (fingers, wheels).
+        state = {joint: value for joint, value in request.start.items() if joint in self._settable}
+        planner.set_joint_positions(self._files.name, state)
+        joint_names = list(planner.get_joint_names(self._files.name))
+        missing = [joint for joint in joint_names if joint not in request.start]
+        if missing:
+            raise srmp.InvalidArgument(f"{problem.request}: the start has no position for joint '{missing[0]}'.")
+        start = np.array([request.start[joint] for joint in joint_names])
+
+        trajectory, reason = None, ""
+        try:
+            trajectory = planner.plan(self._files.name, start, request.goals)
+            status = "solved"
+        except srmp.PlanningError as error:
+            status, reason = status_name(error.status), str(error)
+        return self._row(problem, planner, status, reason, joint_names, trajectory)
+
+    def _row(
+        self,
+        problem: Problem,
+        planner: srmp.PlannerInterface,
+        status: str,
+        reason: str,
+        joint_names: list[str],
+        trajectory: srmp.Trajectory | None,
+    ) -> dict[str, Any]:
+        stats = planner.get_planning_stats()
+        row: dict[str, Any] = {"problem": problem.name, "status": status, "reason": reason}
+        for key in ("plan_time_s", "total_time_s", "search_time_s", "expansions", "edge_checks"):
+            row[key] = stats[key]
+        row["joint_names"] = joint_names
+        if trajectory is None:
+            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "times", "positions")))
+            return row
+        row["path"] = trajectory.waypoints
+        row["path_cost_rad"] = stats["path_cost_rad"]
+        row["ee_cost_m"] = self._end_effector_length(planner, np.asarray(trajectory.waypoints))
+        row["bound"] = stats["bound"]
+        row["times"] = trajectory.times
+        row["positions"] = trajectory.positions
+        return row
+
+    def _end_effector_length(self, planner: srmp.PlannerInterface, path: np.ndarray) -> float:
+        samples = [path[0]]
+        for a, b in zip(path[:-1], path[1:], strict=True):
+            step = b - a
+            count = max(1, math.ceil(np.abs(step).max() / _FK_STEP))
+            samples.extend(a + step * (k / count) for k in range(1, count + 1))
+        points = np.array([planner.compute_fk(self._files.name, q).p for q in samples])
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def run(
+    data: str | Path,
+    robot: str,
+    *,
+    scenarios: Sequence[str] = (),
+    problems: str = "",
+    planner_id: str = "wAstar",
+    options: Mapping[str, str] | None = None,
+    geometry: str = "urdf",
+    time_limit: float = 10.0,
+    progress: Callable[[list[Problem]], contextlib.AbstractContextManager[Iterator[Problem]]] | None = None,
+) -> dict[str, Any]:
+    """Runs the chosen problems. Returns {"header": …, "rows": […]}; Ctrl-C ends it early with header["complete"] False."""
+    files = robot_files(data, robot, geometry)
+    numbers = parse_numbers(problems) if problems else None
+    runner = Runner(files, planner_id, options or {}, time_limit)
+    rows: list[dict[str, Any]] = []
+    with open_problems(files.folder, robot, scenarios, numbers) as chosen:
+        complete = True
+        with progress(chosen) if progress else contextlib.nullcontext(iter(chosen)) as sequence:
+            try:
+                for problem in sequence:
+                    rows.append(runner.run(problem))
+            except KeyboardInterrupt:
+                complete = False
+    header = {
+        "benchmark": "MotionBenchMaker",
+        "complete": complete,
+        "created": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+        "versions": versions(),
+        "cpu": cpu_name(),
+        "cores": os.cpu_count(),
+        "options": {
+            "data": str(data),
+            "robot": robot,
+            "scenarios": sorted({problem.scenario for problem in chosen}),
+            "problems": problems or "all",
+            "planner": planner_id,
+            "planner_options": dict(options or {}),
+            "geometry": geometry,
+            "time_limit": time_limit,
+        },
+    }
+    return {"header": header, "rows": rows}
+
+
+def status_name(status: Any) -> str:
+    """ "timed_out" for Status.timed_out."""
+    return getattr(status, "name", None) or str(status)
+
+
+def versions() -> dict[str, str]:
+    found = {"srmp": srmp.__version__, "python": platform.python_version()}
+    for name in ("numpy", "libpinocchio", "libcoal"):
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.version(name)
+    return found
+
+
+def cpu_name() -> str:
+    with contextlib.suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()
+
+
+# --- statistics -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ScenarioStatistics:
+    """Times [s] and costs are over the solved problems and NaN when there is none; invalid problems are no failures."""
+
+    scenario: str
+    solved: int
+    valid: int
+    total: int
+    time_median: float
+    time_mean: float
+    time_p95: float
+    time_max: float
+    mean_cost_rad: float
+    mean_ee_cost_m: float
+
+
+def statistics(rows: Sequence[Mapping[str, Any]]) -> list[ScenarioStatistics]:
+    """One entry a scenario in the order of the rows, then one over all with scenario "all"."""
+    scenarios = dict.fromkeys(row["problem"].rpartition("/")[0] for row in rows)
+    groups = [(name, [row for row in rows if row["problem"].rpartition("/")[0] == name]) for name in scenarios]
+    return [_statistics(name, group) for name, group in [*groups, ("all", list(rows))]]
+
+
+def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatistics:
+    solved = [row for row in rows if row["status"] == "solved"]
+    valid = [row for row in rows if row["status"] not in ("start_invalid", "goal_invalid")]
+    times = np.array([row["plan_time_s"] for row in solved]) if solved else np.array([math.nan])
+    costs = [row["path_cost_rad"] for row in solved] or [math.nan]
+    lengths = [row["ee_cost_m"] for row in solved] or [math.nan]
+    return ScenarioStatistics(
+        scenario=name,
+        solved=len(solved),
+        valid=len(valid),
+        total=len(rows),
+        time_median=float(np.median(times)),
+        time_mean=float(np.mean(times)),
+        time_p95=float(np.percentile(times, 95)),
+        time_max=float(np.max(times)),
+        mean_cost_rad=float(np.mean(costs)),
+        mean_ee_cost_m=float(np.mean(lengths)),
+    )
+
+
+def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The table that `srmp bench mbm` prints: times until the path is ready, joint-space and end-effector length."""
+    header = ["scenario", "solved/valid/total", "median", "mean", "p95", "max", "cost [rad]", "end effector [m]"]
+    table = []
+    for entry in statistics(rows):
+        times = (entry.time_median, entry.time_mean, entry.time_p95, entry.time_max)
+        table.append(
+            [
+                entry.scenario,
+                f"{entry.solved}/{entry.valid}/{entry.total}",
+                *("–" if math.isnan(time) else format_seconds(time) for time in times),
+                "–" if math.isnan(entry.mean_cost_rad) else f"{entry.mean_cost_rad:.2f}",
+                "–" if math.isnan(entry.mean_ee_cost_m) else f"{entry.mean_ee_cost_m:.2f}",
+            ]
+        )
+    return format_table(header, table, rule_before_last=True)

@@ -1,0 +1,316 @@
+"""The command line: srmp demo | plan | check | bench mbm | cmake-dir."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+import srmp
+
+EXISTING_FILE = click.Path(exists=True, dir_okay=False)
+EXIT_NO_PATH = 1  # asked properly, but there is no trajectory, or the state is in collision
+EXIT_REFUSED = 2  # the question was wrong: bad file, unknown name (click's own number for usage errors)
+
+
+class _Group(click.Group):
+    """Turns the library's errors into one sentence and an exit code."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except srmp.PlanningError as error:
+            click.echo(f"{error.status.name}: {error}", err=True)
+            ctx.exit(EXIT_NO_PATH)
+        except srmp.Error as error:
+            click.echo(f"error: {error}", err=True)
+            ctx.exit(EXIT_REFUSED)
+        except OSError as error:
+            click.echo(f"error: {error.filename or ''}: {error.strerror or error}", err=True)
+            ctx.exit(EXIT_REFUSED)
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(srmp.__version__, prog_name="srmp")
+def main() -> None:
+    """Search-based motion planning for robot arms."""
+
+
+# --- shared options ---------------------------------------------------------------------------------------------------
+
+
+def _planner_options(command: Any) -> Any:
+    decorators = [
+        click.option("--planner", default="wAstar", show_default=True, help="Planner id."),
+        click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."),
+        click.option("--time-limit", type=float, default=10.0, show_default=True, help="Seconds a problem."),
+    ]
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return command
+
+
+def _robot_options(command: Any) -> Any:
+    decorators = [
+        click.option("--urdf", required=True, type=EXISTING_FILE, help="The robot."),
+        click.option("--srdf", type=EXISTING_FILE, help="Its groups and allowed collisions."),
+        click.option("--end-effector", default="", help="The link that goals speak of."),
+        click.option("--group", default="", help="Planning group of the SRDF; default: the request's, or the chain."),
+        click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated."),
+        click.option("--scene", type=EXISTING_FILE, help="Objects: MoveIt scene YAML."),
+    ]
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return command
+
+
+def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
+    """["weight=10"] as a dictionary; the planner judges keys and values."""
+    values: dict[str, str] = {}
+    for pair in pairs:
+        key, equals, value = pair.partition("=")
+        if not equals or not key.strip():
+            raise click.BadParameter(f"'{pair}' is not KEY=VALUE.")
+        if key.strip() in values:
+            raise click.BadParameter(f"'{key.strip()}' is given twice.")
+        values[key.strip()] = value.strip()
+    return values
+
+
+def _make_world(
+    urdf: str, srdf: str | None, end_effector: str, group: str, package_dirs: Sequence[str], scene: str | None
+) -> srmp.PlannerInterface:
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(
+        urdf_path=urdf,
+        srdf_path=srdf or "",
+        name="robot",
+        end_effector=end_effector,
+        group=group,
+        package_dirs=list(package_dirs),
+    )
+    if scene:
+        planner.load_moveit_scene(scene)
+    return planner
+
+
+def _place(planner: srmp.PlannerInterface, urdf: str, start: dict[str, float], source: str) -> list[float]:
+    """Sets all joints of the robot that `start` names; returns the planned ones in order."""
+    from srmp._urdf import read_joints, settable_joints
+
+    joints = read_joints(urdf)
+    settable, known = settable_joints(joints), {joint.name for joint in joints}
+    if unknown := sorted(start.keys() - known):
+        raise srmp.InvalidArgument(f"{source}: the robot has no joint '{unknown[0]}'.")
+    planner.set_joint_positions("robot", {joint: value for joint, value in start.items() if joint in settable})
+    names = planner.get_joint_names("robot")
+    if missing := [name for name in names if name not in start]:
+        raise srmp.InvalidArgument(f"{source}: joint '{missing[0]}' has no position.")
+    return [start[name] for name in names]
+
+
+# --- commands ---------------------------------------------------------------------------------------------------------
+
+
+@main.command()
+@click.option("-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Folder for the files.")
+@_planner_options
+def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float) -> None:
+    """A 7-joint arm reaches into a shelf; writes demo.json and demo.png."""
+    from srmp.demo import run
+
+    result = run({"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
+    folder = Path(output)
+    folder.mkdir(parents=True, exist_ok=True)
+    result.write(folder / "demo.json")
+    click.echo(result.summary())
+    click.echo(f"wrote {folder / 'demo.json'}")
+    try:
+        result.draw(folder / "demo.png")
+    except ModuleNotFoundError as error:
+        click.echo(f"no picture: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
+    else:
+        click.echo(f"wrote {folder / 'demo.png'}")
+
+
+@main.command()
+@_robot_options
+@click.option("--request", "request_path", required=True, type=EXISTING_FILE, help="Start and goals: MoveIt request YAML.")
+@click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="Result file (JSON).")
+@_planner_options
+def plan(
+    urdf: str,
+    srdf: str | None,
+    end_effector: str,
+    group: str,
+    package_dirs: tuple[str, ...],
+    scene: str | None,
+    request_path: str,
+    output: str,
+    planner: str,
+    options: tuple[str, ...],
+    time_limit: float,
+) -> None:
+    """Plan one request and write the timed trajectory.
+
+    Exits with 1 and the reason when there is none; the result file then holds status and reason.
+    """
+    from srmp.result import plan_result
+    from srmp._files import write_json
+    from srmp._table import format_seconds
+
+    request = srmp.load_moveit_request(request_path)
+    chosen = group or (request.group_name if srdf else "")
+    world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
+    start = _place(world, urdf, request.start, request_path)
+    world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
+    try:
+        trajectory = world.plan("robot", start, request.goals)
+    except srmp.PlanningError:
+        write_json(output, plan_result(world.get_planning_stats(), world.get_joint_names("robot"), None))
+        raise
+    stats = world.get_planning_stats()
+    write_json(output, plan_result(stats, trajectory.joint_names, trajectory))
+    click.echo(
+        f"solved in {format_seconds(stats['plan_time_s'])}: {len(trajectory.waypoints)} waypoints, "
+        f"{stats['path_cost_rad']:.2f} rad, {trajectory.times[-1]:.2f} s long"
+    )
+    click.echo(f"wrote {output}")
+
+
+@main.command()
+@_robot_options
+@click.option("--request", "request_path", type=EXISTING_FILE, help="Check the start of this MoveIt request.")
+@click.option("--state", help="Check these joints: NAME=VALUE,NAME=VALUE,… [rad or m], or just the values in order.")
+def check(
+    urdf: str,
+    srdf: str | None,
+    end_effector: str,
+    group: str,
+    package_dirs: tuple[str, ...],
+    scene: str | None,
+    request_path: str | None,
+    state: str | None,
+) -> None:
+    """Is this state free? If not, why. Exits with 1 when it is not."""
+    if (request_path is None) == (state is None):
+        raise click.UsageError("give either --request or --state.")
+    if request_path is not None:
+        request = srmp.load_moveit_request(request_path)
+        world = _make_world(urdf, srdf, end_effector, group or (request.group_name if srdf else ""), package_dirs, scene)
+        q = _place(world, urdf, request.start, request_path)
+    else:
+        world = _make_world(urdf, srdf, end_effector, group, package_dirs, scene)
+        q = _parse_state(world, urdf, state or "")
+    reasons = _limit_violations(world, q) + [str(contact) for contact in world.contacts("robot", q)]
+    for reason in reasons:
+        click.echo(reason)
+    if reasons:
+        raise click.exceptions.Exit(EXIT_NO_PATH)
+    nearest = world.nearest("robot", q)
+    click.echo("free" if nearest is None else f"free, nearest: {nearest}")
+
+
+def _parse_state(world: srmp.PlannerInterface, urdf: str, text: str) -> list[float]:
+    parts = [part.strip() for part in text.split(",")]
+    names = world.get_joint_names("robot")
+    try:
+        if "=" in text:
+            values = {key: float(value) for key, value in parse_key_values(parts).items()}
+            return _place(world, urdf, values, "--state")
+        numbers = [float(part) for part in parts]
+    except ValueError as error:
+        raise click.BadParameter(f"--state: {error}") from error
+    if len(numbers) != len(names):
+        raise click.BadParameter(f"--state has {len(numbers)} values, but the planned joints are {', '.join(names)}.")
+    return numbers
+
+
+def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[str]:
+    names, limits = world.get_joint_names("robot"), world.get_joint_limits("robot")
+    return [
+        f"{name}: {value:g} is outside its limits [{lower:g}, {upper:g}]"
+        for name, value, (lower, upper, _) in zip(names, q, limits, strict=True)
+        if not lower - 1e-9 <= value <= upper + 1e-9
+    ]
+
+
+@main.command("cmake-dir")
+def cmake_dir() -> None:
+    """Print the folder of srmpConfig.cmake, for -Dsrmp_DIR=…"""
+    click.echo(srmp.get_cmake_dir())
+
+
+@main.group()
+def bench() -> None:
+    """Benchmarks on public problem sets."""
+
+
+@bench.command()
+@click.option("--data", required=True, type=click.Path(exists=True, file_okay=False), help="Folder with <robot>/problems…")
+@click.option("--robot", required=True, help="panda, ur5 or fetch.")
+@click.option("--scenario", "scenarios", multiple=True, help="Only this one; may be repeated.")
+@click.option("--problems", default="", help="Numbers in each scenario, such as 1-10 or 1,3,5-7; default: all.")
+@_planner_options
+@click.option("--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model.")
+@click.option("--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row a problem.")
+def mbm(
+    data: str,
+    robot: str,
+    scenarios: tuple[str, ...],
+    problems: str,
+    planner: str,
+    options: tuple[str, ...],
+    time_limit: float,
+    geometry: str,
+    out: str | None,
+) -> None:
+    """MotionBenchMaker: solve its problems and print a table per scenario."""
+    from srmp._files import write_json
+    from srmp.bench import mbm as benchmark
+
+    if out and not Path(out).parent.is_dir():
+        raise click.BadParameter(f"--out: the folder {Path(out).parent} does not exist.")
+    result = benchmark.run(
+        data,
+        robot,
+        scenarios=scenarios,
+        problems=problems,
+        planner_id=planner,
+        options=parse_key_values(options),
+        geometry=geometry,
+        time_limit=time_limit,
+        progress=_progress_bar,
+    )
+    if result["rows"]:
+        click.echo(benchmark.format_statistics(result["rows"]))
+    for row in result["rows"]:
+        if row["status"] in ("start_invalid", "goal_invalid"):
+            click.echo(f"{row['problem']} is no valid problem: {row['reason']}")
+    if out:
+        write_json(out, result)
+        click.echo(f"wrote {out}")
+    if not result["header"]["complete"]:
+        raise click.Abort
+
+
+@contextlib.contextmanager
+def _progress_bar(problems: Sequence[Any]) -> Iterator[Iterator[Any]]:
+    """Shows what is being solved on stderr, where that is a terminal."""
+    from tqdm import tqdm
+
+    with tqdm(problems, unit="problem", disable=None, leave=False, dynamic_ncols=True) as bar:
+
+        def named() -> Iterator[Any]:
+            for problem in bar:
+                bar.set_description(problem.name)
+                yield problem
+
+        yield named()
+
+
+if __name__ == "__main__":
+    main()

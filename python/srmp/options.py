@@ -1,0 +1,117 @@
+"""Planner options with types: `planner.make_planner("panda", srmp.WAStar(weight=10))`.
+
+Each class is a planner of the paper's dictionary; its fields are that planner's options, with the library's defaults.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+__all__ = ["MHAStar", "ARAStar", "AStar", "WAStar", "WPASE", "XECBS"]
+
+
+@dataclasses.dataclass(kw_only=True)
+class _Options:
+    """Options that every planner has."""
+
+    planner_id: ClassVar[str]
+
+    time_limit: float = 5.0
+    """[s] over all phases of a plan, > 0."""
+    heuristic: str = "joint_euclidean"
+    """joint_euclidean | bfs."""
+    resolution: float = 6.0
+    """Lattice step of revolute joints [degrees], > 0."""
+    prismatic_resolution: float = 0.05
+    """Lattice step of prismatic joints [m], > 0."""
+    mprim_path: str = ""
+    """Motion primitives (YAML); "" = one and two steps of every joint."""
+    direction: str = "auto"
+    """Search from: forward = the start | backward = the goals | auto = the end with less clearance."""
+    bfs_resolution: float = 0.05
+    """Cell of the bfs heuristic's grid [m], > 0."""
+    bfs_radius: float = 0.05
+    """Obstacles are inflated by this in that grid [m], >= 0."""
+    ik_solutions: int = 16
+    """Configurations tried for a pose or position goal, > 0."""
+    shortcut: bool = True
+    """Shorten the path before timing it."""
+    sample_period: float = 0.02
+    """Of the returned trajectory [s], > 0."""
+    velocity_scaling: float = 1.0
+    """Share of the velocity limits that may be used, in (0, 1]."""
+    acceleration_scaling: float = 1.0
+    """Share of the acceleration and jerk limits, in (0, 1]."""
+
+    def to_dict(self) -> dict:
+        """The paper's dictionary."""
+        return {"planner_id": self.planner_id, **dataclasses.asdict(self)}
+
+
+@dataclasses.dataclass(kw_only=True)
+class AStar(_Options):
+    """A* (Hart, Nilsson, Raphael 1968): the shortest path on the lattice."""
+
+    planner_id: ClassVar[str] = "Astar"
+
+
+@dataclasses.dataclass(kw_only=True)
+class WAStar(_Options):
+    """Weighted A* with lazy edges (Pohl 1970; Cohen, Phillips, Likhachev 2014): cost <= weight * optimal."""
+
+    planner_id: ClassVar[str] = "wAstar"
+    weight: float = 50.0
+    """>= 1."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class ARAStar(_Options):
+    """ARA* (Likhachev, Gordon, Thrun 2003): anytime; a first path quickly, then better ones until the time limit."""
+
+    planner_id: ClassVar[str] = "ARAstar"
+    weight: float = 50.0
+    """First weight, >= 1."""
+    weight_delta: float = 10.0
+    """Taken off after every round, > 0."""
+    final_weight: float = 1.0
+    """Stop at this bound, >= 1."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class MHAStar(_Options):
+    """MHA* (Aine et al. 2016) with shared expansions: cost <= w1 * w2 * optimal."""
+
+    planner_id: ClassVar[str] = "MHAstar"
+    inadmissible_heuristics: list[str] = dataclasses.field(default_factory=lambda: ["bfs"])
+    """Beside the anchor, which is `heuristic`."""
+    w1: float = 20.0
+    """Inflation of every heuristic, >= 1."""
+    w2: float = 5.0
+    """How far the others may run ahead of the anchor, >= 1."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class WPASE(_Options):
+    """Parallel weighted search on edges (ePA*SE; Mukherjee, Aine, Likhachev 2022): cost <= weight * optimal."""
+
+    planner_id: ClassVar[str] = "wPASE"
+    weight: float = 50.0
+    """>= 1."""
+    num_threads: int = 4
+    """> 0; the path does not depend on it."""
+    batch_size: int = 16
+    """Edges evaluated together, > 0; another batch may find another path."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class XECBS(_Options):
+    """xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms. Accepted by make_planner; plan_multi does not run yet."""
+
+    planner_id: ClassVar[str] = "xECBS"
+    weight_low_level_heuristic: float = 50.0
+    """>= 1."""
+    high_level_focal_suboptimality: float = 1.3
+    """>= 1."""
+    low_level_focal_suboptimality: float = 1.3
+    """>= 1."""

@@ -1,0 +1,160 @@
+"""Pictures of motions, drawn with matplotlib from plain numbers: nothing here knows a planner."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d import Axes3D
+
+_CUBE_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+_CUBE_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
+_OBJECT_COLOUR = "#8d7b68"
+_FLOOR_COLOUR = "#e9e6e1"
+
+
+@dataclass
+class SceneDrawing:
+    """Solids in the world frame; poses are homogeneous (4, 4) matrices of their centres, sizes in metres."""
+
+    boxes: list[tuple[ArrayLike, ArrayLike]] = field(default_factory=list)  #: (edge lengths (3,), pose)
+    cylinders: list[tuple[float, float, ArrayLike]] = field(default_factory=list)  #: (radius, length along z, pose)
+    spheres: list[tuple[float, ArrayLike]] = field(default_factory=list)  #: (radius, centre (3,))
+
+
+@dataclass
+class MotionDrawing:
+    """An arm at m moments: polylines through its link origins."""
+
+    arms: Sequence[ArrayLike]  #: m times (links, 3) [m], base first
+    times: ArrayLike  #: (m,) [s]
+    end_effector_path: ArrayLike  #: (n, 3) [m], as fine as it shall look
+
+
+def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, title: str = "") -> None:
+    """Writes a picture of the scene and the motion, early arms dark, late ones bright; the suffix says the format.
+
+    Raises ModuleNotFoundError when matplotlib is not installed.
+    """
+    from matplotlib import colormaps
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 7.5), dpi=150, facecolor="white")
+    FigureCanvasAgg(figure)  # no window, no global state
+    axes: Any = figure.add_axes((0.0, 0.0, 0.94, 0.94), projection="3d", computed_zorder=False)
+    lower, upper = _bounds(scene, motion)
+    times = np.asarray(motion.times, dtype=float)
+    scale = Normalize(times[0], max(times[-1], times[0] + 1e-9))
+    colours = colormaps["plasma"]
+
+    _draw_floor(axes, lower, upper)
+    for size, pose in scene.boxes:
+        _draw_box(axes, np.asarray(size, dtype=float), np.asarray(pose, dtype=float))
+    for radius, length, pose in scene.cylinders:
+        _draw_cylinder(axes, radius, length, np.asarray(pose, dtype=float))
+    for radius, centre in scene.spheres:
+        _draw_sphere(axes, radius, np.asarray(centre, dtype=float))
+    for k, (arm, time) in enumerate(zip(motion.arms, times, strict=True)):
+        last = k in (0, len(times) - 1)
+        _draw_arm(axes, np.asarray(arm, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
+    tip = np.asarray(motion.end_effector_path, dtype=float)
+    axes.plot(*tip.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
+
+    _frame(axes, lower, upper)
+    _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))
+    if title:
+        figure.text(0.5, 0.955, title, ha="center", va="top", fontsize=13)
+    figure.savefig(path)
+
+
+def _truncated(colours: Any) -> Any:
+    """The part of the colour map that the arms use."""
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(colours(np.linspace(0.0, 0.9, 256)))
+
+
+def _bounds(scene: SceneDrawing, motion: MotionDrawing) -> tuple[np.ndarray, np.ndarray]:
+    points = [np.zeros((1, 3)), np.asarray(motion.end_effector_path, dtype=float).reshape(-1, 3)]
+    points += [np.asarray(arm, dtype=float) for arm in motion.arms]
+    for size, pose in scene.boxes:
+        points.append(_transform(np.asarray(pose, dtype=float), _CUBE_CORNERS * np.asarray(size, dtype=float)))
+    for radius, length, pose in scene.cylinders:
+        points.append(_transform(np.asarray(pose, dtype=float), 2 * _CUBE_CORNERS * [radius, radius, length / 2]))
+    for radius, centre in scene.spheres:
+        points.append(np.asarray(centre, dtype=float) + 2 * radius * _CUBE_CORNERS)
+    every = np.vstack(points)
+    return every.min(axis=0), every.max(axis=0)
+
+
+def _transform(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _draw_floor(axes: Axes3D, lower: np.ndarray, upper: np.ndarray) -> None:
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    (x0, y0, z), (x1, y1, _) = lower - 0.1, upper + 0.1
+    z = lower[2] - 1e-3
+    floor = Poly3DCollection([[(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]], facecolor=_FLOOR_COLOUR, zorder=0)
+    axes.add_collection3d(floor)
+
+
+def _draw_box(axes: Axes3D, size: np.ndarray, pose: np.ndarray) -> None:
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    corners = _transform(pose, _CUBE_CORNERS * size)
+    faces = Poly3DCollection(
+        [corners[list(face)] for face in _CUBE_FACES],
+        facecolors=_OBJECT_COLOUR,
+        edgecolors="#5b4f43",
+        linewidths=0.6,
+        alpha=0.28,
+        shade=True,
+        zorder=5,
+    )
+    axes.add_collection3d(faces)
+
+
+def _draw_cylinder(axes: Any, radius: float, length: float, pose: np.ndarray) -> None:
+    angle, height = np.meshgrid(np.linspace(0, 2 * np.pi, 33), [-length / 2, length / 2])
+    side = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+    points = _transform(pose, side.reshape(-1, 3)).reshape(side.shape)
+    axes.plot_surface(*np.moveaxis(points, -1, 0), color=_OBJECT_COLOUR, alpha=0.35, linewidth=0, zorder=5)
+    for rim in points:
+        axes.plot(*rim.T, color="#5b4f43", linewidth=0.6, zorder=6)
+
+
+def _draw_sphere(axes: Any, radius: float, centre: np.ndarray) -> None:
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
+    x, y, z = np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)
+    axes.plot_surface(
+        centre[0] + radius * x, centre[1] + radius * y, centre[2] + radius * z, color=_OBJECT_COLOUR, alpha=0.35, zorder=5
+    )
+
+
+def _draw_arm(axes: Any, arm: np.ndarray, colour: Any, alpha: float) -> None:
+    axes.plot(*arm.T, color=colour, alpha=alpha, linewidth=6, solid_capstyle="round", solid_joinstyle="round", zorder=20)
+    axes.plot(*arm.T, color="white", alpha=alpha, linewidth=0, marker="o", markersize=2.5, zorder=21)
+
+
+def _frame(axes: Any, lower: np.ndarray, upper: np.ndarray) -> None:
+    axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
+    axes.set_box_aspect(np.maximum(upper - lower, 1e-3), zoom=1.25)
+    axes.view_init(elev=22, azim=-58)
+    axes.set_axis_off()
+
+
+def _draw_time_scale(figure: Any, mappable: Any) -> None:
+    bar = figure.colorbar(mappable, cax=figure.add_axes((0.92, 0.25, 0.014, 0.45)))
+    bar.set_label("time [s]")
+    bar.outline.set_visible(False)

@@ -1,0 +1,183 @@
+#include "srmp/collision/bodies.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace srmp::detail {
+
+namespace {
+
+std::string full_name(const std::string& robot, const std::string& link) { return robot + "/" + link; }
+
+Body link_body(const RobotInstance& instance, std::size_t index, bool own) {
+  const LinkGeometry& geometry = instance.model->geometries()[index];
+  Bounds bounds = bounds_of(*geometry.shape);
+  bounds.center = geometry.center;
+  bounds.radius = geometry.radius;
+  const std::string scene_name = full_name(instance.model->name(), geometry.link);
+  return {own ? geometry.link : scene_name,
+          BodyKind::link,
+          geometry.shape,
+          instance.hulls[index],
+          bounds,
+          instance.padding,
+          own,
+          own ? geometry.movers : 0,
+          scene_name,
+          index};
+}
+
+Body object_body(const Object& object, BodyKind kind) {
+  return {object.name, kind, object.geometry, object.hull, bounds_of(*object.geometry), object.padding, false, 0,
+          object.name, 0};
+}
+
+/// Does contact between two bodies count?
+class Rules {
+ public:
+  Rules(const Scene& scene, const RobotModel& model)
+      : scene_(scene), model_(model), checked_(model.self_pairs().begin(), model.self_pairs().end()) {}
+
+  bool matters(const Body& a, const Body& b) {
+    if (allowed(a.scene_name, b.scene_name)) return false;
+    if (!a.own || !b.own || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
+    // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
+    return checked_.contains(std::minmax(a.source, b.source)) ||
+           model_.allowed(model_.geometries()[a.source].link, model_.geometries()[b.source].link);
+  }
+
+ private:
+  bool allowed(const std::string& a, const std::string& b) {
+    const auto [it, added] = known_.try_emplace({a, b}, false);  // several geometries share a link
+    if (added) it->second = scene_.allowed_collision(a, b);
+    return it->second;
+  }
+
+  const Scene& scene_;
+  const RobotModel& model_;
+  std::set<std::pair<std::size_t, std::size_t>> checked_;
+  std::map<std::pair<std::string, std::string>, bool> known_;
+};
+
+}  // namespace
+
+Bodies::Bodies(const Scene& scene, const std::string& robot) {
+  const RobotInstance& instance = scene.robot(robot);
+  const RobotDataPtr data = instance.model->make_data();
+  instance.model->set_other_positions(*data, instance.other_positions);
+  instance.model->forward(*data, instance.q);
+  add_robot_links(instance, *data);
+  add_objects(scene, instance, *data);
+  add_other_robots(scene, instance);
+
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const FixedBody& body : fixed) {
+    const Bounds& b = body.bounds;
+    const Eigen::Vector3d half = body.pose.linear().cwiseAbs() * b.box_half, center = body.pose * b.box_center;
+    boxes.emplace_back(center - half, center + half);
+    most_fixed_padding = std::max(most_fixed_padding, body.padding);
+  }
+  tree.build(boxes);
+  add_pairs(scene, instance, *data);
+}
+
+void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
+  const Eigen::Vector3d center = pose * body.bounds.center;
+  fixed.push_back({std::move(body), pose, center});
+}
+
+void Bodies::add_robot_links(const RobotInstance& instance, const RobotData& data) {
+  for (std::size_t i = 0; i < instance.model->geometries().size(); ++i) {
+    Body body = link_body(instance, i, true);
+    if (body.movers == 0)
+      add_fixed(std::move(body), instance.model->geometry_pose(data, i));
+    else
+      moving.push_back({std::move(body), Eigen::Isometry3d::Identity()});
+  }
+}
+
+void Bodies::add_objects(const Scene& scene, const RobotInstance& instance, const RobotData& data) {
+  const RobotModel& model = *instance.model;
+  const Pose to_base = instance.base.inverse();
+  for (const auto& [name, object] : scene.objects()) {
+    const auto it = scene.attachments().find(name);
+    if (it == scene.attachments().end()) {
+      add_fixed(object_body(object, BodyKind::object), (to_base * object.pose).isometry());
+    } else if (it->second.robot != model.name()) {
+      add_fixed(object_body(object, BodyKind::attached_object), (to_base * scene.object_pose(name)).isometry());
+    } else {
+      const std::size_t link = model.link_index(it->second.link);
+      Body body = object_body(object, BodyKind::attached_object);
+      body.own = true;
+      body.movers = model.link_movers(link);
+      body.source = link;
+      const Eigen::Isometry3d in_link = object.pose.isometry();
+      if (body.movers == 0)
+        add_fixed(std::move(body), model.link_pose(data, link) * in_link);
+      else
+        moving.push_back({std::move(body), in_link});
+    }
+  }
+}
+
+void Bodies::add_other_robots(const Scene& scene, const RobotInstance& planned) {
+  const Eigen::Isometry3d to_base = planned.base.inverse().isometry();
+  for (const auto& [name, instance] : scene.robots()) {
+    if (name == planned.model->name()) continue;
+    const RobotDataPtr data = instance.model->make_data();
+    instance.model->set_other_positions(*data, instance.other_positions);
+    instance.model->forward(*data, instance.q);
+    for (std::size_t i = 0; i < instance.model->geometries().size(); ++i)
+      add_fixed(link_body(instance, i, false),
+                to_base * instance.base.isometry() * instance.model->geometry_pose(*data, i));
+  }
+}
+
+void Bodies::add_pairs(const Scene& scene, const RobotInstance& instance, const RobotData& data) {
+  Rules rules(scene, *instance.model);
+  fixed_pair.assign(moving.size() * fixed.size(), -1);
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    for (std::size_t j = 0; j < fixed.size(); ++j)
+      if (rules.matters(moving[i], fixed[j])) add_pair(moving[i], false, i, fixed[j], true, j, instance, data);
+    for (std::size_t j = i + 1; j < moving.size(); ++j)
+      if (rules.matters(moving[i], moving[j])) add_pair(moving[i], false, i, moving[j], false, j, instance, data);
+  }
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    for (std::size_t j = 0; j < fixed.size(); ++j) {
+      const bool once = fixed[i].own && (!fixed[j].own || i < j);
+      if (once && rules.matters(fixed[i], fixed[j])) add_pair(fixed[i], true, i, fixed[j], true, j, instance, data);
+    }
+}
+
+void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib,
+                      const RobotInstance& instance, const RobotData& data) {
+  const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
+  if (a.movers == b.movers) {
+    const auto pose = [&](bool is_fixed, std::size_t i) {
+      return is_fixed ? fixed[i].pose : pose_of(moving[i], *instance.model, data);
+    };
+    const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
+    const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
+    if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;
+    const Placed placed_a{a.geometry.get(), pose_a, center_a}, placed_b{b.geometry.get(), pose_b, center_b};
+    if (NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance)
+      overlaps.push_back({a_fixed, b_fixed, index_a, index_b});
+    return;
+  }
+  Pair pair{index_a, index_b, b_fixed};
+  pair.hulls_are_exact = a.hull == a.geometry && b.hull == b.geometry;
+  pair.hulls_have_distance = is_convex_solid(*a.hull) && is_convex_solid(*b.hull);
+  pair.hull_functor = functors.index(*a.hull, *b.hull);
+  pair.functor = functors.index(*a.geometry, *b.geometry);
+  pair.padding = a.own && b.own ? 0.0 : a.padding + b.padding;
+  pair.movers_a = a.movers & ~b.movers;
+  pair.movers_b = b.movers & ~a.movers;
+  const auto id = static_cast<std::uint32_t>(pairs.size());
+  if (b_fixed)
+    fixed_pair[ia * fixed.size() + ib] = static_cast<std::int32_t>(id);
+  else
+    moving_pairs.push_back(id);
+  pairs.push_back(pair);
+}
+
+}  // namespace srmp::detail

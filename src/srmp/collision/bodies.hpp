@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "srmp/collision/broad_phase.hpp"
+#include "srmp/collision/checker.hpp"
+#include "srmp/collision/narrow_phase.hpp"
+
+// What a checker keeps of a scene: bodies, and the pairs of them that matter. In the planned robot's base frame.
+namespace srmp::detail {
+
+struct Body {
+  std::string name;
+  BodyKind kind{};
+  std::shared_ptr<const coal::CollisionGeometry> geometry;
+  std::shared_ptr<const coal::CollisionGeometry> hull;
+  Bounds bounds;
+  double padding{};
+  bool own{};              // a link of the planned robot, or attached to one
+  std::uint64_t movers{};  // drives of the planned robot that move it
+  std::string scene_name;  // as the scene resolves it
+  std::size_t source{};    // geometry index of a link; link index of an object in a moving hand
+};
+
+/// Moved by the planned joints: a geometry of the robot, or an object in a link's hand.
+struct MovingBody : Body {
+  Eigen::Isometry3d in_link;  // of an object in the hand
+  bool attached() const { return kind == BodyKind::attached_object; }
+};
+
+struct FixedBody : Body {
+  Eigen::Isometry3d pose;
+  Eigen::Vector3d center;  // of the bounding sphere
+};
+
+/// Two bodies that move relative to each other and may not touch.
+struct Pair {
+  std::uint32_t a{};  // moving body
+  std::uint32_t b{};  // moving or fixed body
+  bool b_fixed{};
+  bool hulls_are_exact{};      // the geometries are their own hulls
+  bool hulls_have_distance{};  // both hulls are convex solids
+  std::uint8_t hull_functor{}, functor{};
+  double padding{};
+  std::uint64_t movers_a{}, movers_b{};  // drives between the body and the nearest common frame
+};
+
+/// Two bodies at rest relative to each other that overlap.
+struct RigidOverlap {
+  bool a_fixed{}, b_fixed{};
+  std::uint32_t a{}, b{};
+};
+
+struct Bodies {
+  Bodies(const Scene& scene, const std::string& robot);
+
+  std::vector<MovingBody> moving;
+  std::vector<FixedBody> fixed;
+  std::vector<Pair> pairs;
+  std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
+  std::vector<std::uint32_t> moving_pairs;  // pairs of two moving bodies
+  std::vector<RigidOverlap> overlaps;
+  BoxTree tree;  // over fixed
+  double most_fixed_padding{};
+  FunctorTable functors;
+
+ private:
+  void add_robot_links(const RobotInstance& instance, const RobotData& data);
+  void add_objects(const Scene& scene, const RobotInstance& instance, const RobotData& data);
+  void add_other_robots(const Scene& scene, const RobotInstance& instance);
+  void add_fixed(Body body, const Eigen::Isometry3d& pose);
+  void add_pairs(const Scene& scene, const RobotInstance& instance, const RobotData& data);
+  void add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib,
+                const RobotInstance& instance, const RobotData& data);
+};
+
+/// The pose of a moving body at the configuration in `data`.
+inline Eigen::Isometry3d pose_of(const MovingBody& body, const RobotModel& model, const RobotData& data) {
+  return body.attached() ? model.link_pose(data, body.source) * body.in_link : model.geometry_pose(data, body.source);
+}
+
+}  // namespace srmp::detail

@@ -1,0 +1,427 @@
+#include "srmp/collision/checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "srmp/collision/bodies.hpp"
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+using detail::Bodies;
+using detail::FixedBody;
+using detail::MovingBody;
+using detail::NarrowPhase;
+using detail::Pair;
+using detail::Placed;
+using detail::Proximity;
+
+namespace {
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g mm", 1e3 * metres);
+  return text;
+}
+
+const char* kind_text(BodyKind kind) {
+  switch (kind) {
+    case BodyKind::link: return "link '";
+    case BodyKind::object: return "object '";
+    case BodyKind::attached_object: return "attached object '";
+  }
+  return "'";
+}
+
+}  // namespace
+
+std::string Contact::describe() const {
+  const std::string pair = kind_text(kind_a) + body_a + "' and " + kind_text(kind_b) + body_b + "'";
+  const double gap = distance + padding;
+  if (gap <= 0.0) return pair + " overlap by " + millimetres(-gap);
+  if (distance <= 0.0)
+    return pair + " are " + millimetres(gap) + " apart, less than their padding of " + millimetres(padding);
+  return pair + " are " + millimetres(gap) + " apart";
+}
+
+struct Checker::Impl {
+  Impl(const Scene& scene, const std::string& robot)
+      : instance(scene.robot(robot)), model(*instance.model), bodies(scene, robot) {
+    for (const Joint& joint : model.joints()) continuous.push_back(joint.kind == JointKind::continuous);
+  }
+
+  RobotInstance instance;
+  const RobotModel& model;
+  Bodies bodies;
+  std::vector<char> continuous;
+};
+
+/// The bodies at one configuration, and the scratch memory of the queries.
+class Checker::Workspace {
+ public:
+  explicit Workspace(const Impl& impl);
+
+  void place(ConstVector q);
+  double gap(const Pair& pair) const;
+  bool in_contact(const Pair& pair);
+  bool is_free_here();
+  template <class Visit>
+  bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
+
+  // --- motions
+  enum class Verdict { proved, contact, undecided };
+  void start_motion(ConstVector a, ConstVector b);
+  void place_on_motion(double t);
+  double displacement(std::size_t body, std::uint64_t movers, double half_width);
+  bool is_still(const Pair& pair) const { return ((pair.movers_a | pair.movers_b) & active_) == 0; }
+  Verdict judge(const Pair& pair, double half_width);
+  bool first_sample(bool a_is_free);
+  bool first_sample_of(std::size_t body, bool a_is_free);
+  bool bisect();
+  bool take(std::uint32_t pair, double half_width);
+  bool is_motion_free(bool a_is_free);
+
+  // --- reports
+  Placed placed(bool fixed, std::size_t index) const;
+  Contact contact(const detail::Body& a, const detail::Body& b, const Proximity& found, double padding) const;
+
+  const Impl& impl;
+  CheckStatistics statistics;
+
+ private:
+  Placed placed_a(const Pair& pair) const { return placed(false, pair.a); }
+  Placed placed_b(const Pair& pair) const { return placed(pair.b_fixed, pair.b); }
+  bool hulls_within(const Pair& pair, double margin, double& distance);
+  bool within(const Pair& pair, double margin);
+  double axis_reach(std::size_t body, std::size_t drive);
+
+  const Bodies& bodies_;
+  RobotDataPtr data_;
+  NarrowPhase narrow_;
+  std::vector<Eigen::Isometry3d> poses_;  // of moving bodies
+  std::vector<Eigen::Vector3d> centers_;  // of their bounding spheres
+  Eigen::VectorXd start_, delta_, q_;
+  std::uint64_t active_{};                                         // drives that this motion moves
+  std::vector<std::size_t> active_drives_;                         // deepest first
+  std::vector<double> speed_;                                      // of each drive [rad or m over the whole motion]
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes_;  // of active drives, here
+  std::vector<double> reach_;      // [body * drives + drive]: farthest point of the body from the drive's axis
+  std::vector<char> reach_known_;  // of this body, here
+  struct Interval {
+    std::uint32_t sample;
+    std::uint32_t pair;
+  };
+  std::vector<Interval> open_, next_;
+  std::vector<std::uint32_t> undecided_;
+};
+
+Checker::Workspace::Workspace(const Impl& checker)
+    : impl(checker), bodies_(checker.bodies), data_(checker.model.make_data()), narrow_(checker.bodies.functors) {
+  impl.model.set_other_positions(*data_, impl.instance.other_positions);
+  const std::size_t drives = impl.model.drives().size(), moving = bodies_.moving.size();
+  poses_.resize(moving);
+  centers_.resize(moving);
+  const auto dof = static_cast<Eigen::Index>(impl.model.dof());
+  start_ = delta_ = q_ = Eigen::VectorXd::Zero(dof);
+  active_drives_.reserve(drives);
+  speed_.resize(drives);
+  axes_.resize(drives);
+  reach_.resize(moving * drives);
+  reach_known_.resize(moving);
+}
+
+void Checker::Workspace::place(ConstVector q) {
+  ++statistics.configurations;
+  impl.model.forward(*data_, q);
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const MovingBody& body = bodies_.moving[i];
+    poses_[i] = detail::pose_of(body, impl.model, *data_);
+    centers_[i] = poses_[i] * body.bounds.center;
+  }
+}
+
+Placed Checker::Workspace::placed(bool fixed, std::size_t i) const {
+  if (fixed) return {bodies_.fixed[i].geometry.get(), bodies_.fixed[i].pose, bodies_.fixed[i].center};
+  return {bodies_.moving[i].geometry.get(), poses_[i], centers_[i]};
+}
+
+// --- one configuration
+
+/// A lower bound of the pair's distance: a sphere around a, and a box or a sphere around b. Padding not counted.
+double Checker::Workspace::gap(const Pair& pair) const {
+  const Eigen::Vector3d& center = centers_[pair.a];
+  const double radius = bodies_.moving[pair.a].bounds.radius;
+  if (!pair.b_fixed) return (center - centers_[pair.b]).norm() - radius - bodies_.moving[pair.b].bounds.radius;
+  const FixedBody& b = bodies_.fixed[pair.b];
+  const Eigen::Vector3d local = b.pose.linear().transpose() * (center - b.pose.translation()) - b.bounds.box_center;
+  return (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0).norm() - radius;
+}
+
+bool Checker::Workspace::hulls_within(const Pair& pair, double margin, double& distance) {
+  Placed a = placed_a(pair), b = placed_b(pair);
+  a.geometry = bodies_.moving[pair.a].hull.get();
+  b.geometry = pair.b_fixed ? bodies_.fixed[pair.b].hull.get() : bodies_.moving[pair.b].hull.get();
+  ++statistics.narrow_phase;
+  return narrow_.within(pair.hull_functor, a, b, margin, distance);
+}
+
+bool Checker::Workspace::within(const Pair& pair, double margin) {
+  double unused;
+  ++statistics.narrow_phase;
+  return narrow_.within(pair.functor, placed_a(pair), placed_b(pair), margin, unused);
+}
+
+/// Coal's verdict on the pair, padding counted. The hulls answer most of the time.
+bool Checker::Workspace::in_contact(const Pair& pair) {
+  if (gap(pair) > pair.padding + NarrowPhase::tolerance) return false;
+  if (pair.hulls_are_exact) return within(pair, pair.padding);
+  double unused;
+  return hulls_within(pair, pair.padding + NarrowPhase::tolerance, unused) && within(pair, pair.padding);
+}
+
+/// Visits the pairs of a moving body with those fixed bodies whose boxes come within `margin` plus padding of its
+/// sphere.
+template <class Visit>
+bool Checker::Workspace::for_each_fixed_near(std::size_t body, double margin, Visit&& visit) {
+  const MovingBody& moving = bodies_.moving[body];
+  const double reach =
+      moving.bounds.radius + moving.padding + bodies_.most_fixed_padding + margin + NarrowPhase::tolerance;
+  const std::int32_t* row = bodies_.fixed_pair.data() + body * bodies_.fixed.size();
+  return bodies_.tree.for_each_near(centers_[body], reach, [&](std::size_t fixed) {
+    return row[fixed] < 0 || visit(static_cast<std::uint32_t>(row[fixed]));
+  });
+}
+
+bool Checker::Workspace::is_free_here() {
+  for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
+    if (!for_each_fixed_near(i, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); }))
+      return false;
+  return std::none_of(bodies_.moving_pairs.begin(), bodies_.moving_pairs.end(),
+                      [&](std::uint32_t pair) { return in_contact(bodies_.pairs[pair]); });
+}
+
+// --- motions
+
+void Checker::Workspace::start_motion(ConstVector a, ConstVector b) {
+  start_ = a;
+  delta_ = b - a;
+  for (std::size_t i = 0; i < impl.continuous.size(); ++i)
+    if (impl.continuous[i]) delta_[i] = std::remainder(delta_[i], 2.0 * std::numbers::pi);
+  active_ = 0;
+  active_drives_.clear();
+  const std::vector<Drive>& drives = impl.model.drives();
+  for (std::size_t k = drives.size(); k-- > 0;) {  // children first
+    speed_[k] = std::abs(drives[k].ratio * delta_[static_cast<Eigen::Index>(drives[k].joint)]);
+    if (speed_[k] == 0.0) continue;
+    active_ |= std::uint64_t{1} << k;
+    active_drives_.push_back(k);
+  }
+}
+
+void Checker::Workspace::place_on_motion(double t) {
+  q_ = start_ + t * delta_;
+  place(q_);
+  for (std::size_t k : active_drives_) axes_[k] = impl.model.drive_axis(*data_, k);
+  std::fill(reach_known_.begin(), reach_known_.end(), 0);
+}
+
+/// The farthest that a point of the body may be from the drive's axis, here.
+double Checker::Workspace::axis_reach(std::size_t body, std::size_t drive) {
+  const std::size_t drives = speed_.size();
+  double* reach = reach_.data() + body * drives;
+  if (!reach_known_[body]) {
+    for (std::size_t k : active_drives_)
+      reach[k] = (centers_[body] - axes_[k].first).cross(axes_[k].second).norm() + bodies_.moving[body].bounds.radius;
+    reach_known_[body] = 1;
+  }
+  return reach[drive];
+}
+
+/// How far any point of the body can get from where it is here, within `half_width` of the motion's parameter, by the
+/// drives in `movers` alone. The drives are undone one after the other, deepest first: a drive turns about the axis it
+/// has here, since all above it still stand as they do here, a body that the deeper ones moved by `moved` at most.
+double Checker::Workspace::displacement(std::size_t body, std::uint64_t movers, double half_width) {
+  double moved = 0.0;
+  for (std::size_t k : active_drives_) {
+    if (!(movers >> k & 1)) continue;
+    const double change = speed_[k] * half_width;
+    moved += impl.model.drives()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
+  }
+  return moved;
+}
+
+Checker::Workspace::Verdict Checker::Workspace::judge(const Pair& pair, double half_width) {
+  double motion = displacement(pair.a, pair.movers_a, half_width);
+  if (pair.movers_b & active_) motion += displacement(pair.b, pair.movers_b, half_width);
+  const double margin = pair.padding + motion + NarrowPhase::tolerance;
+  if (gap(pair) > margin) return Verdict::proved;
+
+  double distance = 0.0;
+  if (!hulls_within(pair, margin, distance)) return Verdict::proved;
+  const Verdict unproved = motion < motion_floor ? Verdict::contact : Verdict::undecided;
+  if (pair.hulls_have_distance) {
+    if (pair.hulls_are_exact) return distance <= pair.padding ? Verdict::contact : unproved;
+    // Three more halvings let the hulls prove it: cheaper than asking the meshes.
+    if (distance > margin - 0.9 * motion) return unproved;
+  }
+  if (!pair.hulls_are_exact && !within(pair, margin)) return Verdict::proved;
+  return within(pair, pair.padding) ? Verdict::contact : unproved;
+}
+
+/// Judges the pair over an interval around here and remembers it when undecided; false when the motion is not free.
+bool Checker::Workspace::take(std::uint32_t pair, double half_width) {
+  const Verdict verdict = judge(bodies_.pairs[pair], half_width);
+  if (verdict == Verdict::undecided) undecided_.push_back(pair);
+  return verdict != Verdict::contact;
+}
+
+bool Checker::Workspace::first_sample_of(std::size_t body, bool a_is_free) {
+  constexpr double half_width = 0.5;
+  if (bodies_.moving[body].movers & active_)
+    return for_each_fixed_near(body, displacement(body, bodies_.moving[body].movers, half_width),
+                               [&](std::uint32_t pair) { return take(pair, half_width); });
+  if (a_is_free) return true;
+  return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); });
+}
+
+/// The whole motion as one interval around its middle.
+bool Checker::Workspace::first_sample(bool a_is_free) {
+  undecided_.clear();
+  place_on_motion(0.5);
+  for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
+    if (!first_sample_of(i, a_is_free)) return false;
+  for (std::uint32_t id : bodies_.moving_pairs) {
+    const Pair& pair = bodies_.pairs[id];
+    if (is_still(pair) ? !a_is_free && in_contact(pair) : !take(id, 0.5)) return false;
+  }
+  return true;
+}
+
+/// Halves the intervals of the pairs still undecided, level by level, so that the samples of a level are placed once
+/// for all pairs and a contact shows early. Sample s of a level with half width h is at (2 s + 1) h.
+bool Checker::Workspace::bisect() {
+  open_.clear();
+  for (std::uint32_t sample : {0u, 1u})
+    for (std::uint32_t pair : undecided_) open_.push_back({sample, pair});
+  for (double half_width = 0.25; !open_.empty(); half_width /= 2) {
+    next_.clear();
+    for (std::size_t i = 0; i < open_.size();) {
+      const std::uint32_t sample = open_[i].sample;
+      place_on_motion((2.0 * sample + 1.0) * half_width);
+      undecided_.clear();
+      for (; i < open_.size() && open_[i].sample == sample; ++i)
+        if (!take(open_[i].pair, half_width)) return false;
+      for (std::uint32_t child : {2 * sample, 2 * sample + 1})
+        for (std::uint32_t pair : undecided_) next_.push_back({child, pair});
+    }
+    std::swap(open_, next_);
+  }
+  return true;
+}
+
+bool Checker::Workspace::is_motion_free(bool a_is_free) {
+  if (active_ != 0) return first_sample(a_is_free) && bisect();
+  if (a_is_free) return true;
+  place(start_);
+  return is_free_here();
+}
+
+// --- the public face
+
+Checker::Checker(const Scene& scene, const std::string& robot) : impl_(std::make_unique<const Impl>(scene, robot)) {}
+Checker::~Checker() = default;
+
+const RobotModel& Checker::robot() const { return impl_->model; }
+const Pose& Checker::base() const { return impl_->instance.base; }
+
+void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
+
+Checker::WorkspacePtr Checker::make_workspace() const { return WorkspacePtr(new Workspace(*impl_)); }
+
+const CheckStatistics& Checker::statistics(const Workspace& workspace) const { return workspace.statistics; }
+
+bool Checker::is_free(ConstVector q, Workspace& workspace) const {
+  impl_->model.require_configuration(q, "configuration");
+  ++workspace.statistics.states;
+  if (!impl_->bodies.overlaps.empty()) return false;
+  workspace.place(q);
+  return workspace.is_free_here();
+}
+
+bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free) const {
+  impl_->model.require_configuration(a, "start of the motion");
+  impl_->model.require_configuration(b, "end of the motion");
+  ++workspace.statistics.motions;
+  if (!impl_->bodies.overlaps.empty()) return false;
+  workspace.start_motion(a, b);
+  return workspace.is_motion_free(a_is_free);
+}
+
+Contact Checker::Workspace::contact(const detail::Body& a, const detail::Body& b, const Proximity& found,
+                                    double padding) const {
+  const Pose& base = impl.instance.base;
+  return {a.name, b.name, found.distance - padding, base * found.point_a, base * found.point_b, padding,
+          a.kind, b.kind};
+}
+
+namespace {
+
+const detail::Body& body_of(const Bodies& bodies, bool fixed, std::size_t index) {
+  if (fixed) return bodies.fixed[index];
+  return bodies.moving[index];
+}
+
+/// One entry a pair of bodies, the deepest; deepest first, then by name.
+void tidy(std::vector<Contact>& contacts) {
+  const auto names = [](const Contact& c) { return std::tie(c.body_a, c.body_b); };
+  std::stable_sort(contacts.begin(), contacts.end(), [&](const Contact& a, const Contact& b) {
+    return names(a) != names(b) ? names(a) < names(b) : a.distance < b.distance;
+  });
+  const auto same = [&](const Contact& a, const Contact& b) { return names(a) == names(b); };
+  contacts.erase(std::unique(contacts.begin(), contacts.end(), same), contacts.end());
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const Contact& a, const Contact& b) { return a.distance < b.distance; });
+}
+
+}  // namespace
+
+std::vector<Contact> Checker::contacts(ConstVector q, Workspace& workspace) const {
+  impl_->model.require_configuration(q, "configuration");
+  const Bodies& bodies = impl_->bodies;
+  workspace.place(q);
+  std::vector<Contact> contacts;
+  const auto add = [&](bool a_fixed, std::size_t a, bool b_fixed, std::size_t b, double padding) {
+    const Proximity found = NarrowPhase::deepest(workspace.placed(a_fixed, a), workspace.placed(b_fixed, b), padding);
+    contacts.push_back(workspace.contact(body_of(bodies, a_fixed, a), body_of(bodies, b_fixed, b), found, padding));
+  };
+  for (const detail::RigidOverlap& overlap : bodies.overlaps)
+    add(overlap.a_fixed, overlap.a, overlap.b_fixed, overlap.b, 0.0);
+  for (const Pair& pair : bodies.pairs)
+    if (workspace.in_contact(pair)) add(false, pair.a, pair.b_fixed, pair.b, pair.padding);
+  tidy(contacts);
+  return contacts;
+}
+
+std::optional<Contact> Checker::nearest(ConstVector q, Workspace& workspace) const {
+  std::vector<Contact> in_contact = contacts(q, workspace);
+  if (!in_contact.empty()) return in_contact.front();
+  const Bodies& bodies = impl_->bodies;
+  std::vector<std::pair<double, std::size_t>> order;  // by the lower bound, so that most are never asked
+  for (std::size_t i = 0; i < bodies.pairs.size(); ++i)
+    order.emplace_back(workspace.gap(bodies.pairs[i]) - bodies.pairs[i].padding, i);
+  std::sort(order.begin(), order.end());
+  std::optional<Contact> best;
+  for (const auto& [bound, i] : order) {
+    if (best && bound > best->distance) break;
+    const Pair& pair = bodies.pairs[i];
+    const Proximity found =
+        NarrowPhase::distance(workspace.placed(false, pair.a), workspace.placed(pair.b_fixed, pair.b));
+    if (!best || found.distance - pair.padding < best->distance)
+      best = workspace.contact(bodies.moving[pair.a], body_of(bodies, pair.b_fixed, pair.b), found, pair.padding);
+  }
+  return best;
+}
+
+}  // namespace srmp

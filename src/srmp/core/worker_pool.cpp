@@ -1,0 +1,58 @@
+#include "srmp/core/worker_pool.hpp"
+
+namespace srmp {
+
+WorkerPool::WorkerPool(std::size_t workers) {
+  for (std::size_t worker = 1; worker < workers; ++worker) threads_.emplace_back([this, worker] { work(worker); });
+}
+
+WorkerPool::~WorkerPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  start_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void WorkerPool::run_share(std::size_t worker) const {
+  for (std::size_t i = worker; i < count_; i += size()) (*job_)(worker, i);
+}
+
+void WorkerPool::run(std::size_t count, const std::function<void(std::size_t, std::size_t)>& job) {
+  if (count < 2 || threads_.empty()) {
+    for (std::size_t i = 0; i < count; ++i) job(0, i);
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    job_ = &job;
+    count_ = count;
+    running_ = threads_.size();
+    ++round_;
+  }
+  start_.notify_all();
+  run_share(0);
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return running_ == 0; });
+}
+
+void WorkerPool::work(std::size_t worker) {
+  std::size_t seen = 0;
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      start_.wait(lock, [&] { return stop_ || round_ != seen; });
+      if (stop_) return;
+      seen = round_;
+    }
+    run_share(worker);
+    {
+      const std::lock_guard lock(mutex_);
+      --running_;
+    }
+    done_.notify_one();
+  }
+}
+
+}  // namespace srmp

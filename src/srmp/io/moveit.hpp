@@ -1,0 +1,131 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "srmp/core/pose.hpp"
+#include "srmp/scene/scene.hpp"
+#include "srmp/scene/shape.hpp"
+
+/// Files. What MoveIt writes as YAML (moveit_msgs/PlanningScene, moveit_msgs/MotionPlanRequest; MotionBenchMaker's
+/// scene*.yaml and request*.yaml), as plain names and numbers: no robot is needed to read one.
+namespace srmp::io {
+
+/// One shape of a collision object. An object of several shapes gives "id", "id_1", "id_2", …
+struct SceneObject {
+  std::string name;   ///< unique in the file
+  std::string id;     ///< of the collision object it belongs to
+  std::string frame;  ///< that `pose` is given in; "" = the planning frame
+  Shape shape;
+  Pose pose;          ///< object pose * shape pose
+};
+
+/// A collision object in the robot's hand.
+struct AttachedObject {
+  std::string link;
+  std::vector<SceneObject> objects;
+  std::vector<std::string> touch_links;
+};
+
+struct RobotState {
+  std::map<std::string, double> joints;           ///< joint → [rad or m]
+  std::map<std::string, Pose> multi_dof_joints;   ///< floating and planar joints, such as SRDF virtual joints
+  std::vector<AttachedObject> attached;
+};
+
+/// entries[i][k]: may names[i] and names[k] touch?
+struct AllowedCollisionMatrix {
+  std::vector<std::string> names;
+  std::vector<std::vector<bool>> entries;
+  std::map<std::string, bool> defaults;  ///< name → allowed with everything that has no entry
+};
+
+struct FixedFrame {
+  std::string name;
+  Pose pose;  ///< in the planning frame
+};
+
+struct SceneFile {
+  std::string path;
+  std::string name;
+  std::string robot_model_name;
+  std::vector<SceneObject> objects;
+  std::vector<FixedFrame> fixed_frames;
+  AllowedCollisionMatrix allowed_collisions;
+  RobotState robot_state;
+};
+
+struct JointConstraint {
+  std::string joint;
+  double position{};         ///< [rad or m]
+  double tolerance_above{};  ///< [rad or m], >= 0
+  double tolerance_below{};  ///< [rad or m], >= 0
+};
+
+/// The origin of a link must be in a region.
+struct PositionConstraint {
+  std::string link;
+  std::string frame;  ///< of `pose`; "" = the planning frame
+  Shape region;       ///< Box or Sphere
+  Pose pose;          ///< of the region
+};
+
+struct OrientationConstraint {
+  std::string link;
+  std::string frame;  ///< "" = the planning frame
+  Eigen::Quaterniond orientation{Eigen::Quaterniond::Identity()};
+  Eigen::Vector3d tolerance{Eigen::Vector3d::Zero()};  ///< [rad] about x, y, z, >= 0
+  bool rotation_vector{false};  ///< tolerance bounds the rotation vector's parts; otherwise intrinsic x, y, z angles
+};
+
+/// One way to reach the goal: all of its constraints must hold.
+struct GoalAlternative {
+  std::string name;
+  std::vector<JointConstraint> joints;
+  std::vector<PositionConstraint> positions;
+  std::vector<OrientationConstraint> orientations;
+};
+
+struct WorkspaceBounds {
+  std::string frame;
+  Eigen::Vector3d min_corner;  ///< [m]
+  Eigen::Vector3d max_corner;  ///< [m]
+};
+
+struct RequestFile {
+  std::string path;
+  std::string group_name;
+  std::string planner_id;
+  std::string pipeline_id;
+  RobotState start_state;
+  std::vector<GoalAlternative> goals;            ///< at least one; reaching any is enough
+  std::optional<double> allowed_planning_time;   ///< [s], > 0; MoveIt's 0 means "not said"
+  double velocity_scaling{1.0};                  ///< in (0, 1]; MoveIt's 0 means 1
+  double acceleration_scaling{1.0};              ///< in (0, 1]; MoveIt's 0 means 1
+  std::optional<WorkspaceBounds> workspace;
+};
+
+/// Both throw FileError, with file and line, for anything missing, misspelt (with the nearest known key), NaN, zero
+/// quaternions (they are [x, y, z, w], or a map), sizes not above 0, or numbers that do not match; and NotSupported for
+/// what is right but not done here (planes, octomaps, link padding; path constraints, …). Nothing is skipped silently
+/// but colours, stamps, object types, subframes, and joint velocities and efforts.
+SceneFile read_moveit_scene(const std::string& path);
+RequestFile read_moveit_request(const std::string& path);
+
+/// Puts the file's objects, attached objects and their allowed collisions into the scene, or throws and changes nothing.
+///
+/// `planning_frame` is where the file's planning frame is in the world: for MotionBenchMaker the base of the robot.
+/// Frames of objects are looked up among the file's fixed frames, then the links of the scene's robots (where set_qpos
+/// put them). Robots are not moved: robot_state is for the caller to judge.
+///
+/// Of the allowed-collision matrix only the entries that concern an object of the file are taken. Those between two
+/// links repeat the SRDF's (or are older than it) and the scene's robot has its own rules; names of links or objects
+/// that are neither in the file nor in the scene are refused when an object's entry allows contact with them.
+void apply(const SceneFile& file, Scene& scene, const Pose& planning_frame = {});
+
+/// Adds and attaches the objects that a request's start state holds, or throws and changes nothing.
+void apply_attached(const RequestFile& file, Scene& scene, const Pose& planning_frame = {});
+
+}  // namespace srmp::io

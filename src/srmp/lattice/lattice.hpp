@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "srmp/core/worker_pool.hpp"
+#include "srmp/lattice/primitives.hpp"
+#include "srmp/lattice/state_table.hpp"
+#include "srmp/search/graph.hpp"
+
+namespace srmp {
+
+/// Is the straight motion from a to b free? `a` itself is known to be free. `worker` says whose scratch memory to use;
+/// the answer must not depend on it.
+using MotionValidator = std::function<bool(std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b)>;
+
+/// The implicit graph of a robot's motions: what one can reach from the anchors by motion primitives, plus straight
+/// snaps to the targets. Models search::Graph; all edges are straight joint-space motions, so the reverse of a path is
+/// a path too and the same class serves a backward search (anchors = goals, targets = start).
+///
+/// - States lie on a grid hung up at their anchor (grid unit 1e-4 degree or 1e-6 m, so that any mix of primitives meets
+///   exactly); continuous joints wrap. Anchors are states 0, 1, …; targets follow.
+/// - An edge costs its joint-space length [rad; prismatic joints in m count as they are].
+/// - From every state a snap leads to each target within `snap_distance`.
+class Lattice {
+ public:
+  struct Options {
+    PrimitiveSet primitives;
+    double snap_distance{search::infinity};  ///< [rad], >= 0
+  };
+
+  /// All anchors and targets must be free configurations within limits. Batches of edges are shared out to `workers`.
+  Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, std::vector<Eigen::VectorXd> targets,
+          Options options, MotionValidator validator, std::size_t workers = 1);
+
+  // --- search::Graph
+  void successors(search::StateId state, std::vector<search::Successor>& out);
+  void evaluate(std::span<const search::Edge> edges, std::span<double> costs);
+  bool is_goal(search::StateId state) const { return state >= anchor_count() && state < anchor_count() + targets_.size(); }
+
+  std::vector<search::StateId> starts() const;
+  Eigen::VectorXd configuration(search::StateId state) const;
+  std::size_t anchor_count() const { return anchors_.size(); }
+  const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
+  /// Joint-space distance from a state to its nearest target: a consistent heuristic.
+  double distance_to_targets(search::StateId state) const;
+  double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+  /// The configurations of a path, continuous joints unwrapped so that neighbours differ by the short way.
+  std::vector<Eigen::VectorXd> configurations(std::span<const search::StateId> path) const;
+  std::size_t size() const { return table_.size(); }
+  std::size_t memory() const { return table_.memory(); }
+
+ private:
+  struct Move {
+    std::vector<std::int32_t> steps;  // in grid units, one entry a joint
+    double cost;
+  };
+  struct Family {
+    PrimitiveUse use;
+    std::vector<Move> moves;
+  };
+
+  void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
+  bool apply(search::StateId state, const Move& move);  // into scratch_key_; false when a limit is broken
+  void read_configuration(search::StateId state, Eigen::VectorXd& q) const;
+
+  const std::vector<Joint>& joints_;
+  std::vector<Eigen::VectorXd> anchors_;
+  std::vector<Eigen::VectorXd> targets_;
+  double near_distance_;
+  double snap_distance_;
+  MotionValidator validator_;
+  std::vector<Family> families_;
+  std::vector<double> unit_;  // of the grid, one entry a joint [rad or m]
+  StateTable table_;          // key: anchor number, then grid coordinates
+  std::vector<std::int32_t> scratch_key_;
+  mutable Eigen::VectorXd q_;
+  std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ends_;  // of the motion a worker is at
+  WorkerPool workers_;
+};
+
+}  // namespace srmp

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "srmp/robot/robot_model.hpp"
+
+namespace srmp {
+
+/// Where on the way a family of motion primitives is used.
+enum class PrimitiveUse {
+  always,
+  far,   ///< only from states farther than PrimitiveSet::near_distance from every goal
+  near,  ///< only from the others
+};
+
+/// Moves that belong together. A move is a joint displacement [rad or m], one entry a planned joint.
+struct PrimitiveFamily {
+  std::string name;
+  PrimitiveUse use{PrimitiveUse::always};
+  std::vector<Eigen::VectorXd> moves;
+};
+
+/// The action space of a lattice (Cohen, Chitta, Likhachev 2010, "Search-based planning for manipulation with motion
+/// primitives"; long and short ones as in Cohen et al. 2011, "Planning for manipulation with adaptive motion primitives").
+struct PrimitiveSet {
+  std::vector<PrimitiveFamily> families;
+  double near_distance{0.4};  ///< joint-space distance to the goal [rad]
+};
+
+/// Every planned joint alone, both ways: by two steps when far from the goal, by one step always.
+/// `step` has one entry a joint [rad or m], > 0.
+PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
+
+}  // namespace srmp

@@ -1,0 +1,41 @@
+#include "srmp/planner/goal.hpp"
+
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+std::string_view to_string(GoalType type) {
+  switch (type) {
+    case GoalType::joints: return "joints";
+    case GoalType::pose: return "pose";
+    case GoalType::position: return "position";
+  }
+  return "unknown";
+}
+
+GoalConstraint GoalConstraint::joints(const Eigen::VectorXd& q) { return {GoalType::joints, {q}}; }
+
+GoalConstraint GoalConstraint::pose(const Pose& pose) {
+  const auto numbers = pose.to_list();
+  return {GoalType::pose, {Eigen::Map<const Eigen::VectorXd>(numbers.data(), 7)}};
+}
+
+GoalConstraint GoalConstraint::position(const Eigen::Vector3d& p) { return {GoalType::position, {p}}; }
+
+void GoalConstraint::validate() const {
+  if (targets.empty()) throw InvalidArgument("the goal has no target; give at least one");
+  require_positive(position_tolerance, "goal position_tolerance");
+  require_positive(rotation_tolerance, "goal rotation_tolerance");
+  for (const Eigen::VectorXd& target : targets) {
+    const std::span<const double> numbers(target.data(), static_cast<std::size_t>(target.size()));
+    if (type == GoalType::pose) {
+      Pose::from_list(numbers);
+    } else {
+      require_finite(numbers, "goal " + std::string(to_string(type)));
+      if (type == GoalType::position && target.size() != 3)
+        throw InvalidArgument("a position goal is 3 numbers, x, y, z, but got " + std::to_string(target.size()));
+    }
+  }
+}
+
+}  // namespace srmp

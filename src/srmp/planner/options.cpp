@@ -1,0 +1,288 @@
+#include "srmp/planner/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+
+struct Range {
+  double low{-inf};
+  double high{inf};
+  bool open_low{false};  // low itself is not allowed
+};
+constexpr Range above_zero{0.0, inf, true};
+constexpr Range from_zero{0.0, inf};
+constexpr Range from_one{1.0, inf};
+constexpr Range share{0.0, 1.0, true};
+
+const std::vector<std::string> heuristics{"joint_euclidean", "bfs"};
+const std::vector<std::string> directions{"auto", "forward", "backward"};
+
+// One list of fields for each planner: reading, checking, writing and suggesting all walk it.
+template <class V>
+void visit_fields(CommonOptions& o, V&& field) {
+  field("time_limit", o.time_limit, above_zero);
+  field("heuristic", o.heuristic, heuristics);
+  field("resolution", o.resolution, above_zero);
+  field("prismatic_resolution", o.prismatic_resolution, above_zero);
+  field("mprim_path", o.mprim_path, std::vector<std::string>{});
+  field("direction", o.direction, directions);
+  field("bfs_resolution", o.bfs_resolution, above_zero);
+  field("bfs_radius", o.bfs_radius, from_zero);
+  field("ik_solutions", o.ik_solutions, above_zero);
+  field("shortcut", o.shortcut, Range{});
+  field("sample_period", o.sample_period, above_zero);
+  field("velocity_scaling", o.velocity_scaling, share);
+  field("acceleration_scaling", o.acceleration_scaling, share);
+}
+template <class V>
+void visit_fields(AStar& o, V&& field) {
+  visit_fields(o.common, field);
+}
+template <class V>
+void visit_fields(WAStar& o, V&& field) {
+  visit_fields(o.common, field);
+  field("weight", o.weight, from_one);
+}
+template <class V>
+void visit_fields(ARAStar& o, V&& field) {
+  visit_fields(o.common, field);
+  field("weight", o.weight, from_one);
+  field("weight_delta", o.weight_delta, above_zero);
+  field("final_weight", o.final_weight, from_one);
+}
+template <class V>
+void visit_fields(MHAStar& o, V&& field) {
+  visit_fields(o.common, field);
+  field("inadmissible_heuristics", o.inadmissible_heuristics, heuristics);
+  field("w1", o.w1, from_one);
+  field("w2", o.w2, from_one);
+}
+template <class V>
+void visit_fields(WPASE& o, V&& field) {
+  visit_fields(o.common, field);
+  field("weight", o.weight, from_one);
+  field("num_threads", o.num_threads, above_zero);
+  field("batch_size", o.batch_size, above_zero);
+}
+template <class V>
+void visit_fields(XECBS& o, V&& field) {
+  visit_fields(o.common, field);
+  field("weight_low_level_heuristic", o.weight_low_level_heuristic, from_one);
+  field("high_level_focal_suboptimality", o.high_level_focal_suboptimality, from_one);
+  field("low_level_focal_suboptimality", o.low_level_focal_suboptimality, from_one);
+}
+
+std::string option(const std::string& key) { return "option '" + key + "'"; }
+
+double as_number(const std::string& key, const OptionValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    double number{};
+    const char* end = text->data() + text->size();
+    const auto [stop, error] = std::from_chars(text->data(), end, number);
+    if (error == std::errc{} && stop == end) return number;
+    throw InvalidArgument(option(key) + " is '" + *text + "'; it must be a number");
+  }
+  throw InvalidArgument(option(key) + " must be a number");
+}
+
+bool as_bool(const std::string& key, const OptionValue& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag;
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    if (*text == "true" || *text == "True" || *text == "1") return true;
+    if (*text == "false" || *text == "False" || *text == "0") return false;
+  }
+  if (const auto* number = std::get_if<double>(&value); number && (*number == 0.0 || *number == 1.0)) return *number == 1.0;
+  throw InvalidArgument(option(key) + " must be true or false");
+}
+
+std::vector<std::string> as_words(const std::string& key, const OptionValue& value) {
+  if (const auto* words = std::get_if<std::vector<std::string>>(&value)) return *words;
+  const auto* text = std::get_if<std::string>(&value);
+  if (!text) throw InvalidArgument(option(key) + " must be a list of names");
+  std::vector<std::string> words;
+  std::string word;
+  for (const char c : *text + ',') {
+    if (c != ',' && c != ' ') word += c;
+    else if (!word.empty()) words.push_back(std::move(word)), word.clear();
+  }
+  return words;
+}
+
+void require_in(const std::string& key, double value, const Range& range) {
+  const bool ok = std::isfinite(value) && (range.open_low ? value > range.low : value >= range.low) && value <= range.high;
+  if (ok) return;
+  std::string allowed = std::string("it must be ") + (range.open_low ? "above " : "at least ") + to_text(range.low);
+  if (range.high < inf) allowed += " and at most " + to_text(range.high);
+  throw InvalidArgument(option(key) + " is " + to_text(value) + "; " + allowed);
+}
+
+void require_word(const std::string& key, const std::string& word, const std::vector<std::string>& known) {
+  if (known.empty() || std::find(known.begin(), known.end(), word) != known.end()) return;
+  throw InvalidArgument(option(key) + " is '" + word + "'" + did_you_mean(word, known) + " Known are " + quoted_list(known));
+}
+
+struct Reader {
+  const OptionMap& map;
+  std::vector<std::string> known{"planner_id"};
+
+  const OptionValue* find(const std::string& key) {
+    known.push_back(key);
+    const auto it = map.find(key);
+    return it == map.end() ? nullptr : &it->second;
+  }
+  void operator()(const std::string& key, double& field, const Range&) {
+    if (const auto* value = find(key)) field = as_number(key, *value);
+  }
+  void operator()(const std::string& key, int& field, const Range& range) {
+    const auto* value = find(key);
+    if (!value) return;
+    const double number = as_number(key, *value);
+    require_in(key, number, range);
+    if (number != std::floor(number) || number > 1e9) throw InvalidArgument(option(key) + " is " + to_text(number) + "; it must be a whole number");
+    field = static_cast<int>(number);
+  }
+  void operator()(const std::string& key, bool& field, const Range&) {
+    if (const auto* value = find(key)) field = as_bool(key, *value);
+  }
+  void operator()(const std::string& key, std::string& field, const std::vector<std::string>&) {
+    const auto* value = find(key);
+    if (!value) return;
+    const auto* text = std::get_if<std::string>(value);
+    if (!text) throw InvalidArgument(option(key) + " must be a word");
+    field = *text;
+  }
+  void operator()(const std::string& key, std::vector<std::string>& field, const std::vector<std::string>&) {
+    if (const auto* value = find(key)) field = as_words(key, *value);
+  }
+};
+
+struct Validator {
+  void operator()(const std::string& key, double& field, const Range& range) { require_in(key, field, range); }
+  void operator()(const std::string& key, int& field, const Range& range) { require_in(key, field, range); }
+  void operator()(const std::string&, bool&, const Range&) {}
+  void operator()(const std::string& key, std::string& field, const std::vector<std::string>& known) {
+    require_word(key, field, known);
+  }
+  void operator()(const std::string& key, std::vector<std::string>& field, const std::vector<std::string>& known) {
+    for (const std::string& word : field) require_word(key, word, known);
+  }
+};
+
+struct Writer {
+  OptionMap& map;
+  template <class Field, class Allowed>
+  void operator()(const std::string& key, Field& field, const Allowed&) {
+    if constexpr (std::is_same_v<Field, int>) map[key] = static_cast<double>(field);
+    else map[key] = field;
+  }
+};
+
+struct Planner {
+  PlannerInfo info;
+  PlannerOptions defaults;
+  std::vector<std::string> spellings;  // compared without case and without '-', '_', ' '
+};
+
+const std::vector<Planner>& registry() {
+  static const std::vector<Planner> planners{
+      {{"Astar", "A*: the shortest path on the lattice", false}, AStar{}, {"a*"}},
+      {{"wAstar", "weighted A*: cost at most weight times the shortest; quick", false}, WAStar{}, {"wa*", "weightedastar"}},
+      {{"ARAstar", "ARA*: a first path quickly, then better ones until the time limit", false}, ARAStar{}, {"ara*"}},
+      {{"MHAstar", "MHA*: several heuristics share one search", false}, MHAStar{}, {"mha*"}},
+      {{"wPASE", "parallel weighted search; the same path for every number of threads", false}, WPASE{}, {"wpa*se", "wpastarse", "epa*se", "epase"}},
+      {{"xECBS", "many arms at once (not yet: plan_multi says so)", true}, XECBS{}, {}},
+  };
+  return planners;
+}
+
+std::string folded(const std::string& id) {
+  std::string result;
+  for (const char c : id)
+    if (c != '-' && c != '_' && c != ' ') result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+const Planner& find_planner(const std::string& id) {
+  std::vector<std::string> known;
+  for (const Planner& planner : registry()) {
+    known.push_back(planner.info.id);
+    std::vector<std::string> names = planner.spellings;
+    names.push_back(folded(planner.info.id));
+    if (std::find(names.begin(), names.end(), folded(id)) != names.end()) return planner;
+  }
+  throw InvalidArgument("there is no planner '" + id + "'" + did_you_mean(id, known) + " Known are " + quoted_list(known));
+}
+
+// Per-robot keys of many-arm planners, such as heuristic_panda, belong to the paper's dictionaries too; they are not
+// understood before plan_multi is, so they are refused like any unknown key.
+void require_known_keys(const OptionMap& map, const std::vector<std::string>& known, const std::string& id) {
+  for (const auto& [key, value] : map)
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      const std::string hint = did_you_mean(key, known);
+      throw InvalidArgument("planner '" + id + "' has no option '" + key + "'" +
+                            (hint.empty() ? "; it knows " + quoted_list(known) : hint));
+    }
+}
+
+}  // namespace
+
+PlannerOptions parse_options(const OptionMap& map) {
+  const auto id = map.find("planner_id");
+  const auto* name = id == map.end() ? nullptr : std::get_if<std::string>(&id->second);
+  if (id != map.end() && !name) throw InvalidArgument("option 'planner_id' must be a word, such as 'wAstar'");
+  const Planner& planner = name ? find_planner(*name) : registry()[1];
+  PlannerOptions options = planner.defaults;
+  std::visit(
+      [&](auto& typed) {
+        Reader reader{map};
+        visit_fields(typed, reader);
+        require_known_keys(map, reader.known, planner.info.id);
+      },
+      options);
+  validate(options);
+  return options;
+}
+
+void validate(const PlannerOptions& options) {
+  PlannerOptions copy = options;
+  std::visit([](auto& typed) { visit_fields(typed, Validator{}); }, copy);
+}
+
+OptionMap to_map(const PlannerOptions& options) {
+  PlannerOptions copy = options;
+  OptionMap map{{"planner_id", planner_id(options)}};
+  std::visit([&](auto& typed) { visit_fields(typed, Writer{map}); }, copy);
+  return map;
+}
+
+const CommonOptions& common_options(const PlannerOptions& options) {
+  return std::visit([](const auto& typed) -> const CommonOptions& { return typed.common; }, options);
+}
+
+std::string planner_id(const PlannerOptions& options) {
+  for (const Planner& planner : registry())
+    if (planner.defaults.index() == options.index()) return planner.info.id;
+  return {};
+}
+
+const std::vector<PlannerInfo>& available_planners() {
+  static const std::vector<PlannerInfo> infos = [] {
+    std::vector<PlannerInfo> list;
+    for (const Planner& planner : registry()) list.push_back(planner.info);
+    return list;
+  }();
+  return infos;
+}
+
+}  // namespace srmp

@@ -1,0 +1,283 @@
+#include "srmp/planner/planner_interface.hpp"
+
+#include <algorithm>
+
+#include "srmp/io/moveit.hpp"
+#include "srmp/planner/single_robot.hpp"
+
+namespace srmp {
+
+struct PlannerInterface::Impl {
+  Scene scene;
+  std::map<std::vector<std::string>, PlannerOptions> planners;  // by sorted robot names
+  mutable std::map<std::string, std::unique_ptr<Checker>> checkers;  // of the scene as it is now
+  PlanStatistics statistics;
+
+  /// Runs a change of the scene; the checkers made for the old one go.
+  template <class Change>
+  void change(Change&& apply) {
+    apply(scene);
+    checkers.clear();
+  }
+
+  const Checker& checker(const std::string& robot) const {
+    scene.robot(robot);  // throws with the nearest name
+    std::unique_ptr<Checker>& slot = checkers[robot];
+    if (!slot) slot = std::make_unique<Checker>(scene, robot);
+    return *slot;
+  }
+
+  const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
+
+  std::vector<std::string> sorted_robots(std::vector<std::string> robots) const {
+    if (robots.empty()) throw InvalidArgument("make_planner needs at least one robot name");
+    for (const std::string& name : robots) scene.robot(name);
+    std::sort(robots.begin(), robots.end());
+    if (const auto twin = std::adjacent_find(robots.begin(), robots.end()); twin != robots.end())
+      throw InvalidArgument("robot '" + *twin + "' is named twice");
+    return robots;
+  }
+
+  void require_state(const std::string& robot, ConstVector q) const { model(robot).require_configuration(q, "q of '" + robot + "'"); }
+};
+
+PlannerInterface::PlannerInterface() : impl_(std::make_unique<Impl>()) {}
+PlannerInterface::~PlannerInterface() = default;
+PlannerInterface::PlannerInterface(PlannerInterface&&) noexcept = default;
+PlannerInterface& PlannerInterface::operator=(PlannerInterface&&) noexcept = default;
+
+// --- robots
+
+void PlannerInterface::add_articulation(const RobotDescription& description, const Pose& base) {
+  if (!description.name.empty() && impl_->scene.robots().contains(description.name))
+    throw InvalidArgument("there is a robot '" + description.name + "' already; give another name");
+  auto model = RobotModel::load(description);
+  impl_->change([&](Scene& scene) { scene.add_robot(std::move(model), base); });
+}
+
+void PlannerInterface::remove_articulation(const std::string& robot) {
+  impl_->change([&](Scene& scene) { scene.remove_robot(robot); });
+  std::erase_if(impl_->planners, [&](const auto& entry) {
+    return std::find(entry.first.begin(), entry.first.end(), robot) != entry.first.end();
+  });
+}
+
+void PlannerInterface::set_base_pose(const std::string& robot, const Pose& pose) {
+  impl_->change([&](Scene& scene) { scene.set_base_pose(robot, pose); });
+}
+
+void PlannerInterface::set_qpos(const std::string& robot, ConstVector q) {
+  impl_->change([&](Scene& scene) { scene.set_qpos(robot, q); });
+}
+
+void PlannerInterface::set_joint_positions(const std::string& robot, const std::map<std::string, double>& positions) {
+  impl_->change([&](Scene& scene) { scene.set_joint_positions(robot, positions); });
+}
+
+// --- objects
+
+void PlannerInterface::add_box(const std::string& name, const Eigen::Vector3d& size, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Box{size}, pose, padding); });
+}
+
+void PlannerInterface::add_sphere(const std::string& name, double radius, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Sphere{radius}, pose, padding); });
+}
+
+void PlannerInterface::add_cylinder(const std::string& name, double radius, double length, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Cylinder{radius, length}, pose, padding); });
+}
+
+void PlannerInterface::add_capsule(const std::string& name, double radius, double length, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Capsule{radius, length}, pose, padding); });
+}
+
+void PlannerInterface::add_cone(const std::string& name, double radius, double length, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Cone{radius, length}, pose, padding); });
+}
+
+void PlannerInterface::add_mesh(const std::string& name, const std::string& path, const Pose& pose,
+                                const Eigen::Vector3d& scale, bool convex, double padding) {
+  add_mesh(name, Mesh::from_file(path, scale, convex), pose, padding);
+}
+
+void PlannerInterface::add_mesh(const std::string& name, const Mesh& mesh, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, mesh, pose, padding); });
+}
+
+void PlannerInterface::add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points,
+                                       double resolution, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, PointCloud{points, resolution}, pose, padding); });
+}
+
+void PlannerInterface::remove_object(const std::string& name) {
+  impl_->change([&](Scene& scene) { scene.remove_object(name); });
+}
+
+void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose) {
+  impl_->change([&](Scene& scene) { scene.set_object_pose(name, pose); });
+}
+
+void PlannerInterface::set_padding(const std::string& name, double padding) {
+  impl_->change([&](Scene& scene) {
+    if (scene.robots().contains(name)) scene.set_robot_padding(name, padding);
+    else scene.set_padding(name, padding);
+  });
+}
+
+void PlannerInterface::attach_object(const std::string& object, const std::string& robot, const std::string& link,
+                                     const std::vector<std::string>& touch_links, const std::optional<Pose>& pose_in_link) {
+  impl_->change([&](Scene& scene) { scene.attach_object(object, robot, link, touch_links, pose_in_link); });
+}
+
+void PlannerInterface::detach_object(const std::string& object) {
+  impl_->change([&](Scene& scene) { scene.detach_object(object); });
+}
+
+void PlannerInterface::set_allowed_collision(const std::string& a, const std::string& b, bool allowed) {
+  impl_->change([&](Scene& scene) { scene.set_allowed_collision(a, b, allowed); });
+}
+
+void PlannerInterface::load_moveit_scene(const std::string& path) {
+  const io::SceneFile file = io::read_moveit_scene(path);
+  impl_->change([&](Scene& scene) { io::apply(file, scene); });
+}
+
+void PlannerInterface::attach_moveit_objects(const io::RequestFile& request) {
+  impl_->change([&](Scene& scene) { io::apply_attached(request, scene); });
+}
+
+void PlannerInterface::reset() {
+  impl_->change([](Scene& scene) { scene.reset(); });
+  impl_->planners.clear();
+  impl_->statistics = {};
+}
+
+// --- questions
+
+const Scene& PlannerInterface::scene() const { return impl_->scene; }
+
+const RobotModel& PlannerInterface::robot(const std::string& name) const { return impl_->model(name); }
+
+std::vector<std::string> PlannerInterface::robot_names() const { return impl_->scene.robot_names(); }
+
+std::vector<std::string> PlannerInterface::object_names() const { return impl_->scene.object_names(); }
+
+std::vector<std::string> PlannerInterface::get_joint_names(const std::string& robot) const { return impl_->model(robot).joint_names(); }
+
+std::vector<std::string> PlannerInterface::get_link_names(const std::string& robot) const { return impl_->model(robot).link_names(); }
+
+Pose PlannerInterface::compute_fk(const std::string& robot, ConstVector q, const std::string& link) const {
+  impl_->require_state(robot, q);
+  return impl_->scene.robot(robot).base * impl_->model(robot).compute_fk(q, link);
+}
+
+Eigen::MatrixXd PlannerInterface::compute_jacobian(const std::string& robot, ConstVector q, const std::string& link) const {
+  impl_->require_state(robot, q);
+  Eigen::MatrixXd jacobian = impl_->model(robot).compute_jacobian(q, link);
+  const Eigen::Matrix3d rotation = impl_->scene.robot(robot).base.q.toRotationMatrix();
+  jacobian.topRows<3>() = rotation * jacobian.topRows<3>().eval();
+  jacobian.bottomRows<3>() = rotation * jacobian.bottomRows<3>().eval();
+  return jacobian;
+}
+
+std::vector<Eigen::VectorXd> PlannerInterface::compute_ik(const std::string& robot, const Pose& target,
+                                                          const std::optional<Eigen::VectorXd>& reference,
+                                                          const IkOptions& options, const std::string& link) const {
+  const RobotInstance& instance = impl_->scene.robot(robot);
+  if (reference) instance.model->require_configuration(*reference, "reference of '" + robot + "'");
+  return inverse_kinematics(*instance.model, instance.base.inverse() * target, reference.value_or(instance.q), options, link);
+}
+
+bool PlannerInterface::is_state_colliding(const std::string& robot, ConstVector q) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, q);
+  return !checker.is_free(q, *checker.make_workspace());
+}
+
+std::vector<Contact> PlannerInterface::contacts(const std::string& robot, ConstVector q) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, q);
+  return checker.contacts(q, *checker.make_workspace());
+}
+
+bool PlannerInterface::is_motion_free(const std::string& robot, ConstVector a, ConstVector b) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, a);
+  impl_->require_state(robot, b);
+  return checker.is_motion_free(a, b, *checker.make_workspace());
+}
+
+std::optional<Contact> PlannerInterface::nearest(const std::string& robot, ConstVector q) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, q);
+  return checker.nearest(q, *checker.make_workspace());
+}
+
+double PlannerInterface::distance_to_collision(const std::string& robot, ConstVector q) const {
+  const auto pair = nearest(robot, q);
+  return pair ? pair->distance : std::numeric_limits<double>::infinity();
+}
+
+// --- planning
+
+void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {
+  make_planner(robots, parse_options(options));
+}
+
+void PlannerInterface::make_planner(const std::vector<std::string>& robots, const PlannerOptions& options) {
+  validate(options);
+  std::vector<std::string> key = impl_->sorted_robots(robots);
+  if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
+    throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " + std::to_string(key.size()) +
+                          " were named; use 'xECBS' for many");
+  impl_->planners.insert_or_assign(std::move(key), options);
+}
+
+const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::string>& robots) const {
+  const auto it = impl_->planners.find(impl_->sorted_robots(robots));
+  if (it == impl_->planners.end())
+    throw InvalidArgument("there is no planner for " + quoted_list(robots) + " yet; call make_planner first");
+  return it->second;
+}
+
+Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
+                                  const Interrupt& interrupt) {
+  const PlannerOptions& options = planner_options({robot});
+  const Deadline deadline(common_options(options).time_limit, interrupt);
+  const RobotModel& model = impl_->model(robot);
+  if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
+  for (const GoalConstraint& goal : goals) {
+    goal.validate();
+    if (goal.type == GoalType::joints)
+      for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
+  }
+  model.require_configuration(start, "start of '" + robot + "'");
+  impl_->statistics = {};
+  return plan_single_robot({impl_->scene, robot, impl_->checker(robot), start, goals, options}, deadline, impl_->statistics);
+}
+
+Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal, const Interrupt& interrupt) {
+  return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt);
+}
+
+Trajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
+                                        const std::map<std::string, GoalConstraint>& goals, const Interrupt&) {
+  std::vector<std::string> robots;
+  for (const auto& [name, start] : starts) {
+    impl_->model(name).require_configuration(start, "start of '" + name + "'");
+    if (!goals.contains(name)) throw InvalidArgument("robot '" + name + "' has a start but no goal");
+    robots.push_back(name);
+  }
+  for (const auto& [name, goal] : goals) {
+    if (!starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
+    goal.validate();
+  }
+  planner_options(robots);
+  throw NotSupported("plan_multi is not there yet: planning for many robots at once comes with the many-arms release; "
+                     "plan for one robot at a time with plan");
+}
+
+const PlanStatistics& PlannerInterface::get_planning_stats() const { return impl_->statistics; }
+
+}  // namespace srmp

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "srmp/collision/checker.hpp"
+#include "srmp/core/error.hpp"
+#include "srmp/planner/goal.hpp"
+#include "srmp/planner/options.hpp"
+#include "srmp/robot/inverse_kinematics.hpp"
+#include "srmp/scene/scene.hpp"
+#include "srmp/trajectory/trajectory.hpp"
+
+namespace srmp {
+
+namespace io {
+struct RequestFile;
+}
+
+/// What the last plan did, and how long each phase took.
+struct PlanStatistics {
+  Status status{Status::exhausted};
+  std::string reason;              ///< why there is no trajectory; "" when solved
+  std::string note;                ///< what was changed on the way in (a start clamped onto a limit); mostly ""
+  double plan_time_s{};            ///< checks of start and goal, IK, heuristics, search, shortcut: until the path is ready
+  double total_time_s{};           ///< call to return, timing and re-check included
+  double ik_time_s{};
+  double heuristic_time_s{};
+  double search_time_s{};
+  double shortcut_time_s{};
+  double timing_time_s{};
+  double verification_time_s{};
+  std::uint64_t expansions{};
+  std::uint64_t generated{};
+  std::uint64_t edge_checks{};       ///< motions checked, shortcut included
+  std::uint64_t configurations{};    ///< kinematics computed for them
+  std::uint64_t narrow_phase{};      ///< pairs that Coal decided
+  std::uint64_t states{};            ///< states of the lattice
+  double search_cost_rad{};          ///< joint-space length of the search's path, before the shortcut
+  double path_cost_rad{};            ///< joint-space length of the returned path
+  double bound{};                    ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
+  int goal_index{-1};                ///< which of the goals (all targets of all constraints, in order) was reached
+};
+
+/// The door to everything: a world of robots and objects, and planners for them. The Python class has the same words.
+///
+/// All poses are in the world frame, lengths in metres, angles in radians; objects are solid. A refused call throws
+/// InvalidArgument and changes nothing. Not thread-safe: one thread at a time.
+class PlannerInterface {
+ public:
+  PlannerInterface();
+  ~PlannerInterface();
+  PlannerInterface(PlannerInterface&&) noexcept;
+  PlannerInterface& operator=(PlannerInterface&&) noexcept;
+
+  // --- robots
+  void add_articulation(const RobotDescription& description, const Pose& base = {});
+  void remove_articulation(const std::string& robot);
+  void set_base_pose(const std::string& robot, const Pose& pose);
+  void set_qpos(const std::string& robot, ConstVector q);
+  void set_joint_positions(const std::string& robot, const std::map<std::string, double>& positions);
+
+  // --- objects
+  void add_box(const std::string& name, const Eigen::Vector3d& size, const Pose& pose, double padding = 0.0);
+  void add_sphere(const std::string& name, double radius, const Pose& pose, double padding = 0.0);
+  void add_cylinder(const std::string& name, double radius, double length, const Pose& pose, double padding = 0.0);
+  void add_capsule(const std::string& name, double radius, double length, const Pose& pose, double padding = 0.0);
+  void add_cone(const std::string& name, double radius, double length, const Pose& pose, double padding = 0.0);
+  void add_mesh(const std::string& name, const std::string& path, const Pose& pose,
+                const Eigen::Vector3d& scale = {1, 1, 1}, bool convex = false, double padding = 0.0);
+  void add_mesh(const std::string& name, const Mesh& mesh, const Pose& pose, double padding = 0.0);
+  void add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points, double resolution,
+                       const Pose& pose = {}, double padding = 0.0);
+  void remove_object(const std::string& name);
+  void set_object_pose(const std::string& name, const Pose& pose);
+  void set_padding(const std::string& name, double padding);
+  void attach_object(const std::string& object, const std::string& robot, const std::string& link,
+                     const std::vector<std::string>& touch_links = {}, const std::optional<Pose>& pose_in_link = {});
+  void detach_object(const std::string& object);
+  void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
+  /// Adds the collision objects of a MoveIt scene file, all or none.
+  void load_moveit_scene(const std::string& path);
+  /// Adds and attaches the objects that a request's start state holds, all or none.
+  void attach_moveit_objects(const io::RequestFile& request);
+  void reset();  ///< removes robots, objects and planners
+
+  // --- questions
+  const Scene& scene() const;
+  const RobotModel& robot(const std::string& name) const;
+  std::vector<std::string> robot_names() const;
+  std::vector<std::string> object_names() const;
+  std::vector<std::string> get_joint_names(const std::string& robot) const;
+  std::vector<std::string> get_link_names(const std::string& robot) const;
+  Pose compute_fk(const std::string& robot, ConstVector q, const std::string& link = "") const;  ///< world frame
+  /// 6 x dof, rows vx vy vz wx wy wz of the link's origin, world axes.
+  Eigen::MatrixXd compute_jacobian(const std::string& robot, ConstVector q, const std::string& link = "") const;
+  /// Within limits, nearest to `reference` (default: set_qpos) first; collisions are not looked at.
+  std::vector<Eigen::VectorXd> compute_ik(const std::string& robot, const Pose& target,
+                                          const std::optional<Eigen::VectorXd>& reference = {}, const IkOptions& options = {},
+                                          const std::string& link = "") const;
+  bool is_state_colliding(const std::string& robot, ConstVector q) const;
+  std::vector<Contact> contacts(const std::string& robot, ConstVector q) const;
+  bool is_motion_free(const std::string& robot, ConstVector a, ConstVector b) const;
+  /// Distance of the nearest pair [m], negative in collision; infinity when there is nothing to collide with.
+  double distance_to_collision(const std::string& robot, ConstVector q) const;
+  std::optional<Contact> nearest(const std::string& robot, ConstVector q) const;
+
+  // --- planning
+  /// Chooses the planner for these robots from the paper's dictionary ("planner_id", "time_limit", …) or typed options.
+  void make_planner(const std::vector<std::string>& robots, const OptionMap& options);
+  void make_planner(const std::vector<std::string>& robots, const PlannerOptions& options);
+  const PlannerOptions& planner_options(const std::vector<std::string>& robots) const;
+
+  /// Asked during a plan, at most every 10 ms: true stops it with Status::cancelled.
+  using Interrupt = Deadline::Interrupt;
+
+  /// A timed, collision-free trajectory of one robot from `start` to any of `goals`; other robots stand still. Throws
+  /// PlanningError with a typed status and a sentence when there is none.
+  Trajectory plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
+                  const Interrupt& interrupt = {});
+  Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal, const Interrupt& interrupt = {});
+  /// Many arms at once. Not yet: throws NotSupported.
+  Trajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
+                        const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});
+  /// Of the last plan, solved or not; status `exhausted` with zeros before the first.
+  const PlanStatistics& get_planning_stats() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace srmp

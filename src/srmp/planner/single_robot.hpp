@@ -1,0 +1,20 @@
+#pragma once
+
+#include "srmp/planner/planner_interface.hpp"
+
+namespace srmp {
+
+/// One question to a single-robot planner. References outlive the call.
+struct SingleRobotProblem {
+  const Scene& scene;
+  const std::string& robot;
+  const Checker& checker;
+  Eigen::VectorXd start;
+  const std::vector<GoalConstraint>& goals;
+  const PlannerOptions& options;
+};
+
+/// Answers it; throws PlanningError. `statistics` is filled either way.
+Trajectory plan_single_robot(const SingleRobotProblem& problem, const Deadline& deadline, PlanStatistics& statistics);
+
+}  // namespace srmp

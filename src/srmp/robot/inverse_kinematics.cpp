@@ -1,0 +1,215 @@
+#include "srmp/robot/inverse_kinematics.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "srmp/core/error.hpp"
+#include "srmp/robot/low_discrepancy.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kLargestStep = 0.5;  // [rad or m] a step may change a joint by this much: the Jacobian is local
+constexpr double kLeastDamping = 1e-9;
+constexpr int kPatience = 20;    // steps without progress before a seed is given up
+constexpr int kPolishSteps = 3;  // after the tolerance is met: convergence is quadratic there, the digits are cheap
+
+/// The rotation vector of `rotation` [rad], at most pi long.
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
+  Eigen::Quaterniond q(rotation);
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  return sine < 1e-12 ? Eigen::Vector3d(2 * q.vec()) : Eigen::Vector3d(q.vec() * (2 * std::atan2(sine, q.w()) / sine));
+}
+
+class Solver {
+ public:
+  Solver(const RobotModel& robot, const Pose& target, ConstVector reference, const IkOptions& options, std::size_t link)
+      : robot_(robot),
+        target_(target.isometry()),
+        options_(options),
+        link_(link),
+        data_(robot.make_data()),
+        jacobian_(6, reference.size()),
+        step_(reference.size()),
+        reference_(reference),
+        moves_link_(robot.dof(), false),
+        whole_turns_(robot.dof(), true) {
+    for (std::size_t k = 0; k < robot.drives().size(); ++k) {
+      const Drive& drive = robot.drives()[k];
+      if (robot.link_movers(link) >> k & 1) moves_link_[drive.joint] = true;
+      if (drive.prismatic || drive.ratio != std::round(drive.ratio)) whole_turns_[drive.joint] = false;
+    }
+    project(reference_);
+  }
+
+  const Eigen::VectorXd& reference() const { return reference_; }
+
+  /// Seed 0 is the reference; joints that do not move the link always keep its value.
+  Eigen::VectorXd seed(std::size_t index) const {
+    Eigen::VectorXd q = reference_;
+    if (index == 0) return q;
+    const Eigen::VectorXd unit = low_discrepancy_point(index, q.size());
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
+      if (!moves_link_[static_cast<std::size_t>(i)]) continue;
+      q[i] = joint.kind == JointKind::continuous ? (2 * unit[i] - 1) * std::numbers::pi
+                                                 : joint.lower + unit[i] * (joint.upper - joint.lower);
+    }
+    return q;
+  }
+
+  std::optional<Eigen::VectorXd> solve(Eigen::VectorXd q) {
+    double best = std::numeric_limits<double>::infinity();
+    int since_best = 0, polished = 0;
+    std::optional<Eigen::VectorXd> solution;
+    double solution_error = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < options_.max_iterations || (solution && polished < kPolishSteps); ++i) {
+      const double error = evaluate(q);
+      if (!std::isfinite(error)) break;
+      if (within_tolerance() && error < solution_error) {
+        solution = q;
+        solution_error = error;
+      }
+      if (solution && polished++ == kPolishSteps) break;
+      since_best = error < 0.999 * best ? 0 : since_best + 1;
+      best = std::min(best, error);
+      if (since_best > kPatience) break;
+      advance(q);
+    }
+    if (solution) bring_near_reference(*solution);
+    return solution;
+  }
+
+ private:
+  bool position_only() const { return std::isinf(options_.rotation_tolerance); }
+
+  /// Sets the error and the Jacobian at q; returns the error's norm.
+  double evaluate(const Eigen::VectorXd& q) {
+    robot_.forward(*data_, q);
+    const Eigen::Isometry3d pose = robot_.link_pose(*data_, link_);
+    error_.head<3>() = target_.translation() - pose.translation();
+    error_.tail<3>().setZero();
+    robot_.jacobian(*data_, link_, jacobian_);
+    if (position_only())
+      jacobian_.bottomRows<3>().setZero();
+    else
+      error_.tail<3>() = rotation_vector(target_.linear() * pose.linear().transpose());
+    return error_.norm();
+  }
+
+  bool within_tolerance() const {
+    return error_.head<3>().norm() <= options_.position_tolerance &&
+           error_.tail<3>().norm() <= options_.rotation_tolerance;
+  }
+
+  /// One damped step inside the limits. Joints that a step would push out are held, and the rest solved again.
+  void advance(Eigen::VectorXd& q) {
+    for (Eigen::Index round = 0; round <= q.size(); ++round) {
+      damped_step();
+      bool held = false;
+      for (Eigen::Index i = 0; i < q.size(); ++i) {
+        const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
+        if ((q[i] <= joint.lower && step_[i] < 0) || (q[i] >= joint.upper && step_[i] > 0)) {
+          jacobian_.col(i).setZero();
+          held = true;
+        }
+      }
+      if (!held) break;
+    }
+    const double largest = step_.cwiseAbs().maxCoeff();
+    q += step_ * std::min(1.0, kLargestStep / std::max(largest, 1e-300));
+    project(q);
+  }
+
+  /// step = J^T (J J^T + damping)^-1 error, the damping falling with the error (Sugihara 2011).
+  void damped_step() {
+    Matrix6d normal = jacobian_ * jacobian_.transpose();
+    normal.diagonal().array() += 0.05 * error_.squaredNorm() + kLeastDamping;
+    step_.noalias() = jacobian_.transpose() * normal.ldlt().solve(error_);
+  }
+
+  void project(Eigen::VectorXd& q) const {
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
+      q[i] = std::clamp(q[i], joint.lower, joint.upper);
+    }
+  }
+
+  /// Turns joints by whole turns to where the reference is nearest.
+  void bring_near_reference(Eigen::VectorXd& q) const {
+    constexpr double turn = 2 * std::numbers::pi;
+    for (Eigen::Index i = 0; i < q.size(); ++i) {
+      const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
+      if (!whole_turns_[static_cast<std::size_t>(i)]) continue;
+      double value = reference_[i] + std::remainder(q[i] - reference_[i], turn);
+      if (value < joint.lower) value += turn;
+      if (value > joint.upper) value -= turn;
+      if (value >= joint.lower && value <= joint.upper) q[i] = value;
+    }
+  }
+
+  const RobotModel& robot_;
+  const Eigen::Isometry3d target_;
+  const IkOptions& options_;
+  const std::size_t link_;
+  RobotDataPtr data_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian_;
+  Vector6d error_{Vector6d::Zero()};
+  Eigen::VectorXd step_;
+  Eigen::VectorXd reference_;
+  std::vector<bool> moves_link_;   // by joint
+  std::vector<bool> whole_turns_;  // by joint: a whole turn changes nothing
+};
+
+void require_options(const IkOptions& o) {
+  const auto require_count = [](int value, const char* name) {
+    if (value <= 0) throw InvalidArgument(std::string(name) + " is " + std::to_string(value) + "; it must be above 0");
+  };
+  require_count(o.max_solutions, "max_solutions");
+  require_count(o.seeds, "seeds");
+  require_count(o.max_iterations, "max_iterations");
+  require_positive(o.position_tolerance, "position_tolerance");
+  if (!std::isinf(o.rotation_tolerance) || o.rotation_tolerance < 0)
+    require_positive(o.rotation_tolerance, "rotation_tolerance");
+  if (!(o.distinct >= 0.0 && std::isfinite(o.distinct)))
+    throw InvalidArgument("distinct is " + to_text(o.distinct) + "; it must be a finite number, 0 or above");
+}
+
+}  // namespace
+
+std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const Pose& target, ConstVector reference,
+                                                const IkOptions& options, const std::string& link,
+                                                const Deadline& deadline) {
+  require_options(options);
+  robot.require_configuration(reference, "reference");
+  const auto pose = target.to_list();
+  require_finite(pose, "target");
+  Solver solver(robot, target, reference, options, robot.link_index(link.empty() ? robot.end_effector() : link));
+
+  std::vector<Eigen::VectorXd> solutions;
+  for (int i = 0; i < options.seeds && !deadline.stop_requested(); ++i) {
+    const auto q = solver.solve(solver.seed(static_cast<std::size_t>(i)));
+    if (!q) continue;
+    const bool is_new = std::none_of(solutions.begin(), solutions.end(), [&](const Eigen::VectorXd& other) {
+      return robot.difference(other, *q).cwiseAbs().maxCoeff() < options.distinct;
+    });
+    if (!is_new) continue;
+    solutions.push_back(*q);
+    if (static_cast<int>(solutions.size()) == options.max_solutions) break;
+  }
+  const auto distance = [&](const Eigen::VectorXd& q) { return robot.difference(reference, q).norm(); };
+  std::stable_sort(solutions.begin(), solutions.end(),
+                   [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return distance(a) < distance(b); });
+  return solutions;
+}
+
+}  // namespace srmp

@@ -1,0 +1,85 @@
+#include "srmp/robot/kinematic_tree.hpp"
+
+#include <cmath>
+#include <pinocchio/algorithm/joint-configuration.hpp>
+#include <pinocchio/algorithm/kinematics.hpp>
+#include <pinocchio/multibody.hpp>
+#include <pinocchio/parsers/urdf.hpp>
+
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+namespace {
+
+Eigen::Isometry3d isometry(const pinocchio::SE3& pose) {
+  Eigen::Isometry3d result;
+  result.linear() = pose.rotation();
+  result.translation() = pose.translation();
+  result.makeAffine();
+  return result;
+}
+
+}  // namespace
+
+struct KinematicTree::Model {
+  pinocchio::Model pinocchio;
+};
+
+class KinematicTree::Data {
+ public:
+  explicit Data(const pinocchio::Model& model) : pinocchio(model), q(pinocchio::neutral(model)) {}
+  pinocchio::Data pinocchio;
+  Eigen::VectorXd q;
+};
+
+void KinematicTree::DataDeleter::operator()(Data* data) const { delete data; }
+
+KinematicTree::KinematicTree(const Urdf& urdf) {
+  auto model = std::make_unique<Model>();
+  try {
+    pinocchio::urdf::buildModelFromXML(urdf.kinematics_text(), model->pinocchio);
+  } catch (const std::exception& error) {
+    throw FileError(urdf.label + ": Pinocchio refuses this robot: " + error.what());
+  }
+  const pinocchio::Model& m = model->pinocchio;
+  for (const UrdfLink& link : urdf.links) {
+    const auto& frame = m.frames[m.getFrameId(link.name, pinocchio::BODY)];
+    mounts_.push_back({frame.parentJoint, isometry(frame.placement)});
+  }
+  for (const UrdfJoint& joint : urdf.joints) {
+    if (!joint.scalar()) {
+      slots_.emplace_back();
+      continue;
+    }
+    const auto id = m.getJointId(joint.name);
+    slots_.push_back({id, m.joints[id].idx_q(), m.joints[id].nq() == 2});
+  }
+  model_ = std::move(model);
+}
+
+KinematicTree::~KinematicTree() = default;
+
+std::size_t KinematicTree::joint_count() const { return static_cast<std::size_t>(model_->pinocchio.njoints); }
+std::size_t KinematicTree::parent(std::size_t joint) const { return model_->pinocchio.parents[joint]; }
+
+KinematicTree::DataPtr KinematicTree::make_data() const { return DataPtr(new Data(model_->pinocchio)); }
+
+void KinematicTree::set(Data& data, const Slot& slot, double value) {
+  if (slot.unit_circle) {
+    data.q[slot.q] = std::cos(value);
+    data.q[slot.q + 1] = std::sin(value);
+  } else {
+    data.q[slot.q] = value;
+  }
+}
+
+void KinematicTree::forward(Data& data, std::vector<Eigen::Isometry3d>& poses) const {
+  pinocchio::forwardKinematics(model_->pinocchio, data.pinocchio, data.q);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    poses[i].linear() = data.pinocchio.oMi[i].rotation();
+    poses[i].translation() = data.pinocchio.oMi[i].translation();
+  }
+}
+
+}  // namespace srmp

@@ -1,0 +1,277 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "srmp/core/error.hpp"
+#include "srmp/robot/robot_impl.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Impl = RobotModelBuilder::Impl;
+using Names = std::vector<std::string>;
+
+constexpr std::size_t kMaxDrives = 64;  // bits of a mover mask
+
+/// What the description asks for, before it becomes joints.
+struct Selection {
+  std::vector<std::size_t> joints;  // of the URDF
+  std::size_t end_effector{};       // link
+};
+
+std::size_t require_link(const Impl& impl, const std::string& link, const std::string& what) {
+  const auto index = impl.urdf.find_link(link);
+  if (!index)
+    throw InvalidArgument(what + " '" + link + "' is not a link of robot '" + impl.name + "'" +
+                          did_you_mean(link, impl.link_names));
+  return *index;
+}
+
+bool can_be_planned(const UrdfJoint& joint) { return joint.scalar() && !joint.mimic; }
+
+std::vector<std::size_t> movable_chain(const Urdf& urdf, std::size_t link) {
+  std::vector<std::size_t> joints;
+  for (const std::size_t joint : urdf.chain_to(link))
+    if (can_be_planned(urdf.joints[joint])) joints.push_back(joint);
+  return joints;
+}
+
+std::vector<std::size_t> named_joints(const Impl& impl) {
+  std::vector<std::size_t> joints;
+  for (const std::string& name : impl.description.joint_names) {
+    const auto index = impl.urdf.find_joint(name);
+    if (!index)
+      throw InvalidArgument("joint_names: robot '" + impl.name + "' has no joint '" + name + "'" +
+                            did_you_mean(name, impl.urdf.joint_names()));
+    const UrdfJoint& joint = impl.urdf.joints[*index];
+    if (joint.mimic)
+      throw InvalidArgument("joint_names: joint '" + name + "' mimics joint '" +
+                            impl.urdf.joints[joint.mimic->source].name + "' and cannot be planned; name that one");
+    if (!joint.scalar())
+      throw InvalidArgument("joint_names: joint '" + name + "' cannot be planned; only revolute, continuous and " +
+                            "prismatic joints can");
+    if (std::find(joints.begin(), joints.end(), *index) != joints.end())
+      throw InvalidArgument("joint_names: joint '" + name + "' is named twice");
+    joints.push_back(*index);
+  }
+  return joints;
+}
+
+/// The link that the last of the joints moves, when they form one chain.
+std::size_t tip_of(const Impl& impl, const std::vector<std::size_t>& joints, const std::string& what) {
+  const Urdf& urdf = impl.urdf;
+  for (const std::size_t candidate : joints) {
+    const auto chain = urdf.chain_to(urdf.joints[candidate].child);
+    const bool holds_all = std::all_of(joints.begin(), joints.end(), [&](std::size_t joint) {
+      return std::find(chain.begin(), chain.end(), joint) != chain.end();
+    });
+    if (holds_all) return urdf.joints[candidate].child;
+  }
+  throw InvalidArgument(what + " of robot '" + impl.name +
+                        "' do not form one chain, so it has no tip; give end_effector");
+}
+
+std::vector<std::size_t> group_joints(const Impl& impl, const SrdfGroup& group, const Srdf& srdf) {
+  auto joints = srdf.joints_of(group, impl.urdf);
+  if (joints.empty())
+    throw InvalidArgument("group '" + group.name + "' of robot '" + impl.name + "' holds no movable joint");
+  return joints;
+}
+
+std::size_t group_tip(const Impl& impl, const SrdfGroup& group, const std::vector<std::size_t>& joints) {
+  if (group.chains.size() == 1) return *impl.urdf.find_link(group.chains[0].second);
+  return tip_of(impl, joints, "the joints of group '" + group.name + "'");
+}
+
+/// Nothing asked for: the only group, or the chain to the only leaf.
+Selection select_default(const Impl& impl, const Srdf* srdf) {
+  if (srdf && srdf->groups.size() == 1) {
+    const SrdfGroup& group = srdf->groups[0];
+    auto joints = group_joints(impl, group, *srdf);
+    const std::size_t tip = group_tip(impl, group, joints);
+    return {std::move(joints), tip};
+  }
+  const auto leaves = impl.urdf.leaves();
+  if (leaves.size() == 1) return {movable_chain(impl.urdf, leaves[0]), leaves[0]};
+  Names leaf_names;
+  for (const std::size_t leaf : leaves) leaf_names.push_back(impl.link_names[leaf]);
+  const std::string groups = srdf && !srdf->groups.empty() ? " or a group: " + quoted_list(srdf->group_names()) : "";
+  throw InvalidArgument("robot '" + impl.name + "' has several tips; give an end_effector, such as " +
+                        quoted_list(leaf_names) + groups);
+}
+
+Selection select(const Impl& impl, const Srdf* srdf) {
+  const RobotDescription& d = impl.description;
+  if (!d.group.empty() && !d.joint_names.empty())
+    throw InvalidArgument("robot '" + impl.name + "': give either a group or joint_names, not both");
+  Selection selection;
+  const SrdfGroup* group = nullptr;
+  if (!d.group.empty()) {
+    if (!srdf) throw InvalidArgument("group '" + d.group + "' needs an SRDF, and robot '" + impl.name + "' has none");
+    group = srdf->find_group(d.group);
+    if (!group)
+      throw InvalidArgument("robot '" + impl.name + "' has no group '" + d.group + "'" +
+                            did_you_mean(d.group, srdf->group_names()) + "; known are " +
+                            quoted_list(srdf->group_names()));
+    selection.joints = group_joints(impl, *group, *srdf);
+  } else if (!d.joint_names.empty()) {
+    selection.joints = named_joints(impl);
+  } else if (d.end_effector.empty()) {
+    return select_default(impl, srdf);
+  }
+  if (!d.end_effector.empty()) {
+    selection.end_effector = require_link(impl, d.end_effector, "end effector");
+    if (selection.joints.empty()) selection.joints = movable_chain(impl.urdf, selection.end_effector);
+  } else if (group) {
+    selection.end_effector = group_tip(impl, *group, selection.joints);
+  } else {
+    selection.end_effector = tip_of(impl, selection.joints, "joint_names");
+  }
+  return selection;
+}
+
+Joint joint_of(const UrdfJoint& joint) {
+  const JointKind kind = joint.type == UrdfJointType::continuous  ? JointKind::continuous
+                         : joint.type == UrdfJointType::prismatic ? JointKind::prismatic
+                                                                  : JointKind::revolute;
+  return {joint.name, kind, joint.lower, joint.upper, joint.velocity.value_or(0.0)};
+}
+
+/// The SRDF's word on a joint that is not planned: state "default", else "home", else the first that speaks of it.
+std::optional<double> value_in_states(const Srdf* srdf, const std::string& joint) {
+  if (!srdf) return std::nullopt;
+  for (const char* wanted : {"default", "home", ""})
+    for (const SrdfState& state : srdf->states) {
+      const auto it = state.positions.find(joint);
+      if (it != state.positions.end() && (!*wanted || state.name == wanted)) return it->second;
+    }
+  return std::nullopt;
+}
+
+void check_fixed_joints(const Impl& impl) {
+  Names known;
+  for (const Joint& joint : impl.other_joints) known.push_back(joint.name);
+  for (const auto& [name, value] : impl.description.fixed_joints) {
+    if (std::find(impl.joint_names.begin(), impl.joint_names.end(), name) != impl.joint_names.end())
+      throw InvalidArgument("fixed_joints: joint '" + name + "' of robot '" + impl.name +
+                            "' is planned; leave it out here, or name the joints to plan in joint_names");
+    const auto it = std::find(known.begin(), known.end(), name);
+    if (it == known.end())
+      throw InvalidArgument("fixed_joints: robot '" + impl.name + "' has no joint '" + name + "' to fix" +
+                            did_you_mean(name, known));
+    const Joint& joint = impl.other_joints[static_cast<std::size_t>(it - known.begin())];
+    if (!(value >= joint.lower && value <= joint.upper) || !std::isfinite(value))
+      throw InvalidArgument("fixed_joints: " + name + " is " + to_text(value) + "; allowed is " + to_text(joint.lower) +
+                            " to " + to_text(joint.upper));
+  }
+}
+
+void set_defaults(Impl& impl, const Srdf* srdf) {
+  check_fixed_joints(impl);
+  impl.default_other_positions.resize(static_cast<Eigen::Index>(impl.other_joints.size()));
+  for (std::size_t i = 0; i < impl.other_joints.size(); ++i) {
+    const Joint& joint = impl.other_joints[i];
+    const auto given = impl.description.fixed_joints.find(joint.name);
+    const double value =
+        given != impl.description.fixed_joints.end() ? given->second : value_in_states(srdf, joint.name).value_or(0.0);
+    impl.default_other_positions[static_cast<Eigen::Index>(i)] = std::clamp(value, joint.lower, joint.upper);
+  }
+}
+
+/// States that speak of every planned joint; where names repeat, the planned group's wins, then the first.
+void collect_group_states(Impl& impl, const Srdf& srdf) {
+  for (const bool own : {true, false})
+    for (const SrdfState& state : srdf.states) {
+      if (own != (state.group == impl.description.group)) continue;
+      Eigen::VectorXd q(static_cast<Eigen::Index>(impl.joints.size()));
+      std::size_t found = 0;
+      for (; found < impl.joints.size(); ++found) {
+        const auto it = state.positions.find(impl.joint_names[found]);
+        if (it == state.positions.end()) break;
+        q[static_cast<Eigen::Index>(found)] = it->second;
+      }
+      if (found == impl.joints.size()) impl.group_states.emplace(state.name, q);
+    }
+}
+
+}  // namespace
+
+std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& description) {
+  std::shared_ptr<RobotModel> model(new RobotModel);
+  Impl& m = *model->impl_;
+  m.description = description;
+  if (description.urdf_path.empty() == description.urdf_text.empty())
+    throw InvalidArgument(description.urdf_path.empty() ? "a robot needs a URDF: give urdf_path or urdf_text"
+                                                        : "give either urdf_path or urdf_text, not both");
+  m.urdf = description.urdf_text.empty() ? Urdf::read_file(description.urdf_path) : Urdf::parse(description.urdf_text);
+  m.name = description.name.empty() ? m.urdf.name : description.name;
+  m.link_names = m.urdf.link_names();
+  std::optional<Srdf> srdf;
+  if (!description.srdf_path.empty()) {
+    srdf = Srdf::read_file(description.srdf_path, m.urdf);
+    m.warnings = srdf->warnings;
+  }
+  m.tree = std::make_unique<KinematicTree>(m.urdf);
+  choose_joints(m, srdf ? &*srdf : nullptr);
+  build_drives(m);
+  build_geometries(m);
+  allow_by_rules(m, srdf ? &*srdf : nullptr);
+  list_self_pairs(m);
+  if (!srdf) allow_always_colliding(*model);
+  return model;
+}
+
+void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
+  const Selection selection = select(m, srdf);
+  m.end_effector_index = selection.end_effector;
+  m.end_effector = m.link_names[selection.end_effector];
+  if (selection.joints.empty())
+    throw InvalidArgument("robot '" + m.name + "': no movable joint leads to end effector '" + m.end_effector + "'");
+  for (const std::size_t index : selection.joints) {
+    const UrdfJoint& joint = m.urdf.joints[index];
+    if (!joint.velocity || *joint.velocity <= 0.0)
+      throw InvalidArgument(
+          "joint '" + joint.name + "' of robot '" + m.name +
+          "' is planned but has no velocity limit above 0; give it <limit velocity=\"…\"> in the URDF");
+    m.joints.push_back(joint_of(joint));
+    m.joint_names.push_back(joint.name);
+  }
+  for (const std::size_t index : m.urdf.joint_order) {
+    const bool planned = std::find(selection.joints.begin(), selection.joints.end(), index) != selection.joints.end();
+    if (can_be_planned(m.urdf.joints[index]) && !planned) m.other_joints.push_back(joint_of(m.urdf.joints[index]));
+  }
+  set_defaults(m, srdf);
+  if (srdf) collect_group_states(m, *srdf);
+}
+
+void RobotModelBuilder::build_drives(Impl& m) {
+  const auto find = [](const std::vector<Joint>& joints, const std::string& name) {
+    return static_cast<std::size_t>(
+        std::find_if(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == name; }) - joints.begin());
+  };
+  m.joint_movers.assign(m.tree->joint_count(), 0);
+  std::vector<std::uint64_t> own(m.tree->joint_count(), 0);
+  for (const std::size_t index : m.urdf.joint_order) {
+    const UrdfJoint& joint = m.urdf.joints[index];
+    if (!joint.scalar()) continue;
+    const UrdfMimic mimic = joint.mimic.value_or(UrdfMimic{index, 1.0, 0.0});
+    const std::string& source = m.urdf.joints[mimic.source].name;
+    const std::size_t planned = find(m.joints, source);
+    Follower follower{m.tree->slot(index), planned, mimic.multiplier, mimic.offset, joint.axis};
+    if (planned < m.joints.size()) {
+      if (m.drives.size() == kMaxDrives)
+        throw InvalidArgument("robot '" + m.name + "' has more than " + std::to_string(kMaxDrives) + " driven joints");
+      own[follower.slot.joint] = std::uint64_t{1} << m.drives.size();
+      m.drives.push_back({planned, mimic.multiplier, joint.type == UrdfJointType::prismatic});
+      m.planned_followers.push_back(follower);
+    } else {
+      follower.source = find(m.other_joints, source);
+      m.other_followers.push_back(follower);
+    }
+  }
+  for (std::size_t j = 1; j < own.size(); ++j)  // Pinocchio numbers parents before children
+    m.joint_movers[j] = m.joint_movers[m.tree->parent(j)] | own[j];
+}
+
+}  // namespace srmp

@@ -1,0 +1,116 @@
+#include <coal/shape/geometric_shapes.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+
+#include "srmp/core/error.hpp"
+#include "srmp/robot/mesh_file.hpp"
+#include "srmp/robot/mesh_path.hpp"
+#include "srmp/robot/robot_impl.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// Rounding must not let a bounding sphere cut what it bounds.
+double rounded_up(double radius) { return radius * (1.0 + 8 * std::numeric_limits<double>::epsilon()); }
+
+void bound_by_vertices(const std::vector<Eigen::Vector3d>& vertices, LinkGeometry& geometry) {
+  Eigen::Vector3d low = vertices.front(), high = vertices.front();
+  for (const Eigen::Vector3d& v : vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
+  geometry.center = (low + high) / 2;
+  double farthest = 0.0;
+  for (const Eigen::Vector3d& v : vertices) farthest = std::max(farthest, (v - geometry.center).norm());
+  geometry.radius = rounded_up(farthest);
+}
+
+void build_primitive(const UrdfGeometry& g, LinkGeometry& geometry) {
+  using Kind = UrdfGeometry::Kind;
+  std::shared_ptr<coal::ShapeBase> shape;
+  geometry.center.setZero();
+  if (g.kind == Kind::box) {
+    shape = std::make_shared<coal::Box>(g.size);
+    geometry.radius = rounded_up(g.size.norm() / 2);
+  } else if (g.kind == Kind::sphere) {
+    shape = std::make_shared<coal::Sphere>(g.radius);
+    geometry.radius = g.radius;
+  } else if (g.kind == Kind::cylinder) {
+    shape = std::make_shared<coal::Cylinder>(g.radius, g.length);
+    geometry.radius = rounded_up(std::hypot(g.radius, g.length / 2));
+  } else {
+    shape = std::make_shared<coal::Capsule>(g.radius, g.length);
+    geometry.radius = rounded_up(g.radius + g.length / 2);
+  }
+  shape->computeLocalAABB();
+  geometry.shape = shape;
+}
+
+/// Reads each mesh file once, however many links use it.
+class MeshLoader {
+ public:
+  explicit MeshLoader(const RobotModelBuilder::Impl& m) : m_(m) {
+    if (!m.description.urdf_path.empty())
+      folder_ = std::filesystem::absolute(m.description.urdf_path).parent_path().string();
+  }
+
+  void load(const UrdfGeometry& g, LinkGeometry& geometry) {
+    const std::string where = m_.urdf.label + ":" + std::to_string(g.line) + ": ";
+    const std::string path = find_mesh(g.filename, folder_, m_.description.package_dirs, where);
+    const auto [it, is_new] = known_.try_emplace({path, {g.scale.x(), g.scale.y(), g.scale.z()}});
+    if (is_new) it->second = read(path, g.scale, where);
+    geometry.shape = it->second.shape;
+    geometry.hull = it->second.hull;
+    geometry.center = it->second.center;
+    geometry.radius = it->second.radius;
+  }
+
+ private:
+  static LinkGeometry read(const std::string& path, const Eigen::Vector3d& scale, const std::string& where) {
+    LinkGeometry result;
+    try {
+      const TriangleSoup mesh = read_mesh_file(path, scale);
+      result.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
+      if (result.shape->getObjectType() == coal::OT_BVH && spans_volume(mesh.vertices))
+        result.hull = make_mesh_geometry(mesh, MeshModel::hull);
+      bound_by_vertices(mesh.vertices, result);
+    } catch (const FileError& error) {
+      throw FileError(where + error.what());
+    }
+    return result;
+  }
+
+  const RobotModelBuilder::Impl& m_;
+  std::string folder_;
+  std::map<std::pair<std::string, std::array<double, 3>>, LinkGeometry> known_;
+};
+
+}  // namespace
+
+void RobotModelBuilder::build_geometries(Impl& m) {
+  MeshLoader meshes(m);
+  for (std::size_t i = 0; i < m.urdf.links.size(); ++i) {
+    const UrdfLink& link = m.urdf.links[i];
+    for (std::size_t n = 0; n < link.collisions.size(); ++n) {
+      const UrdfGeometry& g = link.collisions[n];
+      LinkGeometry geometry;
+      geometry.link = link.name;
+      geometry.name = link.name + "_" + std::to_string(n);
+      geometry.link_index = i;
+      if (g.kind == UrdfGeometry::Kind::mesh)
+        meshes.load(g, geometry);
+      else
+        build_primitive(g, geometry);
+      const KinematicTree::Mount& mount = m.tree->mount(i);
+      geometry.movers = m.joint_movers[mount.joint];
+      m.geometry_mounts.push_back({mount.joint, mount.placement * g.origin});
+      m.geometries.push_back(std::move(geometry));
+    }
+  }
+}
+
+}  // namespace srmp

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace srmp {
+
+// What this library uses of a URDF, checked. Visuals, inertias, safety controllers and extension tags are not read.
+
+struct UrdfGeometry {
+  enum class Kind { box, sphere, cylinder, capsule, mesh };
+  Kind kind{};
+  Eigen::Vector3d size{0, 0, 0};                            ///< box: full edge lengths [m]
+  double radius{}, length{};                                ///< [m]; a capsule's length is without its caps
+  std::string filename;                                     ///< mesh: as written in the file
+  Eigen::Vector3d scale{1, 1, 1};                           ///< mesh
+  Eigen::Isometry3d origin{Eigen::Isometry3d::Identity()};  ///< in the link's frame
+  int line{};
+};
+
+struct UrdfLink {
+  std::string name;
+  std::vector<UrdfGeometry> collisions;
+  std::optional<std::size_t> parent_joint;
+  std::vector<std::size_t> child_joints;  ///< in file order
+  int line{};
+};
+
+enum class UrdfJointType { fixed, revolute, continuous, prismatic, floating, planar };
+
+struct UrdfMimic {
+  std::size_t source{};
+  double multiplier{1.0}, offset{0.0};
+};
+
+struct UrdfJoint {
+  std::string name;
+  UrdfJointType type{};
+  std::size_t parent{}, child{};  ///< links
+  Eigen::Vector3d xyz{0, 0, 0}, rpy{0, 0, 0};
+  Eigen::Vector3d axis{1, 0, 0};  ///< unit length
+  double lower{}, upper{};        ///< -inf, inf for continuous joints
+  std::optional<double> velocity;
+  std::optional<UrdfMimic> mimic;  ///< of the final source: chains are multiplied out
+  int line{};
+
+  bool scalar() const {
+    return type == UrdfJointType::revolute || type == UrdfJointType::continuous || type == UrdfJointType::prismatic;
+  }
+};
+
+/// A tree of links and joints.
+struct Urdf {
+  std::string label;  ///< file path, for messages
+  std::string name;
+  std::vector<UrdfLink> links;
+  std::vector<UrdfJoint> joints;
+  std::size_t root{};                    ///< link
+  std::vector<std::size_t> joint_order;  ///< depth first: parents before children
+
+  /// Both throw FileError "<label>:<line>: …" or "<label> …".
+  static Urdf read_file(const std::string& path);
+  static Urdf parse(const std::string& text, const std::string& label = "URDF text");
+
+  std::optional<std::size_t> find_link(const std::string& link) const;
+  std::optional<std::size_t> find_joint(const std::string& joint) const;
+  std::vector<std::string> link_names() const;
+  std::vector<std::string> joint_names() const;
+  /// Joints from the root down to the link.
+  std::vector<std::size_t> chain_to(std::size_t link) const;
+  /// Links without children.
+  std::vector<std::size_t> leaves() const;
+  /// The kinematic tree alone as URDF text: what was checked here is exactly what Pinocchio reads.
+  std::string kinematics_text() const;
+};
+
+}  // namespace srmp

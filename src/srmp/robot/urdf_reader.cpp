@@ -1,0 +1,301 @@
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "srmp/core/error.hpp"
+#include "srmp/core/pose.hpp"
+#include "srmp/robot/urdf.hpp"
+#include "srmp/robot/xml.hpp"
+
+namespace srmp {
+
+namespace {
+
+using tinyxml2::XMLElement;
+using Names = std::vector<std::string>;
+
+/// Reads one URDF document; every method refuses with the line.
+class Reader {
+ public:
+  explicit Reader(const xml::Document& document) : xml_(document) { urdf_.label = document.label(); }
+
+  Urdf read() {
+    const XMLElement& robot = xml_.root();
+    xml_.check_spelling(robot, Names{"link", "joint", "material"}, Names{"name", "version"},
+                        Names{"gazebo", "transmission", "sensor", "ros2_control", "loop_joint", "plugin", "group",
+                              "self_collision_checking", "kinematics", "mujoco", "include", "constant", "frame"});
+    urdf_.name = xml_.required(robot, "name");
+    for (auto e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link")) read_link(*e);
+    if (urdf_.links.empty()) xml_.fail(robot, "robot '" + urdf_.name + "' has no <link>");
+    link_names_ = urdf_.link_names();
+    for (auto e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) read_joint(*e);
+    resolve_mimics();
+    order_tree();
+    return std::move(urdf_);
+  }
+
+ private:
+  // --- links
+
+  void read_link(const XMLElement& element) {
+    UrdfLink link;
+    link.name = xml_.required(element, "name");
+    link.line = element.GetLineNum();
+    if (const auto first = urdf_.find_link(link.name))
+      xml_.fail(element,
+                "link '" + link.name + "' is already defined in line " + std::to_string(urdf_.links[*first].line));
+    xml_.check_spelling(element, Names{"inertial", "visual", "collision"}, Names{"name", "type"},
+                        Names{"contact", "sphere_velocity", "sensor", "origin", "self_collision_checking", "gazebo",
+                              "collision_checking", "capsule", "audio", "light", "projector"});
+    for (auto e = element.FirstChildElement("collision"); e; e = e->NextSiblingElement("collision"))
+      link.collisions.push_back(read_collision(*e, link.name));
+    urdf_.links.push_back(std::move(link));
+  }
+
+  UrdfGeometry read_collision(const XMLElement& element, const std::string& link) {
+    xml_.check_spelling(element, Names{"origin", "geometry"}, Names{"name", "group"},
+                        Names{"material", "verbose", "contact_coefficients", "collision_checking", "tag"});
+    const XMLElement* geometry = element.FirstChildElement("geometry");
+    if (!geometry) xml_.fail(element, "a <collision> of link '" + link + "' has no <geometry>");
+    xml_.check_spelling(*geometry, Names{"box", "sphere", "cylinder", "capsule", "mesh"}, Names{});
+    const XMLElement* shape = geometry->FirstChildElement();
+    if (!shape) xml_.fail(*geometry, "the <geometry> of a <collision> of link '" + link + "' is empty");
+    UrdfGeometry result = read_shape(*shape);
+    read_origin(element, &result.origin, nullptr, nullptr);
+    return result;
+  }
+
+  UrdfGeometry read_shape(const XMLElement& shape) {
+    using Kind = UrdfGeometry::Kind;
+    const std::string tag = shape.Name();
+    UrdfGeometry g;
+    g.line = shape.GetLineNum();
+    if (tag == "box") {
+      g.kind = Kind::box;
+      xml_.check_spelling(shape, Names{}, Names{"size"});
+      xml_.required(shape, "size");
+      g.size = *xml_.vector3(shape, "size");
+      for (const double edge : g.size) require_positive(shape, "size", edge);
+    } else if (tag == "sphere") {
+      g.kind = Kind::sphere;
+      xml_.check_spelling(shape, Names{}, Names{"radius"});
+      g.radius = positive(shape, "radius");
+    } else if (tag == "cylinder" || tag == "capsule") {
+      g.kind = tag == "cylinder" ? Kind::cylinder : Kind::capsule;
+      xml_.check_spelling(shape, Names{}, Names{"radius", "length"});
+      g.radius = positive(shape, "radius");
+      g.length = positive(shape, "length");
+    } else if (tag == "mesh") {
+      g.kind = Kind::mesh;
+      xml_.check_spelling(shape, Names{}, Names{"filename", "scale"});
+      g.filename = xml_.required(shape, "filename");
+      g.scale = xml_.vector3(shape, "scale").value_or(Eigen::Vector3d::Ones());
+      if (g.scale.cwiseAbs().minCoeff() == 0.0) xml_.fail(shape, "the scale of a <mesh> must not hold a 0");
+    } else {
+      xml_.fail(shape, "unknown geometry <" + tag + ">; known are box, sphere, cylinder, capsule and mesh");
+    }
+    return g;
+  }
+
+  double positive(const XMLElement& element, const char* name) {
+    const double value = xml_.required_number(element, name);
+    require_positive(element, name, value);
+    return value;
+  }
+
+  void require_positive(const XMLElement& element, const char* name, double value) {
+    if (value <= 0.0)
+      xml_.fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is " + to_text(value) +
+                             "; it must be above 0");
+  }
+
+  void read_origin(const XMLElement& owner, Eigen::Isometry3d* transform, Eigen::Vector3d* xyz, Eigen::Vector3d* rpy) {
+    const XMLElement* element = owner.FirstChildElement("origin");
+    if (!element) return;
+    xml_.check_spelling(*element, Names{}, Names{"xyz", "rpy"});
+    const Eigen::Vector3d p = xml_.vector3(*element, "xyz").value_or(Eigen::Vector3d::Zero());
+    const Eigen::Vector3d r = xml_.vector3(*element, "rpy").value_or(Eigen::Vector3d::Zero());
+    if (transform) *transform = Pose::from_rpy(p, r).isometry();
+    if (xyz) *xyz = p;
+    if (rpy) *rpy = r;
+  }
+
+  // --- joints
+
+  void read_joint(const XMLElement& element) {
+    UrdfJoint joint;
+    joint.name = xml_.required(element, "name");
+    joint.line = element.GetLineNum();
+    if (const auto first = urdf_.find_joint(joint.name))
+      xml_.fail(element,
+                "joint '" + joint.name + "' is already defined in line " + std::to_string(urdf_.joints[*first].line));
+    xml_.check_spelling(element, Names{"origin", "parent", "child", "axis", "limit", "mimic"}, Names{"name", "type"},
+                        Names{"dynamics", "safety_controller", "calibration", "gazebo", "hardwareInterface", "damping",
+                              "joint_properties", "implicitSpringDamper", "actuator", "sensor", "plugin"});
+    joint.type = read_type(element, joint.name);
+    joint.parent = read_end(element, joint.name, "parent");
+    joint.child = read_end(element, joint.name, "child");
+    read_origin(element, nullptr, &joint.xyz, &joint.rpy);
+    if (joint.scalar()) {
+      read_axis(element, joint);
+      read_limit(element, joint);
+    }
+    mimics_.push_back(joint.scalar() ? element.FirstChildElement("mimic") : nullptr);
+    connect(element, std::move(joint));
+  }
+
+  UrdfJointType read_type(const XMLElement& element, const std::string& joint) {
+    static constexpr std::array types{
+        std::pair{"fixed", UrdfJointType::fixed},           std::pair{"revolute", UrdfJointType::revolute},
+        std::pair{"continuous", UrdfJointType::continuous}, std::pair{"prismatic", UrdfJointType::prismatic},
+        std::pair{"floating", UrdfJointType::floating},     std::pair{"planar", UrdfJointType::planar}};
+    const std::string text = xml_.required(element, "type");
+    Names known;
+    for (const auto& [name, type] : types) {
+      if (text == name) return type;
+      known.emplace_back(name);
+    }
+    const std::string hint = did_you_mean(text, known);
+    xml_.fail(element, "joint '" + joint + "' has the unknown type '" + text + "'" +
+                           (hint.empty() ? "; known are " + quoted_list(known) : hint));
+  }
+
+  std::size_t read_end(const XMLElement& element, const std::string& joint, const char* end) {
+    const XMLElement* e = element.FirstChildElement(end);
+    if (!e) xml_.fail(element, "joint '" + joint + "' has no <" + end + ">");
+    xml_.check_spelling(*e, Names{}, Names{"link"});
+    const std::string link = xml_.required(*e, "link");
+    const auto index = urdf_.find_link(link);
+    if (!index)
+      xml_.fail(*e,
+                "joint '" + joint + "': there is no " + end + " link '" + link + "'" + did_you_mean(link, link_names_));
+    return *index;
+  }
+
+  void read_axis(const XMLElement& element, UrdfJoint& joint) {
+    const XMLElement* e = element.FirstChildElement("axis");
+    if (!e) return;
+    xml_.check_spelling(*e, Names{}, Names{"xyz"});
+    joint.axis = xml_.vector3(*e, "xyz").value_or(joint.axis);
+    if (joint.axis.norm() < 1e-9) xml_.fail(*e, "the axis of joint '" + joint.name + "' is zero");
+    if (std::abs(joint.axis.norm() - 1.0) > 1e-12) joint.axis.normalize();
+  }
+
+  void read_limit(const XMLElement& element, UrdfJoint& joint) {
+    const bool continuous = joint.type == UrdfJointType::continuous;
+    joint.lower = -std::numeric_limits<double>::infinity();
+    joint.upper = std::numeric_limits<double>::infinity();
+    const XMLElement* e = element.FirstChildElement("limit");
+    if (!e) {
+      if (continuous) return;
+      xml_.fail(element, "joint '" + joint.name + "' is " +
+                             (joint.type == UrdfJointType::revolute ? "revolute" : "prismatic") +
+                             " and has no <limit>");
+    }
+    xml_.check_spelling(
+        *e, Names{},
+        Names{"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk", "stiffness", "damping"});
+    joint.velocity = xml_.number(*e, "velocity");
+    if (joint.velocity && *joint.velocity < 0.0)
+      xml_.fail(*e, "joint '" + joint.name + "': the velocity limit " + to_text(*joint.velocity) + " is negative");
+    const double lower = xml_.number(*e, "lower").value_or(0.0), upper = xml_.number(*e, "upper").value_or(0.0);
+    if (continuous) return;
+    if (lower > upper)
+      xml_.fail(*e, "joint '" + joint.name + "': the lower limit " + to_text(lower) + " is above the upper limit " +
+                        to_text(upper));
+    joint.lower = lower;
+    joint.upper = upper;
+  }
+
+  void connect(const XMLElement& element, UrdfJoint joint) {
+    UrdfLink& child = urdf_.links[joint.child];
+    if (child.parent_joint)
+      xml_.fail(element, "link '" + child.name + "' is the child of both joint '" +
+                             urdf_.joints[*child.parent_joint].name + "' and joint '" + joint.name +
+                             "'; a robot is a tree");
+    child.parent_joint = urdf_.joints.size();
+    urdf_.links[joint.parent].child_joints.push_back(urdf_.joints.size());
+    urdf_.joints.push_back(std::move(joint));
+  }
+
+  // --- the whole
+
+  void resolve_mimics() {
+    const Names joint_names = urdf_.joint_names();
+    for (std::size_t i = 0; i < mimics_.size(); ++i) {
+      if (!mimics_[i]) continue;
+      const XMLElement& e = *mimics_[i];
+      xml_.check_spelling(e, Names{}, Names{"joint", "multiplier", "offset"});
+      const std::string source = xml_.required(e, "joint");
+      const auto index = urdf_.find_joint(source);
+      if (!index)
+        xml_.fail(e, "joint '" + urdf_.joints[i].name + "' mimics joint '" + source + "', which does not exist" +
+                         did_you_mean(source, joint_names));
+      if (!urdf_.joints[*index].scalar())
+        xml_.fail(e, "joint '" + urdf_.joints[i].name + "' mimics joint '" + source + "', which does not move");
+      urdf_.joints[i].mimic =
+          UrdfMimic{*index, xml_.number(e, "multiplier").value_or(1.0), xml_.number(e, "offset").value_or(0.0)};
+    }
+    for (std::size_t i = 0; i < mimics_.size(); ++i)
+      if (mimics_[i]) multiply_out(i);
+  }
+
+  void multiply_out(std::size_t i) {
+    UrdfMimic& mimic = *urdf_.joints[i].mimic;
+    for (std::size_t steps = 0; urdf_.joints[mimic.source].mimic; ++steps) {
+      if (mimic.source == i || steps > urdf_.joints.size())
+        xml_.fail(*mimics_[i], "joint '" + urdf_.joints[i].name + "' mimics itself");
+      const UrdfMimic next = *urdf_.joints[mimic.source].mimic;
+      mimic.offset += mimic.multiplier * next.offset;
+      mimic.multiplier *= next.multiplier;
+      mimic.source = next.source;
+    }
+  }
+
+  void order_tree() {
+    Names roots;
+    for (std::size_t i = 0; i < urdf_.links.size(); ++i) {
+      if (urdf_.links[i].parent_joint) continue;
+      roots.push_back(urdf_.links[i].name);
+      urdf_.root = i;
+    }
+    if (roots.empty())
+      xml_.fail(xml_.root(), "the joints of robot '" + urdf_.name + "' form a loop: no link is the root");
+    if (roots.size() > 1)
+      xml_.fail(xml_.root(),
+                "links " + quoted_list(roots) + " have no parent joint; a robot is one tree with one root");
+    std::vector<std::size_t> stack(1, urdf_.root);
+    while (!stack.empty()) {
+      const UrdfLink& link = urdf_.links[stack.back()];
+      stack.pop_back();
+      if (link.parent_joint) urdf_.joint_order.push_back(*link.parent_joint);
+      for (auto it = link.child_joints.rbegin(); it != link.child_joints.rend(); ++it)
+        stack.push_back(urdf_.joints[*it].child);
+    }
+    if (urdf_.joint_order.size() != urdf_.joints.size())
+      xml_.fail(xml_.root(),
+                "some joints of robot '" + urdf_.name + "' form a loop apart from the root '" + roots[0] + "'");
+  }
+
+  const xml::Document& xml_;
+  Urdf urdf_;
+  Names link_names_;
+  std::vector<const XMLElement*> mimics_;  // by joint; nullptr: none
+};
+
+}  // namespace
+
+Urdf Urdf::read_file(const std::string& path) {
+  const auto document = xml::Document::read_file(path, "URDF", "robot");
+  return Reader(document).read();
+}
+
+Urdf Urdf::parse(const std::string& text, const std::string& label) {
+  const auto document = xml::Document::parse(text, label, "robot");
+  return Reader(document).read();
+}
+
+}  // namespace srmp

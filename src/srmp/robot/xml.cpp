@@ -1,0 +1,146 @@
+#include "srmp/robot/xml.hpp"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "srmp/core/error.hpp"
+
+namespace srmp::xml {
+
+namespace {
+
+std::string read_text(const std::string& path, const std::string& kind) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) throw FileError(kind + " file '" + path + "' does not exist");
+  if (!fs::is_regular_file(path, ignored)) throw FileError(kind + " file '" + path + "' is not a file");
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw FileError(kind + " file '" + path + "' cannot be read");
+  return text.str();
+}
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+bool contains(std::span<const std::string> names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
+Document::Document() : document_(std::make_unique<tinyxml2::XMLDocument>()) {}
+Document::~Document() = default;
+Document::Document(Document&&) noexcept = default;
+
+Document Document::read_file(const std::string& path, const std::string& kind, const char* root_tag) {
+  return parse(read_text(path, kind), path, root_tag);
+}
+
+Document Document::parse(const std::string& text, const std::string& label, const char* root_tag) {
+  Document result;
+  result.label_ = label;
+  if (std::all_of(text.begin(), text.end(), is_space))
+    throw FileError(label + " is empty; expected a <" + root_tag + ">");
+  if (result.document_->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    result.fail(result.document_->ErrorLineNum(), "broken XML (" +
+                                                      std::string(result.document_->ErrorName()).substr(4) +
+                                                      "); a tag is not closed, nested or quoted properly");
+  result.root_ = result.document_->RootElement();
+  if (!result.root_) throw FileError(label + " holds no XML element; expected a <" + root_tag + ">");
+  if (std::string(result.root_->Name()) != root_tag)
+    result.fail(*result.root_,
+                "the outermost tag is <" + std::string(result.root_->Name()) + ">, expected <" + root_tag + ">");
+  return result;
+}
+
+void Document::fail(int line, const std::string& sentence) const {
+  throw FileError(label_ + ":" + std::to_string(line) + ": " + sentence);
+}
+
+void Document::fail(const tinyxml2::XMLElement& at, const std::string& sentence) const {
+  fail(at.GetLineNum(), sentence);
+}
+
+std::optional<std::string> Document::attribute(const tinyxml2::XMLElement& element, const char* name) const {
+  const char* text = element.Attribute(name);
+  return text ? std::optional<std::string>(text) : std::nullopt;
+}
+
+std::string Document::required(const tinyxml2::XMLElement& element, const char* name) const {
+  const auto text = attribute(element, name);
+  if (!text) fail(element, "<" + std::string(element.Name()) + "> has no attribute '" + name + "'");
+  if (text->empty()) fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is empty");
+  return *text;
+}
+
+std::vector<double> Document::numbers(const tinyxml2::XMLElement& element, const char* name,
+                                      const std::string& text) const {
+  std::vector<double> values;
+  const char *at = text.data(), *end = text.data() + text.size();
+  while (true) {
+    while (at != end && is_space(*at)) ++at;
+    if (at == end) return values;
+    const char* stop = std::find_if(at, end, is_space);
+    const char* digits = *at == '+' ? at + 1 : at;  // from_chars knows no plus sign
+    double value = 0.0;
+    const auto [rest, error] = std::from_chars(digits, stop, value);
+    if (error != std::errc() || rest != stop)
+      fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> holds '" +
+                        std::string(at, stop) + "', which is not a number");
+    if (!std::isfinite(value))
+      fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is " + to_text(value) +
+                        "; only finite numbers are allowed");
+    values.push_back(value);
+    at = stop;
+  }
+}
+
+std::optional<double> Document::number(const tinyxml2::XMLElement& element, const char* name) const {
+  const auto text = attribute(element, name);
+  if (!text) return std::nullopt;
+  const auto values = numbers(element, name, *text);
+  if (values.size() != 1)
+    fail(element,
+         "attribute '" + std::string(name) + "' of <" + element.Name() + "> is '" + *text + "'; expected one number");
+  return values[0];
+}
+
+double Document::required_number(const tinyxml2::XMLElement& element, const char* name) const {
+  required(element, name);
+  return *number(element, name);
+}
+
+std::optional<Eigen::Vector3d> Document::vector3(const tinyxml2::XMLElement& element, const char* name) const {
+  const auto text = attribute(element, name);
+  if (!text) return std::nullopt;
+  const auto values = numbers(element, name, *text);
+  if (values.size() != 3)
+    fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is '" + *text +
+                      "'; expected three numbers");
+  return Eigen::Vector3d(values[0], values[1], values[2]);
+}
+
+void Document::check_spelling(const tinyxml2::XMLElement& element, std::span<const std::string> tags,
+                              std::span<const std::string> attributes, std::span<const std::string> extensions) const {
+  for (auto child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    const std::string tag = child->Name();
+    if (contains(tags, tag) || contains(extensions, tag) || tag.find(':') != std::string::npos) continue;
+    if (const std::string hint = did_you_mean(tag, tags); !hint.empty())
+      fail(*child, "unknown tag <" + tag + "> in <" + element.Name() + ">" + hint);
+  }
+  for (auto a = element.FirstAttribute(); a; a = a->Next()) {
+    const std::string name = a->Name();
+    if (contains(attributes, name) || name.find(':') != std::string::npos) continue;
+    if (const std::string hint = did_you_mean(name, attributes); !hint.empty())
+      fail(a->GetLineNum(), "unknown attribute '" + name + "' of <" + element.Name() + ">" + hint);
+  }
+}
+
+}  // namespace srmp::xml

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+
+#include "srmp/search/weighted_search.hpp"
+
+/// A* and weighted A* with lazily evaluated edges.
+///
+/// Papers: Hart, Nilsson, Raphael 1968 (A*); Pohl 1970 (weighted A*); Cohen, Phillips, Likhachev 2014, "Planning
+/// Single-Arm Manipulations with N-Arm Robots" (lazy weighted A*).
+/// Guarantee: cost <= bound * optimal cost, bound <= weight; no state is expanded twice, no edge evaluated twice.
+/// `exhausted` means that no start reaches a goal.
+/// Needs: a Graph (see graph.hpp) and a consistent heuristic: h(a) <= cost(a, b) + h(b) for every edge, with its lower
+/// bound as cost, and h = 0 at goals. Infinity prunes the state. With an inconsistent heuristic a path is still found,
+/// but the bound does not hold.
+namespace srmp::search {
+
+struct AstarOptions {
+  double weight{1.0};  ///< >= 1; 1 is A*, larger is greedier
+};
+
+/// Searches from all `starts` (cost 0 each) to the nearest goal. Throws InvalidArgument for options, starts, heuristic
+/// values and edge costs outside their contracts.
+template <Graph G, Heuristic H>
+Result weighted_astar(G& graph, std::span<const StateId> starts, H& heuristic, const AstarOptions& options,
+                      const Deadline& deadline) {
+  require_weight(options.weight, "weight");
+  using Search = WeightedSearch<G, H>;
+  Search search(graph, heuristic, options.weight, Search::Expand::once);
+  search.add_starts(starts);
+  const std::optional<Status> stop = search.improve(deadline);
+  return search.result(options.weight, stop);
+}
+
+}  // namespace srmp::search

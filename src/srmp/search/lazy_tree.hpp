@@ -1,0 +1,312 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "srmp/core/deadline.hpp"
+#include "srmp/core/error.hpp"
+#include "srmp/search/graph.hpp"
+
+/// What all planners with lazy edges share: the table of states and the edges that may lead to them.
+///
+/// Lazy edge evaluation (Cohen, Phillips, Likhachev 2014, "Planning Single-Arm Manipulations with N-Arm Robots"): an
+/// expansion offers its edges at their lower bounds. An edge is evaluated only once it is the best candidate of a state
+/// that has come to the top of OPEN; if it turns out dearer or not to exist, the state's next candidate takes over.
+namespace srmp::search {
+
+using EdgeId = std::uint32_t;
+inline constexpr EdgeId no_edge = std::numeric_limits<EdgeId>::max();
+
+/// The states seen so far and, for each, the candidate edges into it.
+///
+/// The candidates of a state are a list sorted by cost-to-come g. The first is the best; the state's cost is
+/// *confirmed* when that one has been evaluated. At most one candidate is evaluated, and it is the last: those behind
+/// it could never win. Only candidates better than the state's cost at its last expansion are kept.
+class CandidateTable {
+ public:
+  struct State {
+    double cost{infinity};       ///< to come, at the last expansion; infinity before
+    double heuristic{-1.0};      ///< negative: not asked yet
+    EdgeId parent{no_edge};      ///< that `cost` came over
+    EdgeId best{no_edge};        ///< first candidate
+    EdgeId first_edge{no_edge};  ///< outgoing edges, one block; only when edges are remembered
+    std::uint32_t edge_count{};
+    std::uint32_t closed{};  ///< the planner's mark
+    bool inconsistent{};     ///< in the planner's INCONS
+  };
+
+  const State& operator[](StateId s) const { return states_[s]; }
+  State& operator[](StateId s) { return states_[s]; }
+
+  /// Makes room for `s`.
+  void ensure(StateId s) {
+    if (s < states_.size()) return;
+    if (s == no_state) throw InvalidArgument("the graph handed out no_state (4294967295) as a state");
+    states_.resize(std::size_t{s} + 1);
+  }
+
+  bool has_candidate(StateId s) const { return states_[s].best != no_edge; }
+  /// Is the best candidate of `s` evaluated?
+  bool confirmed(StateId s) const { return has_candidate(s) && edges_[states_[s].best].evaluated; }
+  /// Cost to come over the best candidate; infinity without one.
+  double best_cost(StateId s) const { return has_candidate(s) ? edges_[states_[s].best].g : infinity; }
+  EdgeId best(StateId s) const { return states_[s].best; }
+
+  Edge edge(EdgeId e) const { return {edges_[e].from, edges_[e].to, edges_[e].cost}; }
+  bool exists(EdgeId e) const { return edges_[e].cost < infinity; }
+
+  /// Stores an edge without offering it.
+  EdgeId add(StateId from, StateId to, double cost, bool evaluated = false) {
+    if (edges_.size() >= no_edge) throw Error("the search has stored 4294967295 edges, the most it can");
+    edges_.push_back({.cost = cost, .from = from, .to = to, .evaluated = evaluated});
+    return static_cast<EdgeId>(edges_.size() - 1);
+  }
+
+  /// Offers a stored edge at cost-to-come `g`; true when it is now the best candidate.
+  bool offer(EdgeId e, double g) {
+    withdraw(e);
+    const Slot slot = find_slot(edges_[e].to, g, edges_[e].evaluated);
+    return slot.open && link(e, g, slot.previous);
+  }
+
+  /// Stores and offers an unevaluated edge, unless it could never win; true when it is now the best candidate.
+  bool offer_new(const Edge& edge, double g) {
+    const Slot slot = find_slot(edge.to, g, false);
+    return slot.open && link(add(edge.from, edge.to, edge.cost), g, slot.previous);
+  }
+
+  /// Enters the true cost of an edge. It stays a candidate only if it exists.
+  void settle(EdgeId e, double true_cost) {
+    withdraw(e);
+    edges_[e].evaluated = true;
+    edges_[e].cost = true_cost;
+    if (true_cost < infinity) offer(e, states_[edges_[e].from].cost + true_cost);
+  }
+
+  /// The confirmed best candidate becomes the state's parent.
+  void commit(StateId s) {
+    State& state = states_[s];
+    state.cost = edges_[state.best].g;
+    state.parent = state.best;
+    edges_[state.best].g = infinity;
+    state.best = no_edge;
+  }
+
+  /// Start … s over the parents. Costs are positive and a parent was expanded at less than its child, so it ends.
+  std::vector<StateId> path_to(StateId s) const {
+    std::vector<StateId> path;
+    for (; s != no_state; s = edges_[states_[s].parent].from) path.push_back(s);
+    std::reverse(path.begin(), path.end());
+    return path;
+  }
+
+  /// True cost of path_to(path.back()), summed from the start.
+  double path_cost(std::span<const StateId> path) const {
+    double cost = 0.0;
+    for (const StateId s : path) cost += edges_[states_[s].parent].cost;
+    return cost;
+  }
+
+ private:
+  struct Candidate {
+    double g{infinity};  ///< cost to come over this edge while it is in its state's list, infinity otherwise
+    double cost{};       ///< lower bound, or true cost once evaluated
+    StateId from{no_state};
+    StateId to{no_state};
+    EdgeId next{no_edge};
+    bool evaluated{};
+  };
+  struct Slot {
+    bool open{};  ///< false: the edge could never win
+    EdgeId previous{no_edge};
+  };
+
+  /// Where an edge at `g` belongs. Equal costs: an evaluated one first, then first come, first served.
+  Slot find_slot(StateId to, double g, bool evaluated) const {
+    if (!(g < states_[to].cost)) return {};
+    EdgeId previous = no_edge;
+    for (EdgeId at = states_[to].best; at != no_edge; at = edges_[at].next) {
+      const Candidate& other = edges_[at];
+      if (other.evaluated && other.g <= g) return {};
+      if (other.g > g || (evaluated && other.g == g)) break;
+      previous = at;
+    }
+    return {true, previous};
+  }
+
+  bool link(EdgeId e, double g, EdgeId previous) {
+    Candidate& edge = edges_[e];
+    EdgeId& before = previous == no_edge ? states_[edge.to].best : edges_[previous].next;
+    edge.g = g;
+    edge.next = before;
+    before = e;
+    if (edge.evaluated) drop_after(e);
+    return previous == no_edge;
+  }
+
+  void drop_after(EdgeId e) {
+    EdgeId at = edges_[e].next;
+    edges_[e].next = no_edge;
+    while (at != no_edge) {
+      edges_[at].g = infinity;
+      at = std::exchange(edges_[at].next, no_edge);
+    }
+  }
+
+  void withdraw(EdgeId e) {
+    if (edges_[e].g == infinity) return;
+    EdgeId* link = &states_[edges_[e].to].best;
+    while (*link != e) link = &edges_[*link].next;
+    *link = edges_[e].next;
+    edges_[e].next = no_edge;
+    edges_[e].g = infinity;
+  }
+
+  std::vector<State> states_;
+  std::vector<Candidate> edges_;
+};
+
+/// The table together with the graph and the heuristic that fill it. `reached(s)` is called whenever the best candidate
+/// of s has improved; the planner answers by (re)queueing it.
+template <Graph G, Heuristic H>
+class LazyTree {
+ public:
+  LazyTree(G& graph, H& heuristic) : graph_(graph), heuristic_(heuristic) {}
+
+  CandidateTable table;
+  Statistics statistics;
+
+  template <class Reached>
+  void add_starts(std::span<const StateId> starts, Reached&& reached) {
+    if (starts.empty()) throw InvalidArgument("the search needs at least one start state");
+    for (const StateId s : starts) {
+      table.ensure(s);
+      if (heuristic(s) < infinity && table.offer(table.add(no_state, s, 0.0, true), 0.0)) reached(s);
+    }
+  }
+
+  /// Commits `s` to its confirmed cost and offers its edges: for planners that expand a state at most once.
+  template <class Reached>
+  void expand_once(StateId s, Reached&& reached) {
+    const double cost = ask_successors(s);
+    for (const Successor& next : successors_) {
+      if (admit(s, next) && table.offer_new({s, next.state, next.cost}, cost + next.cost)) reached(next.state);
+    }
+  }
+
+  /// The same for planners that may expand a state again: edges and their true costs are remembered.
+  template <class Reached>
+  void expand(StateId s, Reached&& reached) {
+    if (table[s].first_edge == no_edge) return expand_first(s, reached);
+    ++statistics.expansions;
+    for (EdgeId e = table[s].first_edge; e < table[s].first_edge + table[s].edge_count; ++e) offer(s, e, reached);
+  }
+
+  /// Evaluates edges, all in one call to the graph. The states they lead to must be requeued by the caller.
+  void evaluate(std::span<const EdgeId> edges) {
+    batch_.clear();
+    for (const EdgeId e : edges) batch_.push_back(table.edge(e));
+    true_costs_.assign(edges.size(), 0.0);
+    graph_.evaluate(std::span<const Edge>(batch_), std::span<double>(true_costs_));
+    statistics.evaluations += edges.size();
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      if (!(true_costs_[i] >= batch_[i].cost)) refuse_evaluation(batch_[i], true_costs_[i]);
+      table.settle(edges[i], true_costs_[i]);
+    }
+  }
+
+  bool is_goal(StateId s) { return graph_.is_goal(s); }
+
+  /// The heuristic of `s`, asked once.
+  double heuristic(StateId s) {
+    if (table[s].heuristic < 0.0) {
+      const double h = heuristic_(s);
+      if (!(h >= 0.0)) {
+        throw InvalidArgument("the heuristic of state " + std::to_string(s) + " is " + to_text(h) +
+                              ", it must be 0 or more, or infinity");
+      }
+      table[s].heuristic = h;
+    }
+    return table[s].heuristic;
+  }
+
+ private:
+  double ask_successors(StateId s) {
+    ++statistics.expansions;
+    successors_.clear();
+    graph_.successors(s, successors_);
+    statistics.generated += successors_.size();
+    return table[s].cost;
+  }
+
+  /// Checks a successor; false when it leads to no goal.
+  bool admit(StateId from, const Successor& next) {
+    if (!(next.cost > 0.0 && next.cost < infinity)) {
+      throw InvalidArgument("the edge from state " + std::to_string(from) + " to " + std::to_string(next.state) +
+                            " has cost " + to_text(next.cost) + ", it must be finite and more than 0");
+    }
+    table.ensure(next.state);
+    return heuristic(next.state) < infinity;
+  }
+
+  template <class Reached>
+  void expand_first(StateId s, Reached&& reached) {
+    ask_successors(s);
+    EdgeId first = no_edge;
+    std::uint32_t count = 0;
+    for (const Successor& next : successors_) {
+      if (!admit(s, next)) continue;
+      const EdgeId e = table.add(s, next.state, next.cost);
+      if (count++ == 0) first = e;
+      offer(s, e, reached);
+    }
+    table[s].first_edge = count > 0 ? first : 0;  // asked; perhaps there were none
+    table[s].edge_count = count;
+  }
+
+  template <class Reached>
+  void offer(StateId s, EdgeId e, Reached&& reached) {
+    const Edge edge = table.edge(e);
+    if (edge.cost < infinity && table.offer(e, table[s].cost + edge.cost)) reached(edge.to);
+  }
+
+  [[noreturn]] static void refuse_evaluation(const Edge& edge, double cost) {
+    throw InvalidArgument("the edge from state " + std::to_string(edge.from) + " to " + std::to_string(edge.to) +
+                          " was evaluated to " + to_text(cost) + ", below its lower bound " + to_text(edge.cost));
+  }
+
+  G& graph_;
+  H& heuristic_;
+  std::vector<Successor> successors_;
+  std::vector<Edge> batch_;
+  std::vector<double> true_costs_;
+};
+
+/// timed_out or cancelled when it is time to stop.
+inline std::optional<Status> stop_status(const Deadline& deadline) {
+  if (deadline.cancelled()) return Status::cancelled;
+  if (deadline.expired()) return Status::timed_out;
+  return std::nullopt;
+}
+
+/// The tighter of what the algorithm guarantees and what the search has shown: no path costs less than `lower`.
+inline double proven_bound(double guaranteed, double cost, double lower) {
+  if (cost <= lower) return 1.0;
+  return std::clamp(cost / lower, 1.0, guaranteed);
+}
+
+/// Throws InvalidArgument unless `weight` is finite and >= 1; `what` names it.
+inline void require_weight(double weight, std::string_view what) {
+  if (weight >= 1.0 && weight < infinity) return;
+  throw InvalidArgument(std::string(what) + " is " + to_text(weight) + ", it must be finite and at least 1");
+}
+
+}  // namespace srmp::search

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "srmp/search/lazy_tree.hpp"
+#include "srmp/search/open_list.hpp"
+
+/// MHA*: multi-heuristic A* with shared expansions (SMHA*) and lazily evaluated edges.
+///
+/// Papers: Aine, Swaminathan, Narayanan, Hwang, Likhachev 2016, "Multi-Heuristic A*"; lazy edges as in Cohen, Phillips,
+/// Likhachev 2014.
+/// Guarantee: cost <= bound * optimal cost, bound <= w1 * w2, whatever the other heuristics say; no state is expanded
+/// more than twice, no edge evaluated twice.
+/// Needs: a Graph (see graph.hpp) and a consistent anchor heuristic, as weighted A* (astar.hpp). The other heuristics
+/// may be inadmissible; infinity there keeps a state out of that heuristic's queue only.
+namespace srmp::search {
+
+struct MhaOptions {
+  double w1{5.0};  ///< >= 1; inflates all heuristics
+  double w2{5.0};  ///< >= 1; how far the other queues may run ahead of the anchor's
+};
+
+using InadmissibleHeuristic = std::function<double(StateId)>;
+
+/// The queues of one MHA* search. Queue 0 belongs to the anchor and holds every open state.
+template <Graph G, Heuristic H>
+class MultiHeuristicSearch {
+ public:
+  MultiHeuristicSearch(G& graph, H& anchor, std::span<const InadmissibleHeuristic> others, const MhaOptions& options)
+      : tree_(graph, anchor), others_(others), options_(options), queues_(others.size() + 1) {}
+
+  Result run(std::span<const StateId> starts, const Deadline& deadline) {
+    tree_.add_starts(starts, [this](StateId s) { requeue(s); });
+    for (std::size_t turn = 0; !queues_[0].empty();) {
+      if (const auto stop = stop_status(deadline)) return unsolved(*stop);
+      const std::size_t queue = queue_of(turn);
+      const StateId s = queues_[queue].top().state;
+      if (!table().confirmed(s)) {
+        const EdgeId e = table().best(s);
+        tree_.evaluate({&e, 1});
+        requeue(s);
+        continue;
+      }
+      close(s, queue);
+      if (tree_.is_goal(s)) return solved(s);
+      tree_.expand(s, [this](StateId next) { requeue(next); });
+      ++turn;
+    }
+    return unsolved(Status::exhausted);
+  }
+
+ private:
+  static constexpr std::uint32_t closed_by_other = 1;
+  static constexpr std::uint32_t closed_by_anchor = 2;
+
+  CandidateTable& table() { return tree_.table; }
+  const CandidateTable& table() const { return tree_.table; }
+
+  /// Round robin over the other queues; the anchor steps in for one that has run too far ahead.
+  std::size_t queue_of(std::size_t turn) const {
+    if (others_.empty()) return 0;
+    const std::size_t queue = 1 + turn % others_.size();
+    if (queues_[queue].empty()) return 0;
+    return queues_[queue].min_priority() <= options_.w2 * queues_[0].min_priority() ? queue : 0;
+  }
+
+  void close(StateId s, std::size_t queue) {
+    for (OpenList& open : queues_) open.erase(s);
+    table().commit(s);
+    table()[s].closed |= queue == 0 ? closed_by_anchor : closed_by_other;
+  }
+
+  /// Puts `s` into the queues where its best candidate belongs.
+  void requeue(StateId s) {
+    CandidateTable::State& state = table()[s];
+    if (state.best == no_edge) {
+      for (OpenList& open : queues_) open.erase(s);
+      return;
+    }
+    if (state.closed & closed_by_anchor) {
+      if (!std::exchange(state.inconsistent, true)) inconsistent_.push_back(s);
+      return;
+    }
+    const double g = table().best_cost(s), anchor = g + options_.w1 * state.heuristic;
+    queues_[0].set(s, anchor, state.heuristic);
+    if (state.closed & closed_by_other) return;
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      const double h = other(i, s), priority = g + options_.w1 * h;
+      if (h < infinity && priority <= options_.w2 * anchor) {
+        queues_[i + 1].set(s, priority, h);
+      } else {
+        queues_[i + 1].erase(s);
+      }
+    }
+  }
+
+  /// The i-th inadmissible heuristic of `s`, asked once.
+  double other(std::size_t i, StateId s) {
+    const std::size_t at = std::size_t{s} * others_.size() + i;
+    if (at >= asked_.size()) asked_.resize((std::size_t{s} + 1) * others_.size(), -1.0);
+    if (asked_[at] < 0.0) {
+      const double h = others_[i](s);
+      if (!(h >= 0.0)) {
+        throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " of state " + std::to_string(s) +
+                              " is " + to_text(h) + ", it must be 0 or more, or infinity");
+      }
+      asked_[at] = h;
+    }
+    return asked_[at];
+  }
+
+  Result unsolved(Status status) const {
+    Result result;
+    result.status = status;
+    result.statistics = tree_.statistics;
+    return result;
+  }
+
+  Result solved(StateId goal) const {
+    Result result = unsolved(Status::solved);
+    result.path = table().path_to(goal);
+    result.cost = table().path_cost(result.path);
+    double lower = result.cost;
+    const auto lower_to = [&](StateId s) { lower = std::min(lower, table().best_cost(s) + table()[s].heuristic); };
+    for (const OpenList::Entry& entry : queues_[0].entries()) lower_to(entry.state);
+    for (const StateId s : inconsistent_) lower_to(s);
+    result.bound = proven_bound(options_.w1 * options_.w2, result.cost, lower);
+    return result;
+  }
+
+  LazyTree<G, H> tree_;
+  std::span<const InadmissibleHeuristic> others_;
+  MhaOptions options_;
+  std::vector<OpenList> queues_;
+  std::vector<double> asked_;          ///< by state and inadmissible heuristic; negative: not asked yet
+  std::vector<StateId> inconsistent_;  ///< closed by the anchor, but a cheaper candidate has turned up since
+};
+
+/// Searches from all `starts` (cost 0 each) to the nearest goal, guided by `anchor` and any number of `others`.
+template <Graph G, Heuristic H>
+Result mha_star(G& graph, std::span<const StateId> starts, H& anchor, std::span<const InadmissibleHeuristic> others,
+                const MhaOptions& options, const Deadline& deadline) {
+  require_weight(options.w1, "w1");
+  require_weight(options.w2, "w2");
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (!others[i]) throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " is empty");
+  }
+  return MultiHeuristicSearch<G, H>(graph, anchor, others, options).run(starts, deadline);
+}
+
+}  // namespace srmp::search

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "srmp/search/graph.hpp"
+
+namespace srmp::search {
+
+/// OPEN: a 4-ary heap of states that knows where each state sits, so that keys can change in place.
+///
+/// The order is total: smaller priority first, then smaller heuristic, then smaller insertion number (first in, first
+/// out). A state gets a new number whenever its key changes. Memory is two flat arrays; nothing is allocated beyond
+/// their amortised growth. Keys must not be NaN.
+class OpenList {
+ public:
+  struct Entry {
+    double priority{};
+    double heuristic{};
+    std::uint64_t number{};
+    StateId state{no_state};
+  };
+
+  bool empty() const { return heap_.empty(); }
+  std::size_t size() const { return heap_.size(); }
+  bool contains(StateId s) const { return s < position_.size() && position_[s] != nowhere; }
+  /// The first entry; OPEN must not be empty.
+  const Entry& top() const { return heap_.front(); }
+  /// The smallest priority; infinity when empty.
+  double min_priority() const { return heap_.empty() ? infinity : heap_.front().priority; }
+  /// All entries, in the order of the heap (deterministic, not sorted).
+  std::span<const Entry> entries() const { return heap_; }
+
+  /// Puts `s` in, or changes its key (up or down). The same key again changes nothing.
+  void set(StateId s, double priority, double heuristic) {
+    if (!contains(s)) return insert({priority, heuristic, next_number_++, s});
+    const std::size_t at = position_[s];
+    if (heap_[at].priority == priority && heap_[at].heuristic == heuristic) return;
+    settle(at, {priority, heuristic, next_number_++, s});
+  }
+
+  /// Puts an entry back that was popped, with its old insertion number.
+  void restore(const Entry& entry) { insert(entry); }
+
+  Entry pop() {
+    const Entry first = heap_.front();
+    remove_at(0);
+    return first;
+  }
+
+  void erase(StateId s) {
+    if (contains(s)) remove_at(position_[s]);
+  }
+
+  void clear() {
+    for (const Entry& entry : heap_) position_[entry.state] = nowhere;
+    heap_.clear();
+  }
+
+  /// Gives every entry the priority `priority_of(entry)`, keeping the insertion numbers. O(n).
+  template <class F>
+  void reprioritise(F&& priority_of) {
+    for (Entry& entry : heap_) entry.priority = priority_of(static_cast<const Entry&>(entry));
+    for (std::size_t at = heap_.size(); at-- > 0;) sift_down(at, Entry(heap_[at]));
+  }
+
+ private:
+  static constexpr std::size_t arity = 4;
+  static constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
+
+  static bool before(const Entry& a, const Entry& b) {
+    if (a.priority != b.priority) return a.priority < b.priority;
+    if (a.heuristic != b.heuristic) return a.heuristic < b.heuristic;
+    return a.number < b.number;
+  }
+
+  void put(std::size_t at, const Entry& entry) {
+    heap_[at] = entry;
+    position_[entry.state] = static_cast<std::uint32_t>(at);
+  }
+
+  void insert(const Entry& entry) {
+    if (entry.state >= position_.size()) position_.resize(std::size_t{entry.state} + 1, nowhere);
+    heap_.push_back(entry);
+    sift_up(heap_.size() - 1, entry);
+  }
+
+  void remove_at(std::size_t at) {
+    position_[heap_[at].state] = nowhere;
+    const Entry last = heap_.back();
+    heap_.pop_back();
+    if (at < heap_.size()) settle(at, last);
+  }
+
+  void settle(std::size_t at, const Entry& entry) {
+    if (at > 0 && before(entry, heap_[(at - 1) / arity])) return sift_up(at, entry);
+    sift_down(at, entry);
+  }
+
+  void sift_up(std::size_t at, const Entry entry) {
+    while (at > 0) {
+      const std::size_t parent = (at - 1) / arity;
+      if (!before(entry, heap_[parent])) break;
+      put(at, heap_[parent]);
+      at = parent;
+    }
+    put(at, entry);
+  }
+
+  void sift_down(std::size_t at, const Entry entry) {
+    for (std::size_t child = arity * at + 1; child < heap_.size(); child = arity * at + 1) {
+      const std::size_t end = std::min(child + arity, heap_.size());
+      for (std::size_t other = child + 1; other < end; ++other) {
+        if (before(heap_[other], heap_[child])) child = other;
+      }
+      if (!before(heap_[child], entry)) break;
+      put(at, heap_[child]);
+      at = child;
+    }
+    put(at, entry);
+  }
+
+  std::vector<Entry> heap_;
+  std::vector<std::uint32_t> position_;  ///< by state: its place in heap_
+  std::uint64_t next_number_{};
+};
+
+}  // namespace srmp::search

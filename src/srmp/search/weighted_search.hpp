@@ -1,0 +1,143 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "srmp/search/lazy_tree.hpp"
+#include "srmp/search/open_list.hpp"
+
+namespace srmp::search {
+
+/// The machine inside the planners with one OPEN ordered by f = g + weight * h: OPEN, CLOSED, INCONS and the best goal.
+///
+/// INCONS holds closed states for which a cheaper candidate has turned up since. No path can cost less than the
+/// smallest g + h over OPEN and INCONS: of an optimal path, the first state that was not expanded at its optimal cost
+/// is in one of them, at its optimal cost or a lower bound of it.
+template <Graph G, Heuristic H>
+class WeightedSearch {
+ public:
+  enum class Expand {
+    once,   ///< a state is never expanded again: forget edges that lost
+    again,  ///< remember all edges and their true costs
+  };
+
+  WeightedSearch(G& graph, H& heuristic, double weight, Expand expand)
+      : tree_(graph, heuristic), weight_(weight), expand_(expand) {}
+
+  void add_starts(std::span<const StateId> starts) {
+    tree_.add_starts(starts, [this](StateId s) { requeue(s); });
+  }
+
+  /// Expands in the order of OPEN until no state in it can beat the best goal within the weight. Says why when it had
+  /// to stop earlier.
+  std::optional<Status> improve(const Deadline& deadline) {
+    while (!open_.empty() && (!solved() || open_.min_priority() < goal_cost_)) {
+      if (const auto stop = stop_status(deadline)) return stop;
+      const StateId s = open_.top().state;
+      if (table().confirmed(s)) {
+        open_.pop();
+        visit(s);
+      } else {
+        const EdgeId e = table().best(s);
+        tree_.evaluate({&e, 1});
+        requeue(s);
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Starts the next round: nothing is closed, INCONS goes to OPEN, OPEN is sorted by the new weight.
+  void next_round(double weight) {
+    ++round_;
+    weight_ = weight;
+    open_.reprioritise([&](const OpenList::Entry& entry) { return priority(entry.state); });
+    for (const StateId s : inconsistent_) {
+      table()[s].inconsistent = false;
+      requeue(s);
+    }
+    inconsistent_.clear();
+  }
+
+  /// Closes a confirmed state that is out of OPEN; it is either a goal or expanded.
+  void visit(StateId s) {
+    table().commit(s);
+    table()[s].closed = round_;
+    if (tree_.is_goal(s)) return note_goal(s);
+    const auto reached = [this](StateId next) { requeue(next); };
+    if (expand_ == Expand::once) {
+      tree_.expand_once(s, reached);
+    } else {
+      tree_.expand(s, reached);
+    }
+  }
+
+  /// Puts `s` where its best candidate belongs: OPEN, INCONS or, without a candidate, nowhere.
+  void requeue(StateId s) {
+    CandidateTable::State& state = table()[s];
+    if (state.best == no_edge) return open_.erase(s);
+    if (state.closed != round_) return open_.set(s, priority(s), state.heuristic);
+    if (!std::exchange(state.inconsistent, true)) inconsistent_.push_back(s);
+  }
+
+  /// Returns an entry that was popped from OPEN; if nothing has changed, to its old place among equals.
+  void put_back(const OpenList::Entry& entry) {
+    const StateId s = entry.state;
+    const bool open = table().has_candidate(s) && table()[s].closed != round_ && !open_.contains(s);
+    if (open && priority(s) == entry.priority) return open_.restore(entry);
+    requeue(s);
+  }
+
+  bool solved() const { return !goal_path_.empty(); }
+
+  /// The path to the best goal, its cost and its bound, if any.
+  Result result(double guaranteed_bound, std::optional<Status> stop) const {
+    Result result;
+    result.statistics = tree_.statistics;
+    result.status = solved() ? Status::solved : stop.value_or(Status::exhausted);
+    if (!solved()) return result;
+    result.path = goal_path_;
+    result.cost = goal_cost_;
+    result.bound = proven_bound(guaranteed_bound, result.cost, lower_bound(guaranteed_bound, result.cost));
+    return result;
+  }
+
+  double priority(StateId s) const { return table().best_cost(s) + weight_ * table()[s].heuristic; }
+  OpenList& open() { return open_; }
+  LazyTree<G, H>& tree() { return tree_; }
+  CandidateTable& table() { return tree_.table; }
+  const CandidateTable& table() const { return tree_.table; }
+
+ private:
+  /// Keeps the path itself: later rounds may lead its states over other parents, dearer for a while.
+  void note_goal(StateId s) {
+    std::vector<StateId> path = table().path_to(s);
+    const double cost = table().path_cost(path);
+    if (cost >= goal_cost_) return;
+    goal_path_ = std::move(path);
+    goal_cost_ = cost;
+  }
+
+  double lower_bound(double guaranteed_bound, double cost) const {
+    if (guaranteed_bound == 1.0) return cost;
+    double lower = cost;
+    const auto lower_to = [&](StateId s) { lower = std::min(lower, table().best_cost(s) + table()[s].heuristic); };
+    for (const OpenList::Entry& entry : open_.entries()) lower_to(entry.state);
+    for (const StateId s : inconsistent_) lower_to(s);
+    return lower;
+  }
+
+  LazyTree<G, H> tree_;
+  OpenList open_;
+  std::vector<StateId> inconsistent_;
+  double weight_;
+  Expand expand_;
+  std::uint32_t round_{1};
+  std::vector<StateId> goal_path_;
+  double goal_cost_{infinity};
+};
+
+}  // namespace srmp::search

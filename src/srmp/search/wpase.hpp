@@ -1,0 +1,130 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "srmp/search/weighted_search.hpp"
+
+/// wPA*SE: parallel weighted A* for slow edges, edge-based and lazy.
+///
+/// Papers: Phillips, Likhachev, Koenig 2014, "PA*SE: Parallel A* for Slow Expansions" (the independence check);
+/// Mukherjee, Aine, Likhachev 2022, "ePA*SE: Edge-Based Parallel A* for Slow Evaluations".
+/// What is parallel is the evaluation of edges: each round takes a batch of edges from OPEN, of a size that does not
+/// depend on the number of threads, has the graph evaluate them in one call, and merges the answers in the order of the
+/// batch. So the path is the same for any number of threads. While edges wait for their evaluation, a confirmed state
+/// behind them may be expanded if it is independent of them: no path through a waiting state can beat its cost within
+/// the weight.
+/// Guarantee: cost <= bound * optimal cost, bound <= weight; no state is expanded twice, no edge evaluated twice.
+/// Needs: as weighted A* (astar.hpp), and optionally a heuristic between pairs of states: pair(a, b) <= the cost of any
+/// path from a to b. Without it h(a) - h(b) serves, which is weaker.
+namespace srmp::search {
+
+struct WpaseOptions {
+  double weight{1.0};  ///< >= 1
+  /// Edges a round, >= 1; 1 is weighted A*. As many as the graph evaluates at once: a larger batch evaluates more edges
+  /// that turn out not to matter. The deadline is asked between rounds.
+  std::size_t batch_size{4};
+};
+
+/// Lower bound of the cost of any path between two states; infinity when there is none.
+template <class P>
+concept PairHeuristic = requires(P& pair, StateId a, StateId b) {
+  { pair(a, b) } -> std::convertible_to<double>;
+};
+
+/// Stands for h(a) - h(b), which by consistency bounds the cost from a to b.
+struct HeuristicDifference {};
+
+/// The rounds of one wPA*SE search.
+template <Graph G, Heuristic H, class P>
+class BatchedSearch {
+ public:
+  BatchedSearch(WeightedSearch<G, H>& search, P& pair, const WpaseOptions& options)
+      : search_(search), pair_(pair), options_(options) {}
+
+  std::optional<Status> run(const Deadline& deadline) {
+    while (!search_.open().empty() && !search_.solved()) {
+      const std::optional<Status> stop = collect(deadline);
+      if (!stop && !search_.solved() && !batch_.empty()) search_.tree().evaluate(batch_);
+      put_back();
+      if (stop) return stop;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  /// Walks down OPEN: edges to evaluate go into the batch, independent confirmed states are expanded, all others wait.
+  std::optional<Status> collect(const Deadline& deadline) {
+    const std::size_t most_waiting = 4 * options_.batch_size;  // bounds the cost of a round
+    batch_.clear();
+    while (!search_.open().empty() && batch_.size() < options_.batch_size && waiting_.size() < most_waiting) {
+      if (const auto stop = stop_status(deadline)) return stop;
+      const OpenList::Entry entry = search_.open().pop();
+      const bool confirmed = search_.table().confirmed(entry.state);
+      if (confirmed && independent(entry.state)) {
+        search_.visit(entry.state);
+        if (search_.solved()) return std::nullopt;
+        continue;
+      }
+      waiting_.push_back(entry);
+      if (!confirmed) batch_.push_back(search_.table().best(entry.state));
+    }
+    return std::nullopt;
+  }
+
+  /// Is the cost of `s` within the weight of optimal, even if the best path to it leads through a waiting state?
+  bool independent(StateId s) {
+    const double g = search_.table().best_cost(s);
+    return std::all_of(waiting_.begin(), waiting_.end(), [&](const OpenList::Entry& other) {
+      const double via = search_.table().best_cost(other.state);  // infinity once it has been expanded
+      return g <= via || g <= via + options_.weight * lower_bound(other.state, s);
+    });
+  }
+
+  double lower_bound(StateId a, StateId b) {
+    if constexpr (std::is_same_v<P, HeuristicDifference>) {
+      return search_.table()[a].heuristic - search_.table()[b].heuristic;
+    } else {
+      return pair_(a, b);
+    }
+  }
+
+  void put_back() {
+    for (const OpenList::Entry& entry : waiting_) search_.put_back(entry);
+    waiting_.clear();
+  }
+
+  WeightedSearch<G, H>& search_;
+  P& pair_;
+  WpaseOptions options_;
+  std::vector<OpenList::Entry> waiting_;
+  std::vector<EdgeId> batch_;
+};
+
+/// Searches from all `starts` (cost 0 each) to the nearest goal.
+template <Graph G, Heuristic H, class P>
+  requires PairHeuristic<P> || std::same_as<P, HeuristicDifference>
+Result wpase(G& graph, std::span<const StateId> starts, H& heuristic, P& pair, const WpaseOptions& options,
+             const Deadline& deadline) {
+  require_weight(options.weight, "weight");
+  if (options.batch_size == 0) throw InvalidArgument("batch_size is 0, it must be at least 1");
+  using Search = WeightedSearch<G, H>;
+  Search search(graph, heuristic, options.weight, Search::Expand::once);
+  search.add_starts(starts);
+  const std::optional<Status> stop = BatchedSearch<G, H, P>(search, pair, options).run(deadline);
+  return search.result(options.weight, stop);
+}
+
+template <Graph G, Heuristic H>
+Result wpase(G& graph, std::span<const StateId> starts, H& heuristic, const WpaseOptions& options,
+             const Deadline& deadline) {
+  HeuristicDifference pair;
+  return wpase(graph, starts, heuristic, pair, options, deadline);
+}
+
+}  // namespace srmp::search

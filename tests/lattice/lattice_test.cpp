@@ -1,0 +1,119 @@
+#include "srmp/lattice/lattice.hpp"
+
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "srmp/core/error.hpp"
+#include "srmp/search/astar.hpp"
+#include "support/robots.hpp"
+#include "support/throws.hpp"
+
+using namespace srmp;
+using Eigen::Vector2d;
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+bool always_free(std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd&) { return true; }
+
+Lattice make_lattice(const RobotModel& robot, const Vector2d& start, std::vector<Eigen::VectorXd> goals, double step_degrees = 10,
+                     MotionValidator validator = always_free, double snap = search::infinity) {
+  Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap};
+  return Lattice(robot, {start}, std::move(goals), options, std::move(validator));
+}
+
+std::vector<search::Successor> successors(Lattice& lattice, search::StateId state) {
+  std::vector<search::Successor> out;
+  lattice.successors(state, out);
+  return out;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_joint_moves_by_one_and_two_steps_when_far) {
+  const auto robot = robots::planar();
+  Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)});
+  BOOST_TEST(successors(lattice, 0).size() == 1 + 4 + 4);  // snap, long, short
+  Lattice near = make_lattice(*robot, {0, 0}, {Vector2d(0.1, 0.1)});
+  BOOST_TEST(successors(near, 0).size() == 1 + 4);  // snap, short
+  Lattice no_snap = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 10, always_free, 1.0);
+  BOOST_TEST(successors(no_snap, 0).size() == 4 + 4);
+}
+
+BOOST_AUTO_TEST_CASE(limits_end_the_lattice) {
+  const auto robot = robots::planar();
+  Lattice lattice = make_lattice(*robot, {2.95, 0}, {Vector2d(0, 0)});
+  for (const auto& next : successors(lattice, 0)) BOOST_TEST(lattice.configuration(next.state)[0] <= 3.0 + 1e-9);
+}
+
+BOOST_AUTO_TEST_CASE(different_moves_meet_in_one_state) {
+  const auto robot = robots::planar();
+  Lattice lattice = make_lattice(*robot, {0.123, -0.456}, {Vector2d(2, 2)});
+  // One long move ends where two short ones do.
+  const auto two_step = successors(lattice, 0)[1].state;
+  const auto one_step = successors(lattice, 0)[5].state;
+  bool met = false;
+  for (const auto& next : successors(lattice, one_step)) met |= next.state == two_step;
+  BOOST_TEST(met);
+  BOOST_TEST((lattice.configuration(two_step) - Vector2d(0.123 + 20 * degree, -0.456)).norm() < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(edge_costs_are_joint_space_lengths_and_the_heuristic_is_consistent) {
+  const auto robot = robots::planar("continuous");
+  Lattice lattice = make_lattice(*robot, {3.0, 0.5}, {Vector2d(-2.5, -1), Vector2d(1, 2)});
+  for (search::StateId state = 0; state < 2000; ++state) {
+    if (state >= lattice.size()) break;
+    for (const auto& next : successors(lattice, state)) {
+      const double length = lattice.distance(lattice.configuration(state), lattice.configuration(next.state));
+      BOOST_TEST(std::abs(length - next.cost) < 1e-9);
+      BOOST_TEST(lattice.distance_to_targets(state) <= next.cost + lattice.distance_to_targets(next.state) + 1e-9);
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(continuous_joints_wrap_and_paths_unwrap) {
+  const auto robot = robots::planar("continuous");
+  Lattice lattice = make_lattice(*robot, {3.0, 0}, {Vector2d(-3.0, 0)});
+  const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+  const auto result = search::weighted_astar(lattice, lattice.starts(), h, {.weight = 1.0}, Deadline());
+  BOOST_REQUIRE(result.status == Status::solved);
+  BOOST_TEST(std::abs(result.cost - (2 * std::numbers::pi - 6.0)) < 1e-9);
+  const auto path = lattice.configurations(result.path);
+  BOOST_TEST(std::abs(path.back()[0] - (2 * std::numbers::pi - 3.0)) < 1e-9);
+  // All the way round on the grid comes back to the same state.
+  Lattice round = make_lattice(*robot, {0, 0}, {Vector2d(0, 3)}, 90, always_free, 0.0);
+  search::StateId state = 0;
+  for (int quarter = 0; quarter < 4; ++quarter) state = successors(round, state)[4].state;
+  BOOST_TEST(state == 0u);
+}
+
+BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
+  const auto robot = robots::planar();
+  const auto wall = [](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    const auto blocked = [](const Eigen::VectorXd& q) { return std::abs(q[0] - 1.0) < 0.3 && q[1] < 1.5; };
+    for (int i = 0; i <= 50; ++i)
+      if (blocked(a + (b - a) * (i / 50.0))) return false;
+    return true;
+  };
+  Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 0)}, 10, wall);
+  const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+  const auto result = search::weighted_astar(lattice, lattice.starts(), h, {.weight = 1.0}, Deadline());
+  BOOST_REQUIRE(result.status == Status::solved);
+  BOOST_TEST(result.cost > 2.5);
+
+  Lattice closed = make_lattice(*robot, {0, 0}, {Vector2d(2, 0)}, 10,
+                                [](std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd& b) { return b.norm() < 1.0; });
+  const auto to_closed = [&](search::StateId s) { return closed.distance_to_targets(s); };
+  const auto none = search::weighted_astar(closed, closed.starts(), to_closed, {.weight = 1.0}, Deadline());
+  BOOST_TEST((none.status == Status::exhausted));
+}
+
+BOOST_AUTO_TEST_CASE(primitives_are_checked) {
+  const auto robot = robots::planar();
+  check_throws<InvalidArgument>([&] { default_primitives(robot->joints(), Vector2d(0.1, 0.0)); }, "resolution of joint 'b'");
+  PrimitiveSet zero{{{"stay", PrimitiveUse::always, {Vector2d(0, 0)}}}};
+  check_throws<InvalidArgument>(
+      [&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); }, "'stay' has a move of zero length");
+}

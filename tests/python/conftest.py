@@ -1,0 +1,33 @@
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import srmp
+
+
+@pytest.fixture(scope="session")
+def mbm_dir():
+    """MotionBenchMaker robots and problems, where SRMP_MBM_DIR says."""
+    folder = os.environ.get("SRMP_MBM_DIR", "")
+    if not folder or not Path(folder, "panda", "panda.urdf").exists():
+        pytest.skip("set SRMP_MBM_DIR to a folder with MotionBenchMaker robots and problems to run this test")
+    return Path(folder)
+
+
+@pytest.fixture
+def arm():
+    """The package's own arm on a table, with a box beside it and a quick planner."""
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_path=srmp.data_path("arm7.srdf"), name="arm", end_effector="arm7_hand")
+    planner.add_box("table", size=[2, 2, 0.1], pose=srmp.Pose(p=[0, 0, -0.051]))
+    planner.add_box("post", size=[0.1, 0.1, 0.8], pose=srmp.Pose(p=[0.45, 0, 0.4]))
+    planner.make_planner("arm", {"planner_id": "wAstar", "time_limit": 10})
+    return planner
+
+
+@pytest.fixture
+def ready(arm):
+    """A free configuration of the arm, off to one side."""
+    return np.array(arm.get_group_states("arm")["ready"]) + np.array([0.9, 0, 0, 0, 0, 0, 0])

@@ -1,0 +1,228 @@
+"""What PlannerInterface promises, on the package's own arm."""
+
+import pickle
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import srmp
+
+
+def mirrored(q):
+    return np.concatenate([[-q[0]], q[1:]])
+
+
+def check_trajectory(planner, trajectory, start, goal=None):
+    limits = planner.get_joint_limits("arm")
+    assert trajectory.positions.shape == trajectory.velocities.shape == trajectory.accelerations.shape
+    assert trajectory.positions.shape == (len(trajectory.times), 7)
+    assert trajectory.joint_names == planner.get_joint_names("arm")
+    np.testing.assert_array_equal(trajectory.positions[0], start)
+    if goal is not None:
+        np.testing.assert_array_equal(trajectory.positions[-1], goal)
+    assert (np.diff(trajectory.times) > 0).all()
+    assert (np.abs(trajectory.velocities) <= limits[:, 2] * (1 + 1e-9)).all()
+    assert not trajectory.velocities[[0, -1]].any()
+    for a, b in zip(trajectory.waypoints[:-1], trajectory.waypoints[1:], strict=True):
+        for t in np.linspace(0, 1, 30):
+            assert not planner.is_state_colliding("arm", a + t * (b - a))
+
+
+@pytest.mark.parametrize("planner_id", ["wAstar", "ARAstar", "MHAstar", "wPASE", "wA*", "mha*"])
+def test_every_planner_goes_round_the_post(arm, ready, planner_id):
+    goal = mirrored(ready)
+    assert not arm.is_motion_free("arm", ready, goal)
+    arm.make_planner("arm", {"planner_id": planner_id, "time_limit": 2})
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+    check_trajectory(arm, trajectory, ready, goal)
+    stats = arm.get_planning_stats()
+    assert stats["status"] == srmp.Status.solved
+    assert 1 <= stats["bound"] <= 100
+    assert stats["path_cost_rad"] <= stats["search_cost_rad"] + 1e-9
+    assert trajectory.length == pytest.approx(stats["path_cost_rad"])
+
+
+@pytest.mark.parametrize("heuristic", ["joint_euclidean", "bfs"])
+@pytest.mark.parametrize("direction", ["forward", "backward", "auto"])
+def test_heuristics_and_directions(arm, ready, heuristic, direction):
+    arm.make_planner("arm", srmp.WAStar(heuristic=heuristic, direction=direction))
+    goal = mirrored(ready)
+    check_trajectory(arm, arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal)), ready, goal)
+
+
+def test_the_straight_line_is_taken_when_it_is_free(arm, ready):
+    goal = ready + 0.3
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+    assert len(trajectory.waypoints) == 2
+
+
+def test_pose_and_position_goals(arm, ready):
+    target = arm.compute_fk("arm", mirrored(ready))
+    trajectory = arm.plan(["arm"], ready, srmp.GoalConstraint(srmp.GoalType.POSE, list(target)))
+    reached = arm.compute_fk("arm", trajectory.positions[-1])
+    np.testing.assert_allclose(reached.matrix(), target.matrix(), atol=1e-3)
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.POSITION, target.p))
+    np.testing.assert_allclose(arm.compute_fk("arm", trajectory.positions[-1]).p, target.p, atol=1e-4)
+
+
+def test_any_of_several_goals(arm, ready):
+    far, near = mirrored(ready), ready + 0.1
+    arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, [far, near]))
+    assert arm.get_planning_stats()["goal_index"] == 1
+    inside_post = srmp.Pose([0.45, 0, 0.4])
+    goals = [srmp.GoalConstraint(srmp.GoalType.POSE, inside_post), srmp.GoalConstraint(srmp.GoalType.JOINTS, near)]
+    arm.plan("arm", ready, goals)
+    assert arm.get_planning_stats()["goal_index"] == 1
+
+
+def test_the_same_question_has_the_same_answer(arm, ready):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    answers = {arm.plan("arm", ready, goal).positions.tobytes() for _ in range(5)}
+    arm.make_planner("arm", srmp.WPASE(num_threads=1))
+    parallel = {arm.plan("arm", ready, goal).positions.tobytes()}
+    for threads in (2, 4):
+        arm.make_planner("arm", srmp.WPASE(num_threads=threads))
+        parallel.add(arm.plan("arm", ready, goal).positions.tobytes())
+    assert len(answers) == len(parallel) == 1
+
+
+def test_start_in_collision_names_the_pair(arm, ready):
+    arm.add_sphere("ball", radius=0.1, pose=srmp.Pose(p=arm.compute_fk("arm", ready, "arm7_hand").p))
+    with pytest.raises(srmp.PlanningError, match=r"'arm7_.*'ball'.*mm") as error:
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
+    assert error.value.status == srmp.Status.start_invalid
+    with pytest.raises(srmp.PlanningError, match="'ball'") as error:
+        arm.plan("arm", mirrored(ready), srmp.GoalConstraint(srmp.GoalType.JOINTS, ready))
+    assert error.value.status == srmp.Status.goal_invalid
+    assert arm.get_planning_stats()["status"] == srmp.Status.goal_invalid
+
+
+def test_a_hair_outside_a_limit_is_mended_and_said(arm, ready):
+    lower = arm.get_joint_limits("arm")[0, 0]
+    start = ready.copy()
+    start[0] = lower - 5e-7
+    arm.remove_object("post")
+    trajectory = arm.plan("arm", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready))
+    assert trajectory.positions[0, 0] == lower
+    assert "joint limit" in arm.get_planning_stats()["note"]
+    start[0] = lower - 1e-3
+    with pytest.raises(srmp.PlanningError, match="below the lower limit") as error:
+        arm.plan("arm", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready))
+    assert error.value.status == srmp.Status.start_invalid
+
+
+def test_out_of_reach_says_so(arm, ready):
+    with pytest.raises(srmp.PlanningError, match="no configuration within the joint limits brings 'arm7_hand'") as error:
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose([5, 0, 0])))
+    assert error.value.status == srmp.Status.goal_invalid
+
+
+def walled_in(arm, ready):
+    """A cage of point-cloud walls around the goal: no path, but much to search."""
+    goal = mirrored(ready)
+    hand = arm.compute_fk("arm", goal).p
+    for i, axis in enumerate("xyz"):
+        for sign in (-1, 1):
+            size, offset = np.full(3, 0.7), np.zeros(3)
+            size[i], offset[i] = 0.02, sign * 0.35
+            center = hand + offset
+            if center[2] > 0.05:
+                arm.add_box(f"wall_{axis}{sign}", size=size, pose=srmp.Pose(p=center))
+    return goal
+
+
+def test_time_limit_and_overshoot(arm, ready):
+    arm.make_planner("arm", {"planner_id": "Astar", "time_limit": "0.2", "resolution": 3})
+    began = time.perf_counter()
+    with pytest.raises(srmp.PlanningError, match=r"0.2 s.*expanded") as error:
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
+    assert error.value.status == srmp.Status.timed_out
+    assert time.perf_counter() - began < 2.0
+
+
+def test_exhausted_is_told_apart(arm, ready):
+    arm.make_planner("arm", srmp.WAStar(resolution=170))
+    with pytest.raises(srmp.PlanningError, match="holds no path") as error:
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
+    assert error.value.status == srmp.Status.exhausted
+
+
+def test_ctrl_c_stops_a_plan(arm, ready):
+    arm.make_planner("arm", {"planner_id": "Astar", "time_limit": 60, "resolution": 2})
+    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+    began = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
+    assert time.perf_counter() - began < 30
+
+
+def test_the_gil_is_released_and_a_busy_planner_says_so(arm, ready):
+    arm.make_planner("arm", {"planner_id": "Astar", "time_limit": 1, "resolution": 2})
+    failed = []
+
+    def plan():
+        try:
+            arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
+        except srmp.PlanningError as error:
+            failed.append(error.status)
+
+    thread = threading.Thread(target=plan)
+    thread.start()
+    time.sleep(0.2)
+    with pytest.raises(srmp.Error, match="another thread"):
+        arm.add_sphere("late", radius=0.1)
+    thread.join()
+    assert failed == [srmp.Status.timed_out]
+    assert "late" not in arm.object_names
+
+
+def test_attached_object_is_heeded(arm, ready):
+    hand = arm.compute_fk("arm", ready)
+    arm.set_qpos("arm", ready)
+    arm.add_box("rod", size=[0.04, 0.04, 0.4], pose=hand)
+    arm.attach_object("rod", "arm", "arm7_hand", touch_links=arm.get_link_names("arm")[-4:])
+    goal = mirrored(ready)
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+    check_trajectory(arm, trajectory, ready, goal)
+    arm.set_qpos("arm", goal)
+    arm.detach_object("rod")
+    expected = arm.compute_fk("arm", goal) @ (hand.inverse() @ hand)
+    np.testing.assert_allclose(arm.get_object_pose("rod").matrix(), expected.matrix(), atol=1e-9)
+
+
+def test_kinematics_agree(arm, ready):
+    jacobian = arm.compute_jacobian("arm", ready)
+    pose = arm.compute_fk("arm", ready)
+    for j in range(7):
+        moved = arm.compute_fk("arm", ready + 1e-6 * np.eye(7)[j])
+        np.testing.assert_allclose((moved.p - pose.p) / 1e-6, jacobian[:3, j], atol=1e-4)
+    solutions = arm.compute_ik("arm", pose, reference=ready + 0.1)
+    assert len(solutions)
+    for q in solutions:
+        np.testing.assert_allclose(arm.compute_fk("arm", q).matrix(), pose.matrix(), atol=1e-3)
+    distances = np.linalg.norm(solutions - (ready + 0.1), axis=1)
+    assert (np.diff(distances) >= 0).all()
+
+
+def test_values_pickle(arm, ready):
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.2))
+    again = pickle.loads(pickle.dumps(trajectory))
+    np.testing.assert_array_equal(again.positions, trajectory.positions)
+    assert again.joint_names == trajectory.joint_names
+    pose = srmp.Pose([1, 2, 3], [0, 0, 1, 1])
+    assert pickle.loads(pickle.dumps(pose)) == pose
+    goal = pickle.loads(pickle.dumps(srmp.GoalConstraint(srmp.GoalType.POSE, pose)))
+    np.testing.assert_allclose(goal.targets[0], list(pose))
+
+
+def test_typed_options_equal_the_library_defaults():
+    for options in (srmp.AStar(), srmp.WAStar(), srmp.ARAStar(), srmp.MHAStar(), srmp.WPASE(), srmp.XECBS()):
+        assert srmp.planner_options({"planner_id": options.planner_id}) == options.to_dict()
+
+
+def test_print_available_planners(arm, capsys):
+    arm.print_available_planners()
+    assert "ARAstar" in capsys.readouterr().out
