@@ -480,6 +480,8 @@ CoverSolid CoverSolid::mesh(const Vertices& vertices, const Triangles& triangles
 
 bool CoverSolid::is_convex() const { return impl_->convex; }
 
+bool CoverSolid::is_closed() const { return impl_->convex || impl_->closed; }
+
 double CoverSolid::depth(const Vector3d& point) const { return impl_->depth(point); }
 
 Ball CoverSolid::bounding_ball() const {

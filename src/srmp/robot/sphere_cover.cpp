@@ -434,7 +434,7 @@ std::vector<std::vector<std::uint32_t>> cover_children(const CoverSolid& solid, 
       if ((coarse[c].center - around.center).norm() <= coarse[c].radius + around.radius) linked[c][f] = 1;
   };
   bool contained = true;
-  Proof proof(solid.impl(), fine, 1e-4);
+  Proof proof(solid.impl(), fine, 1e-5);
   proof.on_covered = link;
   proof.on_gap = [&](const Piece&) { return contained = false; };
   proof.run();

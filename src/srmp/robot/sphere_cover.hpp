@@ -36,6 +36,7 @@ class CoverSolid {
   static CoverSolid mesh(const Vertices& vertices, const Triangles& triangles);
 
   bool is_convex() const;
+  bool is_closed() const;  ///< convex, or a mesh whose every edge has an even number of triangles
   /// Smallest ball found (not minimal) that holds the solid.
   Ball bounding_ball() const;
   /// Depth of a point [m]: > 0 inside (a ball of that radius is inside the solid), < 0 outside. Exact for convex solids
@@ -72,7 +73,7 @@ SphereCover cover_solid(const CoverSolid& solid, const CoverOptions& options = {
 
 /// The proof alone: do the balls contain the solid? `resolution` [m] is the size of the smallest cell looked at; gaps
 /// (and overlaps of neighbouring balls) thinner than that count as not covered.
-bool contains_solid(const std::vector<Ball>& balls, const CoverSolid& solid, double resolution = 1e-4);
+bool contains_solid(const std::vector<Ball>& balls, const CoverSolid& solid, double resolution = 1e-5);
 
 /// At most `count` balls inside the solid, none smaller than `min_radius` [m]; together they fill much of it. Empty
 /// for surfaces that enclose nothing.

@@ -107,19 +107,29 @@ struct BatchChecker::Impl {
   std::vector<batch::KernelBall> balls;
   std::vector<int> children;
   std::vector<batch::KernelObstacle> obstacles;
-  std::vector<int> pair_obstacles, pair_bodies;
+  std::vector<int> pair_obstacles, pair_ids;
   std::vector<batch::KernelSelfPair> self_pairs;
   int stage_count{}, coarse_count{};
   std::vector<double> drive_reach;  // [m per rad, or 1] how far anything beyond the drive can be from its axis
 
   // Of each node: bounds on rotation error (operator norm), position error and distance from the base.
   std::vector<double> rotation_error, position_error, node_reach;
-  double arm_reach{};               // bound on the distance of any body's point from the base
+  double arm_reach{};  // bound on the distance of any body's point from the base
 
   batch::KernelModel view() const {
-    return {nodes.data(), static_cast<int>(nodes.size()), bodies.data(), static_cast<int>(bodies.size()), stage_count,
-            balls.data(), coarse_count, children.data(), obstacles.data(), pair_obstacles.data(),
-            static_cast<int>(pair_obstacles.size()), self_pairs.data(), static_cast<int>(self_pairs.size())};
+    return {nodes.data(),
+            static_cast<int>(nodes.size()),
+            bodies.data(),
+            static_cast<int>(bodies.size()),
+            stage_count,
+            balls.data(),
+            coarse_count,
+            children.data(),
+            obstacles.data(),
+            pair_obstacles.data(),
+            static_cast<int>(pair_obstacles.size()),
+            self_pairs.data(),
+            static_cast<int>(self_pairs.size())};
   }
 
   void require_valid() const;
@@ -151,8 +161,12 @@ void copy_rotation(const Eigen::Matrix3d& rotation, float* out) {
 }
 
 batch::KernelBall kernel_ball(const Ball& ball, bool inner = false) {
-  return {static_cast<float>(ball.center.x()), static_cast<float>(ball.center.y()), static_cast<float>(ball.center.z()),
-          inner ? below(ball.radius) : above(ball.radius), 0, 0};
+  return {static_cast<float>(ball.center.x()),
+          static_cast<float>(ball.center.y()),
+          static_cast<float>(ball.center.z()),
+          inner ? below(ball.radius) : above(ball.radius),
+          0,
+          0};
 }
 
 double extent(const BatchObstacle& o) {
@@ -318,15 +332,16 @@ bool BatchChecker::Impl::reachable(const BatchBody& body, const BatchObstacle& o
 }
 
 void BatchChecker::Impl::add_pairs() {
-  auto pairs = world.obstacle_pairs;
+  std::vector<std::array<int, 3>> pairs;  // body, obstacle, index
+  for (const auto& [body, obstacle] : world.obstacle_pairs)
+    pairs.push_back({body, obstacle, static_cast<int>(pairs.size())});
   std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   for (std::size_t i = 0, k = 0; i < bodies.size(); ++i) {
     bodies[i].first_pair = static_cast<int>(pair_obstacles.size());
-    for (; k < pairs.size() && pairs[k].first == static_cast<int>(i); ++k) {
-      if (!reachable(world.bodies[i], world.obstacles[pairs[k].second])) continue;
-      pair_obstacles.push_back(pairs[k].second);
-      pair_bodies.push_back(static_cast<int>(i));
+    for (; k < pairs.size() && pairs[k][0] == static_cast<int>(i); ++k) {
+      if (!reachable(world.bodies[i], world.obstacles[pairs[k][1]])) continue;
+      pair_obstacles.push_back(pairs[k][1]);
+      pair_ids.push_back(pairs[k][2]);
     }
     bodies[i].pairs = static_cast<int>(pair_obstacles.size()) - bodies[i].first_pair;
   }
@@ -343,8 +358,8 @@ void BatchChecker::Impl::add_self_pairs() {
     int up_a = 0, up_b = 0;  // steps to the last common node: only what is beyond moves one against the other
     while (a[up_a] != b[up_b]) ++(a[up_a] > b[up_b] ? up_a : up_b);
     const double here = 2 * slack + 24 * kUnit * (arm_reach + 1.0);
-    self_pairs.push_back({pair.a, pair.b, bodies[pair.a].first_stage + up_a, bodies[pair.b].first_stage + up_b,
-                          above(pair.padding), above(here)});
+    self_pairs.push_back({pair.a, pair.b, pair.exact, bodies[pair.a].first_stage + up_a,
+                          bodies[pair.b].first_stage + up_b, above(pair.padding), above(here)});
   }
 }
 
@@ -419,10 +434,9 @@ class BatchChecker::Workspace {
       const unsigned lanes = std::exchange(pair_lanes[k], batch::LaneMask{0}) & wanted;
       if (lanes == 0 || result.collides) continue;
       const bool self = k >= pairs;
-      const int body = self ? view.self_pairs[k - pairs].a : impl.pair_bodies[k];
-      const int other = self ? view.self_pairs[k - pairs].b : view.pair_obstacles[k];
+      const int pair = self ? k - pairs : impl.pair_ids[k];
       for (int lane = 0; lane < kLanes; ++lane)
-        if (lanes >> lane & 1) undecided.push_back({at(lane).t, at(lane).half, body, other, self});
+        if (lanes >> lane & 1) undecided.push_back({at(lane).t, at(lane).half, self, pair});
     }
   }
 
@@ -464,7 +478,7 @@ void require_size(std::size_t size, std::size_t dof, const char* what) {
 }
 
 bool by_time_and_pair(const UndecidedPair& a, const UndecidedPair& b) {
-  return std::tie(a.t, a.self, a.body, a.other) < std::tie(b.t, b.self, b.body, b.other);
+  return std::tie(a.t, a.self, a.pair) < std::tie(b.t, b.self, b.pair);
 }
 
 }  // namespace

@@ -17,25 +17,25 @@ namespace srmp {
 
 /// A tree joint moved by a planned joint. Its frame has the joint's axis as z.
 struct BatchDrive {
-  int parent{-1};              ///< index of the driven joint it hangs on, -1: the base; smaller than its own index
+  int parent{-1};  ///< index of the driven joint it hangs on, -1: the base; smaller than its own index
   Eigen::Isometry3d frame{Eigen::Isometry3d::Identity()};  ///< in the parent's frame, at value 0
   bool prismatic{false};
-  int joint{};                 ///< planned joint; value = ratio * q[joint] + offset
+  int joint{};  ///< planned joint; value = ratio * q[joint] + offset
   double ratio{1.0};
   double offset{0.0};
-  double max_travel{0.0};      ///< prismatic: bound on |value|
+  double max_travel{0.0};  ///< prismatic: bound on |value|
 };
 
 /// A rigid body under balls, in the frame of the drive that it hangs on.
 struct BatchBody {
-  int drive{-1};               ///< -1: fixed to the base
-  Ball bound;                  ///< holds the body
-  std::vector<Ball> coarse;    ///< together hold the body
-  bool exact{false};           ///< the coarse balls are the body (then no fine or inner balls)
-  std::vector<Ball> fine;      ///< together hold the body; may be empty
+  int drive{-1};                                     ///< -1: fixed to the base
+  Ball bound;                                        ///< holds the body
+  std::vector<Ball> coarse;                          ///< together hold the body
+  bool exact{false};                                 ///< the coarse balls are the body (then no fine or inner balls)
+  std::vector<Ball> fine;                            ///< together hold the body; may be empty
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); empty when fine is
-  std::vector<Ball> inner;     ///< inside the body
-  double padding{0.0};         ///< kept clear of obstacles
+  std::vector<Ball> inner;                           ///< inside the body
+  double padding{0.0};                               ///< kept clear of obstacles
 };
 
 struct BatchObstacle {
@@ -43,12 +43,13 @@ struct BatchObstacle {
   Eigen::Vector3d size{Eigen::Vector3d::Zero()};  ///< sphere: radius; box: edges; cylinder, capsule: radius, length
   Eigen::Isometry3d pose{Eigen::Isometry3d::Identity()};
   double padding{0.0};
-  bool exact{true};            ///< false: only something around the object, so a hit proves nothing
+  bool exact{true};  ///< false: only something around the object, so a hit proves nothing
 };
 
 struct BatchSelfPair {
-  int a{}, b{};                ///< bodies
+  int a{}, b{};  ///< bodies
   double padding{0.0};
+  bool exact{true};  ///< false: a hit proves nothing
 };
 
 struct BatchWorld {
@@ -64,11 +65,10 @@ enum class Verdict { free, colliding, undecided };
 
 /// What could not be settled: a pair, over part of a motion (half = 0: at one configuration).
 struct UndecidedPair {
-  double t{};       ///< middle of the part, 0..1 on the motion; for free_block the index of the configuration
-  double half{};    ///< half its length
-  int body{};
-  int other{};      ///< obstacle, or body when self
+  double t{};     ///< middle of the part, 0..1 on the motion; for free_block the index of the configuration
+  double half{};  ///< half its length
   bool self{};
+  int pair{};  ///< index into BatchWorld::self_pairs when self, else into obstacle_pairs
 };
 
 enum class SimdBackend { portable, avx2, avx512 };
@@ -79,7 +79,7 @@ SimdBackend default_simd_backend();
 std::vector<SimdBackend> available_simd_backends();
 
 struct BatchStatistics {
-  std::uint64_t blocks{};          ///< kernel calls of 16 configurations
+  std::uint64_t blocks{};  ///< kernel calls of 16 configurations
   std::uint64_t motions{};
   std::uint64_t motions_free{}, motions_colliding{}, motions_undecided{};
 };
@@ -87,9 +87,10 @@ struct BatchStatistics {
 /// Checks 16 configurations at a time in float32, with sound rounding: what it calls free is free, what it calls
 /// colliding collides, and the rest it hands over pair by pair. All backends give the same bits.
 ///
-/// "Free" for a motion holds between samples: a sample stands for an interval around it, and a pair is proved there when
-/// its distance exceeds what both bodies can move within the interval. That bound is summed over the joints between the
-/// two, hand to base: each turns what lies beyond it, at its distance from the axis plus what it moved already.
+/// "Free" for a motion holds between samples: a sample stands for an interval around it, and a pair is proved there
+/// when its distance exceeds what both bodies can move within the interval. That bound is summed over the joints
+/// between the two, hand to base: each turns what lies beyond it, at its distance from the axis plus what it moved
+/// already.
 ///
 /// Const; threads share it, each with a Workspace of its own.
 class BatchChecker {

@@ -36,9 +36,7 @@ class Slice {
   }
 
  private:
-  SRMP_INLINE bool done() const {
-    return result_.collides || (request_.stop_at_undecided && result_.undecided != 0);
-  }
+  SRMP_INLINE bool done() const { return result_.collides || (request_.stop_at_undecided && result_.undecided != 0); }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -154,9 +152,7 @@ class Slice {
     }
   }
 
-  SRMP_INLINE V3 coarse(int b) const {
-    return {row(balls_, 3 * b), row(balls_, 3 * b + 1), row(balls_, 3 * b + 2)};
-  }
+  SRMP_INLINE V3 coarse(int b) const { return {row(balls_, 3 * b), row(balls_, 3 * b + 1), row(balls_, 3 * b + 2)}; }
 
   SRMP_INLINE V3 fine(const KernelBody& body, const KernelBall& ball) const {
     return transform(body.node, ball.x, ball.y, ball.z);
@@ -198,7 +194,9 @@ class Slice {
     if (undecided == 0) return;
     if (o.exact)
       for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
-        if (hit(squared_distance(o, fine(body, m_.balls[b])), m_.balls[b].radius + body.padding + o.inner_radius, undecided)) return;
+        if (hit(squared_distance(o, fine(body, m_.balls[b])), m_.balls[b].radius + body.padding + o.inner_radius,
+                undecided))
+          return;
     report(pair, undecided);
   }
 
@@ -250,18 +248,26 @@ class Slice {
         const V squared = between(ci, coarse(j));
         const unsigned near = within(squared, add(limit, all(ri + m_.balls[j].radius))) & around & ~undecided;
         if (near == 0) continue;
-        if (a.exact && b.exact && hit(squared, ri + m_.balls[j].radius + pair.padding - pair.slack, near)) return;
+        if (pair.exact && a.exact && b.exact && hit(squared, ri + m_.balls[j].radius + pair.padding - pair.slack, near))
+          return;
         undecided |= finer(a, m_.balls[i], ci, b, m_.balls[j], coarse(j), limit, near);
       }
     }
     if (undecided == 0) return;
+    if (pair.exact && check_inner(a, b, pair, undecided)) return;
+    report(m_.pair_count + k, undecided);
+  }
+
+  /// Does a ball inside a surely meet one inside b?
+  bool check_inner(const KernelBody& a, const KernelBody& b, const KernelSelfPair& pair, unsigned undecided) {
     for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
       const V3 ci = fine(a, m_.balls[i]);
       for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
-        if (hit(between(ci, fine(b, m_.balls[j])), m_.balls[i].radius + m_.balls[j].radius + pair.padding - pair.slack, undecided))
-          return;
+        if (hit(between(ci, fine(b, m_.balls[j])), m_.balls[i].radius + m_.balls[j].radius + pair.padding - pair.slack,
+                undecided))
+          return true;
     }
-    report(m_.pair_count + k, undecided);
+    return false;
   }
 
   /// Two coarse balls are near: their children, or the ball itself where there is none.
