@@ -292,7 +292,7 @@ std::vector<Triangle> gather(const CoverSolid::Vertices& vertices, const CoverSo
 }
 
 /// Does every edge belong to an even number of triangles, equal vertices taken as one?
-bool is_closed(const std::vector<Triangle>& triangles) {
+bool every_edge_is_shared(const std::vector<Triangle>& triangles) {
   std::map<std::array<double, 3>, int> ids;
   std::vector<std::pair<int, int>> edges;
   for (const Triangle& t : triangles) {
@@ -457,7 +457,7 @@ CoverSolid CoverSolid::mesh(const Vertices& vertices, const Triangles& triangles
   auto impl = std::make_shared<Impl>();
   impl->triangles = gather(vertices, triangles);
   set_corners(*impl);
-  impl->closed = is_closed(impl->triangles);
+  impl->closed = every_edge_is_shared(impl->triangles);
   if (is_nearly_convex(*impl, vertices)) {
     set_planes(*impl, vertices);
     return CoverSolid(impl);
