@@ -1,5 +1,6 @@
 #include "srmp/planner/planner_interface.hpp"
 
+#include <cmath>
 #include <mutex>
 
 #include "bind.hpp"
@@ -50,6 +51,16 @@ std::string only_robot(nb::handle robots) {
   if (names.size() != 1)
     throw InvalidArgument("plan is for one robot, but " + std::to_string(names.size()) + " were named; use plan_multi for many");
   return names[0];
+}
+
+std::array<int, 3> to_triangle(const Eigen::Vector3d& row, const std::string& mesh) {
+  std::array<int, 3> triangle{};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (!(row[i] >= 0 && row[i] < 2e9 && row[i] == std::floor(row[i])))
+      throw InvalidArgument("triangles of mesh '" + mesh + "' hold " + to_text(row[i]) + "; they must be whole vertex numbers from 0");
+    triangle[static_cast<std::size_t>(i)] = static_cast<int>(row[i]);
+  }
+  return triangle;
 }
 
 nb::dict to_dict(const PlanStatistics& s) {
@@ -157,10 +168,10 @@ void bind_objects(nb::class_<Self>& cls) {
              }
              Mesh mesh;
              mesh.convex = convex;
-             for (const auto& row : vertices->rows("vertices of mesh '" + name + "'", 3).rowwise()) mesh.vertices.emplace_back(row.transpose());
-             if (triangles)
-               for (const auto& row : triangles->rows("triangles of mesh '" + name + "'", 3).rowwise())
-                 mesh.triangles.push_back({static_cast<int>(row[0]), static_cast<int>(row[1]), static_cast<int>(row[2])});
+             const RowMatrix corners = vertices->rows("vertices of mesh '" + name + "'", 3);
+             for (const auto& row : corners.rowwise()) mesh.vertices.emplace_back(row.transpose());
+             const RowMatrix faces = triangles ? triangles->rows("triangles of mesh '" + name + "'", 3) : RowMatrix(0, 3);
+             for (const auto& row : faces.rowwise()) mesh.triangles.push_back(to_triangle(row.transpose(), name));
              self.use([&](auto& p) { p.add_mesh(name, mesh, pose, padding); });
            },
            nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(), nb::arg("convex") = false,

@@ -14,7 +14,7 @@ except ImportError:  # the libraries of other wheels are not beside this package
 from srmp._srmp import *  # noqa: F403
 
 if TYPE_CHECKING:
-    from srmp.options import ARAStar, AStar, MHAStar, WAStar, WPASE, XECBS
+    from srmp.options import WPASE, XECBS, ARAStar, AStar, MHAStar, WAStar  # noqa: F401
 
 _OPTIONS = ("ARAStar", "AStar", "MHAStar", "WAStar", "WPASE", "XECBS")
 
@@ -26,9 +26,12 @@ def get_cmake_dir() -> str:
     return str(Path(__file__).parent / "lib" / "cmake" / "srmp")
 
 
-def get_data_dir() -> str:
-    """The folder of the robots that come with this package (``arm7.urdf``)."""
-    return str(Path(__file__).parent / "data")
+def data_path(name: str) -> str:
+    """The path of a file that comes with this package, such as ``arm7.urdf``; raises FileError when there is none."""
+    path = Path(__file__).parent / "data" / name
+    if not path.exists():
+        raise FileError(f"'{name}' is not among the data files of srmp in {path.parent}.")  # noqa: F405
+    return str(path)
 
 
 def __getattr__(name: str) -> Any:

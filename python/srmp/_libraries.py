@@ -1,7 +1,8 @@
 """Loads the shared libraries of other wheels when this package was installed into another folder than they were.
 
-Normally the run path inside libsrmp.so finds them in ../../cmeel.prefix. That fails for example in a virtual environment
-with --system-site-packages whose Pinocchio is the system's; the loader accepts libraries that are already in the process.
+Normally the run path inside libsrmp.so finds them in ../../cmeel.prefix. That fails for example in a virtual
+environment with --system-site-packages whose Pinocchio is the system's. The loader also accepts libraries that are
+already in the process.
 """
 
 import ctypes

@@ -33,7 +33,9 @@ def read_joints(urdf_path: str | Path) -> list[UrdfJoint]:
 
 def settable_joints(joints: list[UrdfJoint]) -> set[str]:
     """Names of the joints that have a position of their own: neither fixed nor mimics."""
-    return {joint.name for joint in joints if joint.kind in ("revolute", "continuous", "prismatic") and not joint.mimics}
+    return {
+        joint.name for joint in joints if joint.kind in ("revolute", "continuous", "prismatic") and not joint.mimics
+    }
 
 
 def chain_links(joints: list[UrdfJoint], tip: str) -> list[str]:

@@ -45,7 +45,9 @@ def main() -> None:
 def _planner_options(command: Any) -> Any:
     decorators = [
         click.option("--planner", default="wAstar", show_default=True, help="Planner id."),
-        click.option("--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."),
+        click.option(
+            "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
+        ),
         click.option("--time-limit", type=float, default=10.0, show_default=True, help="Seconds a problem."),
     ]
     for decorator in reversed(decorators):
@@ -59,7 +61,9 @@ def _robot_options(command: Any) -> Any:
         click.option("--srdf", type=EXISTING_FILE, help="Its groups and allowed collisions."),
         click.option("--end-effector", default="", help="The link that goals speak of."),
         click.option("--group", default="", help="Planning group of the SRDF; default: the request's, or the chain."),
-        click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated."),
+        click.option(
+            "--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated."
+        ),
         click.option("--scene", type=EXISTING_FILE, help="Objects: MoveIt scene YAML."),
     ]
     for decorator in reversed(decorators):
@@ -116,7 +120,9 @@ def _place(planner: srmp.PlannerInterface, urdf: str, start: dict[str, float], s
 
 
 @main.command()
-@click.option("-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Folder for the files.")
+@click.option(
+    "-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Folder for the files."
+)
 @_planner_options
 def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float) -> None:
     """A 7-joint arm reaches into a shelf; writes demo.json and demo.png."""
@@ -138,7 +144,9 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
 
 @main.command()
 @_robot_options
-@click.option("--request", "request_path", required=True, type=EXISTING_FILE, help="Start and goals: MoveIt request YAML.")
+@click.option(
+    "--request", "request_path", required=True, type=EXISTING_FILE, help="Start and goals: MoveIt request YAML."
+)
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="Result file (JSON).")
 @_planner_options
 def plan(
@@ -158,9 +166,9 @@ def plan(
 
     Exits with 1 and the reason when there is none; the result file then holds status and reason.
     """
-    from srmp.result import plan_result
     from srmp._files import write_json
     from srmp._table import format_seconds
+    from srmp.result import plan_result
 
     request = srmp.load_moveit_request(request_path)
     chosen = group or (request.group_name if srdf else "")
@@ -200,7 +208,9 @@ def check(
         raise click.UsageError("give either --request or --state.")
     if request_path is not None:
         request = srmp.load_moveit_request(request_path)
-        world = _make_world(urdf, srdf, end_effector, group or (request.group_name if srdf else ""), package_dirs, scene)
+        world = _make_world(
+            urdf, srdf, end_effector, group or (request.group_name if srdf else ""), package_dirs, scene
+        )
         q = _place(world, urdf, request.start, request_path)
     else:
         world = _make_world(urdf, srdf, end_effector, group, package_dirs, scene)
@@ -250,12 +260,16 @@ def bench() -> None:
 
 
 @bench.command()
-@click.option("--data", required=True, type=click.Path(exists=True, file_okay=False), help="Folder with <robot>/problems…")
+@click.option(
+    "--data", required=True, type=click.Path(exists=True, file_okay=False), help="Folder with <robot>/problems…"
+)
 @click.option("--robot", required=True, help="panda, ur5 or fetch.")
 @click.option("--scenario", "scenarios", multiple=True, help="Only this one; may be repeated.")
 @click.option("--problems", default="", help="Numbers in each scenario, such as 1-10 or 1,3,5-7; default: all.")
 @_planner_options
-@click.option("--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model.")
+@click.option(
+    "--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model."
+)
 @click.option("--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row a problem.")
 def mbm(
     data: str,

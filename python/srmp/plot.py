@@ -138,12 +138,19 @@ def _draw_sphere(axes: Any, radius: float, centre: np.ndarray) -> None:
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
     x, y, z = np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)
     axes.plot_surface(
-        centre[0] + radius * x, centre[1] + radius * y, centre[2] + radius * z, color=_OBJECT_COLOUR, alpha=0.35, zorder=5
+        centre[0] + radius * x,
+        centre[1] + radius * y,
+        centre[2] + radius * z,
+        color=_OBJECT_COLOUR,
+        alpha=0.35,
+        zorder=5,
     )
 
 
 def _draw_arm(axes: Any, arm: np.ndarray, colour: Any, alpha: float) -> None:
-    axes.plot(*arm.T, color=colour, alpha=alpha, linewidth=6, solid_capstyle="round", solid_joinstyle="round", zorder=20)
+    axes.plot(
+        *arm.T, color=colour, alpha=alpha, linewidth=6, solid_capstyle="round", solid_joinstyle="round", zorder=20
+    )
     axes.plot(*arm.T, color="white", alpha=alpha, linewidth=0, marker="o", markersize=2.5, zorder=21)
 
 

@@ -1,7 +1,8 @@
 """MotionBenchMaker (Chamzas et al., RA-L 2022): runs its problems and writes one row for each.
 
-The data folder holds, for each robot, its URDF and SRDF, meshes, and problems/<scenario>_<robot>/{scene,request}NNNN.yaml
-in MoveIt's form, unpacked or as problems.tar.bz2 (which is unpacked into a temporary folder, never into the data).
+The data folder holds, for each robot, its URDF and SRDF, meshes, and MoveIt's files
+problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (unpacked into a temporary folder,
+never into the data).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import contextlib
 import datetime
 import difflib
 import importlib.metadata
+import itertools
 import math
 import os
 import platform
@@ -78,7 +80,9 @@ def parse_numbers(text: str) -> set[int]:
     for part in text.split(","):
         match = re.fullmatch(r"\s*(\d+)\s*(?:-\s*(\d+)\s*)?", part)
         if not match:
-            raise srmp.InvalidArgument(f"problems '{text}': '{part.strip()}' is neither a number nor a range like 1-10.")
+            raise srmp.InvalidArgument(
+                f"problems '{text}': '{part.strip()}' is neither a number nor a range like 1-10."
+            )
         first, last = int(match[1]), int(match[2] or match[1])
         if last < first:
             raise srmp.InvalidArgument(f"problems '{text}': the range {first}-{last} runs backwards.")
@@ -132,7 +136,9 @@ def _select(problems: list[Problem], scenarios: Sequence[str], numbers: set[int]
     known = sorted({problem.scenario for problem in problems})
     for scenario in scenarios:
         if scenario not in known:
-            raise srmp.InvalidArgument(f"scenario '{scenario}' is not one of {', '.join(known)}{_nearest(scenario, known)}.")
+            raise srmp.InvalidArgument(
+                f"scenario '{scenario}' is not one of {', '.join(known)}{_nearest(scenario, known)}."
+            )
     chosen = [
         problem
         for problem in problems
@@ -232,7 +238,7 @@ class Runner:
 
     def _end_effector_length(self, planner: srmp.PlannerInterface, path: np.ndarray) -> float:
         samples = [path[0]]
-        for a, b in zip(path[:-1], path[1:], strict=True):
+        for a, b in itertools.pairwise(path):
             step = b - a
             count = max(1, math.ceil(np.abs(step).max() / _FK_STEP))
             samples.extend(a + step * (k / count) for k in range(1, count + 1))
@@ -252,7 +258,10 @@ def run(
     time_limit: float = 10.0,
     progress: Callable[[list[Problem]], contextlib.AbstractContextManager[Iterator[Problem]]] | None = None,
 ) -> dict[str, Any]:
-    """Runs the chosen problems. Returns {"header": …, "rows": […]}; Ctrl-C ends it early with header["complete"] False."""
+    """Runs the chosen problems and returns {"header": …, "rows": […]}.
+
+    Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
+    """
     files = robot_files(data, robot, geometry)
     numbers = parse_numbers(problems) if problems else None
     runner = Runner(files, planner_id, options or {}, time_limit)

@@ -167,6 +167,9 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   Pair pair{index_a, index_b, b_fixed};
   pair.hulls_are_exact = a.hull == a.geometry && b.hull == b.geometry;
   pair.hulls_have_distance = is_convex_solid(*a.hull) && is_convex_solid(*b.hull);
+  pair.two_meshes = a.hull != a.geometry && b.hull != b.geometry;
+  pair.hull_mesh_functor = functors.index(*a.hull, *b.geometry);
+  pair.mesh_hull_functor = functors.index(*a.geometry, *b.hull);
   pair.hull_functor = functors.index(*a.hull, *b.hull);
   pair.functor = functors.index(*a.geometry, *b.geometry);
   pair.padding = a.own && b.own ? 0.0 : a.padding + b.padding;

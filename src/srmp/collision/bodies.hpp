@@ -43,7 +43,8 @@ struct Pair {
   bool b_fixed{};
   bool hulls_are_exact{};      // the geometries are their own hulls
   bool hulls_have_distance{};  // both hulls are convex solids
-  std::uint8_t hull_functor{}, functor{};
+  bool two_meshes{};           // neither geometry is its own hull
+  std::uint8_t hull_functor{}, hull_mesh_functor{}, mesh_hull_functor{}, functor{};
   double padding{};
   std::uint64_t movers_a{}, movers_b{};  // drives between the body and the nearest common frame
 };

@@ -22,7 +22,9 @@ const Names vector_keys{"x", "y", "z"};
 const Names quaternion_keys{"x", "y", "z", "w"};
 const Names primitive_keys{"type", "dimensions", "polygon"};
 const Names mesh_keys{"vertices", "triangles", "resource", "dimensions"};
-const Names object_keys{"id", "header", "type", "pose", "primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses", "operation"};
+const Names object_keys{"id",       "header",     "type",   "pose",        "primitives",     "primitive_poses",
+                        "meshes",   "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses",
+                        "operation"};
 const Names attached_keys{"link_name", "object", "touch_links", "detach_posture", "weight"};
 const Names state_keys{"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"};
 const Names joint_state_keys{"header", "name", "position", "velocity", "effort"};
@@ -30,14 +32,46 @@ const Names multi_dof_keys{"header", "joint_names", "transforms", "twist", "wren
 const Names fixed_frame_keys{"header", "child_frame_id", "transform"};
 const Names acm_keys{"entry_names", "entry_values", "default_entry_names", "default_entry_values"};
 const Names world_keys{"collision_objects", "octomap"};
-const Names scene_keys{"name", "robot_model_name", "robot_state", "fixed_frame_transforms", "allowed_collision_matrix", "link_padding", "link_scale", "object_colors", "world", "is_diff"};
-const Names constraints_keys{"name", "joint_constraints", "position_constraints", "orientation_constraints", "visibility_constraints"};
+const Names scene_keys{"name",
+                       "robot_model_name",
+                       "robot_state",
+                       "fixed_frame_transforms",
+                       "allowed_collision_matrix",
+                       "link_padding",
+                       "link_scale",
+                       "object_colors",
+                       "world",
+                       "is_diff"};
+const Names constraints_keys{"name", "joint_constraints", "position_constraints", "orientation_constraints",
+                             "visibility_constraints"};
 const Names joint_constraint_keys{"joint_name", "position", "tolerance_above", "tolerance_below", "weight"};
 const Names position_constraint_keys{"header", "link_name", "target_point_offset", "constraint_region", "weight"};
 const Names region_keys{"primitives", "primitive_poses", "meshes", "mesh_poses"};
-const Names orientation_constraint_keys{"header", "orientation", "link_name", "absolute_x_axis_tolerance", "absolute_y_axis_tolerance", "absolute_z_axis_tolerance", "parameterization", "weight"};
+const Names orientation_constraint_keys{"header",
+                                        "orientation",
+                                        "link_name",
+                                        "absolute_x_axis_tolerance",
+                                        "absolute_y_axis_tolerance",
+                                        "absolute_z_axis_tolerance",
+                                        "parameterization",
+                                        "weight"};
 const Names workspace_keys{"header", "min_corner", "max_corner"};
-const Names request_keys{"workspace_parameters", "start_state", "goal_constraints", "path_constraints", "trajectory_constraints", "reference_trajectories", "pipeline_id", "planner_id", "group_name", "num_planning_attempts", "allowed_planning_time", "max_velocity_scaling_factor", "max_acceleration_scaling_factor", "cartesian_speed_limited_link", "cartesian_speed_end_effector_link", "max_cartesian_speed"};
+const Names request_keys{"workspace_parameters",
+                         "start_state",
+                         "goal_constraints",
+                         "path_constraints",
+                         "trajectory_constraints",
+                         "reference_trajectories",
+                         "pipeline_id",
+                         "planner_id",
+                         "group_name",
+                         "num_planning_attempts",
+                         "allowed_planning_time",
+                         "max_velocity_scaling_factor",
+                         "max_acceleration_scaling_factor",
+                         "cartesian_speed_limited_link",
+                         "cartesian_speed_end_effector_link",
+                         "max_cartesian_speed"};
 
 /// Reads the messages that scenes and requests have in common.
 class MessageReader {
@@ -69,7 +103,8 @@ class MessageReader {
     }
     file_.require_map(node, what, vector_keys);
     Eigen::Vector3d v;
-    for (int i = 0; i < 3; ++i) v[i] = file_.number(file_.require(node, vector_keys[static_cast<std::size_t>(i)], what), what);
+    for (int i = 0; i < 3; ++i)
+      v[i] = file_.number(file_.require(node, vector_keys[static_cast<std::size_t>(i)], what), what);
     return v;
   }
   /// [x, y, z, w] or {x: …, y: …, z: …, w: …}
@@ -114,7 +149,8 @@ class MessageReader {
 
  private:
   std::string unique_name(const Node& node, const std::string& name) {
-    if (!names_.insert(name).second) file_.fail(node, "there are two objects named '" + name + "'; names must be unique");
+    if (!names_.insert(name).second)
+      file_.fail(node, "there are two objects named '" + name + "'; names must be unique");
     return name;
   }
   AttachedObject attached_object(const Node& node);
@@ -156,7 +192,8 @@ Shape MessageReader::primitive(const Node& node, const std::string& what) const 
 Shape MessageReader::mesh(const Node& node, const std::string& what) const {
   file_.require_map(node, what, mesh_keys);
   if (!is_empty(node["resource"]))
-    file_.unsupported(node["resource"], what + " names a mesh file; only vertices and triangles in the scene file are supported");
+    file_.unsupported(node["resource"],
+                      what + " names a mesh file; only vertices and triangles in the scene file are supported");
   Mesh mesh;
   const Node vertices = file_.require(node, "vertices", what), triangles = file_.require(node, "triangles", what);
   file_.require_list(vertices, what + "'s vertices");
@@ -165,11 +202,13 @@ Shape MessageReader::mesh(const Node& node, const std::string& what) const {
   const std::string corner = what + "'s triangle";
   for (const Node& triangle : triangles) {
     if (triangle.IsMap()) file_.require_map(triangle, corner, Names{"vertex_indices"});
-    const std::vector<double> v = file_.numbers(triangle.IsMap() ? file_.require(triangle, "vertex_indices", corner) : triangle, corner, 3);
+    const std::vector<double> v =
+        file_.numbers(triangle.IsMap() ? file_.require(triangle, "vertex_indices", corner) : triangle, corner, 3);
     std::array<int, 3> indices{};
     for (std::size_t i = 0; i < 3; ++i) {
       if (!(v[i] >= 0 && v[i] < static_cast<double>(mesh.vertices.size())) || v[i] != std::floor(v[i]))
-        file_.fail(triangle, corner + " has the index " + to_text(v[i]) + ", but there are " + std::to_string(mesh.vertices.size()) + " vertices, counted from 0");
+        file_.fail(triangle, corner + " has the index " + to_text(v[i]) + ", but there are " +
+                                 std::to_string(mesh.vertices.size()) + " vertices, counted from 0");
       indices[i] = static_cast<int>(v[i]);
     }
     mesh.triangles.push_back(indices);
@@ -178,14 +217,15 @@ Shape MessageReader::mesh(const Node& node, const std::string& what) const {
   return mesh;
 }
 
-std::vector<Pose> MessageReader::poses(const Node& object, const std::string& key, std::size_t count, bool may_be_absent,
-                                       const std::string& what) const {
+std::vector<Pose> MessageReader::poses(const Node& object, const std::string& key, std::size_t count,
+                                       bool may_be_absent, const std::string& what) const {
   const Node list = object[key];
   if (is_empty(list) && (count == 0 || may_be_absent)) return std::vector<Pose>(count);
   if (is_empty(list)) file_.fail(object, what + " has no '" + key + "'");
   file_.require_list(list, what + "'s " + key);
   if (list.size() != count)
-    file_.fail(list, what + " has " + std::to_string(count) + " shapes, but " + std::to_string(list.size()) + " " + key);
+    file_.fail(list,
+               what + " has " + std::to_string(count) + " shapes, but " + std::to_string(list.size()) + " " + key);
   std::vector<Pose> result;
   for (const Node& entry : list) result.push_back(pose(entry, what + "'s pose"));
   return result;
@@ -196,9 +236,12 @@ std::vector<SceneObject> MessageReader::collision_object(const Node& node) {
   const std::string id = file_.text(file_.require(node, "id", "a collision object"), "a collision object's id");
   if (id.empty()) file_.fail(node, "a collision object's id is empty");
   const std::string what = "object '" + id + "'", frame = frame_of(node);
-  if (!is_empty(node["planes"])) file_.unsupported(node["planes"], what + " is a plane, which is not supported; use a large box");
-  if (const std::string operation = optional_text(node, "operation"); !(operation.empty() || operation == "0" || operation == "ADD" || operation == "add"))
-    file_.unsupported(node["operation"], what + " has the operation '" + operation + "'; only 0 (add) is supported in a scene");
+  if (!is_empty(node["planes"]))
+    file_.unsupported(node["planes"], what + " is a plane, which is not supported; use a large box");
+  if (const std::string operation = optional_text(node, "operation");
+      !(operation.empty() || operation == "0" || operation == "ADD" || operation == "add"))
+    file_.unsupported(node["operation"],
+                      what + " has the operation '" + operation + "'; only 0 (add) is supported in a scene");
   const bool has_pose = !is_empty(node["pose"]);
   const Pose object_pose = has_pose ? pose(node["pose"], what + "'s pose") : Pose{};
 
@@ -232,11 +275,14 @@ void MessageReader::joint_state(const Node& node, RobotState& state) const {
   if (is_empty(node)) return;
   file_.require_map(node, "a joint state", joint_state_keys);
   const Names names = is_empty(node["name"]) ? Names{} : file_.texts(node["name"], "joint_state's name");
-  const std::vector<double> positions = is_empty(node["position"]) ? std::vector<double>{} : file_.numbers(node["position"], "joint_state's position");
+  const std::vector<double> positions =
+      is_empty(node["position"]) ? std::vector<double>{} : file_.numbers(node["position"], "joint_state's position");
   if (names.size() != positions.size())
-    file_.fail(node, "a joint state names " + std::to_string(names.size()) + " joints, but has " + std::to_string(positions.size()) + " positions");
+    file_.fail(node, "a joint state names " + std::to_string(names.size()) + " joints, but has " +
+                         std::to_string(positions.size()) + " positions");
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (!state.joints.emplace(names[i], positions[i]).second) file_.fail(node["name"], "joint '" + names[i] + "' appears twice in a joint state");
+    if (!state.joints.emplace(names[i], positions[i]).second)
+      file_.fail(node["name"], "joint '" + names[i] + "' appears twice in a joint state");
 }
 
 void MessageReader::multi_dof_joint_state(const Node& node, RobotState& state) const {
@@ -247,7 +293,8 @@ void MessageReader::multi_dof_joint_state(const Node& node, RobotState& state) c
   if (!is_empty(transforms)) file_.require_list(transforms, "transforms");
   const std::size_t count = is_empty(transforms) ? 0 : transforms.size();
   if (names.size() != count)
-    file_.fail(node, "a multi-dof joint state names " + std::to_string(names.size()) + " joints, but has " + std::to_string(count) + " transforms");
+    file_.fail(node, "a multi-dof joint state names " + std::to_string(names.size()) + " joints, but has " +
+                         std::to_string(count) + " transforms");
   for (std::size_t i = 0; i < count; ++i)
     state.multi_dof_joints[names[i]] = pose(transforms[i], "joint '" + names[i] + "'", transform_keys);
 }
@@ -300,8 +347,12 @@ class SceneReader : public MessageReader {
   /// ROS dumps always hold one; it counts only when it holds data.
   void refuse_octomap(const Node& octomap) const {
     if (is_empty(octomap)) return;
-    const bool empty_message = octomap.IsMap() && (is_empty(octomap["octomap"]) || (octomap["octomap"].IsMap() && is_empty(octomap["octomap"]["data"]))) && is_empty(octomap["data"]);
-    if (!empty_message) file_.unsupported(octomap, "the scene holds an octomap, which is not supported; add its points as a point cloud");
+    const bool empty_message =
+        octomap.IsMap() &&
+        (is_empty(octomap["octomap"]) || (octomap["octomap"].IsMap() && is_empty(octomap["octomap"]["data"]))) &&
+        is_empty(octomap["data"]);
+    if (!empty_message)
+      file_.unsupported(octomap, "the scene holds an octomap, which is not supported; add its points as a point cloud");
   }
 
   void read_fixed_frames(const Node& list, SceneFile& scene) const {
@@ -313,7 +364,8 @@ class SceneReader : public MessageReader {
       const std::string name = file_.text(file_.require(entry, "child_frame_id", what), "child_frame_id");
       for (const FixedFrame& other : scene.fixed_frames)
         if (other.name == name) file_.fail(entry, "the fixed frame '" + name + "' appears twice");
-      scene.fixed_frames.push_back({name, pose(file_.require(entry, "transform", what), "fixed frame '" + name + "'", transform_keys)});
+      scene.fixed_frames.push_back(
+          {name, pose(file_.require(entry, "transform", what), "fixed frame '" + name + "'", transform_keys)});
     }
   }
 
@@ -327,9 +379,12 @@ class SceneReader : public MessageReader {
       for (const Node& row : node["entry_values"]) matrix.entries.push_back(read_row(row));
     }
     for (const std::vector<bool>& row : matrix.entries)
-      if (row.size() != matrix.names.size()) file_.fail(node, what + " has a row of " + std::to_string(row.size()) + " values for " + std::to_string(matrix.names.size()) + " names");
+      if (row.size() != matrix.names.size())
+        file_.fail(node, what + " has a row of " + std::to_string(row.size()) + " values for " +
+                             std::to_string(matrix.names.size()) + " names");
     if (matrix.entries.size() != matrix.names.size())
-      file_.fail(node, what + " has " + std::to_string(matrix.entries.size()) + " rows for " + std::to_string(matrix.names.size()) + " names");
+      file_.fail(node, what + " has " + std::to_string(matrix.entries.size()) + " rows for " +
+                           std::to_string(matrix.names.size()) + " names");
     read_defaults(node, matrix);
   }
 
@@ -344,10 +399,14 @@ class SceneReader : public MessageReader {
   }
 
   void read_defaults(const Node& node, AllowedCollisionMatrix& matrix) const {
-    const Names names = is_empty(node["default_entry_names"]) ? Names{} : file_.texts(node["default_entry_names"], "default_entry_names");
-    const std::vector<bool> values = is_empty(node["default_entry_values"]) ? std::vector<bool>{} : read_row(node["default_entry_values"]);
+    const Names names = is_empty(node["default_entry_names"])
+                            ? Names{}
+                            : file_.texts(node["default_entry_names"], "default_entry_names");
+    const std::vector<bool> values =
+        is_empty(node["default_entry_values"]) ? std::vector<bool>{} : read_row(node["default_entry_values"]);
     if (names.size() != values.size())
-      file_.fail(node, "the allowed collision matrix has " + std::to_string(names.size()) + " default_entry_names, but " + std::to_string(values.size()) + " default_entry_values");
+      file_.fail(node, "the allowed collision matrix has " + std::to_string(names.size()) +
+                           " default_entry_names, but " + std::to_string(values.size()) + " default_entry_values");
     for (std::size_t i = 0; i < names.size(); ++i) matrix.defaults[names[i]] = values[i];
   }
 
@@ -357,7 +416,8 @@ class SceneReader : public MessageReader {
     for (const Node& entry : list) {
       file_.require_map(entry, "a link " + key, Names{"link_name", key});
       if (optional_number(entry, key, neutral) != neutral)
-        file_.unsupported(entry, "the scene sets the " + key + " of link '" + optional_text(entry, "link_name") + "', which is not supported; set it for the whole robot");
+        file_.unsupported(entry, "the scene sets the " + key + " of link '" + optional_text(entry, "link_name") +
+                                     "', which is not supported; set it for the whole robot");
     }
   }
 };
@@ -387,13 +447,16 @@ class RequestReader : public MessageReader {
  private:
   double scaling(const Node& root, const std::string& key) const {
     const double value = optional_number(root, key, 1.0);
-    if (!(value >= 0.0 && value <= 1.0)) file_.fail(root[key], key + " is " + to_text(value) + "; it must be in 0 … 1 (0 means 1)");
+    if (!(value >= 0.0 && value <= 1.0))
+      file_.fail(root[key], key + " is " + to_text(value) + "; it must be in 0 … 1 (0 means 1)");
     return value == 0.0 ? 1.0 : value;
   }
 
   void read_planning_time(const Node& root, RequestFile& request) const {
     const double time = optional_number(root, "allowed_planning_time", 0.0);
-    if (time < 0.0) file_.fail(root["allowed_planning_time"], "allowed_planning_time is " + to_text(time) + "; it must be 0 (not said) or above");
+    if (time < 0.0)
+      file_.fail(root["allowed_planning_time"],
+                 "allowed_planning_time is " + to_text(time) + "; it must be 0 (not said) or above");
     if (time > 0.0) request.allowed_planning_time = time;
     optional_number(root, "num_planning_attempts", 0.0);
   }
@@ -406,25 +469,31 @@ class RequestReader : public MessageReader {
                                  vector(file_.require(node, "max_corner", what), "max_corner")};
     for (int i = 0; i < 3; ++i)
       if (bounds.min_corner[i] > bounds.max_corner[i])
-        file_.fail(node, "the workspace's min_corner " + to_text(bounds.min_corner[i]) + " is above its max_corner " + to_text(bounds.max_corner[i]) + " along " + vector_keys[static_cast<std::size_t>(i)]);
+        file_.fail(node, "the workspace's min_corner " + to_text(bounds.min_corner[i]) + " is above its max_corner " +
+                             to_text(bounds.max_corner[i]) + " along " + vector_keys[static_cast<std::size_t>(i)]);
     request.workspace = bounds;
   }
 
   bool holds_constraints(const Node& node) const {
     if (is_empty(node)) return false;
     file_.require_map(node, "constraints", constraints_keys);
-    return std::any_of(constraints_keys.begin() + 1, constraints_keys.end(), [&](const std::string& key) { return !is_empty(node[key]); });
+    return std::any_of(constraints_keys.begin() + 1, constraints_keys.end(),
+                       [&](const std::string& key) { return !is_empty(node[key]); });
   }
 
   void refuse_unsupported(const Node& root) const {
-    if (holds_constraints(root["path_constraints"])) file_.unsupported(root["path_constraints"], "path_constraints are not supported");
+    if (holds_constraints(root["path_constraints"]))
+      file_.unsupported(root["path_constraints"], "path_constraints are not supported");
     const Node trajectory = root["trajectory_constraints"];
     if (!is_empty(trajectory)) {
       file_.require_map(trajectory, "trajectory_constraints", Names{"constraints"});
-      if (!is_empty(trajectory["constraints"])) file_.unsupported(trajectory, "trajectory_constraints are not supported");
+      if (!is_empty(trajectory["constraints"]))
+        file_.unsupported(trajectory, "trajectory_constraints are not supported");
     }
-    if (!is_empty(root["reference_trajectories"])) file_.unsupported(root["reference_trajectories"], "reference_trajectories are not supported");
-    if (optional_number(root, "max_cartesian_speed", 0.0) > 0.0) file_.unsupported(root["max_cartesian_speed"], "max_cartesian_speed is not supported");
+    if (!is_empty(root["reference_trajectories"]))
+      file_.unsupported(root["reference_trajectories"], "reference_trajectories are not supported");
+    if (optional_number(root, "max_cartesian_speed", 0.0) > 0.0)
+      file_.unsupported(root["max_cartesian_speed"], "max_cartesian_speed is not supported");
   }
 
   void read_goals(const Node& root, RequestFile& request) const {
@@ -436,13 +505,18 @@ class RequestReader : public MessageReader {
 
   GoalAlternative read_goal(const Node& node) const {
     file_.require_map(node, "a goal", constraints_keys);
-    if (!is_empty(node["visibility_constraints"])) file_.unsupported(node["visibility_constraints"], "visibility_constraints are not supported");
+    if (!is_empty(node["visibility_constraints"]))
+      file_.unsupported(node["visibility_constraints"], "visibility_constraints are not supported");
     GoalAlternative goal;
     goal.name = optional_text(node, "name");
-    for_each(node["joint_constraints"], "joint_constraints", [&](const Node& entry) { goal.joints.push_back(joint_constraint(entry, goal)); });
-    for_each(node["position_constraints"], "position_constraints", [&](const Node& entry) { goal.positions.push_back(position_constraint(entry)); });
-    for_each(node["orientation_constraints"], "orientation_constraints", [&](const Node& entry) { goal.orientations.push_back(orientation_constraint(entry)); });
-    if (goal.joints.empty() && goal.positions.empty() && goal.orientations.empty()) file_.fail(node, "a goal holds no constraints");
+    for_each(node["joint_constraints"], "joint_constraints",
+             [&](const Node& entry) { goal.joints.push_back(joint_constraint(entry, goal)); });
+    for_each(node["position_constraints"], "position_constraints",
+             [&](const Node& entry) { goal.positions.push_back(position_constraint(entry)); });
+    for_each(node["orientation_constraints"], "orientation_constraints",
+             [&](const Node& entry) { goal.orientations.push_back(orientation_constraint(entry)); });
+    if (goal.joints.empty() && goal.positions.empty() && goal.orientations.empty())
+      file_.fail(node, "a goal holds no constraints");
     return goal;
   }
 
@@ -469,7 +543,8 @@ class RequestReader : public MessageReader {
     constraint.tolerance_below = tolerance(node, "tolerance_below");
     optional_number(node, "weight", 1.0);
     for (const JointConstraint& other : goal.joints)
-      if (other.joint == constraint.joint) file_.fail(node, "joint '" + constraint.joint + "' is constrained twice in one goal");
+      if (other.joint == constraint.joint)
+        file_.fail(node, "joint '" + constraint.joint + "' is constrained twice in one goal");
     return constraint;
   }
 
@@ -488,7 +563,9 @@ class RequestReader : public MessageReader {
       file_.unsupported(region, "a constraint region other than one primitive is not supported");
     const Shape shape = primitive(primitives[0], "a constraint region");
     if (!std::holds_alternative<Box>(shape) && !std::holds_alternative<Sphere>(shape))
-      file_.unsupported(primitives[0], "a constraint region that is a " + std::string(std::holds_alternative<Cone>(shape) ? "cone" : "cylinder") + " is not supported; use a sphere or a box");
+      file_.unsupported(primitives[0], "a constraint region that is a " +
+                                           std::string(std::holds_alternative<Cone>(shape) ? "cone" : "cylinder") +
+                                           " is not supported; use a sphere or a box");
     optional_number(node, "weight", 1.0);
     return {link, frame_of(node), shape, poses(region, "primitive_poses", 1, false, "a constraint region")[0]};
   }
@@ -500,10 +577,12 @@ class RequestReader : public MessageReader {
     constraint.link = file_.text(file_.require(node, "link_name", what), "link_name");
     constraint.frame = frame_of(node);
     constraint.orientation = quaternion(file_.require(node, "orientation", what), "orientation");
-    constraint.tolerance = {tolerance(node, "absolute_x_axis_tolerance"), tolerance(node, "absolute_y_axis_tolerance"), tolerance(node, "absolute_z_axis_tolerance")};
+    constraint.tolerance = {tolerance(node, "absolute_x_axis_tolerance"), tolerance(node, "absolute_y_axis_tolerance"),
+                            tolerance(node, "absolute_z_axis_tolerance")};
     const double parameterization = optional_number(node, "parameterization", 0.0);
     if (parameterization != 0.0 && parameterization != 1.0)
-      file_.fail(node["parameterization"], "parameterization is " + to_text(parameterization) + "; it must be 0 (x, y, z angles) or 1 (rotation vector)");
+      file_.fail(node["parameterization"], "parameterization is " + to_text(parameterization) +
+                                               "; it must be 0 (x, y, z angles) or 1 (rotation vector)");
     constraint.rotation_vector = parameterization == 1.0;
     optional_number(node, "weight", 1.0);
     return constraint;

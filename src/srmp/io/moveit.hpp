@@ -19,7 +19,7 @@ struct SceneObject {
   std::string id;     ///< of the collision object it belongs to
   std::string frame;  ///< that `pose` is given in; "" = the planning frame
   Shape shape;
-  Pose pose;          ///< object pose * shape pose
+  Pose pose;  ///< object pose * shape pose
 };
 
 /// A collision object in the robot's hand.
@@ -30,8 +30,8 @@ struct AttachedObject {
 };
 
 struct RobotState {
-  std::map<std::string, double> joints;           ///< joint → [rad or m]
-  std::map<std::string, Pose> multi_dof_joints;   ///< floating and planar joints, such as SRDF virtual joints
+  std::map<std::string, double> joints;          ///< joint → [rad or m]
+  std::map<std::string, Pose> multi_dof_joints;  ///< floating and planar joints, such as SRDF virtual joints
   std::vector<AttachedObject> attached;
 };
 
@@ -100,10 +100,10 @@ struct RequestFile {
   std::string planner_id;
   std::string pipeline_id;
   RobotState start_state;
-  std::vector<GoalAlternative> goals;            ///< at least one; reaching any is enough
-  std::optional<double> allowed_planning_time;   ///< [s], > 0; MoveIt's 0 means "not said"
-  double velocity_scaling{1.0};                  ///< in (0, 1]; MoveIt's 0 means 1
-  double acceleration_scaling{1.0};              ///< in (0, 1]; MoveIt's 0 means 1
+  std::vector<GoalAlternative> goals;           ///< at least one; reaching any is enough
+  std::optional<double> allowed_planning_time;  ///< [s], > 0; MoveIt's 0 means "not said"
+  double velocity_scaling{1.0};                 ///< in (0, 1]; MoveIt's 0 means 1
+  double acceleration_scaling{1.0};             ///< in (0, 1]; MoveIt's 0 means 1
   std::optional<WorkspaceBounds> workspace;
 };
 
@@ -114,7 +114,8 @@ struct RequestFile {
 SceneFile read_moveit_scene(const std::string& path);
 RequestFile read_moveit_request(const std::string& path);
 
-/// Puts the file's objects, attached objects and their allowed collisions into the scene, or throws and changes nothing.
+/// Puts the file's objects, attached objects and their allowed collisions into the scene, or throws and changes
+/// nothing.
 ///
 /// `planning_frame` is where the file's planning frame is in the world: for MotionBenchMaker the base of the robot.
 /// Frames of objects are looked up among the file's fixed frames, then the links of the scene's robots (where set_qpos

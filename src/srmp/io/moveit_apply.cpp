@@ -52,7 +52,8 @@ class Writer {
         if (known == link) robots.push_back(name);
       }
     if (robots.empty())
-      throw InvalidArgument(path_ + ": an object is attached to the unknown link '" + link + "'" + did_you_mean(link, links));
+      throw InvalidArgument(path_ + ": an object is attached to the unknown link '" + link + "'" +
+                            did_you_mean(link, links));
     if (robots.size() > 1)
       throw InvalidArgument(path_ + ": link '" + link + "' is in the robots " + quoted_list(robots) +
                             "; only one may have a link that objects are attached to");
@@ -69,7 +70,8 @@ class Writer {
     if (object.frame == "world") return planning_frame_;
     for (const auto& [name, robot] : scene_.robots()) {
       const std::vector<std::string>& links = robot.model->link_names();
-      if (std::find(links.begin(), links.end(), object.frame) != links.end()) return scene_.link_pose(name, object.frame);
+      if (std::find(links.begin(), links.end(), object.frame) != links.end())
+        return scene_.link_pose(name, object.frame);
       known.insert(known.end(), links.begin(), links.end());
     }
     throw InvalidArgument(path_ + ": object '" + object.id + "' is in the unknown frame '" + object.frame + "'" +

@@ -38,18 +38,21 @@ class PrimitiveReader {
  private:
   void read_units(const Node& node) {
     const std::string units = file_.text(node, "units");
-    if (units != "degrees" && units != "radians") file_.fail(node, "units are '" + units + "'; they must be degrees or radians");
+    if (units != "degrees" && units != "radians")
+      file_.fail(node, "units are '" + units + "'; they must be degrees or radians");
     degrees_ = units == "degrees";
   }
 
   void read_lengths(const Node& root) {
     if (const Node node = root["near_distance"]; !is_empty(node)) {
       set_.near_distance = file_.number(node, "near_distance");
-      if (set_.near_distance < 0.0) file_.fail(node, "near_distance is " + to_text(set_.near_distance) + "; it must be 0 or above");
+      if (set_.near_distance < 0.0)
+        file_.fail(node, "near_distance is " + to_text(set_.near_distance) + "; it must be 0 or above");
     }
     if (const Node node = root["prismatic"]; !is_empty(node)) {
       prismatic_step_ = file_.number(node, "prismatic");
-      if (!(prismatic_step_ > 0.0)) file_.fail(node, "prismatic is " + to_text(prismatic_step_) + " m; it must be above 0");
+      if (!(prismatic_step_ > 0.0))
+        file_.fail(node, "prismatic is " + to_text(prismatic_step_) + " m; it must be above 0");
     }
   }
 
@@ -86,7 +89,8 @@ class PrimitiveReader {
     if (word != "each") file_.fail(joints, "joints is '" + word + "'; it must be 'each' or a list of joint names");
     const double step = file_.number(by, "by, for each joint,");
     for (std::size_t j = 0; j < joints_.size(); ++j)
-      add(by, {j}, {joints_[j].kind == JointKind::prismatic && step != 0.0 ? prismatic_step_ : to_native(step, j)}, family);
+      add(by, {j}, {joints_[j].kind == JointKind::prismatic && step != 0.0 ? prismatic_step_ : to_native(step, j)},
+          family);
   }
 
   std::vector<std::size_t> joint_indices(const Node& list, const std::string& what) const {
@@ -97,7 +101,8 @@ class PrimitiveReader {
       const auto found = std::find(joint_names_.begin(), joint_names_.end(), name);
       if (found == joint_names_.end()) {
         const std::string nearest = did_you_mean(name, joint_names_);
-        file_.fail(node, "unknown joint '" + name + "'" + (nearest.empty() ? "; planned joints are " + quoted_list(joint_names_) : nearest));
+        file_.fail(node, "unknown joint '" + name + "'" +
+                             (nearest.empty() ? "; planned joints are " + quoted_list(joint_names_) : nearest));
       }
       const auto index = static_cast<std::size_t>(found - joint_names_.begin());
       if (std::find(indices.begin(), indices.end(), index) != indices.end())
@@ -120,7 +125,8 @@ class PrimitiveReader {
       add_native(by, joints, file_.numbers(by, "by", joints.size()), family);
       return;
     }
-    for (const Node& alternative : by) add_native(alternative, joints, file_.numbers(alternative, "an alternative of by", joints.size()), family);
+    for (const Node& alternative : by)
+      add_native(alternative, joints, file_.numbers(alternative, "an alternative of by", joints.size()), family);
   }
 
   /// One number for joints that turn and joints that slide would be degrees and metres at once.
@@ -135,34 +141,43 @@ class PrimitiveReader {
     return value * std::numbers::pi / 180.0;
   }
 
-  void add_native(const Node& at, const std::vector<std::size_t>& joints, std::vector<double> values, PrimitiveFamily& family) const {
+  void add_native(const Node& at, const std::vector<std::size_t>& joints, std::vector<double> values,
+                  PrimitiveFamily& family) const {
     for (std::size_t i = 0; i < joints.size(); ++i) values[i] = to_native(values[i], joints[i]);
     add(at, joints, values, family);
   }
 
   /// The move and its opposite.
-  void add(const Node& at, const std::vector<std::size_t>& joints, const std::vector<double>& values, PrimitiveFamily& family) const {
+  void add(const Node& at, const std::vector<std::size_t>& joints, const std::vector<double>& values,
+           PrimitiveFamily& family) const {
     Eigen::VectorXd move = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints_.size()));
     for (std::size_t i = 0; i < joints.size(); ++i) {
       if (joints_[joints[i]].kind != JointKind::prismatic && std::abs(values[i]) > std::numbers::pi)
-        file_.fail(at, "joint '" + joint_names_[joints[i]] + "' would move by " + to_text(values[i]) + " rad; at most half a turn is allowed (are the units right?)");
+        file_.fail(at, "joint '" + joint_names_[joints[i]] + "' would move by " + to_text(values[i]) +
+                           " rad; at most half a turn is allowed (are the units right?)");
       move[static_cast<Eigen::Index>(joints[i])] = values[i];
     }
-    if (move.isZero(0.0)) file_.fail(at, "a move of family '" + family.name + "' is zero; at least one joint must move");
+    if (move.isZero(0.0))
+      file_.fail(at, "a move of family '" + family.name + "' is zero; at least one joint must move");
     for (const Eigen::VectorXd& other : family.moves)
-      if (other == move) file_.fail(at, "a move of family '" + family.name + "' is there already (every move is made in both directions)");
+      if (other == move)
+        file_.fail(at,
+                   "a move of family '" + family.name + "' is there already (every move is made in both directions)");
     family.moves.push_back(move);
     family.moves.push_back(-move);
   }
 
   void require_moves_everywhere(const Node& families) const {
     const auto used = [&](PrimitiveUse use) {
-      return std::any_of(set_.families.begin(), set_.families.end(),
-                         [&](const PrimitiveFamily& family) { return family.use == PrimitiveUse::always || family.use == use; });
+      return std::any_of(set_.families.begin(), set_.families.end(), [&](const PrimitiveFamily& family) {
+        return family.use == PrimitiveUse::always || family.use == use;
+      });
     };
-    if (!used(PrimitiveUse::far)) file_.fail(families, "no family is used far from the goal; one needs 'use: far' or 'use: always'");
+    if (!used(PrimitiveUse::far))
+      file_.fail(families, "no family is used far from the goal; one needs 'use: far' or 'use: always'");
     if (!used(PrimitiveUse::near) && set_.near_distance > 0.0)
-      file_.fail(families, "no family is used near the goal; one needs 'use: near' or 'use: always', or near_distance: 0");
+      file_.fail(families,
+                 "no family is used near the goal; one needs 'use: near' or 'use: always', or near_distance: 0");
   }
 
   YamlFile file_;

@@ -16,7 +16,9 @@ YAML::Node only_document(const std::string& path, const std::vector<YAML::Node>&
   const YAML::Node* found = nullptr;
   for (const YAML::Node& document : documents) {
     if (document.IsNull()) continue;
-    if (found) throw FileError(path + ":" + std::to_string(document.Mark().line + 1) + ": a second document starts here; only one a file is read");
+    if (found)
+      throw FileError(path + ":" + std::to_string(document.Mark().line + 1) +
+                      ": a second document starts here; only one a file is read");
     found = &document;
   }
   if (!found) throw FileError(path + ": the file is empty");
@@ -52,7 +54,9 @@ std::string YamlFile::where(const YAML::Node& node) const {
   return path_ + ":" + std::to_string(node.Mark().line + 1);
 }
 
-void YamlFile::fail(const YAML::Node& node, const std::string& what) const { throw FileError(where(node) + ": " + what); }
+void YamlFile::fail(const YAML::Node& node, const std::string& what) const {
+  throw FileError(where(node) + ": " + what);
+}
 
 void YamlFile::unsupported(const YAML::Node& node, const std::string& what) const {
   throw NotSupported(where(node) + ": " + what);
@@ -65,7 +69,8 @@ void YamlFile::require_map(const YAML::Node& node, const std::string& what, std:
     const std::string key = text(entry.first, "a key of " + what);
     if (std::find(known.begin(), known.end(), key) == known.end()) {
       const std::string nearest = did_you_mean(key, known);
-      fail(entry.first, "unknown key '" + key + "' in " + what + (nearest.empty() ? "; known are " + quoted_list(known) : nearest));
+      fail(entry.first,
+           "unknown key '" + key + "' in " + what + (nearest.empty() ? "; known are " + quoted_list(known) : nearest));
     }
     if (!seen.insert(key).second) fail(entry.first, "key '" + key + "' appears twice in " + what);
   }

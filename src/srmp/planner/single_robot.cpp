@@ -248,11 +248,14 @@ class SingleRobotPlan {
     return search::weighted_astar(lattice, starts, h, {.weight = options.weight}, deadline_);
   }
   search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const ARAStar& options) {
-    return search::ara_star(lattice, starts, h,
-                            {.initial_weight = std::max(options.weight, options.final_weight), .weight_delta = options.weight_delta, .final_weight = options.final_weight}, deadline_);
+    search::AraOptions ara;
+    ara.initial_weight = std::max(options.weight, options.final_weight);
+    ara.weight_delta = options.weight_delta;
+    ara.final_weight = options.final_weight;
+    return search::ara_star(lattice, starts, h, ara, deadline_);
   }
   search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const MHAStar& options) {
-    std::vector<StateHeuristic> others;
+    std::vector<search::InadmissibleHeuristic> others;
     for (const std::string& name : options.inadmissible_heuristics) others.push_back(make_heuristic(name, lattice));
     return search::mha_star(lattice, starts, h, others, {.w1 = options.w1, .w2 = options.w2}, deadline_);
   }

@@ -110,10 +110,11 @@ Selection select(const Impl& impl, const Srdf* srdf) {
   if (!d.group.empty()) {
     if (!srdf) throw InvalidArgument("group '" + d.group + "' needs an SRDF, and robot '" + impl.name + "' has none");
     group = srdf->find_group(d.group);
-    if (!group)
+    if (!group) {
+      const std::string hint = did_you_mean(d.group, srdf->group_names());
       throw InvalidArgument("robot '" + impl.name + "' has no group '" + d.group + "'" +
-                            did_you_mean(d.group, srdf->group_names()) + "; known are " +
-                            quoted_list(srdf->group_names()));
+                            (hint.empty() ? "; known are " + quoted_list(srdf->group_names()) : hint));
+    }
     selection.joints = group_joints(impl, *group, *srdf);
   } else if (!d.joint_names.empty()) {
     selection.joints = named_joints(impl);

@@ -64,7 +64,6 @@ class MeshLoader {
     const auto [it, is_new] = known_.try_emplace({path, {g.scale.x(), g.scale.y(), g.scale.z()}});
     if (is_new) it->second = read(path, g.scale, where);
     geometry.shape = it->second.shape;
-    geometry.hull = it->second.hull;
     geometry.center = it->second.center;
     geometry.radius = it->second.radius;
   }
@@ -75,8 +74,6 @@ class MeshLoader {
     try {
       const TriangleSoup mesh = read_mesh_file(path, scale);
       result.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
-      if (result.shape->getObjectType() == coal::OT_BVH && spans_volume(mesh.vertices))
-        result.hull = make_mesh_geometry(mesh, MeshModel::hull);
       bound_by_vertices(mesh.vertices, result);
     } catch (const FileError& error) {
       throw FileError(where + error.what());

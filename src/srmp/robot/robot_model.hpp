@@ -52,9 +52,6 @@ struct LinkGeometry {
   /// Boxes, spheres, cylinders and capsules as such. A mesh is its convex hull where it is a closed convex surface (to
   /// 1 µm): a solid; else its triangles: a surface.
   std::shared_ptr<const coal::CollisionGeometry> shape;
-  /// The convex hull of a mesh that is not convex: it contains the shape and is much faster to check, so what keeps
-  /// clear of it needs no look at the triangles. nullptr where shape is convex (or flat).
-  std::shared_ptr<const coal::CollisionGeometry> hull;
   Eigen::Vector3d center;  ///< of a bounding sphere, in the geometry's frame [m]
   double radius{};         ///< of that sphere [m]
   std::uint64_t

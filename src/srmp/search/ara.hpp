@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include "srmp/search/weighted_search.hpp"
 
@@ -20,7 +22,7 @@ struct AraOptions {
   double weight_delta{10.0};    ///< > 0; the weight falls by this, or straight to the proven bound when that is less
   double final_weight{1.0};     ///< >= 1; stop once this bound is proven
   /// Sees each path that is cheaper or has a tighter bound than the one before; false stops the search. May be empty.
-  std::function<bool(const Result&)> on_solution;
+  std::function<bool(const Result&)> on_solution{};
 };
 
 /// When time runs out or the caller cancels, the best path so far is the result (`solved`, with its bound); timed_out

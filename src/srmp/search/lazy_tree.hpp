@@ -61,7 +61,6 @@ class CandidateTable {
   EdgeId best(StateId s) const { return states_[s].best; }
 
   Edge edge(EdgeId e) const { return {edges_[e].from, edges_[e].to, edges_[e].cost}; }
-  bool exists(EdgeId e) const { return edges_[e].cost < infinity; }
 
   /// Stores an edge without offering it.
   EdgeId add(StateId from, StateId to, double cost, bool evaluated = false) {
@@ -193,7 +192,7 @@ class LazyTree {
     }
   }
 
-  /// Commits `s` to its confirmed cost and offers its edges: for planners that expand a state at most once.
+  /// Offers the edges of a committed state: for planners that expand a state at most once.
   template <class Reached>
   void expand_once(StateId s, Reached&& reached) {
     const double cost = ask_successors(s);

@@ -20,7 +20,8 @@ constexpr double no_velocity_limit = 1e6;  // parsers write huge numbers for "un
 using Ruckig = ruckig::Ruckig<1>;
 using Profile = ruckig::Trajectory<1>;
 
-void require_limits(const Eigen::VectorXd& values, const std::string& what, const std::vector<std::string>& joint_names) {
+void require_limits(const Eigen::VectorXd& values, const std::string& what,
+                    const std::vector<std::string>& joint_names) {
   if (static_cast<std::size_t>(values.size()) != joint_names.size())
     throw InvalidArgument(what + " limits: got " + std::to_string(values.size()) + ", but there are " +
                           std::to_string(joint_names.size()) + " joints");
@@ -45,8 +46,8 @@ double smallest_ratio(const Eigen::VectorXd& limit, const Eigen::RowVectorXd& wa
   return smallest * (1.0 - rounding_margin);
 }
 
-/// Ruckig works with absolute tolerances, so it is given a problem of size 1: unit way, and a unit of time such that the
-/// tightest limit is 1. Limits far above that change nothing and are cut to where its numbers stay good.
+/// Ruckig works with absolute tolerances, so it is given a problem of size 1: unit way, and a unit of time such that
+/// the tightest limit is 1. Limits far above that change nothing and are cut to where its numbers stay good.
 Segment make_segment(ConstRows waypoints, Eigen::Index from, Eigen::Index to, const MotionLimits& limits) {
   Segment segment{waypoints.row(from), waypoints.row(to) - waypoints.row(from), 0.0, {}};
   const double velocity = smallest_ratio(limits.velocity, segment.way);
@@ -64,8 +65,8 @@ Segment make_segment(ConstRows waypoints, Eigen::Index from, Eigen::Index to, co
   const ruckig::Result result = otg.calculate(input, segment.profile);
   if (result != ruckig::Result::Working && result != ruckig::Result::Finished)
     throw Error("time parameterisation failed between waypoints " + std::to_string(from) + " and " +
-                std::to_string(to) + " (Ruckig error " + std::to_string(static_cast<int>(result)) +
-                "): length " + to_text(segment.way.norm()) + ", limits along it " + to_text(velocity) + "/s, " +
+                std::to_string(to) + " (Ruckig error " + std::to_string(static_cast<int>(result)) + "): length " +
+                to_text(segment.way.norm()) + ", limits along it " + to_text(velocity) + "/s, " +
                 to_text(acceleration) + "/s^2, " + to_text(jerk) + "/s^3");
   return segment;
 }
@@ -82,7 +83,8 @@ class Samples {
  public:
   Samples(std::size_t capacity, Eigen::Index dof) : dof_(dof) {
     times_.reserve(capacity);
-    for (auto* rows : {&positions_, &velocities_, &accelerations_}) rows->reserve(capacity * static_cast<std::size_t>(dof));
+    for (auto* rows : {&positions_, &velocities_, &accelerations_})
+      rows->reserve(capacity * static_cast<std::size_t>(dof));
   }
 
   void add_moving(double time, const Segment& segment, double time_in_segment) {
@@ -100,8 +102,12 @@ class Samples {
   Trajectory finish(const std::vector<std::string>& joint_names, ConstRows waypoints) const {
     const auto n = static_cast<Eigen::Index>(times_.size());
     const auto rows = [&](const std::vector<double>& v) { return Eigen::Map<const RowMatrix>(v.data(), n, dof_); };
-    return {joint_names, rows(positions_), rows(velocities_), rows(accelerations_),
-            Eigen::Map<const Eigen::VectorXd>(times_.data(), n), waypoints};
+    return {joint_names,
+            rows(positions_),
+            rows(velocities_),
+            rows(accelerations_),
+            Eigen::Map<const Eigen::VectorXd>(times_.data(), n),
+            waypoints};
   }
 
  private:
@@ -146,8 +152,9 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
   double duration = 0.0;
   for (const Segment& segment : segments) duration += segment.duration();
   if (!(duration / sample_period < max_samples))
-    throw InvalidArgument("a sample period of " + to_text(sample_period) + " s would give more than ten million samples of this " +
-                          to_text(duration) + " s motion; use a longer one");
+    throw InvalidArgument("a sample period of " + to_text(sample_period) +
+                          " s would give more than ten million samples of this " + to_text(duration) +
+                          " s motion; use a longer one");
 
   Samples samples(static_cast<std::size_t>(duration / sample_period) + segments.size() + 2, waypoints.cols());
   samples.add_resting(0.0, waypoints.row(0));
@@ -157,8 +164,10 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const double end = begin + segments[i].duration();
     for (; tick * sample_period < end - gap; tick += 1.0)
-      if (tick * sample_period > begin + gap) samples.add_moving(tick * sample_period, segments[i], tick * sample_period - begin);
-    samples.add_resting(end, i + 1 < segments.size() ? segments[i + 1].from : Eigen::RowVectorXd(waypoints.bottomRows(1)));
+      if (tick * sample_period > begin + gap)
+        samples.add_moving(tick * sample_period, segments[i], tick * sample_period - begin);
+    samples.add_resting(end,
+                        i + 1 < segments.size() ? segments[i + 1].from : Eigen::RowVectorXd(waypoints.bottomRows(1)));
     begin = end;
   }
   return samples.finish(joint_names, waypoints);

@@ -32,8 +32,8 @@ MotionLimits default_limits(const Eigen::VectorXd& velocity);
 /// predecessor takes no time, so a path of equal waypoints gives one sample at time 0.
 ///
 /// `waypoints` is m x dof. Throws InvalidArgument when it is empty or holds NaN, when a size does not match the joint
-/// names, when a limit or the period is not above 0, when a continuous joint does not go by the short way, or when there
-/// would be more than ten million samples.
+/// names, when a limit or the period is not above 0, when a continuous joint does not go by the short way, or when
+/// there would be more than ten million samples.
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
                              const MotionLimits& limits, double sample_period = 0.01);
 

@@ -13,8 +13,8 @@ double path_length(ConstRows waypoints);
 /// One row a waypoint. All must have the same size.
 RowMatrix stack_waypoints(std::span<const Eigen::VectorXd> waypoints);
 
-/// Drops waypoints that equal their predecessor or lie on the straight line between their neighbours, in order along it,
-/// within 1e-12 of its length. First and last row stay as they are; the path does not move.
+/// Drops waypoints that equal their predecessor or lie on the straight line between their neighbours, in order along
+/// it, within 1e-12 of its length. First and last row stay as they are; the path does not move.
 RowMatrix without_redundant_waypoints(ConstRows waypoints);
 
 /// Adds full turns to continuous joints so that every waypoint follows its predecessor by the short way (the first row

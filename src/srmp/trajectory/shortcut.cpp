@@ -16,8 +16,8 @@ using Point = Eigen::VectorXd;
 
 struct Waypoint {
   Point q;
-  bool proved{true};  ///< the segment that ends here is one of the input, or was called free
-  bool fresh{true};   ///< it or a neighbour moved since it was last removed, slid or cut
+  bool proved{true};    ///< the segment that ends here is one of the input, or was called free
+  bool fresh{true};     ///< it or a neighbour moved since it was last removed, slid or cut
   bool unpulled{true};  ///< the same for pulling
 };
 using Path = std::vector<Waypoint>;
@@ -61,7 +61,8 @@ class Shortcutter {
 Point Shortcutter::way(const Point& a, const Point& b) const {
   Point d = b - a;
   for (std::size_t j = 0; j < options_.continuous.size(); ++j)
-    if (options_.continuous[j]) d[static_cast<Eigen::Index>(j)] = std::remainder(d[static_cast<Eigen::Index>(j)], 2 * std::numbers::pi);
+    if (options_.continuous[j])
+      d[static_cast<Eigen::Index>(j)] = std::remainder(d[static_cast<Eigen::Index>(j)], 2 * std::numbers::pi);
   return d;
 }
 
@@ -141,8 +142,8 @@ void Shortcutter::slide_corner(Path& path, std::size_t i) {
   }
 }
 
-/// Moves single joints of a corner, then all, towards the chord between its neighbours (one joint at a time: Geraerts and
-/// Overmars, "Creating High-quality Paths for Motion Planning", IJRR 2007).
+/// Moves single joints of a corner, then all, towards the chord between its neighbours (one joint at a time: Geraerts
+/// and Overmars, "Creating High-quality Paths for Motion Planning", IJRR 2007).
 void Shortcutter::pull_corner(Path& path, std::size_t i) {
   Waypoint &before = path[i - 1], &corner = path[i], &after = path[i + 1];
   const Eigen::Index dof = corner.q.size();
@@ -241,12 +242,14 @@ void Shortcutter::run(Path& path) {
 Path make_path(ConstRows waypoints) {
   Path path;
   for (Eigen::Index i = 0; i < waypoints.rows(); ++i)
-    if (path.empty() || waypoints.row(i).transpose() != path.back().q) path.push_back(Waypoint{waypoints.row(i).transpose()});
+    if (path.empty() || waypoints.row(i).transpose() != path.back().q)
+      path.push_back(Waypoint{waypoints.row(i).transpose()});
   return path;
 }
 
 void require_options(const ShortcutOptions& options) {
   require_positive(options.min_gain, "shortcut: min_gain");
+  require_positive(options.pull_gain, "shortcut: pull_gain");
   require_positive(options.cut_gain, "shortcut: cut_gain");
   if (options.max_rounds < 0)
     throw InvalidArgument("shortcut: max_rounds is " + std::to_string(options.max_rounds) + "; it must be 0 or more");

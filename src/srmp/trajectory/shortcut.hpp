@@ -22,21 +22,21 @@ struct ShortcutOptions {
 };
 
 struct ShortcutResult {
-  RowMatrix waypoints;       ///< continuous joints unwrapped, from the first row on
-  double length_before{};    ///< path_length [rad, prismatic joints m]
+  RowMatrix waypoints;     ///< continuous joints unwrapped, from the first row on
+  double length_before{};  ///< path_length [rad, prismatic joints m]
   double length_after{};
-  std::size_t checks{};      ///< calls of MotionFree
-  bool finished{true};       ///< false: the deadline cut it short
+  std::size_t checks{};  ///< calls of MotionFree
+  bool finished{true};   ///< false: the deadline cut it short
 };
 
 /// Makes a path shorter by moving along straight lines wherever MotionFree allows, without any randomness: the straight
 /// line from start to goal; then from each kept waypoint to the farthest one that can be seen; then, round after round,
 /// every corner is removed, slid along its segments or cut; when that no longer helps, pulled towards its chord.
 ///
-/// The result starts and ends where the path did and is never longer. Each of its segments is either one of the input or
-/// was called free itself: nothing is concluded from larger or smaller motions. Stops at the deadline with the best path
-/// so far. Input segments are taken to be free. Throws InvalidArgument for an empty path, NaN, options out of range, or
-/// a continuous joint that does not go by the short way.
+/// The result starts and ends where the path did and is never longer. Each of its segments is either one of the input
+/// or was called free itself: nothing is concluded from larger or smaller motions. Stops at the deadline with the best
+/// path so far. Input segments are taken to be free. Throws InvalidArgument for an empty path, NaN, options out of
+/// range, or a continuous joint that does not go by the short way.
 ShortcutResult shortcut(ConstRows waypoints, const MotionFree& is_free, const Deadline& deadline = {},
                         const ShortcutOptions& options = {});
 

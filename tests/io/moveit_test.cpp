@@ -1,0 +1,342 @@
+#include "srmp/io/moveit.hpp"
+
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+
+#include "io/temp_file.hpp"
+#include "srmp/core/error.hpp"
+#include "support/robots.hpp"
+#include "support/throws.hpp"
+
+using namespace srmp;
+using namespace srmp::io;
+
+namespace {
+
+const std::string data = SRMP_SOURCE_DIR "/tests/io/data/";
+const std::string scene_text = read_text(data + "scene.yaml");
+const std::string request_text = read_text(data + "request.yaml");
+
+SceneFile scene_from(const std::string& text) { return read_moveit_scene(TempFile(text).path()); }
+RequestFile request_from(const std::string& text) { return read_moveit_request(TempFile(text).path()); }
+
+template <class Exception = FileError>
+void scene_refused(const std::string& from, const std::string& to, const std::string& fragment) {
+  check_throws<Exception>([&] { scene_from(replaced(scene_text, from, to)); }, fragment);
+}
+template <class Exception = FileError>
+void request_refused(const std::string& from, const std::string& to, const std::string& fragment) {
+  check_throws<Exception>([&] { request_from(replaced(request_text, from, to)); }, fragment);
+}
+
+void check_near(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  BOOST_TEST((a - b).norm() < 1e-12, a.transpose() << " is not " << b.transpose());
+}
+
+std::string one_object(const std::string& rest) { return "world: {collision_objects: [{id: thing, " + rest + "}]}"; }
+
+Scene scene_with_robot() {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  return scene;
+}
+
+std::filesystem::path mbm_folder() {
+  const char* folder = std::getenv("SRMP_MBM_DIR");
+  return folder ? folder : "";
+}
+
+/// Where <robot>'s problems are unpacked: in the data folder, or from its archive into `scratch`. Empty if neither is
+/// there.
+std::filesystem::path unpacked_problems(const std::string& robot, const std::filesystem::path& scratch) {
+  const std::filesystem::path folder = mbm_folder() / robot;
+  if (std::filesystem::is_directory(folder / "problems")) return folder / "problems";
+  if (!std::filesystem::exists(folder / "problems.tar.bz2")) return {};
+  std::filesystem::create_directories(scratch / robot);
+  const std::string command =
+      "tar -xjf '" + (folder / "problems.tar.bz2").string() + "' -C '" + (scratch / robot).string() + "'";
+  return std::system(command.c_str()) == 0 ? scratch / robot : std::filesystem::path();
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_scene_file_is_read_in_full) {
+  const SceneFile scene = read_moveit_scene(data + "scene.yaml");
+  BOOST_TEST(scene.name == "kitchen");
+  BOOST_TEST(scene.robot_model_name == "planar");
+
+  BOOST_REQUIRE(scene.objects.size() == 4u);
+  BOOST_TEST(scene.objects[0].name == "shelf");
+  BOOST_TEST(scene.objects[1].name == "shelf_1");
+  BOOST_TEST(scene.objects[2].name == "shelf_2");
+  BOOST_TEST(scene.objects[2].id == "shelf");
+  BOOST_TEST(scene.objects[0].frame == "shelf_frame");
+  check_near(std::get<Box>(scene.objects[0].shape).size, {1, 2, 3});
+  BOOST_TEST(std::get<Sphere>(scene.objects[1].shape).radius == 0.5);
+  BOOST_TEST(std::get<Cone>(scene.objects[2].shape).length == 0.4);
+  BOOST_TEST(std::get<Cone>(scene.objects[2].shape).radius == 0.1);
+  check_near(scene.objects[0].pose.p, {1, 1, 0});  // the object is turned by 90 degrees
+  check_near(scene.objects[1].pose.p, {1, 0, 1});
+  check_near(scene.objects[2].pose * Eigen::Vector3d(1, 0, 0), {1, 1, 0});
+
+  const Mesh& wedge = std::get<Mesh>(scene.objects[3].shape);
+  BOOST_TEST(wedge.vertices.size() == 4u);
+  BOOST_TEST((wedge.triangles == std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 1, 3}}));
+  check_near(scene.objects[3].pose.p, {5, 0, 0});
+
+  BOOST_REQUIRE(scene.fixed_frames.size() == 1u);
+  check_near(scene.fixed_frames[0].pose.p, {0, 0, 2});
+  BOOST_TEST(scene.allowed_collisions.names.size() == 4u);
+  BOOST_TEST(scene.allowed_collisions.entries[3][2]);
+  BOOST_TEST(!scene.allowed_collisions.entries[3][0]);
+  BOOST_TEST(!scene.allowed_collisions.defaults.at("upper"));
+
+  BOOST_TEST((scene.robot_state.joints == std::map<std::string, double>{{"a", 0.25}, {"b", -1.0}}));
+  check_near(scene.robot_state.multi_dof_joints.at("virtual_joint").p, {0, 0, 1});
+  BOOST_REQUIRE(scene.robot_state.attached.size() == 1u);
+  const AttachedObject& attached = scene.robot_state.attached[0];
+  BOOST_TEST(attached.link == "tip");
+  BOOST_TEST((attached.touch_links == std::vector<std::string>{"upper"}));
+  BOOST_TEST(std::get<Cylinder>(attached.objects[0].shape).length == 0.2);
+  BOOST_TEST(std::get<Cylinder>(attached.objects[0].shape).radius == 0.03);
+}
+
+BOOST_AUTO_TEST_CASE(a_request_file_is_read_in_full) {
+  const RequestFile request = read_moveit_request(data + "request.yaml");
+  BOOST_TEST(request.group_name == "arm");
+  BOOST_TEST(request.planner_id == "RRTConnect");
+  BOOST_TEST(request.allowed_planning_time.value() == 2.5);
+  BOOST_TEST(request.velocity_scaling == 1.0);
+  BOOST_TEST(request.acceleration_scaling == 0.5);
+  BOOST_TEST(request.workspace->frame == "world");
+  check_near(request.workspace->min_corner, {-1, -1, 0});
+  check_near(request.workspace->max_corner, {1, 1, 2});
+  BOOST_TEST((request.start_state.joints == std::map<std::string, double>{{"a", 0.0}, {"b", 0.5}}));
+
+  BOOST_REQUIRE(request.goals.size() == 2u);
+  const GoalAlternative &joints = request.goals[0], &pose = request.goals[1];
+  BOOST_TEST(joints.name == "folded");
+  BOOST_REQUIRE(joints.joints.size() == 2u);
+  BOOST_TEST(joints.joints[0].position == 0.3);
+  BOOST_TEST(joints.joints[0].tolerance_above == 0.01);
+  BOOST_TEST(joints.joints[0].tolerance_below == 0.02);
+  BOOST_TEST(joints.joints[1].joint == "b");
+  BOOST_TEST(joints.joints[1].tolerance_above == 0.0);
+
+  BOOST_REQUIRE((pose.positions.size() == 1u && pose.orientations.size() == 1u));
+  BOOST_TEST(pose.positions[0].link == "tip");
+  BOOST_TEST(pose.positions[0].frame == "world");
+  BOOST_TEST(std::get<Sphere>(pose.positions[0].region).radius == 0.001);
+  check_near(pose.positions[0].pose.p, {0.4, 0, 0.5});
+  BOOST_TEST(pose.orientations[0].orientation.x() == 1.0);
+  check_near(pose.orientations[0].tolerance, {0.1, 0.2, 3.15});
+  BOOST_TEST(pose.orientations[0].rotation_vector);
+}
+
+BOOST_AUTO_TEST_CASE(what_a_scene_leaves_out_is_empty) {
+  const SceneFile empty = scene_from("name: ''\n");
+  BOOST_TEST(empty.objects.empty());
+  BOOST_TEST(empty.robot_state.joints.empty());
+  const SceneFile bare =
+      scene_from(one_object("primitives: [{type: box, dimensions: [1, 1, 1]}], pose: {position: [1, 2, 3]}"));
+  check_near(bare.objects[0].pose.p, {1, 2, 3});
+  BOOST_TEST(bare.objects[0].frame == "");
+}
+
+BOOST_AUTO_TEST_CASE(mistakes_in_scenes_are_refused_with_their_line) {
+  scene_refused("primitive_poses:\n        - {p", "primitve_poses:\n        - {p",
+                "unknown key 'primitve_poses' in a collision object, did you mean 'primitive_poses'?");
+  scene_refused("fixed_frame_transforms", "fixed_frames",
+                ":25: unknown key 'fixed_frames' in a planning scene, did you mean 'fixed_frame_transforms'?");
+  scene_refused("type: box", "type: bx",
+                ":49: object 'shelf' has the unknown type 'bx'; known are 'box', 'sphere', 'cylinder' and 'cone'");
+  scene_refused("[1, 2, 3]", "[1, 2]", "dimensions must be 3 numbers, not 2");
+  scene_refused("[1, 2, 3]", "[1, 0, 3]", "has the dimension 0; all must be above 0");
+  scene_refused("[1, 2, 3]", "[1, -2, 3]", "has the dimension -2");
+  scene_refused("[1, 2, 3]", "[1, .nan, 3]",
+                ":49: object 'shelf''s dimensions is .nan; only finite numbers are allowed");
+  scene_refused("[1, 2, 3]", "[1, nan, 3]", "only finite");
+  scene_refused("[1, 2, 3]", "[1, .inf, 3]", "only finite");
+  scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 0, 0]", ":47: pose quaternion is zero");
+  scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 1]", "must be 4 numbers, not 3");
+  scene_refused("{x: 0, y: 0, z: 1}", "{x: 0, y: 0}", "has no 'z'");
+  scene_refused("        - {position: [0, 0, 0]}\n", "", "has 3 shapes, but 2 primitive_poses");
+  scene_refused("id: wedge", "id: shelf", "two objects named 'shelf'");
+  scene_refused("id: wedge", "id: shelf_1", "two objects named 'shelf_1'");
+  scene_refused("id: wedge", "id: bottle", "two objects named 'bottle'");
+  scene_refused("id: wedge", "id: ''", "id is empty");
+  scene_refused("- id: wedge", "- name: wedge", "unknown key 'name' in a collision object");
+  scene_refused("[0, 1, 3]", "[0, 1, 4]", "has the index 4, but there are 4 vertices");
+  scene_refused("[0, 1, 3]", "[0, 1, 1.5]", "has the index 1.5");
+  scene_refused("position: [0.25, -1]", "position: [0.25]", "names 2 joints, but has 1 positions");
+  scene_refused("[a, b]", "[a, a]", "joint 'a' appears twice");
+  scene_refused("[virtual_joint]", "[]", "names 0 joints, but has 1 transforms");
+  scene_refused("[true, false, true, false]", "[true, false, true]", "a row of 3 values for 4 names");
+  scene_refused("    - [true, false, true, false]\n", "", "has 3 rows for 4 names");
+  scene_refused("[true, false, true, false]", "[true, maybe, true, false]", "must be true or false, not 'maybe'");
+  scene_refused("[false]", "[]", "1 default_entry_names, but 0 default_entry_values");
+  scene_refused("name: kitchen", "name: kitchen\nname: again", ":3: key 'name' appears twice");
+  check_throws<FileError>([] { scene_from(one_object("pose: {}")); }, "has no shape");
+  check_throws<FileError>([] { scene_from(one_object("primitives: [{type: box, dimensions: [1, 1, 1]}]")); },
+                          "has no 'primitive_poses'");
+  check_throws<FileError>([] { scene_from("world: {collision_objects: 3}"); },
+                          "collision_objects must be a list, not '3'");
+  check_throws<FileError>([] { scene_from(""); }, "the file is empty");
+  check_throws<FileError>([] { scene_from("world: {"); }, "not valid YAML");
+  check_throws<FileError>([] { read_moveit_scene("/no/such.yaml"); }, "there is no such file");
+}
+
+BOOST_AUTO_TEST_CASE(what_scenes_may_hold_but_is_not_done_here_is_said) {
+  scene_refused<NotSupported>("planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "object 'wedge' is a plane");
+  scene_refused<NotSupported>("data: []", "data: [1, 2]", "octomap");
+  scene_refused<NotSupported>("padding: 0}", "padding: 0.1}", "sets the padding of link 'upper'");
+  scene_refused<NotSupported>("scale: 1.0}", "scale: 2}", "sets the scale of link 'upper'");
+  scene_refused<NotSupported>("operation: 0", "operation: 1", "has the operation '1'");
+  scene_refused<NotSupported>("type: Cone", "type: prism", "is a prism");
+  check_throws<NotSupported>(
+      [] { scene_from(one_object("meshes: [{resource: 'a.stl'}], pose: {}, mesh_poses: [{}]")); }, "names a mesh file");
+}
+
+BOOST_AUTO_TEST_CASE(mistakes_in_requests_are_refused_with_their_line) {
+  request_refused("goal_constraints:", "goal_constraint:",
+                  ":14: unknown key 'goal_constraint' in a motion plan request, did you mean 'goal_constraints'?");
+  request_refused("- {joint_name: a, position: 0.3, ", "- {joint_name: a, ",
+                  ":17: a joint constraint has no 'position'");
+  request_refused("position: 0.3", "position: .nan", ":17: a's position is .nan");
+  request_refused("tolerance_above: 0.01", "tolerance_above: -1", "tolerance_above is -1; it must be 0 or above");
+  request_refused("joint_name: b", "joint_name: a", "joint 'a' is constrained twice");
+  request_refused("joint_name: b", "joint: b", "did you mean 'joint_name'?");
+  request_refused("orientation: [1, 0, 0, 0]", "orientation: [0, 0, 0, 0]", "pose quaternion is zero");
+  request_refused("parameterization: 1", "parameterization: 2", "parameterization is 2");
+  request_refused("absolute_y_axis_tolerance: 0.2", "absolute_y_axis_tolerance: -0.2",
+                  "absolute_y_axis_tolerance is -0.2");
+  request_refused("allowed_planning_time: 2.5", "allowed_planning_time: -1", ":5: allowed_planning_time is -1");
+  request_refused("max_acceleration_scaling_factor: 0.5", "max_acceleration_scaling_factor: 1.5",
+                  "it must be in 0 … 1");
+  request_refused("min_corner: [-1, -1, 0]", "min_corner: [-1, 3, 0]",
+                  "min_corner 3 is above its max_corner 1 along y");
+  request_refused("[0.001]", "[0]", "has the dimension 0");
+  request_refused("position: [0, 0.5]", "position: [0, x]", "must be a number, not 'x'");
+  check_throws<FileError>([] { request_from("group_name: arm\n"); }, "has no goal_constraints");
+  check_throws<FileError>([] { request_from("goal_constraints: []\n"); }, "has no goal_constraints");
+  check_throws<FileError>([] { request_from("goal_constraints: [{name: a}]\n"); }, "holds no constraints");
+}
+
+BOOST_AUTO_TEST_CASE(what_requests_may_hold_but_is_not_done_here_is_said) {
+  request_refused<NotSupported>("target_point_offset: {x: 0", "target_point_offset: {x: 0.1", "target_point_offset");
+  request_refused<NotSupported>("type: sphere, dimensions: [0.001]", "type: cylinder, dimensions: [1, 1]",
+                                "a cylinder is not supported");
+  request_refused<NotSupported>("joint_constraints: [], position",
+                                "joint_constraints: [{joint_name: a, position: 0}], position",
+                                "path_constraints are not supported");
+  request_refused<NotSupported>("num_planning_attempts: 1", "trajectory_constraints: {constraints: [{}]}",
+                                "trajectory_constraints are not supported");
+  request_refused<NotSupported>("num_planning_attempts: 1", "max_cartesian_speed: 0.5",
+                                "max_cartesian_speed is not supported");
+  request_refused<NotSupported>(
+      "    orientation_constraints:", "    visibility_constraints: [{}]\n    orientation_constraints:",
+      "visibility_constraints are not supported");
+  BOOST_TEST(!request_from(replaced(request_text, "allowed_planning_time: 2.5", "allowed_planning_time: 0"))
+                  .allowed_planning_time.has_value());
+}
+
+BOOST_AUTO_TEST_CASE(a_scene_file_goes_into_a_scene) {
+  Scene scene = scene_with_robot();
+  const Pose robot_base = Pose::from_xyzw({0, 0, 10}, {0, 0, 0, 1});
+  apply(read_moveit_scene(data + "scene.yaml"), scene, robot_base);
+  BOOST_TEST((scene.object_names() == std::vector<std::string>{"bottle", "shelf", "shelf_1", "shelf_2", "wedge"}));
+  check_near(scene.object_pose("shelf").p, {1, 1, 12});  // through its frame, into the world
+  check_near(scene.object_pose("wedge").p, {5, 0, 10});
+  BOOST_TEST(scene.attachments().at("bottle").link == "tip");
+  BOOST_TEST(scene.attachments().at("bottle").touch_links.contains("upper"));
+  check_near(scene.object_pose("bottle").p, {2, 0, 0.1});  // in the hand of the robot, which stands at the origin
+
+  BOOST_TEST(scene.allowed_collision("tip", "shelf_2"));  // every shape of the object
+  BOOST_TEST(scene.allowed_collision("bottle", "shelf"));
+  BOOST_TEST(!scene.allowed_collision("upper", "shelf"));
+}
+
+BOOST_AUTO_TEST_CASE(entries_between_links_are_the_robots_business) {
+  Scene scene = scene_with_robot();
+  const bool before = scene.allowed_collision("upper", "tip");
+  // Links that this robot does not have may be named, as long as no object's entry allows contact with them.
+  const std::string other = replaced(scene_text, "entry_names: [upper, tip,", "entry_names: [torso, tip,");
+  apply(scene_from(other), scene);
+  BOOST_TEST(scene.allowed_collision("upper", "tip") == before);
+}
+
+BOOST_AUTO_TEST_CASE(a_refused_file_leaves_the_scene_as_it_was) {
+  const auto refused = [](const std::string& from, const std::string& to, const std::string& fragment) {
+    Scene scene = scene_with_robot();
+    scene.add_object("table", Box{{1, 1, 1}}, {});
+    const SceneFile file = scene_from(replaced(scene_text, from, to));
+    check_throws<Error>([&] { apply(file, scene); }, fragment);
+    BOOST_TEST((scene.object_names() == std::vector<std::string>{"table"}));
+    BOOST_TEST(scene.attachments().empty());
+  };
+  refused("frame_id: shelf_frame", "frame_id: shelf_fram",
+          "object 'shelf' is in the unknown frame 'shelf_fram', did you mean 'shelf_frame'?");
+  refused("link_name: tip", "link_name: tipp", "unknown link 'tipp', did you mean 'tip'?");
+  refused("id: wedge", "id: table", "table");
+  refused("entry_names: [upper, tip,", "entry_names: [upper, tool,", "tool");
+  refused("default_entry_names: [upper]\n  default_entry_values: [false]",
+          "default_entry_names: [shelf]\n  default_entry_values: [true]", "lets object 'shelf' touch everything");
+}
+
+BOOST_AUTO_TEST_CASE(objects_can_be_given_in_the_frame_of_a_link) {
+  Scene scene = scene_with_robot();
+  apply(scene_from(one_object(
+            "header: {frame_id: lower}, primitives: [{type: sphere, dimensions: [0.1]}], pose: {position: [0, 1, 0]}")),
+        scene);
+  check_near(scene.object_pose("thing").p, {1, 1, 0});
+}
+
+BOOST_AUTO_TEST_CASE(a_request_can_hold_an_object_in_the_hand) {
+  const std::string held =
+      replaced(request_text, "start_state:\n",
+               "start_state:\n  attached_collision_objects: [{link_name: tip, object: {id: cup, header: {frame_id: "
+               "tip}, primitives: [{type: sphere, dimensions: [0.1]}], pose: {}}}]\n");
+  Scene scene = scene_with_robot();
+  apply_attached(request_from(held), scene);
+  BOOST_TEST(scene.attachments().at("cup").link == "tip");
+  check_near(scene.object_pose("cup").p, {2, 0, 0});
+}
+
+BOOST_AUTO_TEST_CASE(every_motion_bench_maker_problem_can_be_read) {
+  if (mbm_folder().empty()) {
+    BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
+    return;
+  }
+  const std::filesystem::path scratch =
+      std::filesystem::temp_directory_path() / ("srmp_test_mbm_" + std::to_string(::getpid()));
+  int robots_seen = 0;
+  for (const std::string robot : {"panda", "ur5", "fetch"}) {
+    const std::filesystem::path problems = unpacked_problems(robot, scratch);
+    if (problems.empty()) {
+      BOOST_TEST_MESSAGE("skipped: no problems of " << robot << " in SRMP_MBM_DIR");
+      continue;
+    }
+    int scenes = 0, requests = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(problems)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("scene") && name.ends_with(".yaml")) {
+        Scene scene;
+        apply(read_moveit_scene(entry.path().string()), scene);
+        scenes += !scene.objects().empty();
+      } else if (name.starts_with("request") && name.ends_with(".yaml")) {
+        const RequestFile request = read_moveit_request(entry.path().string());
+        requests +=
+            request.goals.size() == 1 && request.goals[0].joints.size() >= 6 && !request.start_state.joints.empty();
+      }
+    }
+    BOOST_TEST(scenes >= 350);
+    BOOST_TEST(requests >= 350);
+    BOOST_TEST(scenes == requests);
+    BOOST_TEST_MESSAGE(robot << ": " << scenes << " problems");
+    ++robots_seen;
+  }
+  std::filesystem::remove_all(scratch);
+  BOOST_TEST_MESSAGE(robots_seen << " robots");
+}

@@ -1,0 +1,52 @@
+"""The command line's own part: arguments, exit codes, one sentence for every refusal."""
+
+import pytest
+from click.testing import CliRunner
+
+import srmp
+from srmp.cli import main
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_version_and_help():
+    assert srmp.__version__ in invoke("--version").output
+    for command in (["demo"], ["plan"], ["check"], ["bench", "mbm"], ["cmake-dir"]):
+        assert invoke(*command, "--help").exit_code == 0
+
+
+def test_cmake_dir():
+    assert invoke("cmake-dir").output.strip() == srmp.get_cmake_dir()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["bench", "mbm", "--data", ".", "--robot", "nobody"], "nobody is not a folder"),
+        (["bench", "mbm", "--data", ".", "--robot", "x", "--option", "weight"], "'weight' is not KEY=VALUE"),
+        (["bench", "mbm", "--data", ".", "--robot", "x", "--option", "w=1", "--option", "w=2"], "'w' is given twice"),
+        (["bench", "mbm", "--data", "/nowhere", "--robot", "x"], "does not exist"),
+        (["bench", "mbm", "--data", ".", "--robot", "x", "--out", "/nowhere/r.json"], "/nowhere does not exist"),
+        (["plan", "--urdf", "nowhere.urdf"], "nowhere.urdf"),
+    ],
+)
+def test_wrong_calls_end_in_one_sentence(arguments, text):
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert text in result.output
+    assert "Traceback" not in result.output
+
+
+def test_check_says_why():
+    arm7_urdf = srmp.data_path("arm7.urdf")
+    zeros = ",".join(["0"] * 7)
+    result = invoke("check", "--urdf", arm7_urdf, "--state", zeros)
+    assert result.exit_code in (0, 1)
+    assert result.output.strip()
+    beyond = invoke("check", "--urdf", arm7_urdf, "--state", ",".join(["9"] * 7))
+    assert beyond.exit_code == 1
+    assert "outside its limits" in beyond.output
+    assert "planned joints are" in invoke("check", "--urdf", arm7_urdf, "--state", "1,2").output
+    assert "give either" in invoke("check", "--urdf", arm7_urdf).output

@@ -1,0 +1,117 @@
+#include "srmp/robot/inverse_kinematics.hpp"
+
+#include <boost/test/unit_test.hpp>
+#include <limits>
+#include <numbers>
+
+#include "srmp/core/error.hpp"
+#include "support/data.hpp"
+#include "support/numbers.hpp"
+#include "support/robots.hpp"
+#include "support/throws.hpp"
+
+using namespace srmp;
+
+namespace {
+
+double position_error(const Pose& a, const Pose& b) { return (a.p - b.p).norm(); }
+double rotation_error(const Pose& a, const Pose& b) { return a.q.angularDistance(b.q); }
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_hundred_poses_of_the_arm_come_back) {
+  const auto robot = RobotModel::load(arm7());
+  const Eigen::VectorXd reference = robot->group_states().at("ready");
+  int found = 0;
+  for (std::size_t i = 1; i <= 100; ++i) {
+    const Pose target = robot->compute_fk(sample_configuration(*robot, i));
+    const auto solutions = inverse_kinematics(*robot, target, reference);
+    found += !solutions.empty();
+    double last = 0.0;
+    for (const Eigen::VectorXd& q : solutions) {
+      BOOST_TEST(position_error(robot->compute_fk(q), target) <= 1e-5);
+      BOOST_TEST(rotation_error(robot->compute_fk(q), target) <= 1e-4);
+      BOOST_TEST(!robot->limit_violation(q, 0.0));
+      const double distance = robot->difference(reference, q).norm();
+      BOOST_TEST(distance >= last);
+      last = distance;
+    }
+    BOOST_TEST((inverse_kinematics(*robot, target, reference) == solutions));  // bit for bit
+  }
+  BOOST_TEST(found >= 99);
+}
+
+BOOST_AUTO_TEST_CASE(both_elbows_of_the_planar_arm_are_found) {
+  const auto robot = robots::planar();
+  IkOptions options;
+  options.rotation_tolerance = std::numeric_limits<double>::infinity();
+  const Pose target{{1, 1, 0}, Eigen::Quaterniond::Identity()};
+  const auto solutions = inverse_kinematics(*robot, target, Eigen::Vector2d(0.1, 1.0), options);
+  BOOST_REQUIRE_EQUAL(solutions.size(), 2);
+  const double quarter = std::numbers::pi / 2;
+  BOOST_TEST((solutions[0] - Eigen::Vector2d(0, quarter)).norm() < 1e-4);
+  BOOST_TEST((solutions[1] - Eigen::Vector2d(quarter, -quarter)).norm() < 1e-4);
+  options.max_solutions = 1;
+  BOOST_TEST(inverse_kinematics(*robot, target, Eigen::Vector2d(0.1, 1.0), options).size() == 1);
+}
+
+BOOST_AUTO_TEST_CASE(out_of_reach_is_empty_and_the_reference_itself_comes_first) {
+  const auto robot = RobotModel::load(arm7());
+  const Eigen::VectorXd reference = robot->group_states().at("ready");
+  BOOST_TEST(inverse_kinematics(*robot, Pose{{2, 0, 0}, Eigen::Quaterniond::Identity()}, reference).empty());
+  const auto solutions = inverse_kinematics(*robot, robot->compute_fk(reference), reference);
+  BOOST_TEST((solutions.at(0) - reference).norm() < 1e-9);
+}
+
+BOOST_AUTO_TEST_CASE(continuous_joints_stay_near_the_reference) {
+  const auto robot = robots::planar("continuous");
+  IkOptions options;
+  options.rotation_tolerance = std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d reference(20.0, 0.5);
+  const Pose target = robot->compute_fk(Eigen::Vector2d(20.3, 0.6));
+  const auto solutions = inverse_kinematics(*robot, target, reference, options);
+  BOOST_REQUIRE(!solutions.empty());
+  BOOST_TEST((solutions[0] - Eigen::Vector2d(20.3, 0.6)).norm() < 1e-3);
+  for (const auto& q : solutions) BOOST_TEST(std::abs(q[0] - 20.0) <= std::numbers::pi + 1e-9);
+}
+
+BOOST_AUTO_TEST_CASE(joints_behind_the_link_keep_still) {
+  const auto robot = RobotModel::load(arm7());
+  const Eigen::VectorXd reference = Eigen::VectorXd::Constant(7, 0.2);
+  const Pose target = robot->compute_fk(Eigen::VectorXd::Constant(7, 0.4), "arm7_forearm");
+  const auto solutions = inverse_kinematics(*robot, target, reference, {}, "arm7_forearm");
+  BOOST_REQUIRE(!solutions.empty());
+  for (const auto& q : solutions) BOOST_TEST((q.tail<3>() == reference.tail<3>()));
+}
+
+BOOST_AUTO_TEST_CASE(a_passed_deadline_stops_the_search) {
+  const auto robot = RobotModel::load(arm7());
+  const Eigen::VectorXd reference = robot->group_states().at("ready");
+  BOOST_TEST(inverse_kinematics(*robot, robot->compute_fk(reference), reference, {}, "", Deadline(0.0)).empty());
+  BOOST_TEST(inverse_kinematics(*robot, robot->compute_fk(reference), reference, {}, "", Deadline(1e9, [] {
+               return true;
+             })).empty());
+}
+
+BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
+  const auto robot = robots::planar();
+  const auto refuses = [&](const IkOptions& options, const std::string& fragment) {
+    check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, {}, Eigen::Vector2d(0, 0), options); }, fragment);
+  };
+  refuses({.max_solutions = 0}, "max_solutions is 0; it must be above 0");
+  refuses({.seeds = -1}, "seeds is -1");
+  refuses({.max_iterations = 0}, "max_iterations is 0");
+  refuses({.position_tolerance = 0}, "position_tolerance is 0");
+  refuses({.position_tolerance = INFINITY}, "position_tolerance is infinity");
+  refuses({.rotation_tolerance = NAN}, "rotation_tolerance is NaN");
+  refuses({.distinct = -1}, "distinct is -1");
+  check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, {}, Eigen::Vector2d(0, NAN)); },
+                                "reference: b is NaN");
+  check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, {}, Eigen::Vector3d(0, 0, 0)); },
+                                "reference has 3 values");
+  check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, {}, Eigen::Vector2d(0, 0), {}, "tipp"); },
+                                "did you mean 'tip'?");
+  Pose nowhere;
+  nowhere.p.x() = NAN;
+  check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, nowhere, Eigen::Vector2d(0, 0)); }, "target");
+}
