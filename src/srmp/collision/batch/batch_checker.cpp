@@ -90,8 +90,9 @@ SimdBackend default_simd_backend() {
     if (cpu_has(backend)) return backend;
     throw InvalidArgument("SRMP_SIMD is '" + known.back() + "', which this CPU does not have");
   }
-  throw InvalidArgument("SRMP_SIMD is '" + std::string(wanted) + "'" + did_you_mean(wanted, known) +
-                        "; it may be one of " + quoted_list(known));
+  const std::string suggestion = did_you_mean(wanted, known);
+  throw InvalidArgument("SRMP_SIMD is '" + std::string(wanted) + "'" +
+                        (suggestion.empty() ? "; it may be " + quoted_list(known) : suggestion));
 }
 
 // --- Model
