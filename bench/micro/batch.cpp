@@ -1,0 +1,152 @@
+// Motions and configurations a second, by SIMD backend, against the exact checker in the same run, as JSON.
+//   bench_batch ROBOT.urdf ROBOT.srdf GROUP SCENE.yaml [SCENE.yaml ...]
+// A motion is 0.13 rad (7.5 degrees) in its fastest joint, from a random free configuration. CPU time, one thread.
+
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <random>
+
+#include "srmp/collision/batch/batch_world.hpp"
+#include "srmp/collision/bodies.hpp"
+#include "srmp/collision/checker.hpp"
+#include "srmp/io/moveit.hpp"
+
+using namespace srmp;
+
+namespace {
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+struct Motion {
+  std::vector<double> a, d;
+};
+
+std::vector<Motion> random_motions(const RobotModel& robot, const Checker& exact, Checker::Workspace& w, int count) {
+  std::mt19937 random(1);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
+  std::vector<Motion> motions;
+  Eigen::VectorXd q(static_cast<Eigen::Index>(robot.dof()));
+  while (static_cast<int>(motions.size()) < count) {
+    for (Eigen::Index k = 0; k < q.size(); ++k) {
+      const Joint& joint = robot.joints()[static_cast<std::size_t>(k)];
+      q[k] = uniform(std::max(joint.lower, -M_PI), std::min(joint.upper, M_PI));
+    }
+    if (!exact.is_free(q, w)) continue;
+    Motion m{{q.begin(), q.end()}, std::vector<double>(robot.dof())};
+    double most = 0;
+    for (double& d : m.d) most = std::max(most, std::abs(d = uniform(-1, 1)));
+    for (double& d : m.d) d *= 0.13 / most;
+    motions.push_back(m);
+  }
+  return motions;
+}
+
+class CoverStore {
+ public:
+  const GeometryCover& operator()(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* hull) {
+    const auto it = covers_.find(&shape);
+    return it != covers_.end() ? it->second : covers_.emplace(&shape, cover_geometry(shape, hull)).first->second;
+  }
+  const std::map<const coal::CollisionGeometry*, GeometryCover>& covers() const { return covers_; }
+
+ private:
+  std::map<const coal::CollisionGeometry*, GeometryCover> covers_;
+};
+
+void run_backend(const BatchWorld& world, SimdBackend backend, const std::vector<Motion>& motions,
+                 const std::vector<char>& free) {
+  const BatchChecker checker(world, backend);
+  const auto w = checker.make_workspace();
+  int counts[3]{};
+  std::vector<const Motion*> proved;
+  int wrong = 0;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Verdict v = checker.motion(motions[i].a, motions[i].d, *w, {});
+    ++counts[static_cast<int>(v)];
+    wrong += (v == Verdict::free && !free[i]) || (v == Verdict::colliding && free[i]);
+    if (checker.motion_block(motions[i].a, motions[i].d, *w) == Verdict::free) proved.push_back(&motions[i]);
+  }
+  const auto time = [&](auto&& body) {
+    double best = 1e9;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      const double start = cpu_seconds();
+      body();
+      best = std::min(best, cpu_seconds() - start);
+    }
+    return best;
+  };
+  const double block = time([&] {
+    for (const Motion* m : proved) checker.motion_block(m->a, m->d, *w);
+  });
+  const double all = time([&] {
+    for (const Motion& m : motions) checker.motion(m.a, m.d, *w, {});
+  });
+  std::printf(
+      "\"%s\": {\"free\": %d, \"colliding\": %d, \"undecided\": %d, \"wrong\": %d, \"one_block\": %zu, "
+      "\"free_block_configurations_per_s\": %.3g, \"motion_us\": %.3f}",
+      to_string(backend).c_str(), counts[0], counts[1], counts[2], wrong, proved.size(),
+      16.0 * static_cast<double>(proved.size()) / block, 1e6 * all / static_cast<double>(motions.size()));
+}
+
+void run_scene(const std::shared_ptr<const RobotModel>& robot, const std::string& file, CoverStore& covers) {
+  Scene scene;
+  scene.add_robot(robot);
+  io::apply(io::read_moveit_scene(file), scene);
+  const Checker exact(scene, robot->name());
+  const auto w = exact.make_workspace();
+  const std::vector<Motion> motions = random_motions(*robot, exact, *w, 500);
+  std::vector<char> free;
+  const double start = cpu_seconds();
+  for (const Motion& m : motions) {
+    const auto n = static_cast<Eigen::Index>(m.a.size());
+    const Eigen::VectorXd a = Eigen::Map<const Eigen::VectorXd>(m.a.data(), n);
+    free.push_back(exact.is_motion_free(a, a + Eigen::Map<const Eigen::VectorXd>(m.d.data(), n), *w));
+  }
+  const double coal = cpu_seconds() - start;
+  const detail::Bodies bodies(scene, robot->name());
+  const double before = cpu_seconds();
+  const detail::BatchScene batch =
+      detail::make_batch_scene(bodies, *robot, robot->default_other_positions(),
+                               [&](const auto& s, const auto* h) -> auto& { return covers(s, h); });
+  std::printf("{\"scene\": \"%s\", \"setup_s\": %.3f, \"exact_motion_us\": %.3f, \"exact_free\": %d", file.c_str(),
+              cpu_seconds() - before, 1e6 * coal / static_cast<double>(motions.size()),
+              static_cast<int>(std::count(free.begin(), free.end(), 1)));
+  for (SimdBackend backend : available_simd_backends()) {
+    std::printf(",\n  ");
+    run_backend(batch.world, backend, motions, free);
+  }
+  std::printf("}");
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count < 5) {
+    std::fprintf(stderr, "usage: bench_batch ROBOT.urdf ROBOT.srdf GROUP SCENE.yaml ...\n");
+    return 2;
+  }
+  RobotDescription description;
+  description.urdf_path = arguments[1];
+  description.srdf_path = arguments[2];
+  description.group = arguments[3];
+  const auto robot = RobotModel::load(description);
+  CoverStore covers;
+  std::printf("[");
+  for (int i = 4; i < count; ++i) {
+    run_scene(robot, arguments[i], covers);
+    std::printf(i + 1 < count ? ",\n" : "]\n");
+  }
+  std::size_t coarse = 0, fine = 0;
+  for (const auto& [shape, cover] : covers.covers()) {
+    coarse += cover.coarse.size();
+    fine += cover.fine.size();
+  }
+  std::fprintf(stderr, "%zu coarse and %zu fine balls\n", coarse, fine);
+  return 0;
+}

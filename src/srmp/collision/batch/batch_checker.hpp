@@ -1,0 +1,145 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "srmp/robot/sphere_cover.hpp"
+
+namespace srmp {
+
+// Plain data that a BatchChecker is made of: the driven joints, balls for each rigid body, obstacles. All frames and
+// poses start from the robot's base; lengths in metres, angles in radians.
+
+/// A tree joint moved by a planned joint. Its frame has the joint's axis as z.
+struct BatchDrive {
+  int parent{-1};  ///< index of the driven joint it hangs on, -1: the base; smaller than its own index
+  Eigen::Isometry3d frame{Eigen::Isometry3d::Identity()};  ///< in the parent's frame, at value 0
+  bool prismatic{false};
+  int joint{};  ///< planned joint; value = ratio * q[joint] + offset
+  double ratio{1.0};
+  double offset{0.0};
+  double max_travel{0.0};  ///< prismatic: bound on |value|
+};
+
+/// A rigid body under balls, in the frame of the drive that it hangs on.
+struct BatchBody {
+  int drive{-1};                                     ///< -1: fixed to the base
+  Ball bound;                                        ///< holds the body
+  std::vector<Ball> coarse;                          ///< together hold the body
+  bool exact{false};                                 ///< the coarse balls are the body (then no fine or inner balls)
+  std::vector<Ball> fine;                            ///< together hold the body; may be empty
+  std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); empty when fine is
+  std::vector<Ball> inner;                           ///< inside the body
+  double padding{0.0};                               ///< kept clear of obstacles
+};
+
+struct BatchObstacle {
+  enum class Kind { sphere, box, cylinder, capsule } kind{};
+  Eigen::Vector3d size{Eigen::Vector3d::Zero()};  ///< sphere: radius; box: edges; cylinder, capsule: radius, length
+  Eigen::Isometry3d pose{Eigen::Isometry3d::Identity()};
+  double padding{0.0};
+  bool exact{true};  ///< false: only something around the object, so a hit proves nothing
+};
+
+struct BatchSelfPair {
+  int a{}, b{};  ///< bodies
+  double padding{0.0};
+  bool exact{true};  ///< false: a hit proves nothing
+};
+
+struct BatchWorld {
+  std::size_t dof{};
+  std::vector<BatchDrive> drives;
+  std::vector<BatchBody> bodies;
+  std::vector<BatchObstacle> obstacles;
+  std::vector<std::pair<int, int>> obstacle_pairs;  ///< (body, obstacle) to check
+  std::vector<BatchSelfPair> self_pairs;
+};
+
+enum class Verdict { free, colliding, undecided };
+
+/// What could not be settled: a pair, over part of a motion (half = 0: at one configuration).
+struct UndecidedPair {
+  double t{};     ///< middle of the part, 0..1 on the motion; for free_block the index of the configuration
+  double half{};  ///< half its length
+  bool self{};
+  int pair{};  ///< index into BatchWorld::self_pairs when self, else into obstacle_pairs
+};
+
+enum class SimdBackend { portable, avx2, avx512 };
+std::string to_string(SimdBackend backend);
+/// The best that this CPU has, or what the environment variable SRMP_SIMD names. Throws InvalidArgument when it names
+/// none, or one that this CPU lacks.
+SimdBackend default_simd_backend();
+std::vector<SimdBackend> available_simd_backends();
+
+struct BatchStatistics {
+  std::uint64_t blocks{};  ///< kernel calls of 16 configurations
+  std::uint64_t motions{};
+  std::uint64_t motions_free{}, motions_colliding{}, motions_undecided{};
+};
+
+/// Checks 16 configurations at a time in float32, with sound rounding: what it calls free is free, what it calls
+/// colliding collides, and the rest it hands over pair by pair. All backends give the same bits.
+///
+/// "Free" for a motion holds between samples: a sample stands for an interval around it, and a pair is proved there
+/// when its distance exceeds what both bodies can move within the interval. That bound is summed over the joints
+/// between the two, hand to base: each turns what lies beyond it, at its distance from the axis plus what it moved
+/// already.
+///
+/// Const; threads share it, each with a Workspace of its own.
+class BatchChecker {
+ public:
+  /// Throws InvalidArgument for indices out of range, non-finite numbers and more than 4 million pairs.
+  explicit BatchChecker(const BatchWorld& world, SimdBackend backend = default_simd_backend());
+  ~BatchChecker();
+  BatchChecker(BatchChecker&&) noexcept;
+
+  class Workspace;
+  struct WorkspaceDeleter {
+    void operator()(Workspace*) const;
+  };
+  using WorkspacePtr = std::unique_ptr<Workspace, WorkspaceDeleter>;
+  WorkspacePtr make_workspace() const;
+
+  static constexpr int block = 16;
+
+  /// Up to 16 configurations, each dof() long, one after the other.
+  Verdict free_block(std::span<const double> configurations, Workspace& workspace) const;
+
+  /// One block: the motion from a by `difference` (joint space, straight) in 16 equal intervals.
+  Verdict motion_block(std::span<const double> a, std::span<const double> difference, Workspace& workspace) const;
+
+  /// As many blocks as it takes: the motion is cut so that no point moves more than about `step` [m] within half an
+  /// interval; intervals not proved are cut into four, up to `refinements` times. Lanes are spread over the motion.
+  struct MotionOptions {
+    double step{0.02};
+    int refinements{2};
+    int max_blocks{256};  ///< then the rest is undecided
+  };
+  Verdict motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
+                 const MotionOptions& options) const;
+
+  /// Of the last call that said undecided; in order of (t, pair).
+  const std::vector<UndecidedPair>& undecided(const Workspace& workspace) const;
+  const BatchStatistics& statistics(const Workspace& workspace) const;
+
+  std::size_t dof() const;
+  SimdBackend backend() const;
+  /// Bound on the float error of any distance that a verdict relies on [m].
+  double slack() const;
+
+  /// Pose of drive k at q as the kernel computes it (float32), for tests.
+  Eigen::Isometry3d drive_pose(std::span<const double> q, std::size_t k, Workspace& workspace) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace srmp

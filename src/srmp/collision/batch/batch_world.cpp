@@ -1,0 +1,213 @@
+#include "srmp/collision/batch/batch_world.hpp"
+
+#include <coal/shape/geometric_shapes.h>
+
+#include <bit>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "srmp/collision/bodies.hpp"
+
+namespace srmp::detail {
+
+namespace {
+
+Eigen::Isometry3d frame_on_axis(const std::pair<Eigen::Vector3d, Eigen::Vector3d>& axis) {
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d z = axis.second.normalized(), x = z.unitOrthogonal();
+  frame.linear() << x, z.cross(x), z;
+  frame.translation() = axis.first;
+  return frame;
+}
+
+int top_bit(std::uint64_t movers) { return 63 - std::countl_zero(movers); }
+
+/// A small ball around balls (Badoiu and Clarkson 2003).
+Ball around(const std::vector<Ball>& balls) {
+  if (balls.size() == 1) return balls.front();
+  Ball result{balls.front().center, 0};
+  const auto farthest = [&] {
+    const Ball* far = &balls.front();
+    for (const Ball& b : balls)
+      if ((b.center - result.center).norm() + b.radius > (far->center - result.center).norm() + far->radius) far = &b;
+    return *far;
+  };
+  for (int i = 1; i <= 100; ++i) {
+    const Ball far = farthest();
+    const Eigen::Vector3d way = far.center - result.center;
+    const double distance = way.norm();
+    if (distance > 0) result.center += way * ((distance + far.radius) / distance / (i + 1));
+  }
+  const Ball far = farthest();
+  result.radius = ((far.center - result.center).norm() + far.radius) * (1 + 1e-12);
+  return result;
+}
+
+class Builder {
+ public:
+  Builder(const Bodies& bodies, const RobotModel& model, ConstVector other_positions, const CoverOf& cover_of)
+      : bodies_(bodies), model_(model), cover_of_(cover_of), data_(model.make_data()) {
+    model.set_other_positions(*data_, other_positions);
+    model.forward(*data_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof())));
+  }
+
+  BatchScene build() {
+    scene_.world.dof = model_.dof();
+    add_drives();
+    for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
+    for (BatchBody& body : scene_.world.bodies) finish(body);
+    for (const FixedBody& body : bodies_.fixed) add_fixed(body);
+    add_pairs();
+    return std::move(scene_);
+  }
+
+ private:
+  void add_drives() {
+    std::vector<int> parent(model_.drives().size(), -1);
+    for (std::size_t link = 0; link < model_.link_names().size(); ++link)
+      if (const std::uint64_t movers = model_.link_movers(link)) {
+        const std::uint64_t above = movers & ~(std::uint64_t{1} << top_bit(movers));
+        if (above) parent[top_bit(movers)] = top_bit(above);
+      }
+    for (std::size_t k = 0; k < parent.size(); ++k) {
+      const Drive& from = model_.drives()[k];
+      frames_.push_back(frame_on_axis(model_.drive_axis(*data_, k)));
+      BatchDrive drive;
+      drive.parent = parent[k];
+      drive.frame = parent[k] < 0 ? frames_[k] : frames_[parent[k]].inverse() * frames_[k];
+      drive.prismatic = from.prismatic;
+      drive.joint = static_cast<int>(from.joint);
+      drive.ratio = from.ratio;
+      if (from.prismatic) {
+        const Joint& joint = model_.joints()[from.joint];
+        drive.max_travel = std::abs(from.ratio) * (std::max(std::abs(joint.lower), std::abs(joint.upper)) + 1.0);
+      }
+      scene_.world.drives.push_back(drive);
+    }
+  }
+
+  /// Adds a geometry's balls to a body.
+  void add_cover(BatchBody& body, const Body& from, const Eigen::Isometry3d& pose) {
+    const GeometryCover& cover = cover_of_(*from.geometry, from.hull.get());
+    const auto first_fine = static_cast<std::uint32_t>(body.fine.size());
+    const auto add = [&](std::vector<Ball>& to, const std::vector<Ball>& balls) {
+      for (const Ball& ball : balls) to.push_back({pose * ball.center, ball.radius});
+    };
+    const bool had_children = !body.children.empty(), first = body.coarse.empty();
+    body.exact = cover.exact && (first || body.exact);
+    if (!cover.children.empty() && !had_children) body.children.resize(body.coarse.size());
+    add(body.coarse, cover.coarse);
+    add(body.fine, cover.fine);
+    add(body.inner, cover.exact ? cover.coarse : cover.inner);
+    for (const auto& list : cover.children) {
+      body.children.push_back(list);
+      for (std::uint32_t& child : body.children.back()) child += first_fine;
+    }
+    if (!body.children.empty()) body.children.resize(body.coarse.size());
+    bounds_[&body - scene_.world.bodies.data()].push_back({pose * cover.bound.center, cover.bound.radius});
+  }
+
+  void finish(BatchBody& body) {
+    body.bound = around(bounds_[&body - scene_.world.bodies.data()]);
+    if (body.exact) body.inner.clear();
+  }
+
+  int add_moving(const MovingBody& body) {
+    const int drive = top_bit(body.movers);
+    const auto key = std::make_tuple(body.scene_name, body.attached());
+    const auto [place, added] = links_.try_emplace(key, static_cast<int>(scene_.world.bodies.size()));
+    if (added) {
+      scene_.world.bodies.emplace_back();
+      scene_.world.bodies.back().drive = drive;
+      scene_.world.bodies.back().padding = body.padding;
+    }
+    add_cover(scene_.world.bodies[place->second], body, frames_[drive].inverse() * pose_of(body, model_, *data_));
+    return place->second;
+  }
+
+  std::optional<BatchObstacle> as_obstacle(const FixedBody& body) const {
+    const coal::CollisionGeometry* shape = body.geometry.get();
+    BatchObstacle o{.pose = body.pose, .padding = body.padding};
+    if (const auto* s = dynamic_cast<const coal::Sphere*>(shape)) {
+      o.kind = BatchObstacle::Kind::sphere;
+      o.size = {s->radius, 0, 0};
+    } else if (const auto* s = dynamic_cast<const coal::Box*>(shape)) {
+      o.kind = BatchObstacle::Kind::box;
+      o.size = 2 * s->halfSide;
+    } else if (const auto* s = dynamic_cast<const coal::Cylinder*>(shape)) {
+      o.kind = BatchObstacle::Kind::cylinder;
+      o.size = {s->radius, 2 * s->halfLength, 0};
+    } else if (const auto* s = dynamic_cast<const coal::Capsule*>(shape)) {
+      o.kind = BatchObstacle::Kind::capsule;
+      o.size = {s->radius, 2 * s->halfLength, 0};
+    } else if (shape->getObjectType() == coal::OT_OCTREE) {
+      o.kind = BatchObstacle::Kind::box;
+      o.size = 2 * body.bounds.box_half;
+      o.pose.translate(body.bounds.box_center);
+      o.exact = false;
+    } else {
+      return std::nullopt;
+    }
+    return o;
+  }
+
+  void add_fixed(const FixedBody& from) {
+    if (!from.own)
+      if (const auto obstacle = as_obstacle(from)) {
+        fixed_.push_back({true, static_cast<int>(scene_.world.obstacles.size())});
+        scene_.world.obstacles.push_back(*obstacle);
+        return;
+      }
+    fixed_.push_back({false, static_cast<int>(scene_.world.bodies.size())});
+    scene_.world.bodies.emplace_back();
+    add_cover(scene_.world.bodies.back(), from, from.pose);
+    finish(scene_.world.bodies.back());
+  }
+
+  void add_pairs() {
+    std::map<std::pair<int, int>, std::vector<std::uint32_t>> obstacle_pairs, self_pairs;
+    for (std::uint32_t id = 0; id < bodies_.pairs.size(); ++id) {
+      const Pair& pair = bodies_.pairs[id];
+      const int a = body_of_moving_[pair.a];
+      if (!pair.b_fixed)
+        self_pairs[std::minmax(a, body_of_moving_[pair.b])].push_back(id);
+      else if (const auto& [is_obstacle, index] = fixed_[pair.b]; is_obstacle)
+        obstacle_pairs[{a, index}].push_back(id);
+      else
+        self_pairs[{a, index}].push_back(id);
+    }
+    std::vector<std::size_t> geometries(scene_.world.bodies.size(), 1);
+    for (std::size_t& count : geometries) count = bounds_[&count - geometries.data()].size();
+    for (auto& [key, ids] : obstacle_pairs) {
+      scene_.world.obstacle_pairs.push_back(key);
+      scene_.obstacle_pairs.push_back(std::move(ids));
+    }
+    for (auto& [key, ids] : self_pairs) {
+      // Where some geometries of the two may touch, a hit may be theirs.
+      const bool all = ids.size() == geometries[key.first] * geometries[key.second];
+      scene_.world.self_pairs.push_back({key.first, key.second, bodies_.pairs[ids.front()].padding, all});
+      scene_.self_pairs.push_back(std::move(ids));
+    }
+  }
+
+  const Bodies& bodies_;
+  const RobotModel& model_;
+  const CoverOf& cover_of_;
+  RobotDataPtr data_;
+  BatchScene scene_;
+  std::vector<Eigen::Isometry3d> frames_;  // of drives, at q = 0
+  std::vector<int> body_of_moving_;
+  std::vector<std::pair<bool, int>> fixed_;  // of Bodies::fixed: (obstacle?, index)
+  std::map<std::tuple<std::string, bool>, int> links_;
+  std::map<std::ptrdiff_t, std::vector<Ball>> bounds_;  // of each body's geometries
+};
+
+}  // namespace
+
+BatchScene make_batch_scene(const Bodies& bodies, const RobotModel& model, ConstVector other_positions,
+                            const CoverOf& cover_of) {
+  return Builder(bodies, model, other_positions, cover_of).build();
+}
+
+}  // namespace srmp::detail

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+
+#include "srmp/collision/batch/batch_checker.hpp"
+#include "srmp/robot/geometry_cover.hpp"
+#include "srmp/robot/robot_model.hpp"
+
+namespace srmp::detail {
+
+struct Bodies;
+
+/// The cover of a geometry (and the hull beside it, or nullptr); made once per geometry, kept by the caller.
+using CoverOf =
+    std::function<const GeometryCover&(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* hull)>;
+
+/// What a BatchChecker needs to stand in front of the exact one, and how its pairs translate.
+struct BatchScene {
+  BatchWorld world;
+  /// By index of BatchWorld::obstacle_pairs and self_pairs: the pairs of Bodies that each speaks for.
+  std::vector<std::vector<std::uint32_t>> obstacle_pairs, self_pairs;
+};
+
+/// The geometries of one link become one body. Objects that are boxes, spheres, cylinders or capsules become obstacles;
+/// cones, meshes and links at rest become bodies on the base; an octree becomes the box around it, which proves only
+/// what is clear of it.
+BatchScene make_batch_scene(const Bodies& bodies, const RobotModel& model, ConstVector other_positions,
+                            const CoverOf& cover_of);
+
+}  // namespace srmp::detail

@@ -1,0 +1,311 @@
+// The kernel, included once per instruction set by kernel_*.cpp, which names the entry point SRMP_KERNEL. The answer of
+// a lane depends on this lane alone, so it does not depend on how many lanes an instruction set has.
+
+#include "srmp/collision/batch/kernel.hpp"
+#include "srmp/collision/batch/simd-inl.hpp"
+
+namespace srmp::batch {
+namespace {
+
+struct V3 {
+  V x, y, z;
+};
+
+/// One slice of kWidth lanes of a block.
+class Slice {
+ public:
+  SRMP_INLINE Slice(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result,
+                    int first_lane)
+      : m_(model), request_(request), result_(result), lane_(first_lane) {
+    frames_ = scratch;
+    centers_ = frames_ + 12 * kWidth * m_.node_count;
+    stages_ = centers_ + 3 * kWidth * m_.body_count;
+    margins_ = stages_ + kWidth * m_.stage_count;
+    balls_ = margins_ + kWidth * m_.body_count;
+    placed_ = balls_ + 3 * kWidth * m_.coarse_count;
+  }
+
+  void run() {
+    place_nodes();
+    for (int i = 0; i < m_.body_count; ++i) place_body(i);
+    for (int i = 0; i < m_.body_count; ++i) {
+      check_obstacles(i);
+      if (done()) return;
+    }
+    check_self();
+  }
+
+ private:
+  SRMP_INLINE bool done() const { return result_.collides || (request_.stop_at_undecided && result_.undecided != 0); }
+
+  SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
+  SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
+
+  void place_nodes() {
+    for (int k = 0; k < 9; ++k) set_row(frames_, k, all(k % 4 == 0 ? 1.0f : 0.0f));
+    for (int k = 9; k < 12; ++k) set_row(frames_, k, all(0.0f));
+    for (int i = 1; i < m_.node_count; ++i) place_node(i);
+  }
+
+  SRMP_INLINE void place_node(int i) {
+    const KernelNode& node = m_.nodes[i];
+    const float* parent = frames_ + 12 * kWidth * node.parent;
+    float* frame = frames_ + 12 * kWidth * i;
+    const V value = load(request_.values + node.drive * kLanes + lane_);
+    const float *r = node.rotation, *t = node.translation;
+    SinCos turn{};
+    if (!node.prismatic) turn = sincos(value);
+    for (int k = 0; k < 3; ++k) {
+      const V px = row(parent, 3 * k), py = row(parent, 3 * k + 1), pz = row(parent, 3 * k + 2);
+      V x = sum(mul(px, all(r[0])), mul(py, all(r[3])), mul(pz, all(r[6])));
+      V y = sum(mul(px, all(r[1])), mul(py, all(r[4])), mul(pz, all(r[7])));
+      const V z = sum(mul(px, all(r[2])), mul(py, all(r[5])), mul(pz, all(r[8])));
+      V p = add(sum(mul(px, all(t[0])), mul(py, all(t[1])), mul(pz, all(t[2]))), row(parent, 9 + k));
+      if (node.prismatic) {
+        p = add(p, mul(z, value));
+      } else {
+        const V turned = add(mul(x, turn.cos), mul(y, turn.sin));
+        y = sub(mul(y, turn.cos), mul(x, turn.sin));
+        x = turned;
+      }
+      set_row(frame, 3 * k, x);
+      set_row(frame, 3 * k + 1, y);
+      set_row(frame, 3 * k + 2, z);
+      set_row(frame, 9 + k, p);
+    }
+  }
+
+  SRMP_INLINE V3 transform(int node, float x, float y, float z) const {
+    const float* f = frames_ + 12 * kWidth * node;
+    const V vx = all(x), vy = all(y), vz = all(z);
+    return {add(sum(mul(row(f, 0), vx), mul(row(f, 1), vy), mul(row(f, 2), vz)), row(f, 9)),
+            add(sum(mul(row(f, 3), vx), mul(row(f, 4), vy), mul(row(f, 5), vz)), row(f, 10)),
+            add(sum(mul(row(f, 6), vx), mul(row(f, 7), vy), mul(row(f, 8), vz)), row(f, 11))};
+  }
+
+  /// Centre of the body, and how far it can move while every driven joint stays within its half width: joints from the
+  /// hand to the base, each turning everything beyond it, which may have moved already.
+  SRMP_INLINE void place_body(int i) {
+    const KernelBody& body = m_.bodies[i];
+    const V3 c = transform(body.node, body.x, body.y, body.z);
+    set_row(centers_, 3 * i, c.x);
+    set_row(centers_, 3 * i + 1, c.y);
+    set_row(centers_, 3 * i + 2, c.z);
+    placed_[i] = 0.0f;
+    V moved = all(0.0f);
+    int stage = body.first_stage;
+    for (int n = body.node; n != 0; n = m_.nodes[n].parent) {
+      set_row(stages_, stage++, moved);
+      if (!request_.half_widths) continue;
+      const V width = load(request_.half_widths + m_.nodes[n].drive * kLanes + lane_);
+      if (m_.nodes[n].prismatic) {
+        moved = add(moved, width);
+        continue;
+      }
+      const float* f = frames_ + 12 * kWidth * n;
+      const V dx = sub(c.x, row(f, 9)), dy = sub(c.y, row(f, 10)), dz = sub(c.z, row(f, 11));
+      const V ax = row(f, 2), ay = row(f, 5), az = row(f, 8);
+      const V x = sub(mul(dy, az), mul(dz, ay)), y = sub(mul(dz, ax), mul(dx, az)), z = sub(mul(dx, ay), mul(dy, ax));
+      const V arm = add(sqrt(sum(mul(x, x), mul(y, y), mul(z, z))), all(body.reach_radius));
+      moved = add(moved, mul(width, add(arm, moved)));
+    }
+    set_row(stages_, stage, moved);
+    set_row(margins_, i, moved);
+  }
+
+  SRMP_INLINE V squared_distance(const KernelObstacle& o, const V3& c) const {
+    V x, y, z;
+    if (o.aligned) {
+      x = add(c.x, all(o.offset[0]));
+      y = add(c.y, all(o.offset[1]));
+      z = add(c.z, all(o.offset[2]));
+    } else {
+      const float* r = o.rotation;
+      x = add(sum(mul(c.x, all(r[0])), mul(c.y, all(r[1])), mul(c.z, all(r[2]))), all(o.offset[0]));
+      y = add(sum(mul(c.x, all(r[3])), mul(c.y, all(r[4])), mul(c.z, all(r[5]))), all(o.offset[1]));
+      z = add(sum(mul(c.x, all(r[6])), mul(c.y, all(r[7])), mul(c.z, all(r[8]))), all(o.offset[2]));
+    }
+    z = max0(sub(abs(z), all(o.half[2])));
+    if (o.cylinder) {
+      const V side = max0(sub(sqrt(add(mul(x, x), mul(y, y))), all(o.half[0])));
+      return add(mul(side, side), mul(z, z));
+    }
+    x = max0(sub(abs(x), all(o.half[0])));
+    y = max0(sub(abs(y), all(o.half[1])));
+    return sum(mul(x, x), mul(y, y), mul(z, z));
+  }
+
+  /// Lanes in which a distance is not proved to exceed the limit.
+  SRMP_INLINE unsigned within(V squared, V limit) const { return bits(not_greater(squared, mul(limit, limit))); }
+
+  void check_obstacles(int i) {
+    const KernelBody& body = m_.bodies[i];
+    const V3 c{row(centers_, 3 * i), row(centers_, 3 * i + 1), row(centers_, 3 * i + 2)};
+    const V margin = add(row(margins_, i), all(body.padding)), limit = add(margin, all(body.radius));
+    for (int k = 0; k < body.pairs; ++k) {
+      const int pair = body.first_pair + k;
+      const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
+      const unsigned pending = within(squared_distance(o, c), add(limit, all(o.radius)));
+      if (pending == 0) continue;
+      check_closely(i, o, pair, pending, margin);
+      if (done()) return;
+    }
+  }
+
+  SRMP_INLINE V3 coarse(int b) const { return {row(balls_, 3 * b), row(balls_, 3 * b + 1), row(balls_, 3 * b + 2)}; }
+
+  SRMP_INLINE V3 fine(const KernelBody& body, const KernelBall& ball) const {
+    return transform(body.node, ball.x, ball.y, ball.z);
+  }
+
+  /// Places the coarse balls of a body when first needed.
+  SRMP_INLINE void place_balls(int i) {
+    if (placed_[i] != 0.0f) return;
+    placed_[i] = 1.0f;
+    const KernelBody& body = m_.bodies[i];
+    for (int b = body.first_ball; b < body.first_ball + body.balls; ++b) {
+      const V3 c = fine(body, m_.balls[b]);
+      set_row(balls_, 3 * b, c.x);
+      set_row(balls_, 3 * b + 1, c.y);
+      set_row(balls_, 3 * b + 2, c.z);
+    }
+  }
+
+  __attribute__((noinline)) void check_closely(int i, const KernelObstacle& o, int pair, unsigned pending, V margin) {
+    const KernelBody& body = m_.bodies[i];
+    place_balls(i);
+    const V limit = add(margin, all(o.radius));
+    unsigned undecided = 0;
+    for (int b = body.first_ball; b < body.first_ball + body.balls; ++b) {
+      const KernelBall& ball = m_.balls[b];
+      const V squared = squared_distance(o, coarse(b));
+      const unsigned near = within(squared, add(limit, all(ball.radius))) & pending;
+      if ((near & ~undecided) == 0 && !(body.exact && near)) continue;
+      if (body.exact && o.exact && hit(squared, ball.radius + body.padding + o.inner_radius, near)) return;
+      if (ball.children == 0) {
+        undecided |= near;
+        continue;
+      }
+      for (int k = 0; k < ball.children && (near & ~undecided); ++k) {
+        const KernelBall& child = m_.balls[m_.children[ball.first_child + k]];
+        undecided |= within(squared_distance(o, fine(body, child)), add(limit, all(child.radius))) & near;
+      }
+    }
+    if (undecided == 0) return;
+    if (o.exact)
+      for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
+        if (hit(squared_distance(o, fine(body, m_.balls[b])), m_.balls[b].radius + body.padding + o.inner_radius,
+                undecided))
+          return;
+    report(pair, undecided);
+  }
+
+  /// Is some lane of `mask` surely closer than `radius`?
+  SRMP_INLINE bool hit(V squared, float radius, unsigned mask) {
+    if (!(radius > 0.0f)) return false;
+    if ((bits(less(squared, all(radius * radius))) & mask) == 0) return false;
+    result_.collides = 1;
+    return true;
+  }
+
+  SRMP_INLINE void report(int pair, unsigned lanes) {
+    const auto shifted = static_cast<LaneMask>(lanes << lane_);
+    result_.pair_lanes[pair] = static_cast<LaneMask>(result_.pair_lanes[pair] | shifted);
+    result_.undecided = static_cast<LaneMask>(result_.undecided | shifted);
+  }
+
+  static SRMP_INLINE V between(const V3& a, const V3& b) {
+    const V x = sub(a.x, b.x), y = sub(a.y, b.y), z = sub(a.z, b.z);
+    return sum(mul(x, x), mul(y, y), mul(z, z));
+  }
+
+  void check_self() {
+    for (int k = 0; k < m_.self_pair_count; ++k) {
+      const KernelSelfPair& pair = m_.self_pairs[k];
+      const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
+      const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};
+      const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
+      const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), all(pair.padding + pair.slack));
+      const unsigned pending = within(between(ca, cb), add(limit, all(a.radius + b.radius)));
+      if (pending == 0) continue;
+      check_self_closely(k, pair, pending, limit);
+      if (done()) return;
+    }
+  }
+
+  __attribute__((noinline)) void check_self_closely(int k, const KernelSelfPair& pair, unsigned pending, V limit) {
+    const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
+    place_balls(pair.a);
+    place_balls(pair.b);
+    const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
+    unsigned undecided = 0;
+    for (int i = a.first_ball; i < a.first_ball + a.balls; ++i) {
+      const V3 ci = coarse(i);
+      const float ri = m_.balls[i].radius;
+      const unsigned around = within(between(ci, cb), add(limit, all(ri + b.radius))) & pending & ~undecided;
+      if (around == 0) continue;
+      for (int j = b.first_ball; j < b.first_ball + b.balls; ++j) {
+        const V squared = between(ci, coarse(j));
+        const unsigned near = within(squared, add(limit, all(ri + m_.balls[j].radius))) & around & ~undecided;
+        if (near == 0) continue;
+        if (pair.exact && a.exact && b.exact && hit(squared, ri + m_.balls[j].radius + pair.padding - pair.slack, near))
+          return;
+        undecided |= finer(a, m_.balls[i], ci, b, m_.balls[j], coarse(j), limit, near);
+      }
+    }
+    if (undecided == 0) return;
+    if (pair.exact && check_inner(a, b, pair, undecided)) return;
+    report(m_.pair_count + k, undecided);
+  }
+
+  /// Does a ball inside a surely meet one inside b?
+  bool check_inner(const KernelBody& a, const KernelBody& b, const KernelSelfPair& pair, unsigned undecided) {
+    for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
+      const V3 ci = fine(a, m_.balls[i]);
+      for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
+        if (hit(between(ci, fine(b, m_.balls[j])), m_.balls[i].radius + m_.balls[j].radius + pair.padding - pair.slack,
+                undecided))
+          return true;
+    }
+    return false;
+  }
+
+  /// Two coarse balls are near: their children, or the ball itself where there is none.
+  unsigned finer(const KernelBody& a, const KernelBall& ball_a, const V3& ca, const KernelBody& b,
+                 const KernelBall& ball_b, const V3& cb, V limit, unsigned near) const {
+    if (ball_a.children == 0 && ball_b.children == 0) return near;
+    unsigned undecided = 0;
+    for (int i = 0; i < (ball_a.children ? ball_a.children : 1); ++i) {
+      const KernelBall& fine_a = ball_a.children ? m_.balls[m_.children[ball_a.first_child + i]] : ball_a;
+      const V3 ci = ball_a.children ? fine(a, fine_a) : ca;
+      const unsigned left = within(between(ci, cb), add(limit, all(fine_a.radius + ball_b.radius))) & near & ~undecided;
+      if (left == 0) continue;
+      if (ball_b.children == 0) {
+        undecided |= left;
+        continue;
+      }
+      for (int j = 0; j < ball_b.children && (left & ~undecided); ++j) {
+        const KernelBall& fine_b = m_.balls[m_.children[ball_b.first_child + j]];
+        undecided |= within(between(ci, fine(b, fine_b)), add(limit, all(fine_a.radius + fine_b.radius))) & left;
+      }
+    }
+    return undecided;
+  }
+
+  const KernelModel& m_;
+  const KernelRequest& request_;
+  KernelResult& result_;
+  const int lane_;
+  float *frames_, *centers_, *stages_, *margins_, *balls_, *placed_;
+};
+
+}  // namespace
+
+void SRMP_KERNEL(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result) {
+  for (int lane = 0; lane < kLanes; lane += kWidth) {
+    Slice(model, request, scratch, result, lane).run();
+    if (result.collides || (request.stop_at_undecided && result.undecided)) return;
+  }
+}
+
+}  // namespace srmp::batch

@@ -1,0 +1,105 @@
+#pragma once
+
+// What the kernels see: plain data, no library types, so that translation units built for different instruction sets
+// share no inline functions. Internal.
+
+#include <cstdint>
+
+namespace srmp::batch {
+
+constexpr int kLanes = 16;  ///< configurations a block; processed as 1 x 16, 2 x 8 or 4 x 4 lanes with equal bits
+using LaneMask = std::uint16_t;
+
+/// A driven joint; its frame sits on the axis, z along it. Node 0 is the robot's base. Parents before children.
+struct KernelNode {
+  int parent;
+  int drive;  // row of the values, -1 for the base
+  int prismatic;
+  float rotation[9];  // of the frame at value 0 in the parent's, row by row
+  float translation[3];
+};
+
+struct KernelBall {
+  float x, y, z;              // in the node's frame
+  float radius;               // padding included
+  int first_child, children;  // into Model::children; 0 children: nothing finer
+};
+
+/// A rigid part of the robot (a link, an attached object) under balls: one around all, coarse ones, fine ones.
+struct KernelBody {
+  int node;
+  int depth;        // nodes from this one up to the base, both counted
+  int first_stage;  // row of its margins in the scratch memory; depth rows
+  float x, y, z;    // ball around all, in the node's frame
+  float radius;
+  float reach_radius;       // the same, for motion bounds: float slack included
+  float padding;            // kept clear of obstacles
+  int first_ball, balls;    // coarse
+  int first_inner, inners;  // balls inside
+  int exact;                // the coarse balls are the body itself
+  int first_pair, pairs;    // obstacles to check against, into Model::pair_obstacles
+};
+
+/// A rounded box (sphere and capsule: a box without extent), or a cylinder along z.
+struct KernelObstacle {
+  int cylinder;
+  int aligned;         // rotation is the identity
+  int exact;           // the shape is the object, not something around it
+  float rotation[9];   // world to local, row by row
+  float offset[3];     // local = rotation * world + offset
+  float half[3];       // half extents; cylinder: radius, unused, half length
+  float radius;        // rounding, padding and float slack, for proofs of "free"
+  float inner_radius;  // rounding and padding less float slack, for proofs of "hit"
+};
+
+struct KernelSelfPair {
+  int a, b;
+  int exact;
+  int stage_a, stage_b;  // margins of the two relative to their last common node
+  float padding;         // kept clear between the two
+  float slack;
+};
+
+struct KernelModel {
+  const KernelNode* nodes;
+  int node_count;
+  const KernelBody* bodies;
+  int body_count;
+  int stage_count;
+  const KernelBall* balls;  // coarse, then fine, then inner
+  int coarse_count;
+  const int* children;
+  const KernelObstacle* obstacles;
+  const int* pair_obstacles;
+  int pair_count;  // body-obstacle pairs; self pairs are numbered after them
+  const KernelSelfPair* self_pairs;
+  int self_pair_count;
+};
+
+struct KernelRequest {
+  const float* values;       // [drive][kLanes]: angle (|.| <= 2 pi) or travel of each driven joint
+  const float* half_widths;  // [drive][kLanes]: how far it may be from there, >= 0; null: exactly there
+  int stop_at_undecided;
+};
+
+struct KernelResult {
+  LaneMask undecided;    // lanes with a pair that is not proved free
+  int collides;          // a lane surely collides at its sample; nothing else is filled in then
+  LaneMask* pair_lanes;  // [pair_count + self_pair_count], zero on entry: lanes in which the pair is undecided
+};
+
+using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
+
+/// Floats of scratch memory (64-byte aligned) that a kernel needs.
+inline int scratch_floats(const KernelModel& m) {
+  return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count) +
+         m.body_count;
+}
+
+void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
+#if defined(__x86_64__)
+void run_avx2(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
+void run_avx512(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
+#endif
+
+}  // namespace srmp::batch

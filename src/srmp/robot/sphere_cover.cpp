@@ -1,0 +1,449 @@
+#include "srmp/robot/sphere_cover.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <queue>
+#include <tuple>
+
+#include "srmp/core/error.hpp"
+#include "srmp/robot/cover_solid.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Eigen::Vector3d;
+using Indices = std::vector<int>;
+using Words = std::vector<std::uint64_t>;
+
+constexpr std::size_t kMaxPieces = 12000;  // surface pieces that the greedy choice starts from
+constexpr std::size_t kMaxCandidates = 6000;
+constexpr double kRounding = 1e-9;  // [m] added to every proved radius; dwarfs the proof's own rounding
+
+// --- The proof
+
+/// A piece of the solid: the convex hull of a few points.
+using Piece = std::vector<Vector3d>;
+
+bool holds(const Ball& ball, const Piece& piece) {
+  for (const Vector3d& p : piece)
+    if ((p - ball.center).squaredNorm() > ball.radius * ball.radius) return false;
+  return true;
+}
+
+/// Walks over the solid by ever smaller pieces until each is inside one ball or smaller than `resolution`.
+class Proof {
+ public:
+  Proof(const CoverSolid::Impl& solid, const std::vector<Ball>& balls, double resolution)
+      : solid_(solid), balls_(balls), resolution_(resolution) {}
+
+  std::function<bool(const Piece&)> on_gap;  ///< not covered; return false to stop
+  std::function<void(const Piece&, int ball)> on_covered;
+
+  void run() {
+    Indices all(balls_.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+    if (!solid_.convex)
+      for (const Triangle& t : solid_.triangles)
+        if (running_) triangle(t, all);
+    Indices planes(static_cast<std::size_t>(solid_.normals.rows()));
+    for (std::size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<int>(i);
+    const double half = 0.5 * solid_.box.sizes().maxCoeff() * (1 + 1e-9);
+    if (running_) cell(solid_.box.center(), half, all, planes);
+  }
+
+ private:
+  void gap(const Piece& piece) {
+    if (running_ && on_gap) running_ = on_gap(piece);
+  }
+
+  void triangle(const Triangle& t, const Indices& near) {
+    const Vector3d center = (t[0] + t[1] + t[2]) / 3;
+    const double radius = std::sqrt(
+        std::max({(t[0] - center).squaredNorm(), (t[1] - center).squaredNorm(), (t[2] - center).squaredNorm()}));
+    const Piece piece(t.begin(), t.end());
+    Indices meeting;
+    for (int i : near) {
+      const double distance = (balls_[i].center - center).norm();
+      if (distance > balls_[i].radius + radius) continue;
+      if (holds(balls_[i], piece)) return covered(piece, i);
+      meeting.push_back(i);
+    }
+    if (radius < resolution_ || meeting.empty()) return gap(piece);
+    int k = 0;  // split the longest edge
+    for (int e = 1; e < 3; ++e)
+      if ((t[(e + 1) % 3] - t[e]).squaredNorm() > (t[(k + 1) % 3] - t[k]).squaredNorm()) k = e;
+    const Vector3d middle = 0.5 * (t[k] + t[(k + 1) % 3]);
+    if (running_) triangle({t[k], middle, t[(k + 2) % 3]}, meeting);
+    if (running_) triangle({middle, t[(k + 1) % 3], t[(k + 2) % 3]}, meeting);
+  }
+
+  void cell(const Vector3d& c, double half, const Indices& near, const Indices& planes) {
+    Indices cutting, meeting;
+    if (!meets_solid(c, half, planes, cutting)) return;
+    for (int i : near) {
+      const Eigen::Array3d offset = (c - balls_[i].center).array().abs();
+      const double r2 = balls_[i].radius * balls_[i].radius;
+      if ((offset + half).square().sum() <= r2) return covered(corners(c, half), i);
+      if ((offset - half).max(0.0).square().sum() <= r2) meeting.push_back(i);
+    }
+    if (half < resolution_) {
+      // The triangles are proved one by one, so cells that they cut need not be.
+      if (solid_.convex || solid_.all.nearest(c, 2 * half).distance > 1.75 * half) gap(corners(c, half));
+      return;
+    }
+    for (int k = 0; k < 8 && running_; ++k) {
+      const Vector3d way(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+      cell(c + 0.5 * half * way, 0.5 * half, meeting, cutting);
+    }
+  }
+
+  /// Can the cell hold a point of the solid? `cutting` gets the planes that can tell for its parts.
+  bool meets_solid(const Vector3d& c, double half, const Indices& planes, Indices& cutting) const {
+    if (!solid_.convex) {
+      const double reach = half * std::sqrt(3.0);
+      return solid_.enclosed.encloses(c) || solid_.all.nearest(c, 1.01 * reach).distance <= reach;
+    }
+    if (solid_.kind == CoverSolid::Impl::Kind::sphere || solid_.kind == CoverSolid::Impl::Kind::capsule)
+      return solid_.curved_depth(c) > -half * std::sqrt(3.0);
+    for (int i : planes) {
+      const auto n = solid_.normals.row(i);
+      const double above = n.dot(c) - solid_.offsets[i], spread = half * n.lpNorm<1>();
+      if (above > spread) return false;
+      if (above > -spread) cutting.push_back(i);
+    }
+    return true;
+  }
+
+  static Piece corners(const Vector3d& c, double half) {
+    Piece piece;
+    for (int k = 0; k < 8; ++k) piece.push_back(c + half * Vector3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+    return piece;
+  }
+
+  void covered(const Piece& piece, int ball) {
+    if (on_covered) on_covered(piece, ball);
+  }
+
+  const CoverSolid::Impl& solid_;
+  const std::vector<Ball>& balls_;
+  const double resolution_;
+  bool running_{true};
+};
+
+// --- Candidates: inscribed balls on the medial axis
+
+struct Candidate {
+  Vector3d center;
+  double depth;  ///< radius of the inscribed ball
+};
+
+/// The largest ball that touches the surface at `x` from the side that `inward` points to.
+std::optional<Vector3d> shrink_ball(const CoverSolid::Impl& solid, const Vector3d& x, const Vector3d& inward) {
+  const double size = solid.box.diagonal().norm();
+  double r = 0.5 * size;
+  if (solid.convex) {  // the first plane that the growing ball meets
+    for (Eigen::Index j = 0; j < solid.normals.rows(); ++j) {
+      const double rate = 1 + solid.normals.row(j).dot(inward);
+      const double gap = std::max(0.0, solid.offsets[j] - solid.normals.row(j).dot(x));
+      if (rate > 1e-6) r = std::min(r, gap / rate);
+    }
+    return x + inward * r;
+  }
+  for (int i = 0; i < 30; ++i) {
+    const Vector3d c = x + inward * r;
+    const auto nearest = solid.outer.nearest(c, r * (1 - 1e-6));
+    if (nearest.distance >= r * (1 - 1e-6)) return c;
+    const Vector3d d = nearest.point - x;
+    const double along = 2 * d.dot(inward);
+    if (along <= 0) return std::nullopt;
+    r = std::min(d.squaredNorm() / along, 0.999 * r);
+    if (r < 1e-5) return std::nullopt;
+  }
+  return x + inward * r;
+}
+
+std::vector<Candidate> find_candidates(const CoverSolid::Impl& solid, const std::vector<Triangle>& pieces,
+                                       double grid) {
+  std::map<std::array<long, 3>, Candidate> best;  // the deepest of each grid cell
+  const auto offer = [&](const Vector3d& c) {
+    const Candidate candidate{c, solid.depth(c)};
+    const std::array<long, 3> key{std::lround(c.x() / grid), std::lround(c.y() / grid), std::lround(c.z() / grid)};
+    const auto [place, added] = best.try_emplace(key, candidate);
+    if (!added && candidate.depth > place->second.depth) place->second = candidate;
+  };
+  const std::size_t stride = std::max<std::size_t>(1, pieces.size() / kMaxCandidates);
+  for (std::size_t i = 0; i < pieces.size(); i += stride) {
+    const Triangle& t = pieces[i];
+    const Vector3d x = (t[0] + t[1] + t[2]) / 3, cross = (t[1] - t[0]).cross(t[2] - t[0]);
+    if (cross.norm() < 1e-16) continue;
+    Vector3d inward = -cross.normalized();
+    offer(x);
+    if (solid.convex) {
+      if (inward.dot(solid.box.center() - x) < 0) inward = -inward;
+      offer(*shrink_ball(solid, x, inward));
+      continue;
+    }
+    for (const Vector3d& way : {inward, Vector3d(-inward)})
+      if (const auto c = shrink_ball(solid, x, way); c && solid.enclosed.encloses(*c)) offer(*c);
+  }
+  std::vector<Candidate> result;
+  for (const auto& entry : best) result.push_back(entry.second);
+  return result;
+}
+
+// --- Greedy choice
+
+/// Which of many pieces each candidate ball holds; picks balls until every piece is held.
+class Greedy {
+ public:
+  Greedy(const std::vector<Candidate>& candidates, double growth) : candidates_(candidates), growth_(growth) {}
+
+  /// Indices of chosen candidates; pieces that no candidate holds are appended to `left`.
+  Indices choose(const std::vector<Piece>& pieces, std::vector<Piece>& left) const {
+    const std::size_t words = (pieces.size() + 63) / 64;
+    std::vector<Words> held;
+    std::priority_queue<std::pair<int, int>> queue;  // (gain, -candidate)
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      held.push_back(mark(i, pieces, words));
+      const int gain = count(held.back());
+      if (gain > 0) queue.push({gain, -static_cast<int>(i)});
+    }
+    Words open(words, 0);
+    for (std::size_t k = 0; k < pieces.size(); ++k) open[k / 64] |= std::uint64_t{1} << k % 64;
+    Indices chosen;
+    while (!queue.empty()) {
+      const int i = -queue.top().second, promised = queue.top().first;
+      queue.pop();
+      int gain = 0;
+      for (std::size_t w = 0; w < words; ++w) gain += std::popcount(held[i][w] & open[w]);
+      if (gain == 0) continue;
+      if (gain < promised) {
+        queue.push({gain, -i});
+        continue;
+      }
+      chosen.push_back(i);
+      for (std::size_t w = 0; w < words; ++w) open[w] &= ~held[i][w];
+    }
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      if (open[k / 64] >> k % 64 & 1) left.push_back(pieces[k]);
+    return without_needless(chosen, held, pieces.size());
+  }
+
+  Ball ball(int i) const { return {candidates_[i].center, std::max(0.0, candidates_[i].depth + growth_)}; }
+
+ private:
+  Words mark(std::size_t i, const std::vector<Piece>& pieces, std::size_t words) const {
+    const Ball candidate = ball(static_cast<int>(i));
+    Words bits(words, 0);
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      if (holds(candidate, pieces[k])) bits[k / 64] |= std::uint64_t{1} << k % 64;
+    return bits;
+  }
+
+  static int count(const Words& bits) {
+    int sum = 0;
+    for (std::uint64_t word : bits) sum += std::popcount(word);
+    return sum;
+  }
+
+  /// Later choices often make earlier ones needless.
+  static Indices without_needless(const Indices& chosen, const std::vector<Words>& held, std::size_t pieces) {
+    std::vector<int> times(pieces, 0);
+    const auto each = [&](int i, auto&& visit) {
+      for (std::size_t w = 0; w < held[i].size(); ++w)
+        for (std::uint64_t rest = held[i][w]; rest; rest &= rest - 1) visit(w * 64 + std::countr_zero(rest));
+    };
+    for (int i : chosen) each(i, [&](std::size_t k) { ++times[k]; });
+    Indices kept;
+    for (int i : chosen) {
+      bool needed = false;
+      each(i, [&](std::size_t k) { needed |= times[k] == 1; });
+      if (needed)
+        kept.push_back(i);
+      else
+        each(i, [&](std::size_t k) { --times[k]; });
+    }
+    return kept;
+  }
+
+  const std::vector<Candidate>& candidates_;
+  const double growth_;
+};
+
+// --- Whole covers
+
+/// Balls along a capsule's axis; by the geometry of a ball and a cylinder.
+std::vector<Ball> cover_capsule(double radius, double length, double inflation) {
+  const double grown = radius + inflation, half = length / 2;
+  if (half <= inflation) return {{Vector3d::Zero(), radius + half}};
+  const double between = length - 2 * inflation, reach = 2 * std::sqrt(grown * grown - radius * radius);
+  const int steps = static_cast<int>(std::ceil(between / reach * (1 + 1e-9)));
+  std::vector<Ball> balls;
+  for (int i = 0; i <= steps; ++i) balls.push_back({{0, 0, -half + inflation + between * i / steps}, grown});
+  return balls;
+}
+
+std::vector<Triangle> split_surface(const CoverSolid::Impl& solid, double inflation) {
+  double area = 0;
+  for (const Triangle& t : solid.triangles) area += 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
+  const double edge = std::max(1.2 * inflation, std::sqrt(4 * area / kMaxPieces));
+  std::vector<Triangle> pieces;
+  for (const Triangle& t : solid.triangles) split_triangle(t, edge, [&](const Triangle& p) { pieces.push_back(p); });
+  return pieces;
+}
+
+/// Points deep inside, which the surface's pieces do not speak for.
+void add_interior(const CoverSolid::Impl& solid, double step, std::vector<Piece>& pieces) {
+  const Vector3d low = solid.box.min(), size = solid.box.sizes();
+  const Eigen::Array3i count = (size.array() / step).ceil().cast<int>();
+  for (int x = 0; x < count[0]; ++x)
+    for (int y = 0; y < count[1]; ++y)
+      for (int z = 0; z < count[2]; ++z) {
+        const Vector3d p = low + step * Vector3d(x + 0.5, y + 0.5, z + 0.5);
+        if (solid.convex ? solid.depth(p) > 0 : solid.enclosed.encloses(p)) pieces.push_back({p});
+      }
+}
+
+/// Where no candidate reaches, a small ball of its own around the gap.
+Ball ball_around(const Piece& piece) {
+  Ball ball;
+  for (const Vector3d& p : piece) ball.center += p / static_cast<double>(piece.size());
+  for (const Vector3d& p : piece) ball.radius = std::max(ball.radius, (p - ball.center).norm());
+  ball.radius *= 1 + 1e-9;
+  return ball;
+}
+
+std::vector<Ball> cover_with(const CoverSolid::Impl& solid, double inflation) {
+  if (solid.kind == CoverSolid::Impl::Kind::sphere) return {{Vector3d::Zero(), solid.radius}};
+  if (solid.kind == CoverSolid::Impl::Kind::capsule) return cover_capsule(solid.radius, solid.length, inflation);
+  const double slack = 0.05 * inflation;  // lets the proof end at cells of this order
+  const std::vector<Triangle> surface = split_surface(solid, inflation);
+  std::vector<Piece> pieces;
+  for (const Triangle& t : surface) pieces.emplace_back(t.begin(), t.end());
+  add_interior(solid, std::max(2 * inflation, solid.box.sizes().maxCoeff() / 24), pieces);
+
+  const std::vector<Candidate> candidates = find_candidates(solid, surface, 0.2 * inflation);
+  const Greedy greedy(candidates, inflation - slack);
+  std::vector<Ball> balls;
+  std::vector<Piece> left;
+  const auto add = [&](const Indices& chosen) {
+    for (int i : chosen) {
+      balls.push_back(greedy.ball(i));
+      balls.back().radius += slack;
+    }
+  };
+  add(greedy.choose(pieces, left));
+  for (int round = 0;; ++round) {
+    std::vector<Piece> gaps = left;
+    left.clear();
+    if (gaps.empty()) {
+      Proof proof(solid, balls, 0.5 * slack);
+      proof.on_gap = [&](const Piece& piece) {
+        gaps.push_back(piece);
+        return gaps.size() < 4000;
+      };
+      proof.run();
+      if (gaps.empty()) return balls;
+      add(Greedy(candidates, inflation).choose(gaps, left));
+    }
+    for (const Piece& piece : left) balls.push_back(ball_around(piece));
+    left.clear();
+  }
+}
+
+double inflation_of(const CoverSolid::Impl& solid, const Ball& ball) {
+  return std::max(0.0, ball.radius - solid.depth(ball.center));
+}
+
+}  // namespace
+
+SphereCover cover_solid(const CoverSolid& solid, const CoverOptions& options) {
+  require_positive(options.max_inflation, "cover: max_inflation");
+  SphereCover cover;
+  double inflation = options.max_inflation;
+  for (;; inflation *= 1.2) {
+    cover.balls = cover_with(solid.impl(), inflation);
+    if (options.max_balls == 0 || cover.balls.size() <= options.max_balls) break;
+    if (const Ball one = solid.bounding_ball(); inflation > one.radius) {
+      cover.balls = {one};
+      break;
+    }
+  }
+  for (Ball& ball : cover.balls) {
+    const double inflated = inflation_of(solid.impl(), ball);
+    cover.max_inflation = std::max(cover.max_inflation, inflated);
+    cover.mean_inflation += inflated / static_cast<double>(cover.balls.size());
+    ball.radius += kRounding;
+  }
+  return cover;
+}
+
+bool contains_solid(const std::vector<Ball>& balls, const CoverSolid& solid, double resolution) {
+  require_positive(resolution, "cover proof: resolution");
+  bool contained = true;
+  Proof proof(solid.impl(), balls, resolution);
+  proof.on_gap = [&](const Piece&) { return contained = false; };
+  proof.run();
+  return contained;
+}
+
+std::vector<Ball> pack_solid(const CoverSolid& solid, std::size_t count, double min_radius) {
+  require_positive(min_radius, "sphere packing: min_radius");
+  const CoverSolid::Impl& impl = solid.impl();
+  if (count == 0) return {};
+  if (impl.kind == CoverSolid::Impl::Kind::sphere) return {{Vector3d::Zero(), impl.radius}};
+  std::vector<Candidate> candidates;
+  if (impl.kind == CoverSolid::Impl::Kind::capsule) {
+    for (int i = 0; i <= 32; ++i) candidates.push_back({{0, 0, impl.length * (i / 32.0 - 0.5)}, impl.radius});
+  } else {
+    const double size = impl.box.sizes().maxCoeff();
+    candidates = find_candidates(impl, split_surface(impl, std::max(min_radius, size / 40)), size / 80);
+    for (Candidate& c : candidates) c.depth = impl.inner_depth(c.center) - kRounding;
+  }
+  std::erase_if(candidates, [&](const Candidate& c) { return !(c.depth >= min_radius); });
+  std::vector<Piece> samples;
+  add_interior(impl, impl.box.sizes().maxCoeff() / 32, samples);
+  std::vector<Piece> left;
+  const Indices chosen = Greedy(candidates, 0.0).choose(samples, left);
+  std::vector<Ball> balls;
+  for (std::size_t i = 0; i < std::min(count, chosen.size()); ++i)
+    balls.push_back({candidates[chosen[i]].center, candidates[chosen[i]].depth});
+  return balls;
+}
+
+std::vector<std::vector<std::uint32_t>> cover_children(const CoverSolid& solid, const std::vector<Ball>& coarse,
+                                                       const std::vector<Ball>& fine) {
+  std::vector<std::vector<char>> linked(coarse.size(), std::vector<char>(fine.size(), 0));
+  const auto link = [&](const Piece& piece, int f) {
+    std::size_t best = coarse.size();
+    for (std::size_t c = 0; c < coarse.size(); ++c) {
+      if (!holds(coarse[c], piece)) continue;
+      if (linked[c][f]) return;
+      if (best == coarse.size()) best = c;
+    }
+    if (best < coarse.size()) {
+      linked[best][f] = 1;
+      return;
+    }
+    const Ball around = ball_around(piece);  // in no single coarse ball: all that it meets
+    for (std::size_t c = 0; c < coarse.size(); ++c)
+      if ((coarse[c].center - around.center).norm() <= coarse[c].radius + around.radius) linked[c][f] = 1;
+  };
+  bool contained = true;
+  Proof proof(solid.impl(), fine, 1e-5);
+  proof.on_covered = link;
+  proof.on_gap = [&](const Piece&) { return contained = false; };
+  proof.run();
+  if (!contained) throw InvalidArgument("cover hierarchy: the fine balls do not contain the solid");
+  std::vector<std::vector<std::uint32_t>> children(coarse.size());
+  for (std::size_t c = 0; c < coarse.size(); ++c)
+    for (std::size_t f = 0; f < fine.size(); ++f)
+      if (linked[c][f]) children[c].push_back(static_cast<std::uint32_t>(f));
+  return children;
+}
+
+}  // namespace srmp

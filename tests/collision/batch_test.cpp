@@ -1,0 +1,329 @@
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+
+#include "srmp/collision/batch/batch_checker.hpp"
+#include "srmp/core/error.hpp"
+#include "support/throws.hpp"
+
+using namespace srmp;
+
+namespace {
+
+double uniform(std::mt19937& random, double low = -1, double high = 1) {
+  return low + (high - low) * (random() * 0x1p-32);
+}
+Eigen::Vector3d vector(std::mt19937& random, double size) {
+  const double x = uniform(random, -size, size), y = uniform(random, -size, size), z = uniform(random, -size, size);
+  return {x, y, z};
+}
+Eigen::Isometry3d pose(std::mt19937& random, double size) {
+  Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d axis = vector(random, 1).normalized();
+  t.linear() = Eigen::AngleAxisd(uniform(random, -3, 3), axis).toRotationMatrix();
+  t.translation() = vector(random, size);
+  return t;
+}
+
+/// An arm of eight joints with a branch, a prismatic joint and a mimic; one exact body of five balls and one body with
+/// coarse, fine and inner balls on each drive; obstacles of every kind.
+BatchWorld random_world(unsigned seed, double spread = 1.0) {
+  std::mt19937 random(seed);
+  BatchWorld world;
+  world.dof = 7;
+  for (int k = 0; k < 8; ++k) {
+    BatchDrive drive;
+    drive.parent = k == 5 ? 2 : k - 1;
+    drive.frame = pose(random, 0.25);
+    drive.prismatic = k == 3;
+    drive.joint = k == 7 ? 4 : k;
+    drive.ratio = k == 7 ? -0.5 : 1.0;
+    drive.offset = k == 7 ? 0.3 : 0.0;
+    drive.max_travel = k == 3 ? 4.0 : 0.0;
+    world.drives.push_back(drive);
+  }
+  for (int k = -1; k < 8; ++k) {
+    BatchBody exact;
+    exact.drive = k;
+    exact.exact = true;
+    for (int i = 0; i < 5; ++i) exact.coarse.push_back({vector(random, 0.08), uniform(random, 0.01, 0.05)});
+    exact.bound = {{0, 0, 0}, 0.2};
+    exact.padding = 0.002;
+    world.bodies.push_back(exact);
+    BatchBody covered;  // the body is the ball of radius 0.06; fine and coarse balls are around it
+    covered.drive = k;
+    const Eigen::Vector3d c = vector(random, 0.1);
+    covered.bound = {c, 0.1};
+    covered.coarse = {{c, 0.08}};
+    covered.fine = {{c, 0.065}};
+    covered.children = {{0}};
+    covered.inner = {{c, 0.055}};
+    world.bodies.push_back(covered);
+  }
+  for (int i = 0; i < 12; ++i) {
+    BatchObstacle o;
+    o.kind = static_cast<BatchObstacle::Kind>(i % 4);
+    const Eigen::Vector3d s = vector(random, 1).cwiseAbs();
+    o.size = Eigen::Vector3d(0.02, 0.02, 0.02) + 0.2 * s;
+    o.pose = pose(random, spread);
+    if (i % 3 == 0) o.pose.linear().setIdentity();
+    o.padding = i % 2 ? 0.0 : 0.003;
+    world.obstacles.push_back(o);
+  }
+  for (int b = 2; b < 18; ++b)
+    for (int o = 0; o < 12; ++o) world.obstacle_pairs.push_back({b, o});
+  for (int a = 0; a < 18; ++a)
+    for (int b = a + 1; b < 18; ++b)
+      if (world.bodies[a].drive + 3 < world.bodies[b].drive) world.self_pairs.push_back({a, b, 0.0});
+  return world;
+}
+
+std::vector<Eigen::Isometry3d> forward(const BatchWorld& world, std::span<const double> q) {
+  std::vector<Eigen::Isometry3d> frames;
+  for (const BatchDrive& d : world.drives) {
+    const double value = d.ratio * q[d.joint] + d.offset;
+    Eigen::Isometry3d t = d.parent < 0 ? d.frame : frames[d.parent] * d.frame;
+    if (d.prismatic)
+      t.translate(Eigen::Vector3d(0, 0, value));
+    else
+      t.rotate(Eigen::AngleAxisd(value, Eigen::Vector3d::UnitZ()));
+    frames.push_back(t);
+  }
+  return frames;
+}
+
+double distance(const BatchObstacle& o, const Eigen::Vector3d& world) {
+  const Eigen::Vector3d p = o.pose.inverse() * world;
+  switch (o.kind) {
+    case BatchObstacle::Kind::sphere: return p.norm() - o.size[0];
+    case BatchObstacle::Kind::box: return (p.cwiseAbs() - o.size / 2).cwiseMax(0.0).norm();
+    case BatchObstacle::Kind::cylinder:
+      return std::hypot(std::max(0.0, p.head<2>().norm() - o.size[0]), std::max(0.0, std::abs(p.z()) - o.size[1] / 2));
+    case BatchObstacle::Kind::capsule:
+      return (p - Eigen::Vector3d(0, 0, std::clamp(p.z(), -o.size[1] / 2, o.size[1] / 2))).norm() - o.size[0];
+  }
+  return 0;
+}
+
+/// The true bodies as balls in the base frame.
+std::vector<std::vector<Ball>> true_bodies(const BatchWorld& world, std::span<const double> q) {
+  const auto frames = forward(world, q);
+  std::vector<std::vector<Ball>> result;
+  for (const BatchBody& b : world.bodies) {
+    const Eigen::Isometry3d frame = b.drive < 0 ? Eigen::Isometry3d::Identity() : frames[b.drive];
+    std::vector<Ball> balls;
+    if (b.exact)
+      for (const Ball& ball : b.coarse) balls.push_back({frame * ball.center, ball.radius});
+    else
+      balls.push_back({frame * b.bound.center, 0.06});
+    result.push_back(balls);
+  }
+  return result;
+}
+
+/// Smallest gap over all pairs, padding taken off; pairs of `skip_obstacle` and `skip_self` left out.
+double clearance(const BatchWorld& world, std::span<const double> q, const std::vector<UndecidedPair>& skip = {}) {
+  const auto bodies = true_bodies(world, q);
+  const auto skipped = [&](bool self, std::size_t i) {
+    for (const UndecidedPair& u : skip)
+      if (u.self == self && u.pair == static_cast<int>(i)) return true;
+    return false;
+  };
+  double least = 1e9;
+  for (std::size_t i = 0; i < world.obstacle_pairs.size(); ++i) {
+    if (skipped(false, i)) continue;
+    const auto& [b, o] = world.obstacle_pairs[i];
+    const BatchObstacle& obstacle = world.obstacles[o];
+    for (const Ball& ball : bodies[b])
+      least =
+          std::min(least, distance(obstacle, ball.center) - ball.radius - obstacle.padding - world.bodies[b].padding);
+  }
+  for (std::size_t i = 0; i < world.self_pairs.size(); ++i) {
+    if (skipped(true, i)) continue;
+    for (const Ball& a : bodies[world.self_pairs[i].a])
+      for (const Ball& b : bodies[world.self_pairs[i].b])
+        least = std::min(least, (a.center - b.center).norm() - a.radius - b.radius - world.self_pairs[i].padding);
+  }
+  return least;
+}
+
+std::vector<double> random_q(std::mt19937& random, std::size_t count, double size = 3.1) {
+  std::vector<double> q(count);
+  for (double& x : q) x = uniform(random, -size, size);
+  return q;
+}
+
+bool same(const std::vector<UndecidedPair>& a, const std::vector<UndecidedPair>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const UndecidedPair& x, const UndecidedPair& y) {
+    return x.t == y.t && x.half == y.half && x.self == y.self && x.pair == y.pair;
+  });
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(kernel_kinematics_equal_double_precision) {
+  const BatchWorld world = random_world(1);
+  std::mt19937 random(2);
+  for (SimdBackend backend : available_simd_backends()) {
+    const BatchChecker checker(world, backend);
+    const auto workspace = checker.make_workspace();
+    double worst = 0;
+    for (int i = 0; i < 500; ++i) {
+      const auto q = random_q(random, 7, i % 2 ? 3.1 : 20.0);  // continuous joints may be turns away
+      auto bounded = q;
+      bounded[3] = std::clamp(q[3], -3.0, 3.0);
+      const auto frames = forward(world, bounded);
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        const auto pose = checker.drive_pose(bounded, k, *workspace);
+        worst = std::max(worst, (pose.matrix() - frames[k].matrix()).cwiseAbs().maxCoeff());
+      }
+    }
+    BOOST_TEST(worst < 1e-5, to_string(backend) << ": " << worst);
+    BOOST_TEST(worst < checker.slack());
+  }
+}
+
+BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
+  std::mt19937 random(3);
+  std::size_t free = 0, colliding = 0, undecided = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const BatchWorld world = random_world(seed, 2.0);
+    std::vector<BatchChecker> checkers;
+    for (SimdBackend backend : available_simd_backends()) checkers.emplace_back(world, backend);
+    std::vector<BatchChecker::WorkspacePtr> workspaces;
+    for (const auto& checker : checkers) workspaces.push_back(checker.make_workspace());
+    for (int i = 0; i < 120; ++i) {
+      const auto q = random_q(random, 7 * 16, 2.0);
+      const auto a = random_q(random, 7, 3.0), d = random_q(random, 7, i % 3 ? 0.1 : 1.0);
+      const Verdict block = checkers[0].free_block(q, *workspaces[0]);
+      const auto block_pairs = checkers[0].undecided(*workspaces[0]);
+      const Verdict motion = checkers[0].motion(a, d, *workspaces[0], {});
+      const auto motion_pairs = checkers[0].undecided(*workspaces[0]);
+      (motion == Verdict::free ? free : motion == Verdict::colliding ? colliding : undecided) += 1;
+      for (std::size_t k = 1; k < checkers.size(); ++k) {
+        BOOST_REQUIRE((checkers[k].free_block(q, *workspaces[k]) == block));
+        BOOST_REQUIRE(same(checkers[k].undecided(*workspaces[k]), block_pairs));
+        BOOST_REQUIRE((checkers[k].motion(a, d, *workspaces[k], {}) == motion));
+        BOOST_REQUIRE(same(checkers[k].undecided(*workspaces[k]), motion_pairs));
+      }
+    }
+  }
+  BOOST_TEST(free > 50u);
+  BOOST_TEST(colliding > 50u);
+  BOOST_TEST(undecided > 10u);
+}
+
+BOOST_AUTO_TEST_CASE(what_a_block_calls_free_is_free_and_what_it_calls_colliding_collides) {
+  std::mt19937 random(4);
+  int lanes_free = 0, hits = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const BatchWorld world = random_world(seed, 1.8);
+    const BatchChecker checker(world);
+    const auto workspace = checker.make_workspace();
+    for (int i = 0; i < 100; ++i) {
+      const auto q = random_q(random, 7 * 16, 2.0);
+      const Verdict verdict = checker.free_block(q, *workspace);
+      const auto undecided = checker.undecided(*workspace);
+      double least = 1e9;
+      for (int lane = 0; lane < 16; ++lane) {
+        const std::span<const double> here(q.data() + 7 * lane, 7);
+        std::vector<UndecidedPair> skip;
+        for (const UndecidedPair& u : undecided)
+          if (u.t == lane) skip.push_back(u);
+        const double gap = clearance(world, here, verdict == Verdict::colliding ? std::vector<UndecidedPair>{} : skip);
+        least = std::min(least, gap);
+        if (verdict == Verdict::colliding) continue;
+        lanes_free += skip.empty();
+        BOOST_REQUIRE(gap > 0);  // every pair not handed over is apart
+      }
+      if (verdict == Verdict::colliding) {
+        ++hits;
+        BOOST_REQUIRE(least < 0);
+      }
+    }
+  }
+  BOOST_TEST(lanes_free > 500);
+  BOOST_TEST(hits > 50);
+}
+
+BOOST_AUTO_TEST_CASE(what_a_motion_calls_free_is_free_between_samples) {
+  std::mt19937 random(5);
+  int free = 0, hits = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const BatchWorld world = random_world(seed, 2.0);
+    const BatchChecker checker(world);
+    const auto workspace = checker.make_workspace();
+    for (int i = 0; i < 30; ++i) {
+      const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.4);
+      const Verdict verdict = i % 2 ? checker.motion(a, d, *workspace, {}) : checker.motion_block(a, d, *workspace);
+      if (verdict == Verdict::undecided) continue;
+      double least = 1e9;
+      for (int s = 0; s <= 300; ++s) {
+        std::vector<double> q(7);
+        for (int k = 0; k < 7; ++k) q[k] = a[k] + d[k] * s / 300.0;
+        least = std::min(least, clearance(world, q));
+      }
+      (verdict == Verdict::free ? free : hits) += 1;
+      BOOST_REQUIRE((verdict == Verdict::free ? least > 0 : least < 0.02));
+    }
+  }
+  BOOST_TEST(free > 15);
+  BOOST_TEST(hits > 15);
+}
+
+BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
+  std::mt19937 random(6);
+  int seen = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const BatchWorld world = random_world(seed, 2.0);
+    const BatchChecker checker(world);
+    const auto workspace = checker.make_workspace();
+    for (int i = 0; i < 30; ++i) {
+      const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.2);
+      if (checker.motion(a, d, *workspace, {.refinements = 1}) != Verdict::undecided) continue;
+      ++seen;
+      const auto undecided = checker.undecided(*workspace);
+      for (int s = 0; s <= 100; ++s) {
+        std::vector<double> q(7);
+        for (int k = 0; k < 7; ++k) q[k] = a[k] + d[k] * s / 100.0;
+        std::vector<UndecidedPair> here;
+        for (const UndecidedPair& u : undecided)
+          if (std::abs(u.t - s / 100.0) <= u.half + 1e-12) here.push_back(u);
+        BOOST_REQUIRE(clearance(world, q, here) > 0);
+      }
+    }
+  }
+  BOOST_TEST(seen > 10);
+}
+
+BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
+  BatchWorld world = random_world(1);
+  world.bodies[2].drive = 99;
+  check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "drive is 99");
+  world = random_world(1);
+  world.obstacle_pairs.push_back({0, 77});
+  check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "77");
+  world = random_world(1);
+  world.drives[1].frame.translation().x() = NAN;
+  check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "not finite");
+  const BatchChecker checker(random_world(1));
+  const auto workspace = checker.make_workspace();
+  check_throws<InvalidArgument>([&] { checker.free_block(std::vector<double>(8), *workspace); }, "7 entries");
+  check_throws<InvalidArgument>([&] { checker.motion(std::vector<double>(7), std::vector<double>(3), *workspace, {}); },
+                                "3 entries");
+}
+
+BOOST_AUTO_TEST_CASE(simd_backend_comes_from_the_environment) {
+  const char* before = std::getenv("SRMP_SIMD");
+  const std::string saved = before ? before : "";
+  setenv("SRMP_SIMD", "portable", 1);
+  BOOST_TEST((default_simd_backend() == SimdBackend::portable));
+  setenv("SRMP_SIMD", "avx51", 1);
+  check_throws<InvalidArgument>([] { default_simd_backend(); }, "did you mean 'avx512'");
+  if (before)
+    setenv("SRMP_SIMD", saved.c_str(), 1);
+  else
+    unsetenv("SRMP_SIMD");
+}
