@@ -27,6 +27,7 @@ void GoalConstraint::validate() const {
   require_positive(position_tolerance, "goal position_tolerance");
   require_positive(rotation_tolerance, "goal rotation_tolerance");
   for (const Eigen::VectorXd& target : targets) {
+    if (target.size() == 0) throw InvalidArgument("the goal has an empty target; a target is a row of numbers");
     const std::span<const double> numbers(target.data(), static_cast<std::size_t>(target.size()));
     if (type == GoalType::pose) {
       Pose::from_list(numbers);
