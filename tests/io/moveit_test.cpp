@@ -148,18 +148,18 @@ BOOST_AUTO_TEST_CASE(what_a_scene_leaves_out_is_empty) {
 BOOST_AUTO_TEST_CASE(mistakes_in_scenes_are_refused_with_their_line) {
   scene_refused("primitive_poses:\n        - {p", "primitve_poses:\n        - {p",
                 "unknown key 'primitve_poses' in a collision object, did you mean 'primitive_poses'?");
-  scene_refused("fixed_frame_transforms", "fixed_frames",
-                ":25: unknown key 'fixed_frames' in a planning scene, did you mean 'fixed_frame_transforms'?");
+  scene_refused("fixed_frame_transforms", "fixed_frame_transform",
+                ":26: unknown key 'fixed_frame_transform' in a planning scene, did you mean 'fixed_frame_transforms'?");
   scene_refused("type: box", "type: bx",
-                ":49: object 'shelf' has the unknown type 'bx'; known are 'box', 'sphere', 'cylinder' and 'cone'");
+                ":51: object 'shelf' has the unknown type 'bx'; known are 'box', 'sphere', 'cylinder' and 'cone'");
   scene_refused("[1, 2, 3]", "[1, 2]", "dimensions must be 3 numbers, not 2");
   scene_refused("[1, 2, 3]", "[1, 0, 3]", "has the dimension 0; all must be above 0");
   scene_refused("[1, 2, 3]", "[1, -2, 3]", "has the dimension -2");
   scene_refused("[1, 2, 3]", "[1, .nan, 3]",
-                ":49: object 'shelf''s dimensions is .nan; only finite numbers are allowed");
+                ":51: object 'shelf''s dimensions is .nan; only finite numbers are allowed");
   scene_refused("[1, 2, 3]", "[1, nan, 3]", "only finite");
   scene_refused("[1, 2, 3]", "[1, .inf, 3]", "only finite");
-  scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 0, 0]", ":47: pose quaternion is zero");
+  scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 0, 0]", ":49: pose quaternion is zero");
   scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 1]", "must be 4 numbers, not 3");
   scene_refused("{x: 0, y: 0, z: 1}", "{x: 0, y: 0}", "has no 'z'");
   scene_refused("        - {position: [0, 0, 0]}\n", "", "has 3 shapes, but 2 primitive_poses");
@@ -201,13 +201,13 @@ BOOST_AUTO_TEST_CASE(what_scenes_may_hold_but_is_not_done_here_is_said) {
 
 BOOST_AUTO_TEST_CASE(mistakes_in_requests_are_refused_with_their_line) {
   request_refused("goal_constraints:", "goal_constraint:",
-                  ":14: unknown key 'goal_constraint' in a motion plan request, did you mean 'goal_constraints'?");
+                  ":15: unknown key 'goal_constraint' in a motion plan request, did you mean 'goal_constraints'?");
   request_refused("- {joint_name: a, position: 0.3, ", "- {joint_name: a, ",
-                  ":17: a joint constraint has no 'position'");
-  request_refused("position: 0.3", "position: .nan", ":17: a's position is .nan");
+                  ":18: a joint constraint has no 'position'");
+  request_refused("position: 0.3", "position: .nan", ":18: a's position is .nan");
   request_refused("tolerance_above: 0.01", "tolerance_above: -1", "tolerance_above is -1; it must be 0 or above");
   request_refused("joint_name: b", "joint_name: a", "joint 'a' is constrained twice");
-  request_refused("joint_name: b", "joint: b", "did you mean 'joint_name'?");
+  request_refused("joint_name: b", "joint_nam: b", "did you mean 'joint_name'?");
   request_refused("orientation: [1, 0, 0, 0]", "orientation: [0, 0, 0, 0]", "pose quaternion is zero");
   request_refused("parameterization: 1", "parameterization: 2", "parameterization is 2");
   request_refused("absolute_y_axis_tolerance: 0.2", "absolute_y_axis_tolerance: -0.2",
@@ -276,7 +276,7 @@ BOOST_AUTO_TEST_CASE(a_refused_file_leaves_the_scene_as_it_was) {
     BOOST_TEST((scene.object_names() == std::vector<std::string>{"table"}));
     BOOST_TEST(scene.attachments().empty());
   };
-  refused("frame_id: shelf_frame", "frame_id: shelf_fram",
+  refused("header: {frame_id: shelf_frame}", "header: {frame_id: shelf_fram}",
           "object 'shelf' is in the unknown frame 'shelf_fram', did you mean 'shelf_frame'?");
   refused("link_name: tip", "link_name: tipp", "unknown link 'tipp', did you mean 'tip'?");
   refused("id: wedge", "id: table", "table");

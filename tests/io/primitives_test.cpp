@@ -78,7 +78,7 @@ BOOST_AUTO_TEST_CASE(the_example_that_ships_can_be_read) {
 
 BOOST_AUTO_TEST_CASE(mistakes_are_refused_with_their_line) {
   check_refused("use: far", "use: fra", ":7: use is 'fra'; it must be far, near or always");
-  check_refused("use: far", "use: far\n    step: 3", ":8: unknown key 'step' in family");
+  check_refused("use: far", "use: far\n    step: 3", ":8: unknown key 'step' in a family");
   check_refused("families", "familes", "unknown key 'familes' in a primitive file, did you mean 'families'?");
   check_refused("by: 15", "bye: 15", "did you mean 'by'?");
   check_refused("by: 15", "by: 0", ":6: a move of family 'long' is zero");

@@ -242,8 +242,9 @@ std::vector<SceneObject> MessageReader::collision_object(const Node& node) {
       !(operation.empty() || operation == "0" || operation == "ADD" || operation == "add"))
     file_.unsupported(node["operation"],
                       what + " has the operation '" + operation + "'; only 0 (add) is supported in a scene");
-  const bool has_pose = !is_empty(node["pose"]);
-  const Pose object_pose = has_pose ? pose(node["pose"], what + "'s pose") : Pose{};
+  const Node whole = node["pose"];
+  const bool has_pose = whole.IsDefined() && !whole.IsNull();
+  const Pose object_pose = has_pose ? pose(whole, what + "'s pose") : Pose{};
 
   std::vector<SceneObject> shapes;
   const auto add_all = [&](const std::string& key, const std::string& pose_key, auto&& read) {
