@@ -101,19 +101,13 @@ def _make_world(
     return planner
 
 
-def _place(planner: srmp.PlannerInterface, urdf: str, start: dict[str, float], source: str) -> list[float]:
-    """Sets all joints of the robot that `start` names; returns the planned ones in order."""
-    from srmp._urdf import read_joints, settable_joints
-
-    joints = read_joints(urdf)
-    settable, known = settable_joints(joints), {joint.name for joint in joints}
-    if unknown := sorted(start.keys() - known):
-        raise srmp.InvalidArgument(f"{source}: the robot has no joint '{unknown[0]}'.")
-    planner.set_joint_positions("robot", {joint: value for joint, value in start.items() if joint in settable})
-    names = planner.get_joint_names("robot")
-    if missing := [name for name in names if name not in start]:
-        raise srmp.InvalidArgument(f"{source}: joint '{missing[0]}' has no position.")
-    return [start[name] for name in names]
+def _apply_request(world: srmp.PlannerInterface, request: srmp.MoveItRequest) -> srmp.MoveItProblem:
+    """Start and goals of the request for the robot; says on stderr which joints of the file were not used."""
+    problem = world.apply_moveit_request("robot", request)
+    if problem.ignored_joints:
+        names = ", ".join(problem.ignored_joints)
+        click.echo(f"note: {request.path} also places {names}, which are no movable joints of the robot", err=True)
+    return problem
 
 
 # --- commands ---------------------------------------------------------------------------------------------------------
@@ -173,10 +167,10 @@ def plan(
     request = srmp.load_moveit_request(request_path)
     chosen = group or (request.group_name if srdf else "")
     world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
-    start = _place(world, urdf, request.start, request_path)
+    problem = _apply_request(world, request)
     world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
     try:
-        trajectory = world.plan("robot", start, request.goals)
+        trajectory = world.plan("robot", problem.start, problem.goals)
     except srmp.PlanningError:
         write_json(output, plan_result(world.get_planning_stats(), world.get_joint_names("robot"), None))
         raise
@@ -211,10 +205,10 @@ def check(
         world = _make_world(
             urdf, srdf, end_effector, group or (request.group_name if srdf else ""), package_dirs, scene
         )
-        q = _place(world, urdf, request.start, request_path)
+        q = _apply_request(world, request).start
     else:
         world = _make_world(urdf, srdf, end_effector, group, package_dirs, scene)
-        q = _parse_state(world, urdf, state or "")
+        q = _parse_state(world, state or "")
     reasons = _limit_violations(world, q) + [str(contact) for contact in world.contacts("robot", q)]
     for reason in reasons:
         click.echo(reason)
@@ -224,19 +218,26 @@ def check(
     click.echo("free" if nearest is None else f"free, nearest: {nearest}")
 
 
-def _parse_state(world: srmp.PlannerInterface, urdf: str, text: str) -> list[float]:
+def _parse_state(world: srmp.PlannerInterface, text: str) -> list[float]:
+    """The planned joints' positions; other joints that are named are set in the world."""
     parts = [part.strip() for part in text.split(",")]
     names = world.get_joint_names("robot")
     try:
-        if "=" in text:
-            values = {key: float(value) for key, value in parse_key_values(parts).items()}
-            return _place(world, urdf, values, "--state")
-        numbers = [float(part) for part in parts]
+        if "=" not in text:
+            numbers = [float(part) for part in parts]
+            if len(numbers) != len(names):
+                raise click.BadParameter(
+                    f"--state has {len(numbers)} values; the planned joints are {', '.join(names)}."
+                )
+            return numbers
+        values = {key: float(value) for key, value in parse_key_values(parts).items()}
     except ValueError as error:
-        raise click.BadParameter(f"--state: {error}") from error
-    if len(numbers) != len(names):
-        raise click.BadParameter(f"--state has {len(numbers)} values, but the planned joints are {', '.join(names)}.")
-    return numbers
+        raise click.BadParameter(f"--state: {error}.") from error
+    if missing := [name for name in names if name not in values]:
+        raise click.BadParameter(f"--state has no position for joint '{missing[0]}'.")
+    if others := {name: value for name, value in values.items() if name not in names}:
+        world.set_joint_positions("robot", others)
+    return [values[name] for name in names]
 
 
 def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[str]:

@@ -72,8 +72,8 @@ class DemoResult:
     def summary(self) -> str:
         t, s = self.trajectory, self.statistics
         return (
-            f"solved in {format_seconds(s['plan_time_s'])} with {s['expansions']} expansions: {len(t.waypoints)} waypoints, "
-            f"{s['path_cost_rad']:.2f} rad, a motion of {t.times[-1]:.2f} s"
+            f"solved in {format_seconds(s['plan_time_s'])} with {s['expansions']} expansions: "
+            f"{len(t.waypoints)} waypoints, {s['path_cost_rad']:.2f} rad, a motion of {t.times[-1]:.2f} s"
         )
 
     def write(self, path: str | Path) -> None:
@@ -97,12 +97,8 @@ class DemoResult:
         arms = [self._link_origins(links, self.trajectory.sample(time)) for time in times]
         tip = [self.planner.compute_fk(ROBOT, q).p for q in self.trajectory.positions]
         scene = SceneDrawing(
-            boxes=[
-                (size, srmp.Pose(p=centre).matrix()) for name, (size, centre) in BOXES.items() if name != "floor"
-            ],
-            cylinders=[
-                (radius, length, srmp.Pose(p=centre).matrix()) for radius, length, centre in CYLINDERS.values()
-            ],
+            boxes=[(size, srmp.Pose(p=centre).matrix()) for name, (size, centre) in BOXES.items() if name != "floor"],
+            cylinders=[(radius, length, srmp.Pose(p=centre).matrix()) for radius, length, centre in CYLINDERS.values()],
         )
         draw_motion(path, scene, MotionDrawing(arms, times, np.array(tip)), title=f"srmp demo: {self.summary()}")
 

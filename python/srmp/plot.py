@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 _CUBE_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _CUBE_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
-_OBJECT_COLOUR = "#8d7b68"
+_OBJECT_COLOUR = "#c2955d"
+_EDGE_COLOUR = "#6b4f35"
 _FLOOR_COLOUR = "#e9e6e1"
 
 
@@ -48,9 +49,9 @@ def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, ti
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 7.5), dpi=150, facecolor="white")
+    figure = Figure(figsize=(9, 8), dpi=150, facecolor="white")
     FigureCanvasAgg(figure)  # no window, no global state
-    axes: Any = figure.add_axes((0.0, 0.0, 0.94, 0.94), projection="3d", computed_zorder=False)
+    axes: Any = figure.add_axes((-0.02, -0.03, 0.96, 0.98), projection="3d", computed_zorder=False)
     lower, upper = _bounds(scene, motion)
     times = np.asarray(motion.times, dtype=float)
     scale = Normalize(times[0], max(times[-1], times[0] + 1e-9))
@@ -72,7 +73,7 @@ def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, ti
     _frame(axes, lower, upper)
     _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))
     if title:
-        figure.text(0.5, 0.955, title, ha="center", va="top", fontsize=13)
+        figure.text(0.5, 0.955, title, ha="center", va="top", fontsize=12)
     figure.savefig(path)
 
 
@@ -103,7 +104,7 @@ def _transform(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
 def _draw_floor(axes: Axes3D, lower: np.ndarray, upper: np.ndarray) -> None:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    (x0, y0, z), (x1, y1, _) = lower - 0.1, upper + 0.1
+    (x0, y0, z), (x1, y1, _) = lower - 0.02, upper + 0.02
     z = lower[2] - 1e-3
     floor = Poly3DCollection([[(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]], facecolor=_FLOOR_COLOUR, zorder=0)
     axes.add_collection3d(floor)
@@ -116,9 +117,9 @@ def _draw_box(axes: Axes3D, size: np.ndarray, pose: np.ndarray) -> None:
     faces = Poly3DCollection(
         [corners[list(face)] for face in _CUBE_FACES],
         facecolors=_OBJECT_COLOUR,
-        edgecolors="#5b4f43",
+        edgecolors=_EDGE_COLOUR,
         linewidths=0.6,
-        alpha=0.28,
+        alpha=0.16,
         shade=True,
         zorder=5,
     )
@@ -131,7 +132,7 @@ def _draw_cylinder(axes: Any, radius: float, length: float, pose: np.ndarray) ->
     points = _transform(pose, side.reshape(-1, 3)).reshape(side.shape)
     axes.plot_surface(*np.moveaxis(points, -1, 0), color=_OBJECT_COLOUR, alpha=0.35, linewidth=0, zorder=5)
     for rim in points:
-        axes.plot(*rim.T, color="#5b4f43", linewidth=0.6, zorder=6)
+        axes.plot(*rim.T, color=_EDGE_COLOUR, linewidth=0.6, zorder=6)
 
 
 def _draw_sphere(axes: Any, radius: float, centre: np.ndarray) -> None:
@@ -156,12 +157,12 @@ def _draw_arm(axes: Any, arm: np.ndarray, colour: Any, alpha: float) -> None:
 
 def _frame(axes: Any, lower: np.ndarray, upper: np.ndarray) -> None:
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
-    axes.set_box_aspect(np.maximum(upper - lower, 1e-3), zoom=1.25)
-    axes.view_init(elev=22, azim=-58)
+    axes.set_box_aspect(np.maximum(upper - lower, 1e-3), zoom=1.08)
+    axes.view_init(elev=24, azim=-148)
     axes.set_axis_off()
 
 
 def _draw_time_scale(figure: Any, mappable: Any) -> None:
-    bar = figure.colorbar(mappable, cax=figure.add_axes((0.92, 0.25, 0.014, 0.45)))
+    bar = figure.colorbar(mappable, cax=figure.add_axes((0.915, 0.27, 0.014, 0.42)))
     bar.set_label("time [s]")
     bar.outline.set_visible(False)

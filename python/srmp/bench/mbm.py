@@ -27,7 +27,6 @@ import numpy as np
 
 import srmp
 from srmp._table import format_seconds, format_table
-from srmp._urdf import read_joints, settable_joints
 
 # The link whose path length is reported; other robots: the tip of the planning group.
 END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
@@ -167,7 +166,6 @@ class Runner:
     def __init__(self, files: RobotFiles, planner_id: str, options: Mapping[str, str], time_limit: float) -> None:
         self._files = files
         self._options = {"planner_id": planner_id, "time_limit": time_limit, **options}
-        self._settable = settable_joints(read_joints(files.urdf))
         self._planner: srmp.PlannerInterface | None = None
         self._group = ""
 
@@ -194,18 +192,16 @@ class Runner:
         request = srmp.load_moveit_request(str(problem.request))
         planner = self._planner_for(request.group_name)
         planner.load_moveit_scene(str(problem.scene))
-        # The requests also place joints that these URDFs hold fixed (fingers, wheels).
-        state = {joint: value for joint, value in request.start.items() if joint in self._settable}
-        planner.set_joint_positions(self._files.name, state)
         joint_names = list(planner.get_joint_names(self._files.name))
-        missing = [joint for joint in joint_names if joint not in request.start]
+        missing = [joint for joint in joint_names if joint not in request.start_joints]
         if missing:
             raise srmp.InvalidArgument(f"{problem.request}: the start has no position for joint '{missing[0]}'.")
-        start = np.array([request.start[joint] for joint in joint_names])
+        # The requests also place joints that these URDFs hold fixed (fingers, wheels): those are left out.
+        posed = planner.apply_moveit_request(self._files.name, request)
 
         trajectory, reason = None, ""
         try:
-            trajectory = planner.plan(self._files.name, start, request.goals)
+            trajectory = planner.plan(self._files.name, posed.start, posed.goals)
             status = "solved"
         except srmp.PlanningError as error:
             status, reason = status_name(error.status), str(error)
