@@ -203,6 +203,8 @@ char EnclosedSpace::at(const Eigen::Array3i& i) const {
 
 bool EnclosedSpace::encloses(const Vector3d& point) const { return !state_.empty() && at(index(point)) == unknown; }
 
+bool EnclosedSpace::cut(const Vector3d& point) const { return at(index(point)) == surface; }
+
 bool EnclosedSpace::reachable_near(const Triangle& t) const {
   const Eigen::Array3i low = index(t[0].cwiseMin(t[1]).cwiseMin(t[2])) - 1;
   const Eigen::Array3i high = index(t[0].cwiseMax(t[1]).cwiseMax(t[2])) + 1;
@@ -215,19 +217,24 @@ bool EnclosedSpace::reachable_near(const Triangle& t) const {
 
 // --- Depth
 
+bool CoverSolid::Impl::is_odd(const Vector3d& p) const {
+  const Vector3d direction(0.4371, 0.7213, 0.5373);  // no mesh is aligned with it
+  return closed && all.crossings(p, direction) % 2 == 1 && all.crossings(p, -direction) % 2 == 1;
+}
+
 double CoverSolid::Impl::depth(const Vector3d& p) const {
   if (curved_depth) return curved_depth(p);
   if (convex) return (offsets - normals * p).minCoeff();
   const double distance = outer.nearest(p).distance;
-  return enclosed.encloses(p) ? distance : -distance;
+  // In a voxel that triangles cut: those of an inner wall are far from the outer surface; else a closed mesh can tell.
+  const bool inside = enclosed.encloses(p) || (enclosed.cut(p) && distance > 3 * enclosed.voxel()) || is_odd(p);
+  return inside ? distance : -distance;
 }
 
 double CoverSolid::Impl::inner_depth(const Vector3d& p) const {
   if (curved_depth) return curved_depth(p);
   if (convex) return (inner_offsets - normals * p).minCoeff();
-  const Vector3d direction(0.4371, 0.7213, 0.5373);  // no mesh is aligned with it
-  if (!closed || all.crossings(p, direction) % 2 == 0 || all.crossings(p, -direction) % 2 == 0)
-    return -std::numeric_limits<double>::infinity();
+  if (!is_odd(p)) return -std::numeric_limits<double>::infinity();
   return all.nearest(p).distance;
 }
 

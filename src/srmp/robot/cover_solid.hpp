@@ -47,7 +47,9 @@ class EnclosedSpace {
   EnclosedSpace(const std::vector<Triangle>& triangles, double voxel);
 
   bool encloses(const Eigen::Vector3d& point) const;  ///< in a voxel that is neither reachable nor cut
-  bool reachable_near(const Triangle& piece) const;   ///< is a reachable voxel next to it?
+  bool cut(const Eigen::Vector3d& point) const;       ///< in a voxel that holds a piece of a triangle
+  double voxel() const { return voxel_; }
+  bool reachable_near(const Triangle& piece) const;  ///< is a reachable voxel next to it?
 
  private:
   enum : char { unknown, surface, outside };
@@ -82,6 +84,7 @@ struct CoverSolid::Impl {
   enum class Kind { general, sphere, capsule } kind{Kind::general};
   double radius{}, length{};
 
+  bool is_odd(const Eigen::Vector3d& point) const;         // surely between walls of a closed mesh
   double depth(const Eigen::Vector3d& point) const;        // may be slightly too large for nearly convex meshes
   double inner_depth(const Eigen::Vector3d& point) const;  // never too large; -inf when not surely inside
 };

@@ -67,7 +67,8 @@ GeometryCover cover_geometry(const coal::CollisionGeometry& shape, const coal::C
   cover.fine_inflation = fine.max_inflation;
   cover.fine = fine.balls;
   cover.children = cover_children(solid, cover.coarse, cover.fine);
-  if (convex_solid(shape)) cover.inner = pack_solid(solid, levels.inner);
+  cover.inner = pack_solid(solid_of(shape, nullptr), levels.inner);
+  cover.hollow = !convex_solid(shape);
   return cover;
 }
 

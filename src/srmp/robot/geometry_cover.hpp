@@ -14,6 +14,7 @@ struct GeometryCover {
   std::vector<Ball> coarse, fine, inner;
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); both empty when exact
   bool exact{false};                                 ///< the one coarse ball is the geometry
+  bool hollow{false};                                ///< a surface, not a solid
   double coarse_inflation{}, fine_inflation{};       ///< [m] largest; of a mesh covered by its hull: of the hull
 };
 

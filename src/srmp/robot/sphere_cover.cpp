@@ -188,7 +188,7 @@ std::vector<Candidate> find_candidates(const CoverSolid::Impl& solid, const std:
       continue;
     }
     for (const Vector3d& way : {inward, Vector3d(-inward)})
-      if (const auto c = shrink_ball(solid, x, way); c && solid.enclosed.encloses(*c)) offer(*c);
+      if (const auto c = shrink_ball(solid, x, way); c && solid.depth(*c) > 0) offer(*c);
   }
   std::vector<Candidate> result;
   for (const auto& entry : best) result.push_back(entry.second);
@@ -308,7 +308,7 @@ void add_interior(const CoverSolid::Impl& solid, double step, std::vector<Piece>
       }
 }
 
-/// Where no candidate reaches, a small ball of its own around the gap.
+/// The smallest ball around a piece's centre.
 Ball ball_around(const Piece& piece) {
   Ball ball;
   for (const Vector3d& p : piece) ball.center += p / static_cast<double>(piece.size());
@@ -350,7 +350,13 @@ std::vector<Ball> cover_with(const CoverSolid::Impl& solid, double inflation) {
       if (gaps.empty()) return balls;
       add(Greedy(candidates, inflation).choose(gaps, left));
     }
-    for (const Piece& piece : left) balls.push_back(ball_around(piece));
+    const std::size_t before = balls.size();
+    for (const Piece& piece : left) {  // where no candidate reaches: balls of their own
+      if (std::any_of(balls.begin() + before, balls.end(), [&](const Ball& b) { return holds(b, piece); })) continue;
+      Ball ball = ball_around(piece);
+      ball.radius = std::max(ball.radius, solid.depth(ball.center) + inflation);
+      balls.push_back(ball);
+    }
     left.clear();
   }
 }

@@ -180,6 +180,17 @@ double extent(const BatchObstacle& o) {
   return 0;
 }
 
+/// A lower bound of the diameter, padding left out.
+double diameter(const BatchObstacle& o) {
+  switch (o.kind) {
+    case BatchObstacle::Kind::sphere: return 2 * o.size[0];
+    case BatchObstacle::Kind::box: return o.size.norm();
+    case BatchObstacle::Kind::cylinder: return std::hypot(2 * o.size[0], o.size[1]);
+    case BatchObstacle::Kind::capsule: return 2 * o.size[0] + o.size[1];
+  }
+  return 0;
+}
+
 }  // namespace
 
 void BatchChecker::Impl::require_valid() const {
@@ -268,6 +279,7 @@ void BatchChecker::Impl::add_bodies() {
     kernel.reach_radius = above(body.bound.radius + 2 * body_slack(body));
     kernel.padding = above(body.padding);
     kernel.exact = body.exact;
+    kernel.capacity = body.hollow ? above(2 * body.bound.radius + 1e-3) : 0.0f;
     kernel.first_ball = static_cast<int>(balls.size());
     kernel.balls = static_cast<int>(body.coarse.size());
     for (const Ball& ball : body.coarse) balls.push_back(kernel_ball(ball));
@@ -299,6 +311,7 @@ void BatchChecker::Impl::add_obstacles() {
     copy_rotation(inverse.linear(), kernel.rotation);
     kernel.aligned = inverse.linear().isIdentity(0.0);
     kernel.exact = o.exact;
+    kernel.size = below(diameter(o));
     for (int i = 0; i < 3; ++i) kernel.offset[i] = static_cast<float>(inverse.translation()[i]);
     double rounding = 0;
     switch (o.kind) {

@@ -96,6 +96,7 @@ class Builder {
     };
     const bool had_children = !body.children.empty(), first = body.coarse.empty();
     body.exact = cover.exact && (first || body.exact);
+    body.hollow = body.hollow || cover.hollow;
     if (!cover.children.empty() && !had_children) body.children.resize(body.coarse.size());
     add(body.coarse, cover.coarse);
     add(body.fine, cover.fine);

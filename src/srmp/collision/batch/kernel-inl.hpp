@@ -192,7 +192,7 @@ class Slice {
       }
     }
     if (undecided == 0) return;
-    if (o.exact)
+    if (o.exact && o.size > body.capacity)
       for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
         if (hit(squared_distance(o, fine(body, m_.balls[b])), m_.balls[b].radius + body.padding + o.inner_radius,
                 undecided))
@@ -254,7 +254,7 @@ class Slice {
       }
     }
     if (undecided == 0) return;
-    if (pair.exact && check_inner(a, b, pair, undecided)) return;
+    if (pair.exact && a.capacity == 0.0f && b.capacity == 0.0f && check_inner(a, b, pair, undecided)) return;
     report(m_.pair_count + k, undecided);
   }
 
