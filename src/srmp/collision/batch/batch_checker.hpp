@@ -35,7 +35,8 @@ struct BatchBody {
   std::vector<Ball> fine;                            ///< together hold the body; may be empty
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); empty when fine is
   std::vector<Ball> inner;                           ///< inside the body
-  double padding{0.0};                               ///< kept clear of obstacles
+  bool hollow{false};   ///< what is wholly inside does not collide: inner balls count against larger things only
+  double padding{0.0};  ///< kept clear of obstacles
 };
 
 struct BatchObstacle {

@@ -36,6 +36,7 @@ struct KernelBody {
   float padding;            // kept clear of obstacles
   int first_ball, balls;    // coarse
   int first_inner, inners;  // balls inside
+  float capacity;           // nothing of a larger diameter can be inside without contact; 0 for solids
   int exact;                // the coarse balls are the body itself
   int first_pair, pairs;    // obstacles to check against, into Model::pair_obstacles
 };
@@ -48,6 +49,7 @@ struct KernelObstacle {
   float rotation[9];   // world to local, row by row
   float offset[3];     // local = rotation * world + offset
   float half[3];       // half extents; cylinder: radius, unused, half length
+  float size;          // a lower bound of its diameter
   float radius;        // rounding, padding and float slack, for proofs of "free"
   float inner_radius;  // rounding and padding less float slack, for proofs of "hit"
 };
