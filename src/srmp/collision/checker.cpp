@@ -20,9 +20,9 @@ using detail::Proximity;
 
 namespace {
 
-/// Mesh against mesh is asked to prove an interval only when the two move by less in it: before that, halving is
-/// cheaper.
-constexpr double mesh_pair_motion = 1e-3;  // [m]
+/// Two bodies of many pieces each (meshes, clouds) are asked to prove an interval only when they move by less in it:
+/// before that, halving is cheaper.
+constexpr double many_pieces_motion = 1e-3;  // [m]
 
 std::string millimetres(double metres) {
   char text[32];
@@ -293,12 +293,13 @@ Checker::Workspace::Verdict Checker::Workspace::judge(const Pair& pair, double h
     // Three more halvings let the hulls prove it: cheaper than asking the meshes.
     if (distance > margin - 0.9 * motion) return unproved;
   }
-  if (pair.two_meshes && motion > mesh_pair_motion) {
-    if (!hull_of_one_within(pair, margin + NarrowPhase::tolerance)) return Verdict::proved;
+  const bool many_pieces = pair.two_meshes || !pair.hulls_have_distance;
+  if (many_pieces && motion > many_pieces_motion) {
+    if (pair.two_meshes && !hull_of_one_within(pair, margin + NarrowPhase::tolerance)) return Verdict::proved;
   } else if (!pair.hulls_are_exact && !within(pair, margin)) {
     return Verdict::proved;
   }
-  return within(pair, pair.padding) ? Verdict::contact : unproved;
+  return in_contact(pair) ? Verdict::contact : unproved;
 }
 
 /// Judges the pair over an interval around here and remembers it when undecided; false when the motion is not free.
