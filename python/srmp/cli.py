@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -42,17 +42,20 @@ def main() -> None:
 # --- shared options ---------------------------------------------------------------------------------------------------
 
 
-def _planner_options(command: Any) -> Any:
-    decorators = [
-        click.option("--planner", default="wAstar", show_default=True, help="Planner id."),
-        click.option(
-            "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
-        ),
-        click.option("--time-limit", type=float, default=10.0, show_default=True, help="Seconds a problem."),
-    ]
-    for decorator in reversed(decorators):
-        command = decorator(command)
-    return command
+def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
+    def decorate(command: Any) -> Any:
+        decorators = [
+            click.option("--planner", default="wAstar", show_default=True, help="Planner id."),
+            click.option(
+                "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
+            ),
+            click.option("--time-limit", type=float, default=time_limit, show_default=True, help="Seconds a plan."),
+        ]
+        for decorator in reversed(decorators):
+            command = decorator(command)
+        return command
+
+    return decorate
 
 
 def _robot_options(command: Any) -> Any:
@@ -117,7 +120,7 @@ def _apply_request(world: srmp.PlannerInterface, request: srmp.MoveItRequest) ->
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Folder for the files."
 )
-@_planner_options
+@_planner_options(time_limit=30.0)
 def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float) -> None:
     """A 7-joint arm reaches into a shelf; writes demo.json and demo.png."""
     from srmp.demo import run
@@ -142,7 +145,7 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     "--request", "request_path", required=True, type=EXISTING_FILE, help="Start and goals: MoveIt request YAML."
 )
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="Result file (JSON).")
-@_planner_options
+@_planner_options()
 def plan(
     urdf: str,
     srdf: str | None,
@@ -267,7 +270,7 @@ def bench() -> None:
 @click.option("--robot", required=True, help="panda, ur5 or fetch.")
 @click.option("--scenario", "scenarios", multiple=True, help="Only this one; may be repeated.")
 @click.option("--problems", default="", help="Numbers in each scenario, such as 1-10 or 1,3,5-7; default: all.")
-@_planner_options
+@_planner_options()
 @click.option(
     "--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model."
 )
