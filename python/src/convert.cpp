@@ -6,7 +6,8 @@ namespace srmp::python {
 
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what) {
   try {
-    const nb::object array = nb::module_::import_("numpy").attr("ascontiguousarray")(value, nb::arg("dtype") = "float64");
+    const nb::object array =
+        nb::module_::import_("numpy").attr("ascontiguousarray")(value, nb::arg("dtype") = "float64");
     return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
   } catch (const nb::python_error&) {
     throw InvalidArgument(what + " must be numbers, but is " + nb::cast<std::string>(nb::repr(value)));
@@ -16,13 +17,15 @@ nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle v
 Eigen::VectorXd ArrayLike::vector(const std::string& what) const {
   const auto numbers = to_numbers(value, what);
   if (numbers.ndim() != 1)
-    throw InvalidArgument(what + " must be one row of numbers, but has " + std::to_string(numbers.ndim()) + " dimensions");
+    throw InvalidArgument(what + " must be one row of numbers, but has " + std::to_string(numbers.ndim()) +
+                          " dimensions");
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
 }
 
 Eigen::Vector3d ArrayLike::vector3(const std::string& what) const {
   const Eigen::VectorXd numbers = vector(what);
-  if (numbers.size() != 3) throw InvalidArgument(what + " must be 3 numbers, x, y, z, but got " + std::to_string(numbers.size()));
+  if (numbers.size() != 3)
+    throw InvalidArgument(what + " must be 3 numbers, x, y, z, but got " + std::to_string(numbers.size()));
   return numbers;
 }
 
@@ -61,7 +64,8 @@ OptionMap to_option_map(nb::handle dictionary) {
       map[name] = to_names(value);
     } else {
       double number{};
-      if (!nb::try_cast<double>(value, number) && PyNumber_Check(value.ptr())) number = nb::cast<double>(nb::float_(value));
+      if (!nb::try_cast<double>(value, number) && PyNumber_Check(value.ptr()))
+        number = nb::cast<double>(nb::float_(value));
       else if (!nb::try_cast<double>(value, number))
         throw InvalidArgument("option '" + name + "' is " + nb::cast<std::string>(nb::repr(value)) +
                               "; it must be a number, a word, True or False, or a list of words");
@@ -90,7 +94,9 @@ std::vector<GoalConstraint> to_goals(nb::handle goal) {
   GoalConstraint one;
   if (nb::try_cast(goal, one)) return {one};
   std::vector<GoalConstraint> many;
-  if ((nb::isinstance<nb::list>(goal) || nb::isinstance<nb::tuple>(goal)) && nb::len(goal) > 0 && nb::try_cast(goal, many)) return many;
+  if ((nb::isinstance<nb::list>(goal) || nb::isinstance<nb::tuple>(goal)) && nb::len(goal) > 0 &&
+      nb::try_cast(goal, many))
+    return many;
   throw InvalidArgument("a goal must be a GoalConstraint or a non-empty list of them, but is " +
                         nb::cast<std::string>(nb::repr(goal)));
 }

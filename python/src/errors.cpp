@@ -51,11 +51,15 @@ void bind_errors(nb::module_& m) {
       .value("cancelled", Status::cancelled, "The caller asked to stop.");
 
   error_type = make_exception(m, "Error", "Base of everything that srmp raises.", PyExc_Exception, nullptr);
-  invalid_argument_type = make_exception(m, "InvalidArgument", "An argument was refused; nothing was changed.", error_type, PyExc_ValueError);
-  file_error_type = make_exception(m, "FileError", "A file is missing, unreadable or wrong.", error_type, PyExc_OSError);
-  not_supported_type = make_exception(m, "NotSupported", "Not done by this version yet.", error_type, PyExc_NotImplementedError);
-  planning_error_type = make_exception(m, "PlanningError", "No trajectory. `status` (a Status) says which kind of no, the text why.",
-                                       error_type, nullptr);
+  invalid_argument_type = make_exception(m, "InvalidArgument", "An argument was refused; nothing was changed.",
+                                         error_type, PyExc_ValueError);
+  file_error_type =
+      make_exception(m, "FileError", "A file is missing, unreadable or wrong.", error_type, PyExc_OSError);
+  not_supported_type =
+      make_exception(m, "NotSupported", "Not done by this version yet.", error_type, PyExc_NotImplementedError);
+  planning_error_type =
+      make_exception(m, "PlanningError", "No trajectory. `status` (a Status) says which kind of no, the text why.",
+                     error_type, nullptr);
   nb::register_exception_translator(translate);
 }
 

@@ -18,7 +18,8 @@ class PyPlannerInterface {
   auto use(Use&& call) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock)
-      throw Error("this PlannerInterface is planning in another thread; give each thread a PlannerInterface of its own");
+      throw Error(
+          "this PlannerInterface is planning in another thread; give each thread a PlannerInterface of its own");
     return call(planner_);
   }
 
@@ -49,7 +50,8 @@ Trajectory run_interruptible(Plan&& plan) {
 std::string only_robot(nb::handle robots) {
   const std::vector<std::string> names = to_names(robots);
   if (names.size() != 1)
-    throw InvalidArgument("plan is for one robot, but " + std::to_string(names.size()) + " were named; use plan_multi for many");
+    throw InvalidArgument("plan is for one robot, but " + std::to_string(names.size()) +
+                          " were named; use plan_multi for many");
   return names[0];
 }
 
@@ -57,7 +59,8 @@ std::array<int, 3> to_triangle(const Eigen::Vector3d& row, const std::string& me
   std::array<int, 3> triangle{};
   for (Eigen::Index i = 0; i < 3; ++i) {
     if (!(row[i] >= 0 && row[i] < 2e9 && row[i] == std::floor(row[i])))
-      throw InvalidArgument("triangles of mesh '" + mesh + "' hold " + to_text(row[i]) + "; they must be whole vertex numbers from 0");
+      throw InvalidArgument("triangles of mesh '" + mesh + "' hold " + to_text(row[i]) +
+                            "; they must be whole vertex numbers from 0");
     triangle[static_cast<std::size_t>(i)] = static_cast<int>(row[i]);
   }
   return triangle;
@@ -90,275 +93,401 @@ nb::dict to_dict(const PlanStatistics& s) {
 }
 
 void bind_robots(nb::class_<Self>& cls) {
-  cls.def("add_articulation",
-          [](Self& self, const std::string& urdf_path, const std::string& srdf_path, const std::string& name,
-             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
-             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
-             const std::string& urdf_text, const Pose& base_pose) {
-            const RobotDescription description{.urdf_path = urdf_path, .urdf_text = urdf_text, .srdf_path = srdf_path, .name = name,
-                                               .end_effector = end_effector, .group = group, .joint_names = joint_names,
-                                               .fixed_joints = fixed_joints, .package_dirs = package_dirs};
-            self.use([&](PlannerInterface& p) { p.add_articulation(description, base_pose); });
+  cls.def(
+         "add_articulation",
+         [](Self& self, const std::string& urdf_path, const std::string& srdf_path, const std::string& name,
+            const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
+            const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
+            const std::string& urdf_text, const Pose& base_pose) {
+           const RobotDescription description{.urdf_path = urdf_path,
+                                              .urdf_text = urdf_text,
+                                              .srdf_path = srdf_path,
+                                              .name = name,
+                                              .end_effector = end_effector,
+                                              .group = group,
+                                              .joint_names = joint_names,
+                                              .fixed_joints = fixed_joints,
+                                              .package_dirs = package_dirs};
+           self.use([&](PlannerInterface& p) { p.add_articulation(description, base_pose); });
+         },
+         nb::arg("urdf_path") = "", nb::arg("srdf_path") = "", nb::arg("name") = "", nb::arg("end_effector") = "",
+         nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
+         nb::arg("fixed_joints") = std::map<std::string, double>{},
+         nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
+         "Add a robot from a URDF and, where there is one, an SRDF.\n\n"
+         "name: unique; default the URDF's. end_effector: the link that goals speak of. Planned joints: joint_names, "
+         "else the\n"
+         "SRDF group, else the chain to the end effector. fixed_joints: values [rad or m] of all other joints. "
+         "package_dirs:\n"
+         "where meshes are searched besides the URDF's folder. Without an SRDF, adjacent links and links that collide "
+         "in every\n"
+         "sampled configuration may touch.\n\n"
+         "Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and\n"
+         "InvalidArgument (unknown names, with the nearest).")
+      .def(
+          "remove_articulation",
+          [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_articulation(name); }); },
+          nb::arg("name"), "Remove a robot, its planners and what was attached to it.")
+      .def(
+          "set_base_pose",
+          [](Self& self, const std::string& name, const Pose& pose) {
+            self.use([&](auto& p) { p.set_base_pose(name, pose); });
           },
-          nb::arg("urdf_path") = "", nb::arg("srdf_path") = "", nb::arg("name") = "", nb::arg("end_effector") = "",
-          nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
-          nb::arg("fixed_joints") = std::map<std::string, double>{}, nb::arg("package_dirs") = std::vector<std::string>{},
-          nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
-          "Add a robot from a URDF and, where there is one, an SRDF.\n\n"
-          "name: unique; default the URDF's. end_effector: the link that goals speak of. Planned joints: joint_names, else the\n"
-          "SRDF group, else the chain to the end effector. fixed_joints: values [rad or m] of all other joints. package_dirs:\n"
-          "where meshes are searched besides the URDF's folder. Without an SRDF, adjacent links and links that collide in every\n"
-          "sampled configuration may touch.\n\n"
-          "Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and\n"
-          "InvalidArgument (unknown names, with the nearest).")
-      .def("remove_articulation", [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_articulation(name); }); },
-           nb::arg("name"), "Remove a robot, its planners and what was attached to it.")
-      .def("set_base_pose", [](Self& self, const std::string& name, const Pose& pose) { self.use([&](auto& p) { p.set_base_pose(name, pose); }); },
-           nb::arg("name"), nb::arg("pose"), "Place the robot's root link in the world.")
-      .def("set_qpos", [](Self& self, const std::string& name, const ArrayLike& q) {
-             const Eigen::VectorXd v = q.vector("q of '" + name + "'");
-             self.use([&](auto& p) { p.set_qpos(name, v); });
-           },
-           nb::arg("name"), nb::arg("q"), "Where the robot stands while others plan: planned joints, shape (dof,) [rad or m].")
-      .def("set_joint_positions", [](Self& self, const std::string& name, const std::map<std::string, double>& positions) {
-             self.use([&](auto& p) { p.set_joint_positions(name, positions); });
-           },
-           nb::arg("name"), nb::arg("positions"), "Positions [rad or m] of any joints by name, planned or not (a gripper's, say).");
+          nb::arg("name"), nb::arg("pose"), "Place the robot's root link in the world.")
+      .def(
+          "set_qpos",
+          [](Self& self, const std::string& name, const ArrayLike& q) {
+            const Eigen::VectorXd v = q.vector("q of '" + name + "'");
+            self.use([&](auto& p) { p.set_qpos(name, v); });
+          },
+          nb::arg("name"), nb::arg("q"),
+          "Where the robot stands while others plan: planned joints, shape (dof,) [rad or m].")
+      .def(
+          "set_joint_positions",
+          [](Self& self, const std::string& name, const std::map<std::string, double>& positions) {
+            self.use([&](auto& p) { p.set_joint_positions(name, positions); });
+          },
+          nb::arg("name"), nb::arg("positions"),
+          "Positions [rad or m] of any joints by name, planned or not (a gripper's, say).");
 }
 
 void bind_objects(nb::class_<Self>& cls) {
   const auto add_doc = [](const std::string& what) {
-    return what + " `pose` of its centre in the world; `padding` [m] is kept clear around it.\n\n"
-                  "Raises InvalidArgument for a name in use, or sizes that are not positive and finite.";
+    return what +
+           " `pose` of its centre in the world; `padding` [m] is kept clear around it.\n\n"
+           "Raises InvalidArgument for a name in use, or sizes that are not positive and finite.";
   };
-  cls.def("add_box", [](Self& self, const std::string& name, const ArrayLike& size, const Pose& pose, double padding) {
+  cls.def(
+         "add_box",
+         [](Self& self, const std::string& name, const ArrayLike& size, const Pose& pose, double padding) {
            const Eigen::Vector3d v = size.vector3("size of box '" + name + "'");
            self.use([&](auto& p) { p.add_box(name, v, pose, padding); });
          },
          nb::arg("name"), nb::arg("size"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
          add_doc("Add a box with full edge lengths `size` (3,) [m].").c_str())
-      .def("add_sphere", [](Self& self, const std::string& name, double radius, const Pose& pose, double padding) {
-             self.use([&](auto& p) { p.add_sphere(name, radius, pose, padding); });
-           },
-           nb::arg("name"), nb::arg("radius"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0, add_doc("Add a sphere [m].").c_str())
-      .def("add_cylinder", [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
-             self.use([&](auto& p) { p.add_cylinder(name, radius, length, pose, padding); });
-           },
-           nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
-           add_doc("Add a cylinder along z [m].").c_str())
-      .def("add_capsule", [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
-             self.use([&](auto& p) { p.add_capsule(name, radius, length, pose, padding); });
-           },
-           nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
-           add_doc("Add a capsule along z: a cylinder of `length` with a half sphere on each end [m].").c_str())
-      .def("add_cone", [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
-             self.use([&](auto& p) { p.add_cone(name, radius, length, pose, padding); });
-           },
-           nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
-           add_doc("Add a cone along z, base at -length/2, tip at +length/2 [m].").c_str())
-      .def("add_mesh",
-           [](Self& self, const std::string& name, const std::string& path, const Pose& pose, const std::optional<ArrayLike>& scale,
-              bool convex, const std::optional<ArrayLike>& vertices, const std::optional<ArrayLike>& triangles, double padding) {
-             if (path.empty() == !vertices)
-               throw InvalidArgument("mesh '" + name + "' needs either a path or vertices (with triangles)");
-             if (!path.empty()) {
-               const Eigen::Vector3d s = scale ? scale->vector3("scale of mesh '" + name + "'") : Eigen::Vector3d(Eigen::Vector3d::Ones());
-               self.use([&](auto& p) { p.add_mesh(name, path, pose, s, convex, padding); });
-               return;
-             }
-             Mesh mesh;
-             mesh.convex = convex;
-             const RowMatrix corners = vertices->rows("vertices of mesh '" + name + "'", 3);
-             for (const auto& row : corners.rowwise()) mesh.vertices.emplace_back(row.transpose());
-             const RowMatrix faces = triangles ? triangles->rows("triangles of mesh '" + name + "'", 3) : RowMatrix(0, 3);
-             for (const auto& row : faces.rowwise()) mesh.triangles.push_back(to_triangle(row.transpose(), name));
-             self.use([&](auto& p) { p.add_mesh(name, mesh, pose, padding); });
-           },
-           nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(), nb::arg("convex") = false,
-           nb::arg("vertices") = nb::none(), nb::arg("triangles") = nb::none(), nb::arg("padding") = 0.0,
-           "Add a triangle mesh from a file (`path`, with `scale` (3,)) or from `vertices` (n, 3) [m] and `triangles` (m, 3) of\n"
-           "vertex numbers. A mesh is its surface; convex=True takes the solid convex hull instead.\n\n"
-           "Raises FileError (missing, unreadable or empty file) and InvalidArgument.")
-      .def("add_point_cloud",
-           [](Self& self, const std::string& name, const ArrayLike& points, double resolution, const Pose& pose, double padding) {
-             const RowMatrix rows = points.rows("points of cloud '" + name + "'", 3);
-             std::vector<Eigen::Vector3d> list;
-             for (const auto& row : rows.rowwise()) list.emplace_back(row.transpose());
-             self.use([&](auto& p) { p.add_point_cloud(name, list, resolution, pose, padding); });
-           },
-           nb::arg("name"), nb::arg("points"), nb::arg("resolution") = 0.02, nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
-           "Add a point cloud (n, 3) [m]; every point fills a voxel with edges of `resolution` [m].")
-      .def("remove_object", [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_object(name); }); }, nb::arg("name"),
-           "Remove an object, attached or not.")
-      .def("set_object_pose", [](Self& self, const std::string& name, const Pose& pose) { self.use([&](auto& p) { p.set_object_pose(name, pose); }); },
-           nb::arg("name"), nb::arg("pose"), "Move an object that is not attached.")
-      .def("set_padding", [](Self& self, const std::string& name, double padding) { self.use([&](auto& p) { p.set_padding(name, padding); }); },
-           nb::arg("name"), nb::arg("padding"), "Keep `padding` [m] clear around an object, or around every link of a robot.")
-      .def("attach_object",
-           [](Self& self, const std::string& name, const std::string& robot, const std::string& link,
-              const std::vector<std::string>& touch_links, const std::optional<Pose>& pose_in_link) {
-             self.use([&](auto& p) { p.attach_object(name, robot, link, touch_links, pose_in_link); });
-           },
-           nb::arg("name"), nb::arg("robot"), nb::arg("link"), nb::arg("touch_links") = std::vector<std::string>{},
-           nb::arg("pose_in_link") = nb::none(),
-           "Let the object move with a link. It keeps its place relative to the link (robot at its set_qpos), or takes\n"
-           "`pose_in_link`. It may touch `link` and `touch_links`.")
-      .def("detach_object", [](Self& self, const std::string& name) { self.use([&](auto& p) { p.detach_object(name); }); }, nb::arg("name"),
-           "Leave the object in the world where the robot (at its set_qpos) holds it.")
-      .def("set_allowed_collision",
-           [](Self& self, const std::string& a, const std::string& b, bool allowed) { self.use([&](auto& p) { p.set_allowed_collision(a, b, allowed); }); },
-           nb::arg("a"), nb::arg("b"), nb::arg("allowed") = true,
-           "Ignore (or, with False, heed again) contact of two bodies: objects, links ('link' or 'robot/link'), whole robots.")
-      .def("load_moveit_scene", [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); }, nb::arg("path"),
-           "Add the collision objects of a MoveIt scene file (YAML), all or none. Raises FileError with the line.")
-      .def("apply_moveit_request",
-           [](Self& self, const std::string& name, const io::RequestFile& request) {
-             return self.use([&](PlannerInterface& p) { return apply_moveit_request(p, name, request); });
-           },
-           nb::arg("name"), nb::arg("request"),
-           "The request in the terms of this robot: start, goals, and the joints it names that are no movable joints of the robot.\n"
-           "Movable joints that are not planned (a gripper's) are set, and held objects attached.")
-      .def("reset", [](Self& self) { self.use([](auto& p) { p.reset(); }); }, "Remove all robots, objects and planners.");
+      .def(
+          "add_sphere",
+          [](Self& self, const std::string& name, double radius, const Pose& pose, double padding) {
+            self.use([&](auto& p) { p.add_sphere(name, radius, pose, padding); });
+          },
+          nb::arg("name"), nb::arg("radius"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
+          add_doc("Add a sphere [m].").c_str())
+      .def(
+          "add_cylinder",
+          [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
+            self.use([&](auto& p) { p.add_cylinder(name, radius, length, pose, padding); });
+          },
+          nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
+          add_doc("Add a cylinder along z [m].").c_str())
+      .def(
+          "add_capsule",
+          [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
+            self.use([&](auto& p) { p.add_capsule(name, radius, length, pose, padding); });
+          },
+          nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
+          add_doc("Add a capsule along z: a cylinder of `length` with a half sphere on each end [m].").c_str())
+      .def(
+          "add_cone",
+          [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
+            self.use([&](auto& p) { p.add_cone(name, radius, length, pose, padding); });
+          },
+          nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
+          add_doc("Add a cone along z, base at -length/2, tip at +length/2 [m].").c_str())
+      .def(
+          "add_mesh",
+          [](Self& self, const std::string& name, const std::string& path, const Pose& pose,
+             const std::optional<ArrayLike>& scale, bool convex, const std::optional<ArrayLike>& vertices,
+             const std::optional<ArrayLike>& triangles, double padding) {
+            if (path.empty() == !vertices)
+              throw InvalidArgument("mesh '" + name + "' needs either a path or vertices (with triangles)");
+            if (!path.empty()) {
+              const Eigen::Vector3d s =
+                  scale ? scale->vector3("scale of mesh '" + name + "'") : Eigen::Vector3d(Eigen::Vector3d::Ones());
+              self.use([&](auto& p) { p.add_mesh(name, path, pose, s, convex, padding); });
+              return;
+            }
+            Mesh mesh;
+            mesh.convex = convex;
+            const RowMatrix corners = vertices->rows("vertices of mesh '" + name + "'", 3);
+            for (const auto& row : corners.rowwise()) mesh.vertices.emplace_back(row.transpose());
+            const RowMatrix faces =
+                triangles ? triangles->rows("triangles of mesh '" + name + "'", 3) : RowMatrix(0, 3);
+            for (const auto& row : faces.rowwise()) mesh.triangles.push_back(to_triangle(row.transpose(), name));
+            self.use([&](auto& p) { p.add_mesh(name, mesh, pose, padding); });
+          },
+          nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(),
+          nb::arg("convex") = false, nb::arg("vertices") = nb::none(), nb::arg("triangles") = nb::none(),
+          nb::arg("padding") = 0.0,
+          "Add a triangle mesh from a file (`path`, with `scale` (3,)) or from `vertices` (n, 3) [m] and `triangles` "
+          "(m, 3) of\n"
+          "vertex numbers. A mesh is its surface; convex=True takes the solid convex hull instead.\n\n"
+          "Raises FileError (missing, unreadable or empty file) and InvalidArgument.")
+      .def(
+          "add_point_cloud",
+          [](Self& self, const std::string& name, const ArrayLike& points, double resolution, const Pose& pose,
+             double padding) {
+            const RowMatrix rows = points.rows("points of cloud '" + name + "'", 3);
+            std::vector<Eigen::Vector3d> list;
+            for (const auto& row : rows.rowwise()) list.emplace_back(row.transpose());
+            self.use([&](auto& p) { p.add_point_cloud(name, list, resolution, pose, padding); });
+          },
+          nb::arg("name"), nb::arg("points"), nb::arg("resolution") = 0.02, nb::arg("pose") = Pose{},
+          nb::arg("padding") = 0.0,
+          "Add a point cloud (n, 3) [m]; every point fills a voxel with edges of `resolution` [m].")
+      .def(
+          "remove_object",
+          [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_object(name); }); },
+          nb::arg("name"), "Remove an object, attached or not.")
+      .def(
+          "set_object_pose",
+          [](Self& self, const std::string& name, const Pose& pose) {
+            self.use([&](auto& p) { p.set_object_pose(name, pose); });
+          },
+          nb::arg("name"), nb::arg("pose"), "Move an object that is not attached.")
+      .def(
+          "set_padding",
+          [](Self& self, const std::string& name, double padding) {
+            self.use([&](auto& p) { p.set_padding(name, padding); });
+          },
+          nb::arg("name"), nb::arg("padding"),
+          "Keep `padding` [m] clear around an object, or around every link of a robot.")
+      .def(
+          "attach_object",
+          [](Self& self, const std::string& name, const std::string& robot, const std::string& link,
+             const std::vector<std::string>& touch_links, const std::optional<Pose>& pose_in_link) {
+            self.use([&](auto& p) { p.attach_object(name, robot, link, touch_links, pose_in_link); });
+          },
+          nb::arg("name"), nb::arg("robot"), nb::arg("link"), nb::arg("touch_links") = std::vector<std::string>{},
+          nb::arg("pose_in_link") = nb::none(),
+          "Let the object move with a link. It keeps its place relative to the link (robot at its set_qpos), or takes\n"
+          "`pose_in_link`. It may touch `link` and `touch_links`.")
+      .def(
+          "detach_object",
+          [](Self& self, const std::string& name) { self.use([&](auto& p) { p.detach_object(name); }); },
+          nb::arg("name"), "Leave the object in the world where the robot (at its set_qpos) holds it.")
+      .def(
+          "set_allowed_collision",
+          [](Self& self, const std::string& a, const std::string& b, bool allowed) {
+            self.use([&](auto& p) { p.set_allowed_collision(a, b, allowed); });
+          },
+          nb::arg("a"), nb::arg("b"), nb::arg("allowed") = true,
+          "Ignore (or, with False, heed again) contact of two bodies: objects, links ('link' or 'robot/link'), whole "
+          "robots.")
+      .def(
+          "load_moveit_scene",
+          [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); },
+          nb::arg("path"),
+          "Add the collision objects of a MoveIt scene file (YAML), all or none. Raises FileError with the line.")
+      .def(
+          "apply_moveit_request",
+          [](Self& self, const std::string& name, const io::RequestFile& request) {
+            return self.use([&](PlannerInterface& p) { return apply_moveit_request(p, name, request); });
+          },
+          nb::arg("name"), nb::arg("request"),
+          "The request in the terms of this robot: start, goals, and the joints it names that are no movable joints of "
+          "the robot.\n"
+          "Movable joints that are not planned (a gripper's) are set, and held objects attached.")
+      .def(
+          "reset", [](Self& self) { self.use([](auto& p) { p.reset(); }); },
+          "Remove all robots, objects and planners.");
 }
 
 void bind_questions(nb::class_<Self>& cls) {
   const auto q_of = [](const std::string& name) { return "q of '" + name + "'"; };
   cls.def_prop_ro("robot_names", [](Self& self) { return self.use([](auto& p) { return p.robot_names(); }); })
       .def_prop_ro("object_names", [](Self& self) { return self.use([](auto& p) { return p.object_names(); }); })
-      .def("get_joint_names", [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.get_joint_names(name); }); },
-           nb::arg("name"), "Planned joints, in the order of q.")
-      .def("get_link_names", [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.get_link_names(name); }); }, nb::arg("name"))
-      .def("get_end_effector", [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.robot(name).end_effector(); }); }, nb::arg("name"))
-      .def("get_joint_limits",
-           [](Self& self, const std::string& name) {
-             return self.use([&](auto& p) {
-               std::vector<Eigen::VectorXd> rows;
-               for (const Joint& joint : p.robot(name).joints()) rows.emplace_back(Eigen::Vector3d(joint.lower, joint.upper, joint.max_velocity));
-               return to_numpy_rows(rows, 3);
-             });
-           },
-           nb::arg("name"), "(dof, 3): lower and upper limit [rad or m], velocity limit [rad/s or m/s].")
-      .def("get_group_states",
-           [](Self& self, const std::string& name) {
-             return self.use([&](auto& p) {
-               nb::dict states;
-               for (const auto& [state, q] : p.robot(name).group_states()) states[state.c_str()] = to_numpy(q);
-               return states;
-             });
-           },
-           nb::arg("name"), nb::sig("def get_group_states(self, name: str) -> dict[str, numpy.ndarray]"), "The SRDF's named configurations of the planned joints.")
-      .def("get_qpos", [](Self& self, const std::string& name) { return self.use([&](auto& p) { return to_numpy(p.scene().robot(name).q); }); },
-           nb::arg("name"), "Planned joints as set by set_qpos, (dof,).")
-      .def("get_object_pose", [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.scene().object_pose(name); }); }, nb::arg("name"),
-           "Pose in the world, attached or not.")
-      .def("get_always_colliding", [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.robot(name).always_colliding(); }); },
-           nb::arg("name"), "Link pairs found in collision in every sampled configuration (robots without SRDF); they are ignored.")
-      .def("compute_fk",
-           [q_of](Self& self, const std::string& name, const ArrayLike& q, const std::string& link) {
-             const Eigen::VectorXd v = q.vector(q_of(name));
-             return self.use([&](auto& p) { return p.compute_fk(name, v, link); });
-           },
-           nb::arg("name"), nb::arg("q"), nb::arg("link") = "", "World pose of a link (default: end effector) at q (dof,).")
-      .def("compute_jacobian",
-           [q_of](Self& self, const std::string& name, const ArrayLike& q, const std::string& link) {
-             const Eigen::VectorXd v = q.vector(q_of(name));
-             const Eigen::MatrixXd jacobian = self.use([&](auto& p) { return p.compute_jacobian(name, v, link); });
-             std::vector<Eigen::VectorXd> rows;
-             for (const auto& row : jacobian.rowwise()) rows.emplace_back(row.transpose());
-             return to_numpy_rows(rows, static_cast<std::size_t>(jacobian.cols()));
-           },
-           nb::arg("name"), nb::arg("q"), nb::arg("link") = "",
-           "(6, dof): velocity of the link's origin vx, vy, vz and rotation wx, wy, wz, world axes, per joint velocity.")
-      .def("compute_ik",
-           [q_of](Self& self, const std::string& name, const Pose& target, const std::optional<ArrayLike>& reference, const std::string& link,
-                  int max_solutions, int seeds) {
-             std::optional<Eigen::VectorXd> v;
-             if (reference) v = reference->vector("reference of '" + name + "'");
-             IkOptions options;
-             options.max_solutions = max_solutions;
-             options.seeds = seeds;
-             return self.use([&](auto& p) { return to_numpy_rows(p.compute_ik(name, target, v, options, link), p.robot(name).dof()); });
-           },
-           nb::arg("name"), nb::arg("target"), nb::arg("reference") = nb::none(), nb::arg("link") = "", nb::arg("max_solutions") = 16, nb::arg("seeds") = 64,
-           "(n, dof) configurations that bring `link` (default: end effector) to the world pose `target`: within limits, nearest to\n"
-           "`reference` (default: set_qpos) first, n = 0 when none was found. Collisions are not looked at.")
-      .def("is_state_colliding",
-           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
-             const Eigen::VectorXd v = q.vector(q_of(name));
-             return self.use([&](auto& p) { return p.is_state_colliding(name, v); });
-           },
-           nb::arg("name"), nb::arg("q"), "Does the robot at q (dof,) touch itself or anything else?")
-      .def("contacts",
-           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
-             const Eigen::VectorXd v = q.vector(q_of(name));
-             return self.use([&](auto& p) { return p.contacts(name, v); });
-           },
-           nb::arg("name"), nb::arg("q"), "Every pair in contact at q, deepest first.")
-      .def("is_motion_free",
-           [q_of](Self& self, const std::string& name, const ArrayLike& a, const ArrayLike& b) {
-             const Eigen::VectorXd from = a.vector(q_of(name)), to = b.vector(q_of(name));
-             return self.use([&](auto& p) { return p.is_motion_free(name, from, to); });
-           },
-           nb::arg("name"), nb::arg("a"), nb::arg("b"), "Is the straight joint-space motion from a to b proved free, between samples too?")
-      .def("distance_to_collision",
-           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
-             const Eigen::VectorXd v = q.vector(q_of(name));
-             return self.use([&](auto& p) { return p.distance_to_collision(name, v); });
-           },
-           nb::arg("name"), nb::arg("q"), "Distance of the nearest pair [m]; negative: how deep they overlap; inf with nothing around.")
-      .def("nearest",
-           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
-             const Eigen::VectorXd v = q.vector(q_of(name));
-             return self.use([&](auto& p) { return p.nearest(name, v); });
-           },
-           nb::arg("name"), nb::arg("q"), "The nearest pair as a Contact, or None with nothing around.");
+      .def(
+          "get_joint_names",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return p.get_joint_names(name); });
+          },
+          nb::arg("name"), "Planned joints, in the order of q.")
+      .def(
+          "get_link_names",
+          [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.get_link_names(name); }); },
+          nb::arg("name"))
+      .def(
+          "get_end_effector",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return p.robot(name).end_effector(); });
+          },
+          nb::arg("name"))
+      .def(
+          "get_joint_limits",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) {
+              std::vector<Eigen::VectorXd> rows;
+              for (const Joint& joint : p.robot(name).joints())
+                rows.emplace_back(Eigen::Vector3d(joint.lower, joint.upper, joint.max_velocity));
+              return to_numpy_rows(rows, 3);
+            });
+          },
+          nb::arg("name"), "(dof, 3): lower and upper limit [rad or m], velocity limit [rad/s or m/s].")
+      .def(
+          "get_group_states",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) {
+              nb::dict states;
+              for (const auto& [state, q] : p.robot(name).group_states()) states[state.c_str()] = to_numpy(q);
+              return states;
+            });
+          },
+          nb::arg("name"), nb::sig("def get_group_states(self, name: str) -> dict[str, numpy.ndarray]"),
+          "The SRDF's named configurations of the planned joints.")
+      .def(
+          "get_qpos",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return to_numpy(p.scene().robot(name).q); });
+          },
+          nb::arg("name"), "Planned joints as set by set_qpos, (dof,).")
+      .def(
+          "get_object_pose",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return p.scene().object_pose(name); });
+          },
+          nb::arg("name"), "Pose in the world, attached or not.")
+      .def(
+          "get_always_colliding",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return p.robot(name).always_colliding(); });
+          },
+          nb::arg("name"),
+          "Link pairs found in collision in every sampled configuration (robots without SRDF); they are ignored.")
+      .def(
+          "compute_fk",
+          [q_of](Self& self, const std::string& name, const ArrayLike& q, const std::string& link) {
+            const Eigen::VectorXd v = q.vector(q_of(name));
+            return self.use([&](auto& p) { return p.compute_fk(name, v, link); });
+          },
+          nb::arg("name"), nb::arg("q"), nb::arg("link") = "",
+          "World pose of a link (default: end effector) at q (dof,).")
+      .def(
+          "compute_jacobian",
+          [q_of](Self& self, const std::string& name, const ArrayLike& q, const std::string& link) {
+            const Eigen::VectorXd v = q.vector(q_of(name));
+            const Eigen::MatrixXd jacobian = self.use([&](auto& p) { return p.compute_jacobian(name, v, link); });
+            std::vector<Eigen::VectorXd> rows;
+            for (const auto& row : jacobian.rowwise()) rows.emplace_back(row.transpose());
+            return to_numpy_rows(rows, static_cast<std::size_t>(jacobian.cols()));
+          },
+          nb::arg("name"), nb::arg("q"), nb::arg("link") = "",
+          "(6, dof): velocity of the link's origin vx, vy, vz and rotation wx, wy, wz, world axes, per joint velocity.")
+      .def(
+          "compute_ik",
+          [q_of](Self& self, const std::string& name, const Pose& target, const std::optional<ArrayLike>& reference,
+                 const std::string& link, int max_solutions, int seeds) {
+            std::optional<Eigen::VectorXd> v;
+            if (reference) v = reference->vector("reference of '" + name + "'");
+            IkOptions options;
+            options.max_solutions = max_solutions;
+            options.seeds = seeds;
+            return self.use([&](auto& p) {
+              return to_numpy_rows(p.compute_ik(name, target, v, options, link), p.robot(name).dof());
+            });
+          },
+          nb::arg("name"), nb::arg("target"), nb::arg("reference") = nb::none(), nb::arg("link") = "",
+          nb::arg("max_solutions") = 16, nb::arg("seeds") = 64,
+          "(n, dof) configurations that bring `link` (default: end effector) to the world pose `target`: within "
+          "limits, nearest to\n"
+          "`reference` (default: set_qpos) first, n = 0 when none was found. Collisions are not looked at.")
+      .def(
+          "is_state_colliding",
+          [q_of](Self& self, const std::string& name, const ArrayLike& q) {
+            const Eigen::VectorXd v = q.vector(q_of(name));
+            return self.use([&](auto& p) { return p.is_state_colliding(name, v); });
+          },
+          nb::arg("name"), nb::arg("q"), "Does the robot at q (dof,) touch itself or anything else?")
+      .def(
+          "contacts",
+          [q_of](Self& self, const std::string& name, const ArrayLike& q) {
+            const Eigen::VectorXd v = q.vector(q_of(name));
+            return self.use([&](auto& p) { return p.contacts(name, v); });
+          },
+          nb::arg("name"), nb::arg("q"), "Every pair in contact at q, deepest first.")
+      .def(
+          "is_motion_free",
+          [q_of](Self& self, const std::string& name, const ArrayLike& a, const ArrayLike& b) {
+            const Eigen::VectorXd from = a.vector(q_of(name)), to = b.vector(q_of(name));
+            return self.use([&](auto& p) { return p.is_motion_free(name, from, to); });
+          },
+          nb::arg("name"), nb::arg("a"), nb::arg("b"),
+          "Is the straight joint-space motion from a to b proved free, between samples too?")
+      .def(
+          "distance_to_collision",
+          [q_of](Self& self, const std::string& name, const ArrayLike& q) {
+            const Eigen::VectorXd v = q.vector(q_of(name));
+            return self.use([&](auto& p) { return p.distance_to_collision(name, v); });
+          },
+          nb::arg("name"), nb::arg("q"),
+          "Distance of the nearest pair [m]; negative: how deep they overlap; inf with nothing around.")
+      .def(
+          "nearest",
+          [q_of](Self& self, const std::string& name, const ArrayLike& q) {
+            const Eigen::VectorXd v = q.vector(q_of(name));
+            return self.use([&](auto& p) { return p.nearest(name, v); });
+          },
+          nb::arg("name"), nb::arg("q"), "The nearest pair as a Contact, or None with nothing around.");
 }
 
 void bind_planning(nb::class_<Self>& cls) {
-  cls.def("make_planner",
-          [](Self& self, nb::handle robots, nb::handle options) {
-            const auto names = to_names(robots);
-            const OptionMap map = to_option_map(options);
-            self.use([&](auto& p) { p.make_planner(names, map); });
+  cls.def(
+         "make_planner",
+         [](Self& self, nb::handle robots, nb::handle options) {
+           const auto names = to_names(robots);
+           const OptionMap map = to_option_map(options);
+           self.use([&](auto& p) { p.make_planner(names, map); });
+         },
+         nb::arg("names"), nb::arg("options"),
+         nb::sig("def make_planner(self, names: str | collections.abc.Sequence[str], options: dict | object) -> None"),
+         "Choose the planner of these robots: a dictionary such as {'planner_id': 'wAstar', 'time_limit': 5, 'weight': "
+         "10} (numbers\n"
+         "may be strings) or a typed object such as srmp.WAStar(weight=10). print_available_planners() lists them.\n\n"
+         "Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of "
+         "range.")
+      .def(
+          "plan",
+          [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal) {
+            const std::string name = only_robot(robot);
+            const Eigen::VectorXd q = start.vector("start of '" + name + "'");
+            const std::vector<GoalConstraint> goals = to_goals(goal);
+            return self.use([&](PlannerInterface& p) {
+              return run_interruptible([&] { return p.plan(name, q, goals, python_interrupted); });
+            });
           },
-          nb::arg("names"), nb::arg("options"),
-          nb::sig("def make_planner(self, names: str | collections.abc.Sequence[str], options: dict | object) -> None"),
-          "Choose the planner of these robots: a dictionary such as {'planner_id': 'wAstar', 'time_limit': 5, 'weight': 10} (numbers\n"
-          "may be strings) or a typed object such as srmp.WAStar(weight=10). print_available_planners() lists them.\n\n"
-          "Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of range.")
-      .def("plan",
-           [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal) {
-             const std::string name = only_robot(robot);
-             const Eigen::VectorXd q = start.vector("start of '" + name + "'");
-             const std::vector<GoalConstraint> goals = to_goals(goal);
-             return self.use([&](PlannerInterface& p) {
-               return run_interruptible([&] { return p.plan(name, q, goals, python_interrupted); });
-             });
-           },
-           nb::arg("name"), nb::arg("start"), nb::arg("goal"),
-           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
-                   "goal: GoalConstraint | collections.abc.Sequence[GoalConstraint]) -> Trajectory"),
-           "A timed, collision-free Trajectory of one robot from `start` (dof,) [rad or m] to the goal (any one of several). The same\n"
-           "question gives the same answer, bit for bit. Other robots stand still. The GIL is released; Ctrl-C stops the plan.\n\n"
-           "Raises PlanningError (see its status and sentence) when there is none; InvalidArgument for a wrong question.")
-      .def("plan_multi",
-           [](Self& self, const std::map<std::string, ArrayLike>& starts, const std::map<std::string, GoalConstraint>& goals) {
-             std::map<std::string, Eigen::VectorXd> q;
-             for (const auto& [name, start] : starts) q[name] = start.vector("start of '" + name + "'");
-             return self.use([&](PlannerInterface& p) {
-               return run_interruptible([&] { return p.plan_multi(q, goals, python_interrupted); });
-             });
-           },
-           nb::arg("starts"), nb::arg("goals"), "Many arms at once, by robot name. Not yet: raises NotSupported.")
-      .def("get_planning_stats", [](Self& self) { return self.use([](auto& p) { return to_dict(p.get_planning_stats()); }); },
-           nb::sig("def get_planning_stats(self) -> dict"),
-           "What the last plan did: status, reason, times by phase [s], expansions, edge checks, costs [rad], proven bound, goal reached.")
-      .def("print_available_planners",
-           [](Self&) {
-             nb::object print = nb::module_::import_("builtins").attr("print");
-             for (const PlannerInfo& info : available_planners()) print((info.id + std::string(10 - info.id.size(), ' ') + info.summary).c_str());
-           },
-           "Print the planner ids and what each is for.");
+          nb::arg("name"), nb::arg("start"), nb::arg("goal"),
+          nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
+                  "goal: GoalConstraint | collections.abc.Sequence[GoalConstraint]) -> Trajectory"),
+          "A timed, collision-free Trajectory of one robot from `start` (dof,) [rad or m] to the goal (any one of "
+          "several). The same\n"
+          "question gives the same answer, bit for bit. Other robots stand still. The GIL is released; Ctrl-C stops "
+          "the plan.\n\n"
+          "Raises PlanningError (see its status and sentence) when there is none; InvalidArgument for a wrong "
+          "question.")
+      .def(
+          "plan_multi",
+          [](Self& self, const std::map<std::string, ArrayLike>& starts,
+             const std::map<std::string, GoalConstraint>& goals) {
+            std::map<std::string, Eigen::VectorXd> q;
+            for (const auto& [name, start] : starts) q[name] = start.vector("start of '" + name + "'");
+            return self.use([&](PlannerInterface& p) {
+              return run_interruptible([&] { return p.plan_multi(q, goals, python_interrupted); });
+            });
+          },
+          nb::arg("starts"), nb::arg("goals"), "Many arms at once, by robot name. Not yet: raises NotSupported.")
+      .def(
+          "get_planning_stats",
+          [](Self& self) { return self.use([](auto& p) { return to_dict(p.get_planning_stats()); }); },
+          nb::sig("def get_planning_stats(self) -> dict"),
+          "What the last plan did: status, reason, times by phase [s], expansions, edge checks, costs [rad], proven "
+          "bound, goal reached.")
+      .def(
+          "print_available_planners",
+          [](Self&) {
+            nb::object print = nb::module_::import_("builtins").attr("print");
+            for (const PlannerInfo& info : available_planners())
+              print((info.id + std::string(10 - info.id.size(), ' ') + info.summary).c_str());
+          },
+          "Print the planner ids and what each is for.");
 }
 
 }  // namespace
@@ -368,18 +497,23 @@ void bind_planner_interface(nb::module_& m) {
       .def_ro("body_a", &Contact::body_a, "Link (or attached object) of the robot asked about.")
       .def_ro("body_b", &Contact::body_b, "Object, link of the same robot, or 'robot/link' of another.")
       .def_ro("distance", &Contact::distance, "[m]; negative: penetration depth.")
-      .def_prop_ro("point_a", [](const Contact& c) { return to_numpy(c.point_a); }, "On body_a, world frame [m].")
-      .def_prop_ro("point_b", [](const Contact& c) { return to_numpy(c.point_b); }, "On body_b, world frame [m].")
+      .def_prop_ro(
+          "point_a", [](const Contact& c) { return to_numpy(c.point_a); }, "On body_a, world frame [m].")
+      .def_prop_ro(
+          "point_b", [](const Contact& c) { return to_numpy(c.point_b); }, "On body_b, world frame [m].")
       .def("__repr__", &Contact::describe);
 
   nb::class_<MoveItProblem>(m, "MoveItProblem", "A MoveIt motion request in the terms of one robot.")
-      .def_prop_ro("start", [](const MoveItProblem& problem) { return to_numpy(problem.start); }, "(dof,) [rad or m]")
+      .def_prop_ro(
+          "start", [](const MoveItProblem& problem) { return to_numpy(problem.start); }, "(dof,) [rad or m]")
       .def_ro("goals", &MoveItProblem::goals, "GoalConstraints; any one will do.")
-      .def_ro("ignored_joints", &MoveItProblem::ignored_joints, "Named by the start state, but no movable joints of this robot.");
+      .def_ro("ignored_joints", &MoveItProblem::ignored_joints,
+              "Named by the start state, but no movable joints of this robot.");
 
   nb::class_<Self> cls(m, "PlannerInterface",
                        "A world of robots and objects, and planners for them.\n\n"
-                       "Poses are in the world frame; metres, radians, seconds; quaternions [x, y, z, w]; objects are solid. A refused call raises and\n"
+                       "Poses are in the world frame; metres, radians, seconds; quaternions [x, y, z, w]; objects are "
+                       "solid. A refused call raises and\n"
                        "changes nothing. One thread at a time.");
   cls.def(nb::init<>());
   bind_robots(cls);

@@ -20,48 +20,81 @@ std::string text(const Pose& pose) {
 }  // namespace
 
 void bind_pose(nb::module_& m) {
-  nb::class_<Pose>(m, "Pose",
-                   "A rigid transform: position p [m] and unit quaternion q = [x, y, z, w], in the world frame unless said otherwise.\n\n"
-                   "Iterates over its seven numbers x, y, z, qx, qy, qz, qw; `pose @ point` and `pose @ pose` transform.")
-      .def("__init__",
-           [](Pose* self, const std::optional<ArrayLike>& p, const std::optional<ArrayLike>& q) {
-             new (self) Pose(Pose::from_xyzw(p ? p->vector3("pose position") : Eigen::Vector3d(Eigen::Vector3d::Zero()),
-                                             q ? four(*q, "pose quaternion") : std::array<double, 4>{0, 0, 0, 1}));
-           },
-           nb::arg("p") = nb::none(), nb::arg("q") = nb::none(),
-           "Position [m] (default: origin) and quaternion [x, y, z, w] (default: identity; normalised).\n\n"
-           "Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.")
-      .def_static("from_xyzw", [](const ArrayLike& p, const ArrayLike& q) { return Pose::from_xyzw(p.vector3("pose position"), four(q, "quaternion")); },
-                  nb::arg("p"), nb::arg("q"), "From a position [m] and a quaternion [x, y, z, w].")
-      .def_static("from_wxyz", [](const ArrayLike& p, const ArrayLike& q) { return Pose::from_wxyz(p.vector3("pose position"), four(q, "quaternion")); },
-                  nb::arg("p"), nb::arg("q"), "From a position [m] and a quaternion [w, x, y, z].")
-      .def_static("from_rpy", [](const ArrayLike& p, const ArrayLike& rpy) { return Pose::from_rpy(p.vector3("pose position"), rpy.vector3("roll, pitch, yaw")); },
-                  nb::arg("p"), nb::arg("rpy"), "From a position [m] and fixed-axis roll, pitch, yaw [rad], as in URDF.")
-      .def_static("from_matrix",
-                  [](const ArrayLike& matrix) {
-                    const RowMatrix rows = matrix.rows("pose matrix", 4);
-                    if (rows.rows() != 4) throw InvalidArgument("pose matrix must have the shape (4, 4)");
-                    return Pose::from_matrix(rows);
-                  },
-                  nb::arg("matrix"), "From a homogeneous (4, 4) matrix with an orthonormal rotation.")
-      .def_prop_ro("p", [](const Pose& pose) { return to_numpy(pose.p); }, "Position x, y, z [m].")
-      .def_prop_ro("q", [](const Pose& pose) { return to_numpy(pose.q.coeffs()); }, "Quaternion x, y, z, w.")
-      .def("matrix", [](const Pose& pose) {
-             const Eigen::Matrix4d matrix = pose.matrix();
-             return to_numpy_rows({matrix.row(0), matrix.row(1), matrix.row(2), matrix.row(3)}, 4);
-           }, "Homogeneous (4, 4) matrix.")
+  nb::class_<Pose>(
+      m, "Pose",
+      "A rigid transform: position p [m] and unit quaternion q = [x, y, z, w], in the world frame unless said "
+      "otherwise.\n\n"
+      "Iterates over its seven numbers x, y, z, qx, qy, qz, qw; `pose @ point` and `pose @ pose` transform.")
+      .def(
+          "__init__",
+          [](Pose* self, const std::optional<ArrayLike>& p, const std::optional<ArrayLike>& q) {
+            new (self) Pose(Pose::from_xyzw(p ? p->vector3("pose position") : Eigen::Vector3d(Eigen::Vector3d::Zero()),
+                                            q ? four(*q, "pose quaternion") : std::array<double, 4>{0, 0, 0, 1}));
+          },
+          nb::arg("p") = nb::none(), nb::arg("q") = nb::none(),
+          "Position [m] (default: origin) and quaternion [x, y, z, w] (default: identity; normalised).\n\n"
+          "Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.")
+      .def_static(
+          "from_xyzw",
+          [](const ArrayLike& p, const ArrayLike& q) {
+            return Pose::from_xyzw(p.vector3("pose position"), four(q, "quaternion"));
+          },
+          nb::arg("p"), nb::arg("q"), "From a position [m] and a quaternion [x, y, z, w].")
+      .def_static(
+          "from_wxyz",
+          [](const ArrayLike& p, const ArrayLike& q) {
+            return Pose::from_wxyz(p.vector3("pose position"), four(q, "quaternion"));
+          },
+          nb::arg("p"), nb::arg("q"), "From a position [m] and a quaternion [w, x, y, z].")
+      .def_static(
+          "from_rpy",
+          [](const ArrayLike& p, const ArrayLike& rpy) {
+            return Pose::from_rpy(p.vector3("pose position"), rpy.vector3("roll, pitch, yaw"));
+          },
+          nb::arg("p"), nb::arg("rpy"), "From a position [m] and fixed-axis roll, pitch, yaw [rad], as in URDF.")
+      .def_static(
+          "from_matrix",
+          [](const ArrayLike& matrix) {
+            const RowMatrix rows = matrix.rows("pose matrix", 4);
+            if (rows.rows() != 4) throw InvalidArgument("pose matrix must have the shape (4, 4)");
+            return Pose::from_matrix(rows);
+          },
+          nb::arg("matrix"), "From a homogeneous (4, 4) matrix with an orthonormal rotation.")
+      .def_prop_ro(
+          "p", [](const Pose& pose) { return to_numpy(pose.p); }, "Position x, y, z [m].")
+      .def_prop_ro(
+          "q", [](const Pose& pose) { return to_numpy(pose.q.coeffs()); }, "Quaternion x, y, z, w.")
+      .def(
+          "matrix",
+          [](const Pose& pose) {
+            const Eigen::Matrix4d matrix = pose.matrix();
+            return to_numpy_rows({matrix.row(0), matrix.row(1), matrix.row(2), matrix.row(3)}, 4);
+          },
+          "Homogeneous (4, 4) matrix.")
       .def("inverse", &Pose::inverse)
-      .def("__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator())
-      .def("__matmul__", [](const Pose& a, const ArrayLike& point) { return to_numpy(a * point.vector3("point")); }, nb::is_operator())
-      .def("__iter__", [](const Pose& pose) { return nb::iter(nb::cast(std::vector<double>([&] { const auto v = pose.to_list(); return std::vector<double>(v.begin(), v.end()); }()))); })
+      .def(
+          "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator())
+      .def(
+          "__matmul__", [](const Pose& a, const ArrayLike& point) { return to_numpy(a * point.vector3("point")); },
+          nb::is_operator())
+      .def("__iter__",
+           [](const Pose& pose) {
+             return nb::iter(nb::cast(std::vector<double>([&] {
+               const auto v = pose.to_list();
+               return std::vector<double>(v.begin(), v.end());
+             }())));
+           })
       .def("__len__", [](const Pose&) { return 7; })
-      .def("__eq__", [](const Pose& a, nb::handle other) {
-        Pose b;
-        return nb::try_cast(other, b) && a.to_list() == b.to_list();
-      })
+      .def("__eq__",
+           [](const Pose& a, nb::handle other) {
+             Pose b;
+             return nb::try_cast(other, b) && a.to_list() == b.to_list();
+           })
       .def("__repr__", &text)
       .def("__getstate__", &Pose::to_list)
-      .def("__setstate__", [](Pose& self, const std::array<double, 7>& v) { new (&self) Pose{{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}}; });
+      .def("__setstate__", [](Pose& self, const std::array<double, 7>& v) {
+        new (&self) Pose{{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
+      });
 }
 
 }  // namespace srmp::python

@@ -11,7 +11,8 @@ using VectorView = nb::ndarray<nb::numpy, const double, nb::ndim<1>>;
 template <RowMatrix Trajectory::* member>
 MatrixView view(nb::handle_t<Trajectory> self) {
   const RowMatrix& matrix = nb::cast<const Trajectory&>(self).*member;
-  return MatrixView(matrix.data(), {static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())}, self);
+  return MatrixView(matrix.data(), {static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())},
+                    self);
 }
 
 VectorView times_view(nb::handle_t<Trajectory> self) {
@@ -21,37 +22,48 @@ VectorView times_view(nb::handle_t<Trajectory> self) {
 
 RowMatrix to_matrix(nb::handle array) {
   const auto numbers = to_numbers(array, "trajectory array");
-  return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)), static_cast<Eigen::Index>(numbers.shape(1)));
+  return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)),
+                                     static_cast<Eigen::Index>(numbers.shape(1)));
 }
 
 }  // namespace
 
 void bind_trajectory(nb::module_& m) {
   nb::class_<Trajectory>(m, "Trajectory",
-                         "A motion: n samples of dof joints. Revolute joints in rad, prismatic ones in m; values of continuous joints do not\n"
+                         "A motion: n samples of dof joints. Revolute joints in rad, prismatic ones in m; values of "
+                         "continuous joints do not\n"
                          "jump at ±pi. Arrays are read-only views without a copy.")
       .def_ro("joint_names", &Trajectory::joint_names, "The dof joint names, in column order.")
       .def_prop_ro("positions", &view<&Trajectory::positions>, "(n, dof) [rad or m]")
       .def_prop_ro("velocities", &view<&Trajectory::velocities>, "(n, dof) [rad/s or m/s]")
       .def_prop_ro("accelerations", &view<&Trajectory::accelerations>, "(n, dof) [rad/s^2 or m/s^2]")
       .def_prop_ro("times", &times_view, "(n,) [s], from 0, strictly increasing")
-      .def_prop_ro("waypoints", &view<&Trajectory::waypoints>, "(m, dof): the checked path; straight lines between its rows")
+      .def_prop_ro("waypoints", &view<&Trajectory::waypoints>,
+                   "(m, dof): the checked path; straight lines between its rows")
       .def_prop_ro("duration", &Trajectory::duration, "[s]")
       .def_prop_ro("length", &Trajectory::length, "Joint-space length of the path [rad, prismatic joints m].")
-      .def("sample", [](const Trajectory& self, double t) { return to_numpy(self.sample(t)); }, nb::arg("t"),
-           "The configuration (dof,) at time t [s]; times outside are moved to the nearest end.")
+      .def(
+          "sample", [](const Trajectory& self, double t) { return to_numpy(self.sample(t)); }, nb::arg("t"),
+          "The configuration (dof,) at time t [s]; times outside are moved to the nearest end.")
       .def("__len__", &Trajectory::size)
-      .def("__repr__", [](const Trajectory& t) {
-        return "Trajectory(" + std::to_string(t.dof()) + " joints, " + std::to_string(t.size()) + " samples, " + to_text(t.duration()) + " s)";
-      })
-      .def("__getstate__", [](nb::handle_t<Trajectory> self) {
-        return nb::make_tuple(self.attr("joint_names"), self.attr("positions"), self.attr("velocities"), self.attr("accelerations"),
-                              self.attr("times"), self.attr("waypoints"));
-      })
+      .def("__repr__",
+           [](const Trajectory& t) {
+             return "Trajectory(" + std::to_string(t.dof()) + " joints, " + std::to_string(t.size()) + " samples, " +
+                    to_text(t.duration()) + " s)";
+           })
+      .def("__getstate__",
+           [](nb::handle_t<Trajectory> self) {
+             return nb::make_tuple(self.attr("joint_names"), self.attr("positions"), self.attr("velocities"),
+                                   self.attr("accelerations"), self.attr("times"), self.attr("waypoints"));
+           })
       .def("__setstate__", [](Trajectory& self, const nb::tuple& state) {
         const ArrayLike times{nb::borrow<nb::object>(state[4])};
-        new (&self) Trajectory{nb::cast<std::vector<std::string>>(state[0]), to_matrix(state[1]), to_matrix(state[2]),
-                               to_matrix(state[3]), times.vector("times"), to_matrix(state[5])};
+        new (&self) Trajectory{nb::cast<std::vector<std::string>>(state[0]),
+                               to_matrix(state[1]),
+                               to_matrix(state[2]),
+                               to_matrix(state[3]),
+                               times.vector("times"),
+                               to_matrix(state[5])};
       });
 }
 

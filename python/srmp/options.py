@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 from typing import ClassVar
 
-__all__ = ["MHAStar", "ARAStar", "AStar", "WAStar", "WPASE", "XECBS"]
+__all__ = ["WPASE", "XECBS", "ARAStar", "AStar", "MHAStar", "WAStar"]
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -18,8 +18,9 @@ constexpr double degree = std::numbers::pi / 180.0;
 
 bool always_free(std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd&) { return true; }
 
-Lattice make_lattice(const RobotModel& robot, const Vector2d& start, std::vector<Eigen::VectorXd> goals, double step_degrees = 10,
-                     MotionValidator validator = always_free, double snap = search::infinity) {
+Lattice make_lattice(const RobotModel& robot, const Vector2d& start, std::vector<Eigen::VectorXd> goals,
+                     double step_degrees = 10, MotionValidator validator = always_free,
+                     double snap = search::infinity) {
   Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap};
   return Lattice(robot, {start}, std::move(goals), options, std::move(validator));
 }
@@ -36,8 +37,8 @@ BOOST_AUTO_TEST_CASE(every_joint_moves_by_a_step_and_near_the_ends_by_a_third_of
   const auto robot = robots::planar();
   Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30);
   const auto from_start = successors(lattice, 0);
-  BOOST_TEST(from_start.size() == 1 + 4 + 4);                              // snap, whole, third
-  BOOST_TEST(successors(lattice, from_start[1].state).size() == 1 + 4);    // 30 degrees away: far from both ends
+  BOOST_TEST(from_start.size() == 1 + 4 + 4);                            // snap, whole, third
+  BOOST_TEST(successors(lattice, from_start[1].state).size() == 1 + 4);  // 30 degrees away: far from both ends
   Lattice no_snap = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30, always_free, 1.0);
   BOOST_TEST(successors(no_snap, 0).size() == 4 + 4);
 }
@@ -102,8 +103,9 @@ BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
   BOOST_REQUIRE(result.status == Status::solved);
   BOOST_TEST(result.cost > 2.5);
 
-  Lattice closed = make_lattice(*robot, {0, 0}, {Vector2d(2, 0)}, 10,
-                                [](std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd& b) { return b.norm() < 1.0; });
+  Lattice closed =
+      make_lattice(*robot, {0, 0}, {Vector2d(2, 0)}, 10,
+                   [](std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd& b) { return b.norm() < 1.0; });
   const auto to_closed = [&](search::StateId s) { return closed.distance_to_targets(s); };
   const auto none = search::weighted_astar(closed, closed.starts(), to_closed, {.weight = 1.0}, Deadline());
   BOOST_TEST((none.status == Status::exhausted));
@@ -111,8 +113,9 @@ BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
 
 BOOST_AUTO_TEST_CASE(primitives_are_checked) {
   const auto robot = robots::planar();
-  check_throws<InvalidArgument>([&] { default_primitives(robot->joints(), Vector2d(0.1, 0.0)); }, "resolution of joint 'b'");
+  check_throws<InvalidArgument>([&] { default_primitives(robot->joints(), Vector2d(0.1, 0.0)); },
+                                "resolution of joint 'b'");
   PrimitiveSet zero{{{"stay", PrimitiveUse::always, {Vector2d(0, 0)}}}};
-  check_throws<InvalidArgument>(
-      [&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); }, "'stay' has a move of zero length");
+  check_throws<InvalidArgument>([&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); },
+                                "'stay' has a move of zero length");
 }

@@ -31,7 +31,10 @@ SCENE = [
     (lambda p: p.add_cone("cone", radius=NAN, length=1), "'cone'.*NaN"),
     (lambda p: p.add_mesh("mesh"), "needs either a path or vertices"),
     (lambda p: p.add_mesh("mesh", vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 7]]), "'mesh'.*7"),
-    (lambda p: p.add_mesh("mesh", vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 1.5]]), "whole vertex numbers"),
+    (
+        lambda p: p.add_mesh("mesh", vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 1.5]]),
+        "whole vertex numbers",
+    ),
     (lambda p: p.add_mesh("mesh", vertices=[[0, 0, 0, 0]]), r"shape \(n, 3\)"),
     (lambda p: p.add_point_cloud("cloud", []), "'cloud'.*point"),
     (lambda p: p.add_point_cloud("cloud", [[0, 0, NAN]]), "'cloud'"),
@@ -69,8 +72,16 @@ FILES = [
     (lambda p, d: p.add_articulation(urdf_path=str(d / "broken.urdf")), "broken.urdf"),
     (lambda p, d: p.add_articulation(urdf_path=str(d / "inverted.urdf")), "'j'.*lower.*upper"),
     (lambda p, d: p.add_articulation(urdf_path=str(d / "mesh.urdf")), "lost.stl.*tried"),
-    (lambda p, d: p.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_path=str(d / "no.srdf"), name="r2"), "no.srdf"),
-    (lambda p, d: p.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_path=str(d / "typo.srdf"), name="r2"), "group_stat"),
+    (
+        lambda p, d: p.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_path=str(d / "no.srdf"), name="r2"),
+        "no.srdf",
+    ),
+    (
+        lambda p, d: p.add_articulation(
+            urdf_path=srmp.data_path("arm7.urdf"), srdf_path=str(d / "typo.srdf"), name="r2"
+        ),
+        "group_stat",
+    ),
     (lambda p, d: p.load_moveit_scene(str(d / "no.yaml")), "no.yaml"),
     (lambda p, d: p.load_moveit_scene(str(d / "broken.yaml")), "broken.yaml"),
     (lambda p, d: p.load_moveit_scene(str(d / "half.yaml")), "half.yaml"),
@@ -155,7 +166,10 @@ QUESTIONS = [
     (lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, [0, 0, 0, 0, 0, 0, 0]), "quaternion is zero"),
     (lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSITION, [1, float("inf"), 3]), "infinity"),
     (lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSITION, srmp.Pose()), "a Pose is a target for GoalType.POSE"),
-    (lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose(), position_tolerance=0), "position_tolerance is 0"),
+    (
+        lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose(), position_tolerance=0),
+        "position_tolerance is 0",
+    ),
     (lambda p, q: p.make_planner(["arm", "arm"], {}), "'arm' is named twice"),
     (lambda p, q: p.make_planner([], {}), "at least one robot"),
     (lambda p, q: p.compute_fk("arm", q, "arm7_hnad"), "did you mean 'arm7_hand'"),

@@ -115,7 +115,9 @@ def test_a_hair_outside_a_limit_is_mended_and_said(arm, ready):
 
 
 def test_out_of_reach_says_so(arm, ready):
-    with pytest.raises(srmp.PlanningError, match="no configuration within the joint limits brings 'arm7_hand'") as error:
+    with pytest.raises(
+        srmp.PlanningError, match="no configuration within the joint limits brings 'arm7_hand'"
+    ) as error:
         arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose([5, 0, 0])))
     assert error.value.status == srmp.Status.goal_invalid
 

@@ -8,22 +8,24 @@
 /// Tiny robots, as URDF text.
 namespace robots {
 
-inline std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-                         const std::string& origin, const std::string& axis, const std::string& limit) {
+inline std::string joint(const std::string& name, const std::string& type, const std::string& parent,
+                         const std::string& child, const std::string& origin, const std::string& axis,
+                         const std::string& limit) {
   return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child +
          "'/><origin xyz='" + origin + "'/><axis xyz='" + axis + "'/>" + limit + "</joint>";
 }
 
 inline std::string bar(const std::string& name) {
-  return "<link name='" + name + "'><collision><origin xyz='0.5 0 0'/><geometry><box size='0.9 0.1 0.1'/></geometry></collision></link>";
+  return "<link name='" + name +
+         "'><collision><origin xyz='0.5 0 0'/><geometry><box size='0.9 0.1 0.1'/></geometry></collision></link>";
 }
 
 /// Two bars of 1 m in the plane, turning about z:   base ──a── upper ──b── lower ── tip
 inline std::shared_ptr<const srmp::RobotModel> planar(const std::string& first_joint = "revolute") {
   const std::string limit = "<limit lower='-3' upper='3' velocity='2' effort='1'/>";
   srmp::RobotDescription description;
-  description.urdf_text = "<robot name='planar'><link name='base'/>" + bar("upper") + bar("lower") + "<link name='tip'/>" +
-                          joint("a", first_joint, "base", "upper", "0 0 0", "0 0 1", limit) +
+  description.urdf_text = "<robot name='planar'><link name='base'/>" + bar("upper") + bar("lower") +
+                          "<link name='tip'/>" + joint("a", first_joint, "base", "upper", "0 0 0", "0 0 1", limit) +
                           joint("b", "revolute", "upper", "lower", "1 0 0", "0 0 1", limit) +
                           joint("t", "fixed", "lower", "tip", "1 0 0", "0 0 1", "") + "</robot>";
   description.end_effector = "tip";

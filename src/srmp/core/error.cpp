@@ -51,8 +51,7 @@ std::string did_you_mean(std::string_view name, std::span<const std::string> kno
 std::string quoted_list(std::span<const std::string> names) {
   if (names.empty()) return "(none)";
   std::string text = "'" + names[0] + "'";
-  for (std::size_t i = 1; i < names.size(); ++i)
-    text += (i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
+  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
   return text;
 }
 
@@ -60,7 +59,8 @@ void require_finite(std::span<const double> values, std::string_view what, std::
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     const std::string which = i < names.size() ? names[i] : "component " + std::to_string(i);
-    throw InvalidArgument(std::string(what) + ": " + which + " is " + to_text(values[i]) + "; only finite numbers are allowed");
+    throw InvalidArgument(std::string(what) + ": " + which + " is " + to_text(values[i]) +
+                          "; only finite numbers are allowed");
   }
 }
 

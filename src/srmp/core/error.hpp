@@ -22,7 +22,8 @@ class InvalidArgument : public Error {
   using Error::Error;
 };
 
-/// A file is missing, unreadable or wrong (Python: also an OSError). The text names the file and, where known, the line.
+/// A file is missing, unreadable or wrong (Python: also an OSError). The text names the file and, where known, the
+/// line.
 class FileError : public Error {
  public:
   using Error::Error;

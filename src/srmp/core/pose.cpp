@@ -11,15 +11,20 @@ Pose checked(const Eigen::Vector3d& p, double x, double y, double z, double w) {
   const std::array<double, 4> xyzw{x, y, z, w};
   require_finite(xyzw, "pose quaternion");
   const Eigen::Quaterniond q(w, x, y, z);
-  if (q.norm() < 1e-9) throw InvalidArgument("pose quaternion is zero; a rotation needs a non-zero [x, y, z, w], e.g. [0, 0, 0, 1]");
+  if (q.norm() < 1e-9)
+    throw InvalidArgument("pose quaternion is zero; a rotation needs a non-zero [x, y, z, w], e.g. [0, 0, 0, 1]");
   return {p, q.normalized()};
 }
 
 }  // namespace
 
-Pose Pose::from_xyzw(const Eigen::Vector3d& p, const std::array<double, 4>& v) { return checked(p, v[0], v[1], v[2], v[3]); }
+Pose Pose::from_xyzw(const Eigen::Vector3d& p, const std::array<double, 4>& v) {
+  return checked(p, v[0], v[1], v[2], v[3]);
+}
 
-Pose Pose::from_wxyz(const Eigen::Vector3d& p, const std::array<double, 4>& v) { return checked(p, v[1], v[2], v[3], v[0]); }
+Pose Pose::from_wxyz(const Eigen::Vector3d& p, const std::array<double, 4>& v) {
+  return checked(p, v[1], v[2], v[3], v[0]);
+}
 
 Pose Pose::from_rpy(const Eigen::Vector3d& p, const Eigen::Vector3d& rpy) {
   require_finite({rpy.data(), 3}, "roll, pitch, yaw");
@@ -32,8 +37,10 @@ Pose Pose::from_rpy(const Eigen::Vector3d& p, const Eigen::Vector3d& rpy) {
 Pose Pose::from_matrix(const Eigen::Matrix4d& matrix) {
   require_finite({matrix.data(), 16}, "pose matrix");
   const Eigen::Matrix3d r = matrix.topLeftCorner<3, 3>();
-  if (!(r * r.transpose()).isIdentity(1e-6) || r.determinant() < 0 || !matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1)))
-    throw InvalidArgument("pose matrix is not a rigid transform: the rotation must be orthonormal, the last row [0, 0, 0, 1]");
+  if (!(r * r.transpose()).isIdentity(1e-6) || r.determinant() < 0 ||
+      !matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1)))
+    throw InvalidArgument(
+        "pose matrix is not a rigid transform: the rotation must be orthonormal, the last row [0, 0, 0, 1]");
   const Eigen::Quaterniond q(r);
   return checked(matrix.topRightCorner<3, 1>(), q.x(), q.y(), q.z(), q.w());
 }

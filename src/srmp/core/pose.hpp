@@ -6,7 +6,8 @@
 
 namespace srmp {
 
-/// A rigid transform: position `p` [m] and unit quaternion `q`, of a frame in its parent (the world, unless said otherwise).
+/// A rigid transform: position `p` [m] and unit quaternion `q`, of a frame in its parent (the world, unless said
+/// otherwise).
 ///
 /// Quaternions are written [x, y, z, w] everywhere in this library. Build one with the named constructors, which refuse
 /// NaN, infinity and zero quaternions with InvalidArgument, and normalise the rest.

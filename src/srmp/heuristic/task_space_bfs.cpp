@@ -37,7 +37,8 @@ TaskSpaceBfs::TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const
     size_[static_cast<std::size_t>(i)] = std::max(1, static_cast<int>(std::min(n, 1e6)));
   }
   if (cells > static_cast<double>(most_cells))
-    throw InvalidArgument("bfs_resolution " + to_text(resolution_) + " m makes a grid of more than 50 million cells; use a larger one");
+    throw InvalidArgument("bfs_resolution " + to_text(resolution_) +
+                          " m makes a grid of more than 50 million cells; use a larger one");
   occupied_.assign(static_cast<std::size_t>(cells), 0);
   mark_obstacles(scene, options.radius, deadline);
   flood(goals, deadline);
@@ -74,7 +75,8 @@ void TaskSpaceBfs::mark_obstacles(const Scene& scene, double radius, const Deadl
       low = low.cwiseMin(world);
       high = high.cwiseMax(world);
     }
-    const Cell from = cell_of((low.array() - reach - resolution_).matrix()), to = cell_of((high.array() + reach + resolution_).matrix());
+    const Cell from = cell_of((low.array() - reach - resolution_).matrix()),
+               to = cell_of((high.array() + reach + resolution_).matrix());
     Cell c;
     for (c[2] = from[2]; c[2] <= to[2]; ++c[2]) {
       if (deadline.stop_requested()) return;

@@ -41,7 +41,8 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
         move.cost += std::pow(move.steps[j] * unit_[j], 2);
       }
       move.cost = std::sqrt(move.cost);
-      if (move.cost == 0.0) throw InvalidArgument("motion primitive family '" + family.name + "' has a move of zero length");
+      if (move.cost == 0.0)
+        throw InvalidArgument("motion primitive family '" + family.name + "' has a move of zero length");
       added.moves.push_back(std::move(move));
     }
   }
@@ -128,12 +129,12 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
   read_configuration(state, q_);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const double cost = distance(q_, targets_[t]);
-    if (cost <= snap_distance_) out.push_back({static_cast<search::StateId>(anchor_count() + t), std::max(cost, 1e-12)});
+    if (cost <= snap_distance_)
+      out.push_back({static_cast<search::StateId>(anchor_count() + t), std::max(cost, 1e-12)});
   }
   const bool near = near_an_end(q_);
   for (const Family& family : families_)
-    if (family.use == PrimitiveUse::always || (family.use == PrimitiveUse::near) == near)
-      add_moves(state, family, out);
+    if (family.use == PrimitiveUse::always || (family.use == PrimitiveUse::near) == near) add_moves(state, family, out);
 }
 
 bool Lattice::near_an_end(const Eigen::VectorXd& q) const {

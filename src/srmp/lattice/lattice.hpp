@@ -38,7 +38,9 @@ class Lattice {
   // --- search::Graph
   void successors(search::StateId state, std::vector<search::Successor>& out);
   void evaluate(std::span<const search::Edge> edges, std::span<double> costs);
-  bool is_goal(search::StateId state) const { return state >= anchor_count() && state < anchor_count() + targets_.size(); }
+  bool is_goal(search::StateId state) const {
+    return state >= anchor_count() && state < anchor_count() + targets_.size();
+  }
 
   std::vector<search::StateId> starts() const;
   Eigen::VectorXd configuration(search::StateId state) const;

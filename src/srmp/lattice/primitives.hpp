@@ -23,7 +23,8 @@ struct PrimitiveFamily {
 };
 
 /// The action space of a lattice (Cohen, Chitta, Likhachev 2010, "Search-based planning for manipulation with motion
-/// primitives"; long and short ones as in Cohen et al. 2011, "Planning for manipulation with adaptive motion primitives").
+/// primitives"; long and short ones as in Cohen et al. 2011, "Planning for manipulation with adaptive motion
+/// primitives").
 struct PrimitiveSet {
   std::vector<PrimitiveFamily> families;
   double near_distance{0.4};  ///< joint-space distance to the start or a goal [rad, prismatic joints m], >= 0
@@ -32,9 +33,8 @@ struct PrimitiveSet {
 /// Configurations of a lattice are whole multiples of this away from their anchor: 1e-4 degree [rad], or 1e-6 m.
 double grid_unit(const Joint& joint);
 
-/// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce and
-/// precision wanted, by a third of a step too.
-/// `step` has one entry a joint [rad or m], > 0.
+/// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce
+/// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
 }  // namespace srmp

@@ -32,7 +32,9 @@ class StateTable {
 
   std::span<const std::int32_t> key(search::StateId id) const { return {keys_.data() + id * width_, width_}; }
   std::size_t size() const { return size_; }
-  std::size_t memory() const { return keys_.capacity() * sizeof(std::int32_t) + slots_.capacity() * sizeof(search::StateId); }
+  std::size_t memory() const {
+    return keys_.capacity() * sizeof(std::int32_t) + slots_.capacity() * sizeof(search::StateId);
+  }
 
  private:
   static std::size_t hash(std::span<const std::int32_t> key) {

@@ -18,23 +18,26 @@ GoalConstraint joint_goal(const RobotModel& robot, const io::RequestFile& reques
   for (const io::JointConstraint& constraint : goal.joints) {
     const auto it = std::find(names.begin(), names.end(), constraint.joint);
     if (it == names.end())
-      throw InvalidArgument(where(request) + "the goal names joint '" + constraint.joint + "', which is not a planned joint of '" + robot.name() + "'" +
+      throw InvalidArgument(where(request) + "the goal names joint '" + constraint.joint +
+                            "', which is not a planned joint of '" + robot.name() + "'" +
                             did_you_mean(constraint.joint, names));
     q[it - names.begin()] = constraint.position;
     missing.erase(constraint.joint);
   }
   if (!missing.empty())
-    throw NotSupported(where(request) + "the goal leaves joint '" + *missing.begin() + "' free; joint goals must give every planned joint");
+    throw NotSupported(where(request) + "the goal leaves joint '" + *missing.begin() +
+                       "' free; joint goals must give every planned joint");
   return GoalConstraint::joints(q);
 }
 
 GoalConstraint pose_goal(const RobotModel& robot, const io::RequestFile& request, const io::GoalAlternative& goal) {
   if (goal.positions.size() != 1 || goal.orientations.size() > 1)
-    throw NotSupported(where(request) + "a pose goal needs one position constraint and at most one orientation constraint");
+    throw NotSupported(where(request) +
+                       "a pose goal needs one position constraint and at most one orientation constraint");
   const io::PositionConstraint& position = goal.positions[0];
   if (position.link != robot.end_effector())
-    throw InvalidArgument(where(request) + "the goal is for link '" + position.link + "', but goals of '" + robot.name() +
-                          "' are for its end effector '" + robot.end_effector() + "'");
+    throw InvalidArgument(where(request) + "the goal is for link '" + position.link + "', but goals of '" +
+                          robot.name() + "' are for its end effector '" + robot.end_effector() + "'");
   GoalConstraint result = GoalConstraint::position(position.pose.p);
   if (!goal.orientations.empty()) {
     result = GoalConstraint::pose({position.pose.p, goal.orientations[0].orientation});
@@ -47,7 +50,8 @@ GoalConstraint pose_goal(const RobotModel& robot, const io::RequestFile& request
 
 }  // namespace
 
-MoveItProblem apply_moveit_request(PlannerInterface& planner, const std::string& robot, const io::RequestFile& request) {
+MoveItProblem apply_moveit_request(PlannerInterface& planner, const std::string& robot,
+                                   const io::RequestFile& request) {
   const RobotModel& model = planner.robot(robot);
   MoveItProblem problem{planner.scene().robot(robot).q, {}, {}};
   for (const io::GoalAlternative& goal : request.goals)
@@ -57,9 +61,12 @@ MoveItProblem apply_moveit_request(PlannerInterface& planner, const std::string&
     const auto planned = std::find(model.joint_names().begin(), model.joint_names().end(), name);
     const bool other = std::any_of(model.other_joints().begin(), model.other_joints().end(),
                                    [&](const Joint& joint) { return joint.name == name; });
-    if (planned != model.joint_names().end()) problem.start[planned - model.joint_names().begin()] = position;
-    else if (other) others[name] = position;
-    else problem.ignored_joints.push_back(name);
+    if (planned != model.joint_names().end())
+      problem.start[planned - model.joint_names().begin()] = position;
+    else if (other)
+      others[name] = position;
+    else
+      problem.ignored_joints.push_back(name);
   }
   if (!others.empty()) planner.set_joint_positions(robot, others);
   if (!request.start_state.attached.empty()) planner.attach_moveit_objects(request);

@@ -102,7 +102,8 @@ bool as_bool(const std::string& key, const OptionValue& value) {
     if (*text == "true" || *text == "True" || *text == "1") return true;
     if (*text == "false" || *text == "False" || *text == "0") return false;
   }
-  if (const auto* number = std::get_if<double>(&value); number && (*number == 0.0 || *number == 1.0)) return *number == 1.0;
+  if (const auto* number = std::get_if<double>(&value); number && (*number == 0.0 || *number == 1.0))
+    return *number == 1.0;
   throw InvalidArgument(option(key) + " must be true or false");
 }
 
@@ -113,14 +114,17 @@ std::vector<std::string> as_words(const std::string& key, const OptionValue& val
   std::vector<std::string> words;
   std::string word;
   for (const char c : *text + ',') {
-    if (c != ',' && c != ' ') word += c;
-    else if (!word.empty()) words.push_back(std::move(word)), word.clear();
+    if (c != ',' && c != ' ')
+      word += c;
+    else if (!word.empty())
+      words.push_back(std::move(word)), word.clear();
   }
   return words;
 }
 
 void require_in(const std::string& key, double value, const Range& range) {
-  const bool ok = std::isfinite(value) && (range.open_low ? value > range.low : value >= range.low) && value <= range.high;
+  const bool ok =
+      std::isfinite(value) && (range.open_low ? value > range.low : value >= range.low) && value <= range.high;
   if (ok) return;
   std::string allowed = std::string("it must be ") + (range.open_low ? "above " : "at least ") + to_text(range.low);
   if (range.high < inf) allowed += " and at most " + to_text(range.high);
@@ -129,7 +133,8 @@ void require_in(const std::string& key, double value, const Range& range) {
 
 void require_word(const std::string& key, const std::string& word, const std::vector<std::string>& known) {
   if (known.empty() || std::find(known.begin(), known.end(), word) != known.end()) return;
-  throw InvalidArgument(option(key) + " is '" + word + "'" + did_you_mean(word, known) + " Known are " + quoted_list(known));
+  throw InvalidArgument(option(key) + " is '" + word + "'" + did_you_mean(word, known) + " Known are " +
+                        quoted_list(known));
 }
 
 struct Reader {
@@ -149,7 +154,8 @@ struct Reader {
     if (!value) return;
     const double number = as_number(key, *value);
     require_in(key, number, range);
-    if (number != std::floor(number) || number > 1e9) throw InvalidArgument(option(key) + " is " + to_text(number) + "; it must be a whole number");
+    if (number != std::floor(number) || number > 1e9)
+      throw InvalidArgument(option(key) + " is " + to_text(number) + "; it must be a whole number");
     field = static_cast<int>(number);
   }
   void operator()(const std::string& key, bool& field, const Range&) {
@@ -183,8 +189,10 @@ struct Writer {
   OptionMap& map;
   template <class Field, class Allowed>
   void operator()(const std::string& key, Field& field, const Allowed&) {
-    if constexpr (std::is_same_v<Field, int>) map[key] = static_cast<double>(field);
-    else map[key] = field;
+    if constexpr (std::is_same_v<Field, int>)
+      map[key] = static_cast<double>(field);
+    else
+      map[key] = field;
   }
 };
 
@@ -197,10 +205,14 @@ struct Planner {
 const std::vector<Planner>& registry() {
   static const std::vector<Planner> planners{
       {{"Astar", "A*: the shortest path on the lattice", false}, AStar{}, {"a*"}},
-      {{"wAstar", "weighted A*: cost at most weight times the shortest; quick", false}, WAStar{}, {"wa*", "weightedastar"}},
+      {{"wAstar", "weighted A*: cost at most weight times the shortest; quick", false},
+       WAStar{},
+       {"wa*", "weightedastar"}},
       {{"ARAstar", "ARA*: a first path quickly, then better ones until the time limit", false}, ARAStar{}, {"ara*"}},
       {{"MHAstar", "MHA*: several heuristics share one search", false}, MHAStar{}, {"mha*"}},
-      {{"wPASE", "parallel weighted search; the same path for every number of threads", false}, WPASE{}, {"wpa*se", "wpastarse", "epa*se", "epase"}},
+      {{"wPASE", "parallel weighted search; the same path for every number of threads", false},
+       WPASE{},
+       {"wpa*se", "wpastarse", "epa*se", "epase"}},
       {{"xECBS", "many arms at once (not yet: plan_multi says so)", true}, XECBS{}, {}},
   };
   return planners;
@@ -221,7 +233,8 @@ const Planner& find_planner(const std::string& id) {
     names.push_back(folded(planner.info.id));
     if (std::find(names.begin(), names.end(), folded(id)) != names.end()) return planner;
   }
-  throw InvalidArgument("there is no planner '" + id + "'" + did_you_mean(id, known) + " Known are " + quoted_list(known));
+  throw InvalidArgument("there is no planner '" + id + "'" + did_you_mean(id, known) + " Known are " +
+                        quoted_list(known));
 }
 
 // Per-robot keys of many-arm planners, such as heuristic_panda, belong to the paper's dictionaries too; they are not

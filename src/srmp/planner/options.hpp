@@ -9,19 +9,20 @@ namespace srmp {
 
 /// Options that every planner has.
 struct CommonOptions {
-  double time_limit{5.0};                      ///< [s] over all phases of a plan, > 0
-  std::string heuristic{"joint_euclidean"};    ///< joint_euclidean | bfs
-  double resolution{15.0};                     ///< lattice step of revolute joints [degrees], > 0
-  double prismatic_resolution{0.05};           ///< lattice step of prismatic joints [m], > 0
-  std::string mprim_path;                      ///< motion primitives (YAML); "" = every joint by a step, near the ends by a third too
-  std::string direction{"auto"};               ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
-  double bfs_resolution{0.05};                 ///< cell of the bfs heuristic's grid [m], > 0
-  double bfs_radius{0.05};                     ///< obstacles are inflated by this in that grid [m], >= 0
-  int ik_solutions{16};                        ///< configurations tried for a pose or position goal, > 0
-  bool shortcut{true};                         ///< shorten the path before timing it
-  double sample_period{0.02};                  ///< of the returned trajectory [s], > 0
-  double velocity_scaling{1.0};                ///< share of the velocity limits that may be used, in (0, 1]
-  double acceleration_scaling{1.0};            ///< share of the acceleration and jerk limits, in (0, 1]
+  double time_limit{5.0};                    ///< [s] over all phases of a plan, > 0
+  std::string heuristic{"joint_euclidean"};  ///< joint_euclidean | bfs
+  double resolution{15.0};                   ///< lattice step of revolute joints [degrees], > 0
+  double prismatic_resolution{0.05};         ///< lattice step of prismatic joints [m], > 0
+  std::string mprim_path;  ///< motion primitives (YAML); "" = every joint by a step, near the ends by a third too
+  std::string direction{
+      "auto"};  ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
+  double bfs_resolution{0.05};       ///< cell of the bfs heuristic's grid [m], > 0
+  double bfs_radius{0.05};           ///< obstacles are inflated by this in that grid [m], >= 0
+  int ik_solutions{16};              ///< configurations tried for a pose or position goal, > 0
+  bool shortcut{true};               ///< shorten the path before timing it
+  double sample_period{0.02};        ///< of the returned trajectory [s], > 0
+  double velocity_scaling{1.0};      ///< share of the velocity limits that may be used, in (0, 1]
+  double acceleration_scaling{1.0};  ///< share of the acceleration and jerk limits, in (0, 1]
 };
 
 /// A* (Hart, Nilsson, Raphael 1968): cost <= optimal on the lattice.
@@ -47,25 +48,25 @@ struct ARAStar {
 struct MHAStar {
   CommonOptions common{};
   std::vector<std::string> inadmissible_heuristics{"bfs"};  ///< beside the anchor (common.heuristic)
-  double w1{20.0};  ///< inflation of every heuristic, >= 1
-  double w2{5.0};   ///< how far the others may run ahead of the anchor, >= 1
+  double w1{20.0};                                          ///< inflation of every heuristic, >= 1
+  double w2{5.0};                                           ///< how far the others may run ahead of the anchor, >= 1
 };
 
 /// Parallel weighted search on edges (ePA*SE; Mukherjee, Aine, Likhachev 2022): cost <= weight * optimal; the same path
 /// for every num_threads.
 struct WPASE {
   CommonOptions common{};
-  double weight{50.0};   ///< >= 1
-  int num_threads{4};    ///< > 0
-  int batch_size{16};    ///< edges evaluated together, > 0; part of the question: another batch may find another path
+  double weight{50.0};  ///< >= 1
+  int num_threads{4};   ///< > 0
+  int batch_size{16};   ///< edges evaluated together, > 0; part of the question: another batch may find another path
 };
 
 /// xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms. Accepted by make_planner; plan_multi does not run yet.
 struct XECBS {
   CommonOptions common{};
-  double weight_low_level_heuristic{50.0};         ///< >= 1
-  double high_level_focal_suboptimality{1.3};      ///< >= 1
-  double low_level_focal_suboptimality{1.3};       ///< >= 1
+  double weight_low_level_heuristic{50.0};     ///< >= 1
+  double high_level_focal_suboptimality{1.3};  ///< >= 1
+  double low_level_focal_suboptimality{1.3};   ///< >= 1
 };
 
 using PlannerOptions = std::variant<WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS>;

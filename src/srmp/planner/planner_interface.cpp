@@ -9,7 +9,7 @@ namespace srmp {
 
 struct PlannerInterface::Impl {
   Scene scene;
-  std::map<std::vector<std::string>, PlannerOptions> planners;  // by sorted robot names
+  std::map<std::vector<std::string>, PlannerOptions> planners;       // by sorted robot names
   mutable std::map<std::string, std::unique_ptr<Checker>> checkers;  // of the scene as it is now
   PlanStatistics statistics;
 
@@ -38,7 +38,9 @@ struct PlannerInterface::Impl {
     return robots;
   }
 
-  void require_state(const std::string& robot, ConstVector q) const { model(robot).require_configuration(q, "q of '" + robot + "'"); }
+  void require_state(const std::string& robot, ConstVector q) const {
+    model(robot).require_configuration(q, "q of '" + robot + "'");
+  }
 };
 
 PlannerInterface::PlannerInterface() : impl_(std::make_unique<Impl>()) {}
@@ -84,15 +86,18 @@ void PlannerInterface::add_sphere(const std::string& name, double radius, const 
   impl_->change([&](Scene& scene) { scene.add_object(name, Sphere{radius}, pose, padding); });
 }
 
-void PlannerInterface::add_cylinder(const std::string& name, double radius, double length, const Pose& pose, double padding) {
+void PlannerInterface::add_cylinder(const std::string& name, double radius, double length, const Pose& pose,
+                                    double padding) {
   impl_->change([&](Scene& scene) { scene.add_object(name, Cylinder{radius, length}, pose, padding); });
 }
 
-void PlannerInterface::add_capsule(const std::string& name, double radius, double length, const Pose& pose, double padding) {
+void PlannerInterface::add_capsule(const std::string& name, double radius, double length, const Pose& pose,
+                                   double padding) {
   impl_->change([&](Scene& scene) { scene.add_object(name, Capsule{radius, length}, pose, padding); });
 }
 
-void PlannerInterface::add_cone(const std::string& name, double radius, double length, const Pose& pose, double padding) {
+void PlannerInterface::add_cone(const std::string& name, double radius, double length, const Pose& pose,
+                                double padding) {
   impl_->change([&](Scene& scene) { scene.add_object(name, Cone{radius, length}, pose, padding); });
 }
 
@@ -120,13 +125,16 @@ void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose
 
 void PlannerInterface::set_padding(const std::string& name, double padding) {
   impl_->change([&](Scene& scene) {
-    if (scene.robots().contains(name)) scene.set_robot_padding(name, padding);
-    else scene.set_padding(name, padding);
+    if (scene.robots().contains(name))
+      scene.set_robot_padding(name, padding);
+    else
+      scene.set_padding(name, padding);
   });
 }
 
 void PlannerInterface::attach_object(const std::string& object, const std::string& robot, const std::string& link,
-                                     const std::vector<std::string>& touch_links, const std::optional<Pose>& pose_in_link) {
+                                     const std::vector<std::string>& touch_links,
+                                     const std::optional<Pose>& pose_in_link) {
   impl_->change([&](Scene& scene) { scene.attach_object(object, robot, link, touch_links, pose_in_link); });
 }
 
@@ -163,16 +171,21 @@ std::vector<std::string> PlannerInterface::robot_names() const { return impl_->s
 
 std::vector<std::string> PlannerInterface::object_names() const { return impl_->scene.object_names(); }
 
-std::vector<std::string> PlannerInterface::get_joint_names(const std::string& robot) const { return impl_->model(robot).joint_names(); }
+std::vector<std::string> PlannerInterface::get_joint_names(const std::string& robot) const {
+  return impl_->model(robot).joint_names();
+}
 
-std::vector<std::string> PlannerInterface::get_link_names(const std::string& robot) const { return impl_->model(robot).link_names(); }
+std::vector<std::string> PlannerInterface::get_link_names(const std::string& robot) const {
+  return impl_->model(robot).link_names();
+}
 
 Pose PlannerInterface::compute_fk(const std::string& robot, ConstVector q, const std::string& link) const {
   impl_->require_state(robot, q);
   return impl_->scene.robot(robot).base * impl_->model(robot).compute_fk(q, link);
 }
 
-Eigen::MatrixXd PlannerInterface::compute_jacobian(const std::string& robot, ConstVector q, const std::string& link) const {
+Eigen::MatrixXd PlannerInterface::compute_jacobian(const std::string& robot, ConstVector q,
+                                                   const std::string& link) const {
   impl_->require_state(robot, q);
   Eigen::MatrixXd jacobian = impl_->model(robot).compute_jacobian(q, link);
   const Eigen::Matrix3d rotation = impl_->scene.robot(robot).base.q.toRotationMatrix();
@@ -186,7 +199,8 @@ std::vector<Eigen::VectorXd> PlannerInterface::compute_ik(const std::string& rob
                                                           const IkOptions& options, const std::string& link) const {
   const RobotInstance& instance = impl_->scene.robot(robot);
   if (reference) instance.model->require_configuration(*reference, "reference of '" + robot + "'");
-  return inverse_kinematics(*instance.model, instance.base.inverse() * target, reference.value_or(instance.q), options, link);
+  return inverse_kinematics(*instance.model, instance.base.inverse() * target, reference.value_or(instance.q), options,
+                            link);
 }
 
 bool PlannerInterface::is_state_colliding(const std::string& robot, ConstVector q) const {
@@ -229,8 +243,8 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   validate(options);
   std::vector<std::string> key = impl_->sorted_robots(robots);
   if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
-    throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " + std::to_string(key.size()) +
-                          " were named; use 'xECBS' for many");
+    throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +
+                          std::to_string(key.size()) + " were named; use 'xECBS' for many");
   impl_->planners.insert_or_assign(std::move(key), options);
 }
 
@@ -254,10 +268,12 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   }
   model.require_configuration(start, "start of '" + robot + "'");
   impl_->statistics = {};
-  return plan_single_robot({impl_->scene, robot, impl_->checker(robot), start, goals, options}, deadline, impl_->statistics);
+  return plan_single_robot({impl_->scene, robot, impl_->checker(robot), start, goals, options}, deadline,
+                           impl_->statistics);
 }
 
-Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal, const Interrupt& interrupt) {
+Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
+                                  const Interrupt& interrupt) {
   return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt);
 }
 
@@ -274,8 +290,9 @@ Trajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::Vecto
     goal.validate();
   }
   planner_options(robots);
-  throw NotSupported("plan_multi is not there yet: planning for many robots at once comes with the many-arms release; "
-                     "plan for one robot at a time with plan");
+  throw NotSupported(
+      "plan_multi is not there yet: planning for many robots at once comes with the many-arms release; "
+      "plan for one robot at a time with plan");
 }
 
 const PlanStatistics& PlannerInterface::get_planning_stats() const { return impl_->statistics; }

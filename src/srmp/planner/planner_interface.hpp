@@ -24,10 +24,10 @@ struct RequestFile;
 /// What the last plan did, and how long each phase took.
 struct PlanStatistics {
   Status status{Status::exhausted};
-  std::string reason;              ///< why there is no trajectory; "" when solved
-  std::string note;                ///< what was changed on the way in (a start clamped onto a limit); mostly ""
-  double plan_time_s{};            ///< checks of start and goal, IK, heuristics, search, shortcut: until the path is ready
-  double total_time_s{};           ///< call to return, timing and re-check included
+  std::string reason;     ///< why there is no trajectory; "" when solved
+  std::string note;       ///< what was changed on the way in (a start clamped onto a limit); mostly ""
+  double plan_time_s{};   ///< checks of start and goal, IK, heuristics, search, shortcut: until the path is ready
+  double total_time_s{};  ///< call to return, timing and re-check included
   double ik_time_s{};
   double heuristic_time_s{};
   double search_time_s{};
@@ -36,14 +36,14 @@ struct PlanStatistics {
   double verification_time_s{};
   std::uint64_t expansions{};
   std::uint64_t generated{};
-  std::uint64_t edge_checks{};       ///< motions checked, shortcut included
-  std::uint64_t configurations{};    ///< kinematics computed for them
-  std::uint64_t narrow_phase{};      ///< pairs that Coal decided
-  std::uint64_t states{};            ///< states of the lattice
-  double search_cost_rad{};          ///< joint-space length of the search's path, before the shortcut
-  double path_cost_rad{};            ///< joint-space length of the returned path
-  double bound{};                    ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
-  int goal_index{-1};                ///< which of the goals (all targets of all constraints, in order) was reached
+  std::uint64_t edge_checks{};     ///< motions checked, shortcut included
+  std::uint64_t configurations{};  ///< kinematics computed for them
+  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
+  std::uint64_t states{};          ///< states of the lattice
+  double search_cost_rad{};        ///< joint-space length of the search's path, before the shortcut
+  double path_cost_rad{};          ///< joint-space length of the returned path
+  double bound{};                  ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
+  int goal_index{-1};              ///< which of the goals (all targets of all constraints, in order) was reached
 };
 
 /// The door to everything: a world of robots and objects, and planners for them. The Python class has the same words.
@@ -100,8 +100,8 @@ class PlannerInterface {
   Eigen::MatrixXd compute_jacobian(const std::string& robot, ConstVector q, const std::string& link = "") const;
   /// Within limits, nearest to `reference` (default: set_qpos) first; collisions are not looked at.
   std::vector<Eigen::VectorXd> compute_ik(const std::string& robot, const Pose& target,
-                                          const std::optional<Eigen::VectorXd>& reference = {}, const IkOptions& options = {},
-                                          const std::string& link = "") const;
+                                          const std::optional<Eigen::VectorXd>& reference = {},
+                                          const IkOptions& options = {}, const std::string& link = "") const;
   bool is_state_colliding(const std::string& robot, ConstVector q) const;
   std::vector<Contact> contacts(const std::string& robot, ConstVector q) const;
   bool is_motion_free(const std::string& robot, ConstVector a, ConstVector b) const;
@@ -122,7 +122,8 @@ class PlannerInterface {
   /// PlanningError with a typed status and a sentence when there is none.
   Trajectory plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                   const Interrupt& interrupt = {});
-  Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal, const Interrupt& interrupt = {});
+  Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
+                  const Interrupt& interrupt = {});
   /// Many arms at once. Not yet: throws NotSupported.
   Trajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
                         const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});

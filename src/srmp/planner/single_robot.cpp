@@ -18,8 +18,8 @@ namespace srmp {
 
 namespace {
 
-constexpr double start_mercy = 1e-6;         // a start outside a limit by no more is moved onto it [rad or m]
-constexpr double verification_step = 0.02;   // largest joint step between the samples of the final re-check [rad or m]
+constexpr double start_mercy = 1e-6;        // a start outside a limit by no more is moved onto it [rad or m]
+constexpr double verification_step = 0.02;  // largest joint step between the samples of the final re-check [rad or m]
 
 using StateHeuristic = std::function<double(search::StateId)>;
 
@@ -101,8 +101,10 @@ class SingleRobotPlan {
   void check_start() {
     robot_.require_configuration(problem_.start, "start of '" + problem_.robot + "'");
     start_ = robot_.clamped(problem_.start, start_mercy);
-    if (start_ != problem_.start) statistics_.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
-    if (const std::string why = invalidity(start_); !why.empty()) fail(Status::start_invalid, "the start is invalid: " + why);
+    if (start_ != problem_.start)
+      statistics_.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
+    if (const std::string why = invalidity(start_); !why.empty())
+      fail(Status::start_invalid, "the start is invalid: " + why);
   }
 
   void find_targets() {
@@ -114,18 +116,22 @@ class SingleRobotPlan {
         std::string why;
         for (Eigen::VectorXd& q : configurations(goal, target, why)) {
           const std::string invalid = invalidity(q);
-          if (invalid.empty()) targets_.push_back({std::move(q), index});
-          else if (why.empty()) why = invalid;
+          if (invalid.empty())
+            targets_.push_back({std::move(q), index});
+          else if (why.empty())
+            why = invalid;
         }
         if (first_reason.empty()) first_reason = why;
         ++index;
         stop_if_late("the search for goal configurations");
       }
     if (targets_.empty())
-      fail(Status::goal_invalid, (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
+      fail(Status::goal_invalid,
+           (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
   }
 
-  std::vector<Eigen::VectorXd> configurations(const GoalConstraint& goal, const Eigen::VectorXd& target, std::string& why) {
+  std::vector<Eigen::VectorXd> configurations(const GoalConstraint& goal, const Eigen::VectorXd& target,
+                                              std::string& why) {
     if (goal.type == GoalType::joints) return {robot_.clamped(target, start_mercy)};
     const bool position_only = goal.type == GoalType::position;
     const Pose world = position_only ? Pose{target, Eigen::Quaterniond::Identity()}
@@ -141,8 +147,9 @@ class SingleRobotPlan {
       found = inverse_kinematics(robot_, in_base, start_, options, "", deadline_);
     }
     if (found.empty())
-      why = "no configuration within the joint limits brings '" + robot_.end_effector() + "' to [" + to_text(target[0]) + ", " +
-            to_text(target[1]) + ", " + to_text(target[2]) + "] (" + std::to_string(options.seeds) + " seeds tried)";
+      why = "no configuration within the joint limits brings '" + robot_.end_effector() + "' to [" +
+            to_text(target[0]) + ", " + to_text(target[1]) + ", " + to_text(target[2]) + "] (" +
+            std::to_string(options.seeds) + " seeds tried)";
     return found;
   }
 
@@ -155,8 +162,9 @@ class SingleRobotPlan {
   Lattice make_lattice() {
     Eigen::VectorXd step(static_cast<Eigen::Index>(robot_.dof()));
     for (std::size_t j = 0; j < robot_.dof(); ++j)
-      step[static_cast<Eigen::Index>(j)] = robot_.joints()[j].kind == JointKind::prismatic ? common_.prismatic_resolution
-                                                                                           : common_.resolution * M_PI / 180.0;
+      step[static_cast<Eigen::Index>(j)] = robot_.joints()[j].kind == JointKind::prismatic
+                                               ? common_.prismatic_resolution
+                                               : common_.resolution * M_PI / 180.0;
     Lattice::Options options;
     options.primitives = common_.mprim_path.empty() ? default_primitives(robot_.joints(), step)
                                                     : io::read_primitives(common_.mprim_path, robot_.joints());
@@ -164,11 +172,12 @@ class SingleRobotPlan {
     for (const Target& target : targets_) goals.push_back(target.q);
     std::vector<Eigen::VectorXd> anchors{start_};
     if (backward_) anchors.swap(goals);
-    return Lattice(robot_, std::move(anchors), std::move(goals), std::move(options),
-                   [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-                     return problem_.checker.is_motion_free(a, b, workspace(worker), true);
-                   },
-                   workspaces_.size());
+    return Lattice(
+        robot_, std::move(anchors), std::move(goals), std::move(options),
+        [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+          return problem_.checker.is_motion_free(a, b, workspace(worker), true);
+        },
+        workspaces_.size());
   }
 
   /// A search out of a narrow place is easier than one into it: "auto" starts at the end with less clearance.
@@ -203,8 +212,9 @@ class SingleRobotPlan {
     double reach = tip_reach(tip, base.p);
     for (const Eigen::VectorXd& target : lattice.targets()) goals.push_back(tip(target));
     const Eigen::Vector3d half = Eigen::Vector3d::Constant(reach);
-    const auto grid = std::make_shared<const TaskSpaceBfs>(problem_.scene, base.p - half, base.p + half, goals,
-                                                           TaskSpaceBfs::Options{common_.bfs_resolution, common_.bfs_radius}, deadline_);
+    const auto grid = std::make_shared<const TaskSpaceBfs>(
+        problem_.scene, base.p - half, base.p + half, goals,
+        TaskSpaceBfs::Options{common_.bfs_resolution, common_.bfs_radius}, deadline_);
     // One radian moves the tip by at most about `reach`; places that walls cut off count as far away, not as hopeless,
     // because the grid knows only the tip.
     return [&lattice, tip, grid, reach](search::StateId state) {
@@ -214,7 +224,8 @@ class SingleRobotPlan {
   }
 
   /// How far the end effector gets from the base, over a fixed sample of configurations.
-  double tip_reach(const std::function<Eigen::Vector3d(const Eigen::VectorXd&)>& tip, const Eigen::Vector3d& base) const {
+  double tip_reach(const std::function<Eigen::Vector3d(const Eigen::VectorXd&)>& tip,
+                   const Eigen::Vector3d& base) const {
     double reach = (tip(start_) - base).norm();
     Eigen::VectorXd q = start_;
     for (int sample = 1; sample <= 128; ++sample) {
@@ -234,8 +245,10 @@ class SingleRobotPlan {
     stop_if_late("the construction of the heuristic");
     const PhaseTimer timer(deadline_, statistics_.search_time_s);
     const auto starts = lattice.starts();
-    search::Result result = std::visit([&](const auto& options) { return run_search(lattice, starts, anchor, options); }, problem_.options);
-    if (common_.heuristic != "joint_euclidean") result.bound = search::infinity;  // only a consistent one proves anything
+    search::Result result =
+        std::visit([&](const auto& options) { return run_search(lattice, starts, anchor, options); }, problem_.options);
+    if (common_.heuristic != "joint_euclidean")
+      result.bound = search::infinity;  // only a consistent one proves anything
     return result;
   }
 
@@ -261,10 +274,12 @@ class SingleRobotPlan {
   }
   search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const WPASE& options) {
     return search::wpase(lattice, starts, h,
-                         {.weight = options.weight, .batch_size = static_cast<std::size_t>(options.batch_size)}, deadline_);
+                         {.weight = options.weight, .batch_size = static_cast<std::size_t>(options.batch_size)},
+                         deadline_);
   }
   search::Result run_search(Lattice&, const Starts&, const StateHeuristic&, const XECBS&) {
-    throw NotSupported("xECBS plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for plan");
+    throw NotSupported(
+        "xECBS plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for plan");
   }
 
   std::vector<Eigen::VectorXd> find_path() {
@@ -297,11 +312,13 @@ class SingleRobotPlan {
     switch (result.status) {
       case Status::solved: return;
       case Status::exhausted:
-        fail(result.status, "the lattice of " + to_text(common_.resolution) + " degrees holds no path: every state that can be reached was expanded (" +
-                                work + "); a finer resolution or other motion primitives may hold one");
+        fail(result.status, "the lattice of " + to_text(common_.resolution) +
+                                " degrees holds no path: every state that can be reached was expanded (" + work +
+                                "); a finer resolution or other motion primitives may hold one");
       case Status::cancelled: fail(result.status, "the plan was cancelled during the search (" + work + ")");
       default:
-        fail(Status::timed_out, "no path within the time limit of " + to_text(common_.time_limit) + " s (" + work + ")");
+        fail(Status::timed_out,
+             "no path within the time limit of " + to_text(common_.time_limit) + " s (" + work + ")");
     }
   }
 
@@ -333,7 +350,8 @@ class SingleRobotPlan {
   Trajectory timed(const std::vector<Eigen::VectorXd>& path) {
     const PhaseTimer timer(deadline_, statistics_.timing_time_s);
     Eigen::VectorXd velocity(static_cast<Eigen::Index>(robot_.dof()));
-    for (std::size_t j = 0; j < robot_.dof(); ++j) velocity[static_cast<Eigen::Index>(j)] = robot_.joints()[j].max_velocity;
+    for (std::size_t j = 0; j < robot_.dof(); ++j)
+      velocity[static_cast<Eigen::Index>(j)] = robot_.joints()[j].max_velocity;
     MotionLimits limits = default_limits(velocity);
     limits.velocity *= common_.velocity_scaling;
     limits.acceleration *= common_.acceleration_scaling;
@@ -353,7 +371,8 @@ class SingleRobotPlan {
       for (int k = 0; k <= pieces; ++k) {
         const Eigen::VectorXd q = path[i - 1] + step * (static_cast<double>(k) / pieces);
         if (!problem_.checker.is_free(q, *fresh))
-          throw Error("internal error: the path found is in collision (" + invalidity(q) + "); nothing is returned. Please report this");
+          throw Error("internal error: the path found is in collision (" + invalidity(q) +
+                      "); nothing is returned. Please report this");
       }
     }
   }

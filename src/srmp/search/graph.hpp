@@ -35,12 +35,12 @@ struct Edge {
 ///   all. Expensive. Batches let the graph use lanes and threads; an edge's answer never depends on its batch.
 /// - is_goal(s) is cheap.
 template <class G>
-concept Graph = requires(G& graph, StateId s, std::vector<Successor>& out, std::span<const Edge> edges,
-                         std::span<double> costs) {
-  { graph.successors(s, out) } -> std::same_as<void>;
-  { graph.evaluate(edges, costs) } -> std::same_as<void>;
-  { graph.is_goal(s) } -> std::convertible_to<bool>;
-};
+concept Graph =
+    requires(G& graph, StateId s, std::vector<Successor>& out, std::span<const Edge> edges, std::span<double> costs) {
+      { graph.successors(s, out) } -> std::same_as<void>;
+      { graph.evaluate(edges, costs) } -> std::same_as<void>;
+      { graph.is_goal(s) } -> std::convertible_to<bool>;
+    };
 
 /// Estimated cost from a state to the nearest goal: >= 0, finite or infinity ("no goal from here"), 0 at goals.
 template <class H>
@@ -50,8 +50,8 @@ concept Heuristic = requires(H& heuristic, StateId s) {
 
 struct Statistics {
   std::uint64_t expansions{};
-  std::uint64_t generated{};   ///< successors handed out
-  std::uint64_t evaluations{}; ///< edges evaluated
+  std::uint64_t generated{};    ///< successors handed out
+  std::uint64_t evaluations{};  ///< edges evaluated
 };
 
 struct Result {
