@@ -117,4 +117,6 @@ def test_cpp_project_builds_against_the_package(tmp_path):
     run(cmake, "-S", source, "-B", tmp_path, f"-Dsrmp_DIR={printed}", "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF")
     assert "pinocchio" not in (tmp_path / "CMakeCache.txt").read_text().lower()
     run(cmake, "--build", tmp_path)
-    assert f"srmp {srmp.__version__}" in run(tmp_path / "cpp_consumer")
+    printed = run(tmp_path / "cpp_consumer")
+    assert f"srmp {srmp.__version__}" in printed
+    assert "solved: " in printed
