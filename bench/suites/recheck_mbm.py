@@ -148,7 +148,9 @@ def main() -> int:
     print("\n".join([*faults, f"{solved} paths, {len(faults)} of them touch something"]))
     if arguments.same_as:
         different = differing(results, json.loads(arguments.same_as.read_text()))
-        print(f"{len(different)} paths differ from {arguments.same_as}{': ' if different else ''}{', '.join(different)}")
+        print(
+            f"{len(different)} paths differ from {arguments.same_as}{': ' if different else ''}{', '.join(different)}"
+        )
         faults += different
     return 1 if faults else 0
 
