@@ -10,6 +10,7 @@ file's in a single bit. Needs pin, coal, PyYAML (pip install pin coal pyyaml).
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import re
 import sys
@@ -105,7 +106,7 @@ class World:
 
 def samples(waypoints: np.ndarray) -> Iterator[np.ndarray]:
     yield waypoints[0]
-    for a, b in zip(waypoints[:-1], waypoints[1:], strict=True):
+    for a, b in itertools.pairwise(waypoints):
         count = max(1, int(np.ceil(np.abs(b - a).max() / STEP)))
         for i in range(1, count + 1):
             yield a + (b - a) * (i / count)

@@ -30,21 +30,21 @@ def bench(mbm_dir, out, robot, problems):
 
 
 def test_paths_are_free_for_others_too_and_the_same_twice(mbm_dir, recheck, tmp_path):
-    results = bench(mbm_dir, tmp_path / "1.json", "panda", "2")
+    results = bench(mbm_dir, tmp_path / "1.json", "panda", "4")
     assert len(results["rows"]) == 7
     assert sum(row["status"] == "solved" for row in results["rows"]) >= 6
     assert recheck.recheck(results, mbm_dir) == []
-    assert recheck.differing(results, bench(mbm_dir, tmp_path / "2.json", "panda", "2")) == []
+    assert recheck.differing(results, bench(mbm_dir, tmp_path / "2.json", "panda", "4")) == []
 
 
 def test_the_recheck_finds_collisions(mbm_dir, recheck):
-    straight_down = [[0.0, 0.5 * k, 0.0, -0.1, 0.0, 1.5, 0.8] for k in range(4)]
+    into_the_box = [[0.0, 0.4 * k, 0.0, -0.1, 0.0, 1.5, 0.8] for k in range(4)]
     row = {
-        "problem": "table_pick/0001",
+        "problem": "box/0001",
         "status": "solved",
         "joint_names": [f"panda_joint{i}" for i in range(1, 8)],
-        "path": straight_down,
-        "positions": straight_down,
+        "path": into_the_box,
+        "positions": into_the_box,
     }
     faults = recheck.recheck({"header": {"options": {"robot": "panda", "geometry": "urdf"}}, "rows": [row]}, mbm_dir)
     assert len(faults) == 2
