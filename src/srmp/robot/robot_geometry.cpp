@@ -72,7 +72,8 @@ class MeshLoader {
   static LinkGeometry read(const std::string& path, const Eigen::Vector3d& scale, const std::string& where) {
     LinkGeometry result;
     try {
-      const TriangleSoup mesh = read_mesh_file(path, scale);
+      TriangleSoup mesh = read_mesh_file(path, scale);
+      if (mesh.parts > 1) add_coal_reading(path, scale, mesh);
       result.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
       bound_by_vertices(mesh.vertices, result);
     } catch (const FileError& error) {
