@@ -11,6 +11,8 @@
 
 namespace srmp {
 
+class CoverStore;
+
 enum class BodyKind { link, object, attached_object };
 
 /// Two bodies in contact, or the nearest two.
@@ -28,12 +30,27 @@ struct Contact {
   std::string describe() const;
 };
 
+/// How motions are decided.
+enum class CheckMode {
+  exact,         ///< balls around and inside the bodies answer most of it, 16 configurations at a time; Coal the rest
+  conservative,  ///< balls alone: never free wrongly, but what they cannot prove counts as not free
+  coal,          ///< Coal alone
+};
+
+struct CheckerOptions {
+  CheckMode mode{CheckMode::exact};
+  std::shared_ptr<CoverStore> covers;  ///< where balls are looked up; nullptr: a store of the checker's own
+};
+
 /// What a thread's checks did so far.
 struct CheckStatistics {
-  std::uint64_t configurations{};  ///< kinematics computed
-  std::uint64_t states{};          ///< is_free calls
-  std::uint64_t motions{};         ///< is_motion_free calls
-  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
+  std::uint64_t configurations{};    ///< kinematics computed, one at a time
+  std::uint64_t states{};            ///< is_free calls
+  std::uint64_t motions{};           ///< is_motion_free calls
+  std::uint64_t motions_by_balls{};  ///< of these, decided by balls alone
+  std::uint64_t blocks{};            ///< of 16 configurations under balls
+  std::uint64_t undecided{};         ///< pairs, over a part of a motion, that balls left to Coal
+  std::uint64_t narrow_phase{};      ///< pairs that Coal decided
 };
 
 /// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
@@ -63,7 +80,7 @@ class Checker {
   };
   using WorkspacePtr = std::unique_ptr<Workspace, WorkspaceDeleter>;
 
-  Checker(const Scene& scene, const std::string& robot);
+  Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options = {});
   ~Checker();
 
   const RobotModel& robot() const;

@@ -4,6 +4,7 @@
 
 #include "srmp/io/moveit.hpp"
 #include "srmp/planner/single_robot.hpp"
+#include "srmp/robot/cover_store.hpp"
 
 namespace srmp {
 
@@ -11,6 +12,7 @@ struct PlannerInterface::Impl {
   Scene scene;
   std::map<std::vector<std::string>, PlannerOptions> planners;       // by sorted robot names
   mutable std::map<std::string, std::unique_ptr<Checker>> checkers;  // of the scene as it is now
+  std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   PlanStatistics statistics;
 
   /// Runs a change of the scene; the checkers made for the old one go.
@@ -23,7 +25,7 @@ struct PlannerInterface::Impl {
   const Checker& checker(const std::string& robot) const {
     scene.robot(robot);  // throws with the nearest name
     std::unique_ptr<Checker>& slot = checkers[robot];
-    if (!slot) slot = std::make_unique<Checker>(scene, robot);
+    if (!slot) slot = std::make_unique<Checker>(scene, robot, CheckerOptions{.covers = covers});
     return *slot;
   }
 
