@@ -23,15 +23,15 @@ using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 
 /// Where a robot comes from and which part of it is planned.
 struct RobotDescription {
-  std::string urdf_path;                       ///< file; required unless urdf_text is given
-  std::string urdf_text;                       ///< the URDF itself (mesh paths are then relative to package_dirs)
-  std::string srdf_path;                       ///< file; "" = none: the allowed-collision matrix is sampled
-  std::string name;                            ///< unique in a scene; "" = the URDF's robot name
-  std::string end_effector;                    ///< link that goals speak of; "" = tip of the group, or the only leaf
-  std::string group;                           ///< SRDF planning group; "" = chain to the end effector
-  std::vector<std::string> joint_names;        ///< named joints instead of a group or chain; order is kept
-  std::map<std::string, double> fixed_joints;  ///< values [rad or m] of joints that are not planned
-  std::vector<std::string> package_dirs;       ///< searched for package:// and relative meshes, after the URDF's folder
+  std::string urdf_path{};                       ///< file; required unless urdf_text is given
+  std::string urdf_text{};                       ///< the URDF itself (mesh paths are then relative to package_dirs)
+  std::string srdf_path{};                       ///< file; "" = none: the allowed-collision matrix is sampled
+  std::string name{};                            ///< unique in a scene; "" = the URDF's robot name
+  std::string end_effector{};                    ///< link that goals speak of; "" = tip of the group, or the only leaf
+  std::string group{};                           ///< SRDF planning group; "" = chain to the end effector
+  std::vector<std::string> joint_names{};        ///< named joints instead of a group or chain; order is kept
+  std::map<std::string, double> fixed_joints{};  ///< values [rad or m] of joints that are not planned
+  std::vector<std::string> package_dirs{};  ///< searched for package:// and relative meshes, after the URDF's folder
 };
 
 enum class JointKind { revolute, continuous, prismatic };
