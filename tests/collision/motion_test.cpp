@@ -134,10 +134,13 @@ BOOST_AUTO_TEST_CASE(a_pair_at_rest_in_a_motion_is_checked_unless_the_start_is_k
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("x", Sphere{0.1}, at(0.5, 0, 0));
-  const Checker checker(scene, "planar");
-  const auto workspace = checker.make_workspace();
-  BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
-  BOOST_TEST(checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace, true));
+  for (const CheckMode mode : {CheckMode::exact, CheckMode::coal}) {
+    const Checker checker(scene, "planar", {.mode = mode});
+    const auto workspace = checker.make_workspace();
+    BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
+  }
+  const Checker coal(scene, "planar", {.mode = CheckMode::coal});
+  BOOST_TEST(coal.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *coal.make_workspace(), true));
 }
 
 BOOST_AUTO_TEST_CASE(continuous_joints_go_the_short_way) {

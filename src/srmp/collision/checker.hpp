@@ -89,8 +89,8 @@ class Checker {
 
   /// Limits are not looked at. All of these throw InvalidArgument unless configurations have dof() finite entries.
   bool is_free(ConstVector q, Workspace& workspace) const;
-  /// Both ends included. `a_is_free`: the caller knows that is_free(a); pairs that this motion leaves alone are
-  /// skipped.
+  /// Both ends included. `a_is_free`: the caller knows that is_free(a); pairs that this motion leaves alone need no
+  /// look.
   bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free = false) const;
 
   /// Every pair in contact at q, deepest first; empty when free. Pairs are of bodies: a link with several geometries
