@@ -8,7 +8,7 @@
 #include "srmp/collision/batch/batch_world.hpp"
 #include "srmp/collision/bodies.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/robot/cover_store.hpp"
+#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
@@ -63,9 +63,8 @@ struct Checker::Impl {
     for (const Joint& joint : model.joints()) continuous.push_back(joint.kind == JointKind::continuous);
     if (mode == CheckMode::coal) return;
     const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
-    const detail::CoverOf cover_of = [&](const auto& shape, const auto* hull) -> const GeometryCover& {
-      return covers->cover(shape, hull);
-    };
+    for (const auto& [name, other] : scene.robots()) ensure_covered(*other.model, *covers);
+    const detail::CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
     batch_scene = detail::make_batch_scene(bodies, model, instance.other_positions, cover_of);
     batch.emplace(batch_scene.world);
     for (auto* pairs : {&batch_scene.obstacle_pairs, &batch_scene.self_pairs})

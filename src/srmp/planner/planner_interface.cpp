@@ -4,7 +4,7 @@
 
 #include "srmp/io/moveit.hpp"
 #include "srmp/planner/single_robot.hpp"
-#include "srmp/robot/cover_store.hpp"
+#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
@@ -247,6 +247,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
     throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +
                           std::to_string(key.size()) + " were named; use 'xECBS' for many");
+  for (const auto& [name, robot] : impl_->scene.robots()) ensure_covered(*robot.model, *impl_->covers);
   impl_->planners.insert_or_assign(std::move(key), options);
 }
 

@@ -176,6 +176,13 @@ RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCo
   return cover;
 }
 
+void ensure_covered(const RobotModel& model, CoverStore& store) {
+  const auto& geometries = model.geometries();
+  if (std::any_of(geometries.begin(), geometries.end(),
+                  [&](const LinkGeometry& geometry) { return !store.has_adopted(*geometry.shape); }))
+    cover_robot(model, store);
+}
+
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options, const CoverProgress& progress) {
   const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), urdf_path, package_dirs);
