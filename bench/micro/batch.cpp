@@ -49,9 +49,9 @@ std::vector<Motion> random_motions(const RobotModel& robot, const Checker& exact
 
 class CoverStore {
  public:
-  const GeometryCover& operator()(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* hull) {
+  const GeometryCover& operator()(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* /*hull*/) {
     const auto it = covers_.find(&shape);
-    return it != covers_.end() ? it->second : covers_.emplace(&shape, cover_geometry(shape, hull)).first->second;
+    return it != covers_.end() ? it->second : covers_.emplace(&shape, cover_geometry(shape)).first->second;
   }
   const std::map<const coal::CollisionGeometry*, GeometryCover>& covers() const { return covers_; }
 
