@@ -12,4 +12,5 @@ NB_MODULE(_srmp, m) {
   bind_trajectory(m);
   bind_io(m);
   bind_planner_interface(m);
+  bind_cover(m);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <thread>
 
@@ -12,8 +13,6 @@
 namespace srmp {
 
 namespace {
-
-constexpr double kGrowth = 1.15;  // of coarse balls that are too many
 
 using Shape = std::shared_ptr<const coal::CollisionGeometry>;
 
@@ -98,7 +97,8 @@ void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, 
       worst = &builder;
     }
     if (total <= budget || !worst) return;
-    worst->cover_coarsely(kGrowth * worst->coarse_target());
+    const double too_many = static_cast<double>(total) / static_cast<double>(budget);
+    worst->cover_coarsely(std::clamp(std::sqrt(too_many), 1.1, 1.5) * worst->coarse_target());
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace srmp {
 
-/// Elements 0 … count-1 of each set, ascending.
+/// Elements 0 … count-1 of each set, each once.
 struct SetSystem {
   std::size_t elements{};
   std::vector<std::vector<std::uint32_t>> sets;

@@ -184,7 +184,7 @@ std::vector<Candidate> find_candidates(const CoverSolid::Impl& solid, const std:
     const auto [place, added] = best.try_emplace(key, candidate);
     if (!added && candidate.depth > place->second.depth) place->second = candidate;
   };
-  const std::size_t stride = std::max<std::size_t>(1, pieces.size() / kMaxCandidates);
+  const std::size_t stride = (pieces.size() + kMaxCandidates - 1) / kMaxCandidates;
   for (std::size_t i = 0; i < pieces.size(); i += stride) {
     const Triangle& t = pieces[i];
     const Vector3d x = (t[0] + t[1] + t[2]) / 3, cross = (t[1] - t[0]).cross(t[2] - t[0]);
@@ -264,6 +264,7 @@ class Choice {
  public:
   Choice(const std::vector<Candidate>& candidates, double growth) : candidates_(candidates), growth_(growth) {
     system_.sets.resize(candidates.size());
+    new_from_.resize(candidates.size());
   }
 
   /// Adds pieces and, greedily, balls for them; returns the pieces that no candidate holds.
@@ -272,11 +273,11 @@ class Choice {
     add_elements(pieces);
     std::vector<char> open(pieces.size(), 1);
     const auto close = [&](int i) {
-      for (std::size_t k = first_of(i, first); k < set(i).size(); ++k) open[set(i)[k] - first] = 0;
+      for (std::size_t k = new_from_[i]; k < set(i).size(); ++k) open[set(i)[k] - first] = 0;
     };
     const auto gain_of = [&](int i) {
       int gain = 0;
-      for (std::size_t k = first_of(i, first); k < set(i).size(); ++k) gain += open[set(i)[k] - first];
+      for (std::size_t k = new_from_[i]; k < set(i).size(); ++k) gain += open[set(i)[k] - first];
       return gain;
     };
     for (const int i : chosen_) close(i);
@@ -309,18 +310,14 @@ class Choice {
 
  private:
   const std::vector<std::uint32_t>& set(int i) const { return system_.sets[i]; }
-  std::size_t first_of(int i, std::size_t element) const {
-    return std::lower_bound(set(i).begin(), set(i).end(), element) - set(i).begin();
-  }
 
   void add_elements(const std::vector<Piece>& pieces) {
     const PieceBlocks blocks(pieces);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const std::size_t before = system_.sets[i].size();
+      new_from_[i] = system_.sets[i].size();
       blocks.for_each_held(ball(static_cast<int>(i)), [&](std::size_t k) {
         system_.sets[i].push_back(static_cast<std::uint32_t>(system_.elements + k));
       });
-      std::sort(system_.sets[i].begin() + static_cast<std::ptrdiff_t>(before), system_.sets[i].end());
     }
     system_.elements += pieces.size();
   }
@@ -339,7 +336,8 @@ class Choice {
 
   const std::vector<Candidate>& candidates_;
   const double growth_;
-  SetSystem system_;  // by candidate
+  SetSystem system_;                   // by candidate
+  std::vector<std::size_t> new_from_;  // in each set, the first element of the last extend
   Indices chosen_;
 };
 
@@ -360,7 +358,7 @@ std::vector<Ball> cover_capsule(double radius, double length, double inflation) 
 std::vector<Triangle> split_surface(const CoverSolid::Impl& solid, double inflation) {
   double area = 0;
   for (const Triangle& t : solid.triangles) area += 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
-  const double edge = std::max(0.5 * inflation, std::sqrt(4 * area / kMaxPieces));
+  const double edge = std::max(0.5 * inflation, std::sqrt(8 * area / kMaxPieces));
   std::vector<Triangle> pieces;
   for (const Triangle& t : solid.triangles) split_triangle(t, edge, [&](const Triangle& p) { pieces.push_back(p); });
   return pieces;
@@ -376,6 +374,42 @@ void add_interior(const CoverSolid::Impl& solid, double step, std::vector<Piece>
         const Vector3d p = low + step * Vector3d(x + 0.5, y + 0.5, z + 0.5);
         if (solid.convex ? solid.depth(p) > 0 : solid.enclosed.encloses(p)) pieces.push_back({p});
       }
+}
+
+/// Every n-th, so that at most `count` are left: of small pieces, the proof finds those that are missed.
+std::vector<Triangle> thinned(const std::vector<Triangle>& triangles, std::size_t count) {
+  const std::size_t stride = (triangles.size() + count - 1) / count;
+  std::vector<Triangle> result;
+  for (std::size_t i = 0; i < triangles.size(); i += stride) result.push_back(triangles[i]);
+  return result;
+}
+
+/// The surface in pieces, and candidates of which one at least, grown by `growth`, holds each piece: where none does,
+/// the piece is split.
+std::vector<Piece> find_pieces(const CoverSolid::Impl& solid, double inflation, double growth,
+                               std::vector<Candidate>& candidates) {
+  std::vector<Piece> result;
+  std::vector<Triangle> open = thinned(split_surface(solid, inflation), kMaxPieces);
+  while (!open.empty()) {
+    const std::vector<Candidate> more = find_candidates(solid, open, 0.2 * inflation);
+    candidates.insert(candidates.end(), more.begin(), more.end());
+    std::vector<Piece> pieces;
+    for (const Triangle& t : open) pieces.emplace_back(t.begin(), t.end());
+    std::vector<char> held(pieces.size(), 0);
+    const PieceBlocks blocks(pieces);
+    for (const Candidate& c : candidates)
+      blocks.for_each_held({c.center, std::max(0.0, c.depth + growth)}, [&](std::size_t k) { held[k] = 1; });
+    std::vector<Triangle> next;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const double radius = ball_around(pieces[k]).radius;
+      if (held[k] || radius < 0.25 * inflation)
+        result.push_back(pieces[k]);
+      else
+        split_triangle(open[k], std::max(radius, 0.25 * inflation), [&](const Triangle& t) { next.push_back(t); });
+    }
+    open = std::move(next);
+  }
+  return result;
 }
 
 /// What the balls do not hold, in pieces of about `resolution`; at most `count`, spread over what was found.
@@ -404,8 +438,16 @@ void keep_centers(const CoverSolid::Impl& solid, std::vector<Piece>& pieces) {
 /// Balls for pieces that no candidate reaches.
 void add_own_balls(const CoverSolid::Impl& solid, const std::vector<Piece>& pieces, double inflation,
                    std::vector<Ball>& balls) {
-  const std::size_t before = balls.size();
+  std::vector<Piece> small;
   for (const Piece& piece : pieces) {
+    if (piece.size() != 3 || ball_around(piece).radius <= 0.5 * inflation)
+      small.push_back(piece);
+    else
+      split_triangle({piece[0], piece[1], piece[2]}, 0.5 * inflation,
+                     [&](const Triangle& t) { small.emplace_back(t.begin(), t.end()); });
+  }
+  const auto before = static_cast<std::ptrdiff_t>(balls.size());
+  for (const Piece& piece : small) {
     if (std::any_of(balls.begin() + before, balls.end(), [&](const Ball& b) { return holds(b, piece); })) continue;
     Ball ball = ball_around(piece);
     ball.radius = std::max(ball.radius, solid.depth(ball.center) + inflation);
@@ -417,12 +459,9 @@ std::vector<Ball> cover_with(const CoverSolid::Impl& solid, double inflation) {
   if (solid.kind == CoverSolid::Impl::Kind::sphere) return {{Vector3d::Zero(), solid.radius}};
   if (solid.kind == CoverSolid::Impl::Kind::capsule) return cover_capsule(solid.radius, solid.length, inflation);
   const double slack = 0.02 * inflation;  // lets the proof end at cells of this order
-  const std::vector<Triangle> surface = split_surface(solid, inflation);
-  std::vector<Piece> pieces;
-  for (const Triangle& t : surface) pieces.emplace_back(t.begin(), t.end());
+  std::vector<Candidate> candidates;
+  std::vector<Piece> pieces = find_pieces(solid, inflation, inflation - slack, candidates);
   add_interior(solid, std::max(2 * inflation, solid.box.sizes().maxCoeff() / 24), pieces);
-
-  const std::vector<Candidate> candidates = find_candidates(solid, surface, 0.2 * inflation);
   Choice choice(candidates, inflation - slack);
   choice.extend(pieces);  // what no candidate holds is in pieces too large; the proof finds smaller ones
   const std::size_t work = std::min(kMostWork, kWorkPerBall * choice.chosen().size());
