@@ -93,13 +93,20 @@ class Builder {
       add_balls(body, cover_of_held(from), pose);
   }
 
-  /// A held object is covered by its size, as nobody waits for it: its hull, where it is a mesh or a cloud.
+  /// A held object is covered by its size, as nobody waits for it: its hull where it is a mesh, or the box around it.
   static GeometryCover cover_of_held(const Body& from) {
     const double size = from.bounds.radius;
     const CoverLevels levels{.coarse = std::max(0.015, 0.15 * size), .fine = std::max(0.004, 0.05 * size)};
-    GeometryCover cover = cover_geometry(*from.hull, levels);
-    if (from.hull == from.geometry) return cover;
+    if (from.hull == from.geometry && is_convex_solid(*from.geometry)) return cover_geometry(*from.geometry, levels);
+    const bool hull = is_convex_solid(*from.hull);
+    GeometryCover cover =
+        hull ? cover_geometry(*from.hull, levels) : cover_geometry(coal::Box(2 * from.bounds.box_half), levels);
+    if (!hull)
+      for (auto* balls : {&cover.coarse, &cover.fine})
+        for (Ball& ball : *balls) ball.center += from.bounds.box_center;
+    if (!hull) cover.bound.center += from.bounds.box_center;
     cover.exact = false;
+    cover.hollow = true;
     cover.inner.clear();
     return cover;
   }
