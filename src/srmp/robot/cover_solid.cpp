@@ -177,36 +177,45 @@ EnclosedSpace::EnclosedSpace(const std::vector<Triangle>& triangles, double voxe
     flood(std::vector<char>(state_.size(), 0));
     return;
   }
-  // Where the ball's centre gets to; then the ball around it, a little larger, for voxels beside walls are beside them.
+  // Where the ball's centre gets to; then what lies around that, within the ball's radius and a little, for voxels
+  // beside walls are to be reached, but not by way of a hole, along the wall's other side: so in so many steps.
   const auto squared = [voxel](double radius) { return static_cast<float>(radius * radius / (voxel * voxel)); };
   const std::vector<float> from_walls = squared_distance([&](std::size_t i) { return state_[i] == surface; });
   std::vector<char> barred(state_.size());
   for (std::size_t i = 0; i < barred.size(); ++i) barred[i] = from_walls[i] <= squared(closing);
   flood(barred);
   const std::vector<float> from_centers = squared_distance([&](std::size_t i) { return state_[i] == outside; });
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    barred[i] = from_centers[i] > squared(closing + 2 * voxel);
-    if (state_[i] == outside) state_[i] = unknown;
-  }
-  flood(barred);  // walls stop it
+  for (std::size_t i = 0; i < state_.size(); ++i) barred[i] = from_centers[i] > squared(closing + 2 * voxel);
+  std::vector<std::size_t> frontier;
+  for (std::size_t i = 0; i < state_.size(); ++i)
+    if (state_[i] == outside) frontier.push_back(i);
+  spread(std::move(frontier), barred, static_cast<int>(std::ceil(std::sqrt(3.0) * (closing / voxel + 1))));
 }
 
 void EnclosedSpace::flood(const std::vector<char>& barred) {
-  std::vector<Eigen::Array3i> frontier{Eigen::Array3i::Zero()};
   state_[0] = outside;
-  while (!frontier.empty()) {
-    const Eigen::Array3i i = frontier.back();
-    frontier.pop_back();
-    for (int k = 0; k < 3; ++k)
-      for (int step : {-1, 1}) {
-        Eigen::Array3i j = i;
-        j[k] += step;
-        if (j[k] < 0 || j[k] >= size_[k]) continue;
-        char& state = state_[flat(j)];
-        if (state != unknown || barred[flat(j)]) continue;
-        state = outside;
-        frontier.push_back(j);
+  spread({0}, barred, std::numeric_limits<int>::max());
+}
+
+/// Unknown voxels not barred, at most so many steps from the frontier, become outside.
+void EnclosedSpace::spread(std::vector<std::size_t> frontier, const std::vector<char>& barred, int steps) {
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(size_[0]),
+                                          static_cast<std::size_t>(size_[0]) * size_[1]};
+  std::vector<std::size_t> next;
+  for (int step = 0; step < steps && !frontier.empty(); ++step) {
+    for (const std::size_t i : frontier)
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t place = i / stride[k] % static_cast<std::size_t>(size_[k]);
+        for (const bool up : {false, true}) {
+          if (up ? place + 1 == static_cast<std::size_t>(size_[k]) : place == 0) continue;
+          const std::size_t j = up ? i + stride[k] : i - stride[k];
+          if (state_[j] != unknown || barred[j]) continue;
+          state_[j] = outside;
+          next.push_back(j);
+        }
       }
+    frontier.swap(next);
+    next.clear();
   }
 }
 

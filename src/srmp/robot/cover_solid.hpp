@@ -60,6 +60,7 @@ class EnclosedSpace {
     return (static_cast<std::size_t>(i[2]) * size_[1] + i[1]) * size_[0] + i[0];
   }
   void flood(const std::vector<char>& barred);
+  void spread(std::vector<std::size_t> frontier, const std::vector<char>& barred, int steps);
   /// Squared distance in voxels to the nearest voxel that is `in`.
   std::vector<float> squared_distance(const std::function<bool(std::size_t)>& in) const;
   Eigen::Array3i index(const Eigen::Vector3d& point) const;
