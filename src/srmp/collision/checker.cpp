@@ -76,6 +76,16 @@ struct Checker::Impl {
     return (pair.self ? batch_scene.self_pairs : batch_scene.obstacle_pairs)[static_cast<std::size_t>(pair.pair)];
   }
 
+  /// The balls' bounds hold for prismatic joints up to 1 m outside their limits (BatchDrive::max_travel).
+  bool balls_reach(ConstVector q) const {
+    for (std::size_t i = 0; i < model.joints().size(); ++i) {
+      const Joint& joint = model.joints()[i];
+      const double value = q[static_cast<Eigen::Index>(i)];
+      if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
+    }
+    return true;
+  }
+
   RobotInstance instance;
   const RobotModel& model;
   Bodies bodies;
@@ -111,6 +121,10 @@ class Checker::Workspace {
   bool settle();
   bool take(std::uint32_t pair, double half_width);
   bool is_motion_free(bool a_is_free);
+  MotionCertificate certify_motion();
+  bool settle_by_coal();
+  bool settle_lane(ConstVector q, std::span<const UndecidedPair> open);
+  void judge_block(ConstRows q, std::span<bool> free);
 
   // --- reports
   Placed placed(bool fixed, std::size_t index) const;
@@ -150,6 +164,7 @@ class Checker::Workspace {
     std::uint32_t pair;
   };
   std::vector<Interval> open_, next_;
+  Interval failed_{};                               // where the last motion could not be proved
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
   std::vector<std::uint32_t> undecided_;
 };
@@ -334,6 +349,7 @@ Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double
 
 /// Judges the pair over an interval around here and remembers it when undecided; false when the motion is not free.
 bool Checker::Workspace::take(std::uint32_t pair, double half_width) {
+  failed_.pair = pair;
   if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
   const Judgement verdict = judge(bodies_.pairs[pair], half_width);
   if (verdict == Judgement::undecided) undecided_.push_back(pair);
@@ -346,7 +362,10 @@ bool Checker::Workspace::first_sample_of(std::size_t body) {
     return for_each_fixed_near(body, displacement(body, bodies_.moving[body].movers, half_width),
                                [&](std::uint32_t pair) { return take(pair, half_width); });
   if (start_is_free_) return true;
-  return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); });
+  return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) {
+    failed_.pair = pair;
+    return !in_contact(bodies_.pairs[pair]);
+  });
 }
 
 /// The whole motion as one interval around its middle.
@@ -369,7 +388,10 @@ bool Checker::Workspace::settle() {
       place_on_motion(t);
       undecided_.clear();
       for (; i < open_.size() && open_[i].t == t && open_[i].half_width == half_width; ++i)
-        if (!take(open_[i].pair, half_width)) return false;
+        if (!take(open_[i].pair, half_width)) {
+          failed_ = open_[i];
+          return false;
+        }
       halve(t, half_width);
     }
     std::swap(open_, next_);
@@ -415,6 +437,16 @@ Verdict Checker::Workspace::ask_balls() {
   return verdict;
 }
 
+/// The whole motion by Coal's distances.
+bool Checker::Workspace::settle_by_coal() {
+  next_.clear();
+  failed_ = {0.5, 0.5, 0};
+  if (!first_sample()) return false;
+  halve(0.5, 0.5);
+  std::swap(open_, next_);
+  return settle();
+}
+
 bool Checker::Workspace::is_motion_free(bool a_is_free) {
   start_is_free_ = a_is_free;
   if (active_ == 0) {
@@ -422,19 +454,55 @@ bool Checker::Workspace::is_motion_free(bool a_is_free) {
     place(start_);
     return is_free_here();
   }
-  if (impl.batch) {
-    const Verdict verdict = ask_balls();
-    if (verdict != Verdict::undecided || impl.mode == CheckMode::conservative) {
-      ++statistics.motions_by_balls;
-      return verdict == Verdict::free;
-    }
-  } else {
-    next_.clear();
-    if (!first_sample()) return false;
-    halve(0.5, 0.5);
-    std::swap(open_, next_);
+  if (!impl.batch || !impl.balls_reach(start_) || !impl.balls_reach(start_ + delta_)) return settle_by_coal();
+  const Verdict verdict = ask_balls();
+  if (verdict == Verdict::undecided && impl.mode != CheckMode::conservative) return settle();
+  ++statistics.motions_by_balls;
+  return verdict == Verdict::free;
+}
+
+MotionCertificate Checker::Workspace::certify_motion() {
+  start_is_free_ = false;
+  MotionCertificate certificate;
+  certificate.proved = settle_by_coal();
+  if (certificate.proved) return certificate;
+  const Pair& pair = bodies_.pairs[failed_.pair];
+  certificate.from = failed_.t - failed_.half_width;
+  certificate.to = failed_.t + failed_.half_width;
+  certificate.body_a = bodies_.moving[pair.a].name;
+  certificate.body_b = pair.b_fixed ? bodies_.fixed[pair.b].name : bodies_.moving[pair.b].name;
+  return certificate;
+}
+
+// --- many configurations
+
+/// Are the pairs that balls left open apart at q?
+bool Checker::Workspace::settle_lane(ConstVector q, std::span<const UndecidedPair> open) {
+  place(q);
+  for (const UndecidedPair& u : open)
+    for (std::uint32_t pair : impl.pairs_of(u))
+      if (in_contact(bodies_.pairs[pair])) return false;
+  return true;
+}
+
+/// Up to 16 rows.
+void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free) {
+  const BatchChecker& batch = *impl.batch;
+  const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_);
+  ++statistics.blocks;
+  std::span<const UndecidedPair> open = batch.undecided(*batch_);
+  statistics.undecided += open.size();
+  for (std::size_t lane = 0; lane < free.size(); ++lane) {
+    std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
+    while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
+    const bool undecided = lanes.undecided >> lane & 1;
+    free[lane] = !undecided && !(lanes.colliding >> lane & 1);
+    if (undecided && impl.mode == CheckMode::exact)
+      free[lane] = settle_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
+    else
+      ++statistics.states_by_balls;
+    open = open.subspan(count);
   }
-  return settle();
 }
 
 // --- the public face
@@ -445,6 +513,7 @@ Checker::~Checker() = default;
 
 const RobotModel& Checker::robot() const { return impl_->model; }
 const Pose& Checker::base() const { return impl_->instance.base; }
+CheckMode Checker::mode() const { return impl_->mode; }
 
 void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
 
@@ -467,6 +536,46 @@ bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace,
   if (!impl_->bodies.overlaps.empty()) return false;
   workspace.start_motion(a, b);
   return workspace.is_motion_free(a_is_free);
+}
+
+void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) const {
+  if (free.size() != static_cast<std::size_t>(q.rows()))
+    throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
+                          std::to_string(free.size()) + " answers");
+  for (Eigen::Index i = 0; i < q.rows(); ++i)
+    if (q.cols() != static_cast<Eigen::Index>(impl_->model.dof()) || !q.row(i).allFinite())
+      impl_->model.require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
+  workspace.statistics.states += free.size();
+  if (!impl_->bodies.overlaps.empty()) {
+    std::fill(free.begin(), free.end(), false);
+    return;
+  }
+  bool by_balls = impl_->batch.has_value();
+  for (Eigen::Index i = 0; i < q.rows() && by_balls; ++i) by_balls = impl_->balls_reach(q.row(i).transpose());
+  if (!by_balls) {
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      workspace.place(q.row(static_cast<Eigen::Index>(i)).transpose());
+      free[i] = workspace.is_free_here();
+    }
+    return;
+  }
+  for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
+    const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
+    workspace.judge_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
+                          free.subspan(first, count));
+  }
+}
+
+MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
+  impl_->model.require_configuration(a, "start of the motion");
+  impl_->model.require_configuration(b, "end of the motion");
+  ++workspace.statistics.motions;
+  if (!impl_->bodies.overlaps.empty()) {
+    const std::vector<Contact> rigid = contacts(a, workspace);
+    return {false, 0.0, 1.0, rigid.front().body_a, rigid.front().body_b};
+  }
+  workspace.start_motion(a, b);
+  return workspace.certify_motion();
 }
 
 Contact Checker::Workspace::contact(const detail::Body& a, const detail::Body& b, const Proximity& found,

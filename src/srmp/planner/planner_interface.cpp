@@ -235,6 +235,11 @@ double PlannerInterface::distance_to_collision(const std::string& robot, ConstVe
   return pair ? pair->distance : std::numeric_limits<double>::infinity();
 }
 
+std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
+  impl_->scene.robot(robot);  // throws with the nearest name
+  return std::make_shared<const Checker>(impl_->scene, robot, CheckerOptions{mode, impl_->covers});
+}
+
 // --- planning
 
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/matrix.hpp"
 #include "srmp/core/pose.hpp"
 
 namespace coal {
@@ -18,8 +19,6 @@ class CollisionGeometry;
 }
 
 namespace srmp {
-
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 
 /// Where a robot comes from and which part of it is planned.
 struct RobotDescription {

@@ -20,9 +20,9 @@ struct BatchScene {
   std::vector<std::vector<std::uint32_t>> obstacle_pairs, self_pairs;
 };
 
-/// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that are
-/// boxes, spheres, cylinders or capsules become obstacles; others become the box around them, which proves only what is
-/// clear of it.
+/// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that
+/// are boxes, spheres, cylinders or capsules become obstacles; others become the box around them, which proves only
+/// what is clear of it.
 BatchScene make_batch_scene(const Bodies& bodies, const RobotModel& model, ConstVector other_positions,
                             const CoverOf& cover_of);
 
