@@ -54,6 +54,8 @@ std::vector<GoalConstraint> to_goals(nb::handle goal);
 /// One name, or a list of names.
 std::vector<std::string> to_names(nb::handle names);
 
+void bind_collision_checker(nb::module_& m);
+void bind_cover(nb::module_& m);
 void bind_errors(nb::module_& m);
 void bind_pose(nb::module_& m);
 void bind_goal(nb::module_& m);

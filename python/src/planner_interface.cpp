@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "bind.hpp"
+#include "collision_checker.hpp"
 #include "srmp/planner/moveit_request.hpp"
 
 namespace srmp::python {
@@ -465,7 +466,20 @@ void bind_questions(nb::class_<Self>& cls) {
             const Eigen::VectorXd v = q.vector(q_of(name));
             return self.use([&](auto& p) { return p.nearest(name, v); });
           },
-          nb::arg("name"), nb::arg("q"), "The nearest pair as a Contact, or None with nothing around.");
+          nb::arg("name"), nb::arg("q"), "The nearest pair as a Contact, or None with nothing around.")
+      .def(
+          "collision_checker",
+          [](Self& self, const std::string& name, const std::string& mode) {
+            return wrap_checker(self.use([&](auto& p) { return p.collision_checker(name, to_check_mode(mode)); }));
+          },
+          nb::arg("name"), nb::arg("mode") = "exact",
+          nb::sig("def collision_checker(self, name: str, mode: str = 'exact') -> CollisionChecker"),
+          "A CollisionChecker of the scene as it is now, for many questions; later changes do not reach it.\n\n"
+          "mode: 'exact' (spheres answer most of it, Coal the rest; the answer is Coal's), 'conservative' (spheres "
+          "alone: never free\n"
+          "wrongly) or 'coal'. The first use of a robot covers its links with spheres, which may take many seconds; "
+          "later ones load\n"
+          "them from the cache folder.");
 }
 
 void bind_planning(nb::class_<Self>& cls) {

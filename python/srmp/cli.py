@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | check | bench mbm | cmake-dir."""
+"""The command line: srmp demo | plan | check | cover | bench mbm | cmake-dir."""
 
 from __future__ import annotations
 
@@ -250,6 +250,78 @@ def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[
         for name, value, (lower, upper, _) in zip(names, q, limits, strict=True)
         if not lower - 1e-9 <= value <= upper + 1e-9
     ]
+
+
+@main.command()
+@click.argument("urdf", type=EXISTING_FILE)
+@click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated.")
+@click.option("--accuracy", type=float, default=4.0, show_default=True, help="How far fine spheres may stick out [mm].")
+@click.option(
+    "--coarse", type=float, default=15.0, show_default=True, help="How far coarse spheres may stick out [mm]."
+)
+@click.option(
+    "--max-spheres",
+    type=click.IntRange(min=0),
+    default=160,
+    show_default=True,
+    help="Coarse spheres in all; they grow where more would be needed. 0: no limit.",
+)
+@click.option("--no-cache", is_flag=True, help="Build anew, keep nothing.")
+@click.option("-o", "--output", type=click.Path(dir_okay=False), help="Write the spheres (JSON, link frames, metres).")
+@click.option("--picture", type=click.Path(dir_okay=False), help="Draw them with all joints at 0 (PNG, PDF or SVG).")
+def cover(
+    urdf: str,
+    package_dirs: tuple[str, ...],
+    accuracy: float,
+    coarse: float,
+    max_spheres: int,
+    no_cache: bool,
+    output: str | None,
+    picture: str | None,
+) -> None:
+    """Cover a robot's links with spheres that provably contain them."""
+    from srmp import _cover
+
+    for path in (output, picture):
+        if path and not Path(path).parent.is_dir():
+            raise click.BadParameter(f"the folder {Path(path).parent} does not exist.")
+    with _steps_bar() as progress:
+        result = srmp.cover(
+            urdf,
+            package_dirs=list(package_dirs),
+            accuracy=accuracy * 1e-3,
+            coarse_accuracy=coarse * 1e-3,
+            max_coarse=max_spheres,
+            cache=not no_cache,
+            progress=progress,
+        )
+    click.echo(_cover.format_report(result, coarse))
+    if output:
+        _cover.write(result, output)
+        click.echo(f"wrote {output}")
+    if picture:
+        try:
+            _cover.draw(result, urdf, picture)
+        except ModuleNotFoundError as error:
+            click.echo(f"no picture: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
+        except ValueError as error:  # a format that matplotlib does not know
+            raise click.BadParameter(f"--picture: {error}.") from error
+        else:
+            click.echo(f"wrote {picture}")
+
+
+@contextlib.contextmanager
+def _steps_bar() -> Iterator[Callable[[int, int], None]]:
+    """Shows steps done of steps in all on stderr, where that is a terminal."""
+    from tqdm import tqdm
+
+    with tqdm(desc="covering", disable=None, leave=False, dynamic_ncols=True) as bar:
+
+        def show(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield show
 
 
 @main.command("cmake-dir")

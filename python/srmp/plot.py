@@ -77,6 +77,47 @@ def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, ti
     figure.savefig(path)
 
 
+def draw_spheres(path: str | Path, panels: Sequence[tuple[str, Sequence[ArrayLike]]]) -> None:
+    """Writes a picture with a panel for each (title, groups of spheres): rows x, y, z, radius, a colour a group.
+
+    Raises ModuleNotFoundError when matplotlib is not installed.
+    """
+    from matplotlib import colormaps
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    figure = Figure(figsize=(7 * len(panels), 8), dpi=150, facecolor="white")
+    FigureCanvasAgg(figure)  # no window, no global state
+    every = np.vstack([np.asarray(group, dtype=float).reshape(-1, 4) for _, groups in panels for group in groups])
+    lower, upper = (every[:, :3] - every[:, 3:]).min(axis=0), (every[:, :3] + every[:, 3:]).max(axis=0)
+    colours = colormaps["tab20"]
+    for k, (title, groups) in enumerate(panels):
+        axes: Any = figure.add_subplot(1, len(panels), k + 1, projection="3d")
+        faces, shades = [], []
+        for index, group in enumerate(groups):
+            spheres = np.asarray(group, dtype=float).reshape(-1, 4)
+            unit = _sphere_faces(16 if len(every) < 1500 else 8)
+            faces.append((spheres[:, None, None, :3] + spheres[:, None, None, 3:] * unit).reshape(-1, 4, 3))
+            shades.append(np.repeat([colours(index % 20)], len(faces[-1]), axis=0))
+        axes.add_collection3d(
+            Poly3DCollection(np.vstack(faces), facecolors=np.vstack(shades), shade=True, linewidths=0)
+        )
+        _frame(axes, lower, upper)
+        axes.set_title(title, fontsize=12)
+    figure.tight_layout()
+    figure.savefig(path)
+
+
+def _sphere_faces(sectors: int) -> np.ndarray:
+    """Quadrangles (n, 4, 3) of a unit sphere."""
+    around, up = np.linspace(0, 2 * np.pi, sectors + 1), np.linspace(0, np.pi, sectors // 2 + 1)
+    u, v = np.meshgrid(around, up, indexing="ij")
+    points = np.stack([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], axis=-1)
+    corners = [points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]]
+    return np.stack(corners, axis=2).reshape(-1, 4, 3)
+
+
 def _truncated(colours: Any) -> Any:
     """The part of the colour map that the arms use."""
     from matplotlib.colors import ListedColormap

@@ -13,7 +13,7 @@ def invoke(*arguments):
 
 def test_version_and_help():
     assert srmp.__version__ in invoke("--version").output
-    for command in (["demo"], ["plan"], ["check"], ["bench", "mbm"], ["cmake-dir"]):
+    for command in (["demo"], ["plan"], ["check"], ["cover"], ["bench", "mbm"], ["cmake-dir"]):
         assert invoke(*command, "--help").exit_code == 0
 
 
@@ -30,6 +30,12 @@ def test_cmake_dir():
         (["bench", "mbm", "--data", "/nowhere", "--robot", "x"], "does not exist"),
         (["bench", "mbm", "--data", ".", "--robot", "x", "--out", "/nowhere/r.json"], "/nowhere does not exist"),
         (["plan", "--urdf", "nowhere.urdf"], "nowhere.urdf"),
+        (["cover", "nowhere.urdf"], "nowhere.urdf"),
+        (["cover", srmp.data_path("arm7.srdf")], "arm7.srdf"),
+        (["cover", srmp.data_path("arm7.urdf"), "--accuracy", "-1"], "fine inflation"),
+        (["cover", srmp.data_path("arm7.urdf"), "--accuracy", "20"], "must not exceed"),
+        (["cover", srmp.data_path("arm7.urdf"), "--max-spheres", "-1"], "max-spheres"),
+        (["cover", srmp.data_path("arm7.urdf"), "-o", "/nowhere/cover.json"], "/nowhere does not exist"),
     ],
 )
 def test_wrong_calls_end_in_one_sentence(arguments, text):

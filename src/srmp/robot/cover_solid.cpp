@@ -156,40 +156,127 @@ int TriangleTree::crossings(const Vector3d& point, const Vector3d& direction) co
 
 // --- EnclosedSpace
 
-EnclosedSpace::EnclosedSpace(const std::vector<Triangle>& triangles, double voxel) : voxel_(voxel) {
+EnclosedSpace::EnclosedSpace(const std::vector<Triangle>& triangles, double voxel, double closing) : voxel_(voxel) {
   Eigen::AlignedBox3d box;
   for (const Triangle& t : triangles)
     for (const Vector3d& v : t) box.extend(v);
-  origin_ = box.min() - Vector3d::Constant(2 * voxel);
-  size_ = ((box.sizes().array() / voxel).ceil().cast<int>() + 5).eval();
+  const int margin = 2 + static_cast<int>(std::ceil(closing / voxel));
+  origin_ = box.min() - Vector3d::Constant(margin * voxel);
+  size_ = ((box.sizes().array() / voxel).ceil().cast<int>() + 2 * margin + 1).eval();
   state_.assign(static_cast<std::size_t>(size_.prod()), unknown);
-  const auto flat = [this](int x, int y, int z) { return (static_cast<std::size_t>(z) * size_[1] + y) * size_[0] + x; };
-
   for (const Triangle& triangle : triangles) {
     split_triangle(triangle, voxel, [&](const Triangle& t) {
       const Eigen::Array3i low = index(t[0].cwiseMin(t[1]).cwiseMin(t[2]));
       const Eigen::Array3i high = index(t[0].cwiseMax(t[1]).cwiseMax(t[2]));
       for (int z = low[2]; z <= high[2]; ++z)
         for (int y = low[1]; y <= high[1]; ++y)
-          for (int x = low[0]; x <= high[0]; ++x) state_[flat(x, y, z)] = surface;
+          for (int x = low[0]; x <= high[0]; ++x) state_[flat({x, y, z})] = surface;
     });
   }
-  std::vector<Eigen::Array3i> frontier{Eigen::Array3i::Zero()};
+  if (closing <= voxel) {
+    flood(std::vector<char>(state_.size(), 0));
+    return;
+  }
+  // Where the ball's centre gets to; then what lies around that, within the ball's radius and a little, for voxels
+  // beside walls are to be reached, but not by way of a hole, along the wall's other side: so in so many steps.
+  const auto squared = [voxel](double radius) { return static_cast<float>(radius * radius / (voxel * voxel)); };
+  const std::vector<float> from_walls = squared_distance([&](std::size_t i) { return state_[i] == surface; });
+  std::vector<char> barred(state_.size());
+  for (std::size_t i = 0; i < barred.size(); ++i) barred[i] = from_walls[i] <= squared(closing);
+  flood(barred);
+  const std::vector<float> from_centers = squared_distance([&](std::size_t i) { return state_[i] == outside; });
+  for (std::size_t i = 0; i < state_.size(); ++i) barred[i] = from_centers[i] > squared(closing + 2 * voxel);
+  std::vector<std::size_t> frontier;
+  for (std::size_t i = 0; i < state_.size(); ++i)
+    if (state_[i] == outside) frontier.push_back(i);
+  spread(std::move(frontier), barred, static_cast<int>(std::ceil(std::sqrt(3.0) * (closing / voxel + 1))));
+}
+
+void EnclosedSpace::flood(const std::vector<char>& barred) {
   state_[0] = outside;
-  while (!frontier.empty()) {
-    const Eigen::Array3i i = frontier.back();
-    frontier.pop_back();
-    for (int k = 0; k < 3; ++k)
-      for (int step : {-1, 1}) {
-        Eigen::Array3i j = i;
-        j[k] += step;
-        if (j[k] < 0 || j[k] >= size_[k]) continue;
-        char& state = state_[flat(j[0], j[1], j[2])];
-        if (state != unknown) continue;
-        state = outside;
-        frontier.push_back(j);
+  spread({0}, barred, std::numeric_limits<int>::max());
+}
+
+/// Unknown voxels not barred, at most so many steps from the frontier, become outside.
+void EnclosedSpace::spread(std::vector<std::size_t> frontier, const std::vector<char>& barred, int steps) {
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(size_[0]),
+                                          static_cast<std::size_t>(size_[0]) * size_[1]};
+  std::vector<std::size_t> next;
+  for (int step = 0; step < steps && !frontier.empty(); ++step) {
+    for (const std::size_t i : frontier)
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t place = i / stride[k] % static_cast<std::size_t>(size_[k]);
+        for (const bool up : {false, true}) {
+          if (up ? place + 1 == static_cast<std::size_t>(size_[k]) : place == 0) continue;
+          const std::size_t j = up ? i + stride[k] : i - stride[k];
+          if (state_[j] != unknown || barred[j]) continue;
+          state_[j] = outside;
+          next.push_back(j);
+        }
+      }
+    frontier.swap(next);
+    next.clear();
+  }
+}
+
+/// Felzenszwalb and Huttenlocher 2012: along each axis, the lower envelope of parabolas.
+std::vector<float> EnclosedSpace::squared_distance(const std::function<bool(std::size_t)>& in) const {
+  constexpr float far = 1e12F;
+  std::vector<float> field(state_.size());
+  for (std::size_t i = 0; i < field.size(); ++i) field[i] = in(i) ? 0 : far;
+  const std::array<std::size_t, 3> stride{1, static_cast<std::size_t>(size_[0]),
+                                          static_cast<std::size_t>(size_[0]) * size_[1]};
+  std::vector<float> line(size_.maxCoeff()), starts(line.size() + 1);
+  std::vector<int> tops(line.size());
+  for (int k = 0; k < 3; ++k) {
+    const int n = size_[k], a = (k + 1) % 3, b = (k + 2) % 3;
+    for (int u = 0; u < size_[a]; ++u)
+      for (int v = 0; v < size_[b]; ++v) {
+        float* first = field.data() + u * stride[a] + v * stride[b];
+        int top = -1;
+        for (int i = 0; i < n; ++i) {
+          line[i] = first[i * stride[k]];
+          if (line[i] >= far) continue;
+          float start = -far;
+          for (; top >= 0; --top) {
+            const int j = tops[top];
+            start = ((line[i] + float(i) * i) - (line[j] + float(j) * j)) / (2.0F * (i - j));
+            if (start > starts[top]) break;
+          }
+          ++top;
+          starts[top] = top == 0 ? -far : start;
+          tops[top] = i;
+        }
+        if (top < 0) continue;
+        for (int i = 0, p = 0; i < n; ++i) {
+          while (p < top && starts[p + 1] < i) ++p;
+          first[i * stride[k]] = line[tops[p]] + float(i - tops[p]) * (i - tops[p]);
+        }
       }
   }
+  return field;
+}
+
+std::vector<Triangle> EnclosedSpace::plugs() const {
+  std::vector<Triangle> faces;
+  for (int z = 1; z + 1 < size_[2]; ++z)
+    for (int y = 1; y + 1 < size_[1]; ++y)
+      for (int x = 1; x + 1 < size_[0]; ++x) {
+        const Eigen::Array3i i(x, y, z);
+        if (at(i) != unknown) continue;
+        for (int k = 0; k < 3; ++k)
+          for (int step : {-1, 1}) {
+            Eigen::Array3i j = i;
+            j[k] += step;
+            if (at(j) != outside) continue;
+            const Vector3d low = origin_ + voxel_ * i.cast<double>().matrix();
+            const Vector3d corner = low + Vector3d::Unit(k) * (step > 0 ? voxel_ : 0.0);
+            const Vector3d u = voxel_ * Vector3d::Unit((k + 1) % 3), v = voxel_ * Vector3d::Unit((k + 2) % 3);
+            faces.push_back({corner, corner + u, corner + v});
+            faces.push_back({corner + u + v, corner + u, corner + v});
+          }
+      }
+  return faces;
 }
 
 Eigen::Array3i EnclosedSpace::index(const Vector3d& point) const {
@@ -198,7 +285,7 @@ Eigen::Array3i EnclosedSpace::index(const Vector3d& point) const {
 
 char EnclosedSpace::at(const Eigen::Array3i& i) const {
   if ((i < 0).any() || (i >= size_).any()) return outside;
-  return state_[(static_cast<std::size_t>(i[2]) * size_[1] + i[1]) * size_[0] + i[0]];
+  return state_[flat(i)];
 }
 
 bool EnclosedSpace::encloses(const Vector3d& point) const { return !state_.empty() && at(index(point)) == unknown; }
@@ -227,7 +314,7 @@ double CoverSolid::Impl::depth(const Vector3d& p) const {
   if (convex) return (offsets - normals * p).minCoeff();
   const double distance = outer.nearest(p).distance;
   // In a voxel that triangles cut: those of an inner wall are far from the outer surface; else a closed mesh can tell.
-  const bool inside = enclosed.encloses(p) || (enclosed.cut(p) && distance > 3 * enclosed.voxel()) || is_odd(p);
+  const bool inside = filled.encloses(p) || (filled.cut(p) && distance > 3 * filled.voxel()) || is_odd(p);
   return inside ? distance : -distance;
 }
 
@@ -460,7 +547,7 @@ CoverSolid CoverSolid::convex(const Vertices& vertices, const Triangles& triangl
   return CoverSolid(impl);
 }
 
-CoverSolid CoverSolid::mesh(const Vertices& vertices, const Triangles& triangles) {
+CoverSolid CoverSolid::mesh(const Vertices& vertices, const Triangles& triangles, double closing) {
   auto impl = std::make_shared<Impl>();
   impl->triangles = gather(vertices, triangles);
   set_corners(*impl);
@@ -470,14 +557,14 @@ CoverSolid CoverSolid::mesh(const Vertices& vertices, const Triangles& triangles
     return CoverSolid(impl);
   }
   impl->all = TriangleTree(impl->triangles);
-  // Coarse voxels do not see the small holes of open meshes.
-  const double voxel = std::max(impl->box.sizes().maxCoeff() / (impl->closed ? 128 : 32), 2.5e-4);
+  const double voxel = std::max(impl->box.sizes().maxCoeff() / 128, 2.5e-4);
   impl->enclosed = EnclosedSpace(impl->triangles, voxel);
-  std::vector<Triangle> outer;
+  impl->filled = closing > voxel ? EnclosedSpace(impl->triangles, voxel, closing) : impl->enclosed;
+  std::vector<Triangle> outer = impl->filled.plugs();
   for (const Triangle& t : impl->triangles) {
     bool reachable = false;
     split_triangle(t, voxel, [&](const Triangle& piece) {
-      if (!reachable) reachable = impl->enclosed.reachable_near(piece);
+      if (!reachable) reachable = impl->filled.reachable_near(piece);
     });
     if (reachable) outer.push_back(t);
   }

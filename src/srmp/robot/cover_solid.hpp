@@ -44,15 +44,25 @@ class TriangleTree {
 class EnclosedSpace {
  public:
   EnclosedSpace() = default;
-  EnclosedSpace(const std::vector<Triangle>& triangles, double voxel);
+  /// Holes that a ball of radius `closing` [m] cannot pass count as shut.
+  EnclosedSpace(const std::vector<Triangle>& triangles, double voxel, double closing = 0);
 
   bool encloses(const Eigen::Vector3d& point) const;  ///< in a voxel that is neither reachable nor cut
   bool cut(const Eigen::Vector3d& point) const;       ///< in a voxel that holds a piece of a triangle
   double voxel() const { return voxel_; }
   bool reachable_near(const Triangle& piece) const;  ///< is a reachable voxel next to it?
+  /// The faces between reachable and enclosed voxels: where holes are shut.
+  std::vector<Triangle> plugs() const;
 
  private:
   enum : char { unknown, surface, outside };
+  std::size_t flat(const Eigen::Array3i& i) const {
+    return (static_cast<std::size_t>(i[2]) * size_[1] + i[1]) * size_[0] + i[0];
+  }
+  void flood(const std::vector<char>& barred);
+  void spread(std::vector<std::size_t> frontier, const std::vector<char>& barred, int steps);
+  /// Squared distance in voxels to the nearest voxel that is `in`.
+  std::vector<float> squared_distance(const std::function<bool(std::size_t)>& in) const;
   Eigen::Array3i index(const Eigen::Vector3d& point) const;
   char at(const Eigen::Array3i& i) const;
 
@@ -76,9 +86,10 @@ struct CoverSolid::Impl {
   Eigen::AlignedBox3d box;
 
   // Meshes.
-  bool closed{false};  // every edge has an even number of triangles: a ray's crossings tell inside from outside
-  TriangleTree all, outer;
-  EnclosedSpace enclosed;
+  bool closed{false};       // every edge has an even number of triangles: a ray's crossings tell inside from outside
+  TriangleTree all, outer;  // outer: with the plugs of holes
+  EnclosedSpace enclosed;   // what a cover must hold
+  EnclosedSpace filled;     // what a cover may hold: that and what lies behind holes
 
   // Exact answers.
   enum class Kind { general, sphere, capsule } kind{Kind::general};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "srmp/core/sha256.hpp"
 #include "srmp/robot/sphere_cover.hpp"
 
 namespace coal {
@@ -8,6 +9,11 @@ class CollisionGeometry;
 
 namespace srmp {
 
+/// How far balls of a cover stick out of what they cover [m].
+struct Inflation {
+  double max{}, mean{};
+};
+
 /// A collision geometry under balls, in the geometry's frame: one around it, coarse ones, fine ones, and some inside.
 struct GeometryCover {
   Ball bound;
@@ -15,19 +21,45 @@ struct GeometryCover {
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); both empty when exact
   bool exact{false};                                 ///< the one coarse ball is the geometry
   bool hollow{false};                                ///< a surface, not a solid
-  double coarse_inflation{}, fine_inflation{};       ///< [m] largest; of a mesh covered by its hull: of the hull
+  Inflation coarse_inflation, fine_inflation;
 };
 
 struct CoverLevels {
-  double coarse{0.015};   ///< [m] largest inflation
-  double fine{0.004};     ///< [m] largest inflation
+  double coarse{0.015};   ///< [m] largest inflation, > 0
+  double fine{0.004};     ///< [m] largest inflation, > 0 and at most coarse
+  double closing{0.015};  ///< [m] cavities that a ball of this radius cannot enter may be filled; 0: none
   std::size_t inner{12};  ///< balls inside, at most
+
+  bool operator==(const CoverLevels&) const = default;
 };
 
-/// Covers boxes, spheres, cylinders, capsules, cones, convex hulls and triangle meshes; a mesh that is not closed by
-/// its `hull` where that is given. Inner balls are given for convex solids only: a mesh is a surface to Coal, and what
-/// is inside without touching it is no contact. Throws NotSupported for other geometries (octrees, planes).
-GeometryCover cover_geometry(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* hull,
-                             const CoverLevels& levels = {});
+/// Covers boxes, spheres, cylinders, capsules, cones, convex hulls and triangle meshes. The inner balls of a mesh lie
+/// where it is closed; see GeometryCover::hollow. Throws NotSupported for other geometries (octrees, planes) and
+/// InvalidArgument for levels out of range.
+GeometryCover cover_geometry(const coal::CollisionGeometry& shape, const CoverLevels& levels = {});
+
+/// The same in steps: the coarse level is searched by itself, with the inflation that the balls' number calls for.
+class GeometryCoverBuilder {
+ public:
+  /// Throws as cover_geometry does.
+  GeometryCoverBuilder(const coal::CollisionGeometry& shape, const CoverLevels& levels);
+
+  std::size_t coarse_count() const { return cover_.coarse.size(); }
+  double coarse_target() const { return coarse_target_; }
+  void cover_coarsely(double inflation);
+  GeometryCover finish();
+
+ private:
+  CoverSolid solid_;
+  CoverLevels levels_;
+  double coarse_target_{};
+  GeometryCover cover_;
+};
+
+/// Throws InvalidArgument unless the levels are finite, positive and in order.
+void require_levels(const CoverLevels& levels);
+
+/// Adds all that a cover depends on: the geometry's kind and numbers. Throws NotSupported as cover_geometry does.
+void add_content(Sha256& hash, const coal::CollisionGeometry& shape);
 
 }  // namespace srmp

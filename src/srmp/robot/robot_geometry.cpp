@@ -1,3 +1,5 @@
+#include "srmp/robot/robot_geometry.hpp"
+
 #include <coal/shape/geometric_shapes.h>
 
 #include <cmath>
@@ -47,23 +49,24 @@ void build_primitive(const UrdfGeometry& g, LinkGeometry& geometry) {
     geometry.radius = rounded_up(g.radius + g.length / 2);
   }
   shape->computeLocalAABB();
-  geometry.shape = shape;
+  geometry.shape = geometry.envelope = shape;
 }
 
 /// Reads each mesh file once, however many links use it.
 class MeshLoader {
  public:
-  explicit MeshLoader(const RobotModelBuilder::Impl& m) : m_(m) {
-    if (!m.description.urdf_path.empty())
-      folder_ = std::filesystem::absolute(m.description.urdf_path).parent_path().string();
+  MeshLoader(const Urdf& urdf, const std::string& urdf_path, const std::vector<std::string>& package_dirs)
+      : label_(urdf.label), package_dirs_(package_dirs) {
+    if (!urdf_path.empty()) folder_ = std::filesystem::absolute(urdf_path).parent_path().string();
   }
 
   void load(const UrdfGeometry& g, LinkGeometry& geometry) {
-    const std::string where = m_.urdf.label + ":" + std::to_string(g.line) + ": ";
-    const std::string path = find_mesh(g.filename, folder_, m_.description.package_dirs, where);
+    const std::string where = label_ + ":" + std::to_string(g.line) + ": ";
+    const std::string path = find_mesh(g.filename, folder_, package_dirs_, where);
     const auto [it, is_new] = known_.try_emplace({path, {g.scale.x(), g.scale.y(), g.scale.z()}});
     if (is_new) it->second = read(path, g.scale, where);
     geometry.shape = it->second.shape;
+    geometry.envelope = it->second.envelope;
     geometry.center = it->second.center;
     geometry.radius = it->second.radius;
   }
@@ -74,7 +77,8 @@ class MeshLoader {
     try {
       TriangleSoup mesh = read_mesh_file(path, scale);
       if (mesh.parts > 1) add_coal_reading(path, scale, mesh);
-      result.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
+      result.shape = result.envelope = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
+      if (mesh.parts > 1 && spans_volume(mesh.vertices)) result.envelope = make_mesh_geometry(mesh, MeshModel::hull);
       bound_by_vertices(mesh.vertices, result);
     } catch (const FileError& error) {
       throw FileError(where + error.what());
@@ -82,17 +86,20 @@ class MeshLoader {
     return result;
   }
 
-  const RobotModelBuilder::Impl& m_;
+  const std::string& label_;
+  const std::vector<std::string>& package_dirs_;
   std::string folder_;
   std::map<std::pair<std::string, std::array<double, 3>>, LinkGeometry> known_;
 };
 
 }  // namespace
 
-void RobotModelBuilder::build_geometries(Impl& m) {
-  MeshLoader meshes(m);
-  for (std::size_t i = 0; i < m.urdf.links.size(); ++i) {
-    const UrdfLink& link = m.urdf.links[i];
+std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_path,
+                                            const std::vector<std::string>& package_dirs) {
+  MeshLoader meshes(urdf, urdf_path, package_dirs);
+  std::vector<PlacedGeometry> geometries;
+  for (std::size_t i = 0; i < urdf.links.size(); ++i) {
+    const UrdfLink& link = urdf.links[i];
     for (std::size_t n = 0; n < link.collisions.size(); ++n) {
       const UrdfGeometry& g = link.collisions[n];
       LinkGeometry geometry;
@@ -103,11 +110,18 @@ void RobotModelBuilder::build_geometries(Impl& m) {
         meshes.load(g, geometry);
       else
         build_primitive(g, geometry);
-      const KinematicTree::Mount& mount = m.tree->mount(i);
-      geometry.movers = m.joint_movers[mount.joint];
-      m.geometry_mounts.push_back({mount.joint, mount.placement * g.origin});
-      m.geometries.push_back(std::move(geometry));
+      geometries.push_back({std::move(geometry), g.origin});
     }
+  }
+  return geometries;
+}
+
+void RobotModelBuilder::build_geometries(Impl& m) {
+  for (PlacedGeometry& placed : load_geometries(m.urdf, m.description.urdf_path, m.description.package_dirs)) {
+    const KinematicTree::Mount& mount = m.tree->mount(placed.geometry.link_index);
+    placed.geometry.movers = m.joint_movers[mount.joint];
+    m.geometry_mounts.push_back({mount.joint, mount.placement * placed.in_link});
+    m.geometries.push_back(std::move(placed.geometry));
   }
 }
 

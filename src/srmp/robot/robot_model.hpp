@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/matrix.hpp"
 #include "srmp/core/pose.hpp"
 
 namespace coal {
@@ -18,8 +19,6 @@ class CollisionGeometry;
 }
 
 namespace srmp {
-
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
 
 /// Where a robot comes from and which part of it is planned.
 struct RobotDescription {
@@ -52,6 +51,8 @@ struct LinkGeometry {
   /// Boxes, spheres, cylinders and capsules as such. A mesh is its convex hull where it is a closed convex surface (to
   /// 1 µm): a solid; else its triangles: a surface.
   std::shared_ptr<const coal::CollisionGeometry> shape;
+  /// What balls cover: the shape, or its convex hull where a mesh of several materials is read in two ways.
+  std::shared_ptr<const coal::CollisionGeometry> envelope;
   Eigen::Vector3d center;  ///< of a bounding sphere, in the geometry's frame [m]
   double radius{};         ///< of that sphere [m]
   std::uint64_t

@@ -1,7 +1,6 @@
 #include "srmp/robot/sphere_cover.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -10,6 +9,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/cover_solid.hpp"
+#include "srmp/robot/set_cover.hpp"
 
 namespace srmp {
 
@@ -17,10 +17,10 @@ namespace {
 
 using Eigen::Vector3d;
 using Indices = std::vector<int>;
-using Words = std::vector<std::uint64_t>;
 
 constexpr std::size_t kMaxPieces = 12000;  // surface pieces that the greedy choice starts from
 constexpr std::size_t kMaxCandidates = 6000;
+constexpr std::size_t kWorkPerBall = 2'000'000, kMostWork = 100'000'000;  // of the local search
 constexpr double kRounding = 1e-9;  // [m] added to every proved radius; dwarfs the proof's own rounding
 
 // --- The proof
@@ -32,6 +32,15 @@ bool holds(const Ball& ball, const Piece& piece) {
   for (const Vector3d& p : piece)
     if ((p - ball.center).squaredNorm() > ball.radius * ball.radius) return false;
   return true;
+}
+
+/// The smallest ball around a piece's centre.
+Ball ball_around(const Piece& piece) {
+  Ball ball;
+  for (const Vector3d& p : piece) ball.center += p / static_cast<double>(piece.size());
+  for (const Vector3d& p : piece) ball.radius = std::max(ball.radius, (p - ball.center).norm());
+  ball.radius *= 1 + 1e-9;
+  return ball;
 }
 
 /// Walks over the solid by ever smaller pieces until each is inside one ball or smaller than `resolution`.
@@ -175,7 +184,7 @@ std::vector<Candidate> find_candidates(const CoverSolid::Impl& solid, const std:
     const auto [place, added] = best.try_emplace(key, candidate);
     if (!added && candidate.depth > place->second.depth) place->second = candidate;
   };
-  const std::size_t stride = std::max<std::size_t>(1, pieces.size() / kMaxCandidates);
+  const std::size_t stride = (pieces.size() + kMaxCandidates - 1) / kMaxCandidates;
   for (std::size_t i = 0; i < pieces.size(); i += stride) {
     const Triangle& t = pieces[i];
     const Vector3d x = (t[0] + t[1] + t[2]) / 3, cross = (t[1] - t[0]).cross(t[2] - t[0]);
@@ -195,83 +204,141 @@ std::vector<Candidate> find_candidates(const CoverSolid::Impl& solid, const std:
   return result;
 }
 
-// --- Greedy choice
+// --- The choice among candidates
 
-/// Which of many pieces each candidate ball holds; picks balls until every piece is held.
-class Greedy {
+/// Pieces in blocks of neighbours, so that most are held, or out of reach, with their block.
+class PieceBlocks {
  public:
-  Greedy(const std::vector<Candidate>& candidates, double growth) : candidates_(candidates), growth_(growth) {}
-
-  /// Indices of chosen candidates; pieces that no candidate holds are appended to `left`.
-  Indices choose(const std::vector<Piece>& pieces, std::vector<Piece>& left) const {
-    const std::size_t words = (pieces.size() + 63) / 64;
-    std::vector<Words> held;
-    std::priority_queue<std::pair<int, int>> queue;  // (gain, -candidate)
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      held.push_back(mark(i, pieces, words));
-      const int gain = count(held.back());
-      if (gain > 0) queue.push({gain, -static_cast<int>(i)});
-    }
-    Words open(words, 0);
-    for (std::size_t k = 0; k < pieces.size(); ++k) open[k / 64] |= std::uint64_t{1} << k % 64;
-    Indices chosen;
-    while (!queue.empty()) {
-      const int i = -queue.top().second, promised = queue.top().first;
-      queue.pop();
-      int gain = 0;
-      for (std::size_t w = 0; w < words; ++w) gain += std::popcount(held[i][w] & open[w]);
-      if (gain == 0) continue;
-      if (gain < promised) {
-        queue.push({gain, -i});
-        continue;
-      }
-      chosen.push_back(i);
-      for (std::size_t w = 0; w < words; ++w) open[w] &= ~held[i][w];
-    }
-    for (std::size_t k = 0; k < pieces.size(); ++k)
-      if (open[k / 64] >> k % 64 & 1) left.push_back(pieces[k]);
-    return without_needless(chosen, held, pieces.size());
+  explicit PieceBlocks(const std::vector<Piece>& pieces) : pieces_(pieces) {
+    for (const Piece& piece : pieces) around_.push_back(ball_around(piece));
+    std::vector<std::size_t> order(pieces.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    if (!order.empty()) split(order.data(), order.data() + order.size());
   }
 
+  template <class Visit>
+  void for_each_held(const Ball& ball, Visit&& visit) const {
+    for (const Block& block : blocks_) {
+      const double distance = (block.around.center - ball.center).norm();
+      if (distance > ball.radius + block.around.radius) continue;
+      const bool all = distance + block.around.radius < ball.radius * (1 - 1e-12);
+      for (const std::size_t k : block.pieces)
+        if (all || holds(ball, pieces_[k])) visit(k);
+    }
+  }
+
+ private:
+  struct Block {
+    Ball around;
+    std::vector<std::size_t> pieces;
+  };
+
+  void split(std::size_t* begin, std::size_t* end) {
+    Eigen::AlignedBox3d box;
+    for (const std::size_t* k = begin; k != end; ++k) box.extend(around_[*k].center);
+    if (end - begin <= 24) {
+      Block block{{box.center(), 0}, {begin, end}};
+      for (const std::size_t k : block.pieces)
+        block.around.radius =
+            std::max(block.around.radius, (around_[k].center - block.around.center).norm() + around_[k].radius);
+      blocks_.push_back(std::move(block));
+      return;
+    }
+    int axis;
+    box.sizes().maxCoeff(&axis);
+    std::size_t* middle = begin + (end - begin) / 2;
+    std::nth_element(begin, middle, end, [&](std::size_t a, std::size_t b) {
+      return std::pair(around_[a].center[axis], a) < std::pair(around_[b].center[axis], b);
+    });
+    split(begin, middle);
+    split(middle, end);
+  }
+
+  const std::vector<Piece>& pieces_;
+  std::vector<Ball> around_;
+  std::vector<Block> blocks_;
+};
+
+/// Which of many pieces each candidate ball holds; picks balls until every piece that some candidate holds is held.
+class Choice {
+ public:
+  Choice(const std::vector<Candidate>& candidates, double growth) : candidates_(candidates), growth_(growth) {
+    system_.sets.resize(candidates.size());
+    new_from_.resize(candidates.size());
+  }
+
+  /// Adds pieces and, greedily, balls for them; returns the pieces that no candidate holds.
+  std::vector<Piece> extend(const std::vector<Piece>& pieces) {
+    const std::size_t first = system_.elements;
+    add_elements(pieces);
+    std::vector<char> open(pieces.size(), 1);
+    const auto close = [&](int i) {
+      for (std::size_t k = new_from_[i]; k < set(i).size(); ++k) open[set(i)[k] - first] = 0;
+    };
+    const auto gain_of = [&](int i) {
+      int gain = 0;
+      for (std::size_t k = new_from_[i]; k < set(i).size(); ++k) gain += open[set(i)[k] - first];
+      return gain;
+    };
+    for (const int i : chosen_) close(i);
+    std::priority_queue<std::pair<int, int>> queue;  // (gain, -candidate)
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      queue.push({gain_of(static_cast<int>(i)), -static_cast<int>(i)});
+    while (!queue.empty()) {
+      const auto [promised, minus_i] = queue.top();
+      queue.pop();
+      const int gain = gain_of(-minus_i);
+      if (gain == 0) continue;
+      if (gain < promised) {
+        queue.push({gain, minus_i});
+        continue;
+      }
+      chosen_.push_back(-minus_i);
+      close(-minus_i);
+    }
+    std::vector<Piece> left;
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      if (open[k]) left.push_back(pieces[k]);
+    drop_needless();
+    return left;
+  }
+
+  void polish(std::size_t work) { chosen_ = smaller_cover(system_, chosen_, work); }
+
+  const Indices& chosen() const { return chosen_; }
   Ball ball(int i) const { return {candidates_[i].center, std::max(0.0, candidates_[i].depth + growth_)}; }
 
  private:
-  Words mark(std::size_t i, const std::vector<Piece>& pieces, std::size_t words) const {
-    const Ball candidate = ball(static_cast<int>(i));
-    Words bits(words, 0);
-    for (std::size_t k = 0; k < pieces.size(); ++k)
-      if (holds(candidate, pieces[k])) bits[k / 64] |= std::uint64_t{1} << k % 64;
-    return bits;
-  }
+  const std::vector<std::uint32_t>& set(int i) const { return system_.sets[i]; }
 
-  static int count(const Words& bits) {
-    int sum = 0;
-    for (std::uint64_t word : bits) sum += std::popcount(word);
-    return sum;
+  void add_elements(const std::vector<Piece>& pieces) {
+    const PieceBlocks blocks(pieces);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      new_from_[i] = system_.sets[i].size();
+      blocks.for_each_held(ball(static_cast<int>(i)), [&](std::size_t k) {
+        system_.sets[i].push_back(static_cast<std::uint32_t>(system_.elements + k));
+      });
+    }
+    system_.elements += pieces.size();
   }
 
   /// Later choices often make earlier ones needless.
-  static Indices without_needless(const Indices& chosen, const std::vector<Words>& held, std::size_t pieces) {
-    std::vector<int> times(pieces, 0);
-    const auto each = [&](int i, auto&& visit) {
-      for (std::size_t w = 0; w < held[i].size(); ++w)
-        for (std::uint64_t rest = held[i][w]; rest; rest &= rest - 1) visit(w * 64 + std::countr_zero(rest));
-    };
-    for (int i : chosen) each(i, [&](std::size_t k) { ++times[k]; });
-    Indices kept;
-    for (int i : chosen) {
-      bool needed = false;
-      each(i, [&](std::size_t k) { needed |= times[k] == 1; });
-      if (needed)
-        kept.push_back(i);
-      else
-        each(i, [&](std::size_t k) { --times[k]; });
-    }
-    return kept;
+  void drop_needless() {
+    std::vector<int> times(system_.elements, 0);
+    for (const int i : chosen_)
+      for (const std::uint32_t k : set(i)) ++times[k];
+    std::erase_if(chosen_, [&](int i) {
+      if (std::any_of(set(i).begin(), set(i).end(), [&](std::uint32_t k) { return times[k] == 1; })) return false;
+      for (const std::uint32_t k : set(i)) --times[k];
+      return true;
+    });
   }
 
   const std::vector<Candidate>& candidates_;
   const double growth_;
+  SetSystem system_;                   // by candidate
+  std::vector<std::size_t> new_from_;  // in each set, the first element of the last extend
+  Indices chosen_;
 };
 
 // --- Whole covers
@@ -291,7 +358,7 @@ std::vector<Ball> cover_capsule(double radius, double length, double inflation) 
 std::vector<Triangle> split_surface(const CoverSolid::Impl& solid, double inflation) {
   double area = 0;
   for (const Triangle& t : solid.triangles) area += 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
-  const double edge = std::max(1.2 * inflation, std::sqrt(4 * area / kMaxPieces));
+  const double edge = std::max(0.5 * inflation, std::sqrt(8 * area / kMaxPieces));
   std::vector<Triangle> pieces;
   for (const Triangle& t : solid.triangles) split_triangle(t, edge, [&](const Triangle& p) { pieces.push_back(p); });
   return pieces;
@@ -309,56 +376,116 @@ void add_interior(const CoverSolid::Impl& solid, double step, std::vector<Piece>
       }
 }
 
-/// The smallest ball around a piece's centre.
-Ball ball_around(const Piece& piece) {
-  Ball ball;
-  for (const Vector3d& p : piece) ball.center += p / static_cast<double>(piece.size());
-  for (const Vector3d& p : piece) ball.radius = std::max(ball.radius, (p - ball.center).norm());
-  ball.radius *= 1 + 1e-9;
-  return ball;
+/// Every n-th, so that at most `count` are left: of small pieces, the proof finds those that are missed.
+std::vector<Triangle> thinned(const std::vector<Triangle>& triangles, std::size_t count) {
+  const std::size_t stride = (triangles.size() + count - 1) / count;
+  std::vector<Triangle> result;
+  for (std::size_t i = 0; i < triangles.size(); i += stride) result.push_back(triangles[i]);
+  return result;
+}
+
+/// The surface in pieces, and candidates of which one at least, grown by `growth`, holds each piece: where none does,
+/// the piece is split.
+std::vector<Piece> find_pieces(const CoverSolid::Impl& solid, double inflation, double growth,
+                               std::vector<Candidate>& candidates) {
+  std::vector<Piece> result;
+  std::vector<Triangle> open = thinned(split_surface(solid, inflation), kMaxPieces);
+  while (!open.empty()) {
+    const std::vector<Candidate> more = find_candidates(solid, open, 0.2 * inflation);
+    candidates.insert(candidates.end(), more.begin(), more.end());
+    std::vector<Piece> pieces;
+    for (const Triangle& t : open) pieces.emplace_back(t.begin(), t.end());
+    std::vector<char> held(pieces.size(), 0);
+    const PieceBlocks blocks(pieces);
+    for (const Candidate& c : candidates)
+      blocks.for_each_held({c.center, std::max(0.0, c.depth + growth)}, [&](std::size_t k) { held[k] = 1; });
+    std::vector<Triangle> next;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      const double radius = ball_around(pieces[k]).radius;
+      if (held[k] || radius < 0.25 * inflation)
+        result.push_back(pieces[k]);
+      else
+        split_triangle(open[k], std::max(radius, 0.25 * inflation), [&](const Triangle& t) { next.push_back(t); });
+    }
+    open = std::move(next);
+  }
+  return result;
+}
+
+/// What the balls do not hold, in pieces of about `resolution`; at most `count`, spread over what was found.
+std::vector<Piece> find_gaps(const CoverSolid::Impl& solid, const std::vector<Ball>& balls, double resolution,
+                             std::size_t count) {
+  std::vector<Piece> found;
+  Proof proof(solid, balls, resolution);
+  proof.on_gap = [&](const Piece& piece) {
+    found.push_back(piece);
+    return found.size() < 20'000;
+  };
+  proof.run();
+  if (found.size() <= count) return found;
+  std::vector<Piece> gaps;
+  for (std::size_t i = 0; i < count; ++i) gaps.push_back(found[i * found.size() / count]);
+  return gaps;
+}
+
+/// Large cells reach out of the solid: only their centres, where those are inside, speak for it.
+void keep_centers(const CoverSolid::Impl& solid, std::vector<Piece>& pieces) {
+  for (Piece& piece : pieces)
+    if (piece.size() == 8) piece = {0.5 * (piece.front() + piece.back())};
+  std::erase_if(pieces, [&](const Piece& p) { return p.size() == 1 && solid.depth(p[0]) < 0; });
+}
+
+/// Balls for pieces that no candidate reaches.
+void add_own_balls(const CoverSolid::Impl& solid, const std::vector<Piece>& pieces, double inflation,
+                   std::vector<Ball>& balls) {
+  std::vector<Piece> small;
+  for (const Piece& piece : pieces) {
+    if (piece.size() != 3 || ball_around(piece).radius <= 0.5 * inflation)
+      small.push_back(piece);
+    else
+      split_triangle({piece[0], piece[1], piece[2]}, 0.5 * inflation,
+                     [&](const Triangle& t) { small.emplace_back(t.begin(), t.end()); });
+  }
+  const auto before = static_cast<std::ptrdiff_t>(balls.size());
+  for (const Piece& piece : small) {
+    if (std::any_of(balls.begin() + before, balls.end(), [&](const Ball& b) { return holds(b, piece); })) continue;
+    Ball ball = ball_around(piece);
+    ball.radius = std::max(ball.radius, solid.depth(ball.center) + inflation);
+    balls.push_back(ball);
+  }
 }
 
 std::vector<Ball> cover_with(const CoverSolid::Impl& solid, double inflation) {
   if (solid.kind == CoverSolid::Impl::Kind::sphere) return {{Vector3d::Zero(), solid.radius}};
   if (solid.kind == CoverSolid::Impl::Kind::capsule) return cover_capsule(solid.radius, solid.length, inflation);
-  const double slack = 0.05 * inflation;  // lets the proof end at cells of this order
-  const std::vector<Triangle> surface = split_surface(solid, inflation);
-  std::vector<Piece> pieces;
-  for (const Triangle& t : surface) pieces.emplace_back(t.begin(), t.end());
+  const double slack = 0.02 * inflation;  // lets the proof end at cells of this order
+  std::vector<Candidate> candidates;
+  std::vector<Piece> pieces = find_pieces(solid, inflation, inflation - slack, candidates);
   add_interior(solid, std::max(2 * inflation, solid.box.sizes().maxCoeff() / 24), pieces);
-
-  const std::vector<Candidate> candidates = find_candidates(solid, surface, 0.2 * inflation);
-  const Greedy greedy(candidates, inflation - slack);
-  std::vector<Ball> balls;
-  std::vector<Piece> left;
-  const auto add = [&](const Indices& chosen) {
-    for (int i : chosen) {
-      balls.push_back(greedy.ball(i));
+  Choice choice(candidates, inflation - slack);
+  choice.extend(pieces);  // what no candidate holds is in pieces too large; the proof finds smaller ones
+  const std::size_t work = std::min(kMostWork, kWorkPerBall * choice.chosen().size());
+  choice.polish(work);
+  std::vector<Ball> extra;
+  const double finest = 0.5 * slack;
+  for (double resolution = inflation / 8;;) {
+    std::vector<Ball> balls = extra;
+    for (const int i : choice.chosen()) {
+      balls.push_back(choice.ball(i));
       balls.back().radius += slack;
     }
-  };
-  add(greedy.choose(pieces, left));
-  for (int round = 0;; ++round) {
-    std::vector<Piece> gaps = left;
-    left.clear();
-    if (gaps.empty()) {
-      Proof proof(solid, balls, 0.5 * slack);
-      proof.on_gap = [&](const Piece& piece) {
-        gaps.push_back(piece);
-        return gaps.size() < 4000;
-      };
-      proof.run();
-      if (gaps.empty()) return balls;
-      add(Greedy(candidates, inflation).choose(gaps, left));
+    std::vector<Piece> gaps = find_gaps(solid, balls, resolution, 4000);
+    if (gaps.empty() && resolution == finest) return balls;
+    if (resolution > finest) keep_centers(solid, gaps);
+    const std::size_t before = choice.chosen().size();
+    const std::vector<Piece> left = choice.extend(gaps);
+    if (choice.chosen().size() > before) {
+      choice.polish(work / 10);
+    } else if (resolution > finest) {
+      resolution = std::max(finest, resolution / 4);
+    } else {
+      add_own_balls(solid, left, inflation, extra);
     }
-    const std::size_t before = balls.size();
-    for (const Piece& piece : left) {  // where no candidate reaches: balls of their own
-      if (std::any_of(balls.begin() + before, balls.end(), [&](const Ball& b) { return holds(b, piece); })) continue;
-      Ball ball = ball_around(piece);
-      ball.radius = std::max(ball.radius, solid.depth(ball.center) + inflation);
-      balls.push_back(ball);
-    }
-    left.clear();
   }
 }
 
@@ -414,8 +541,9 @@ std::vector<Ball> pack_solid(const CoverSolid& solid, std::size_t count, double 
   std::erase_if(candidates, [&](const Candidate& c) { return !(c.depth >= min_radius); });
   std::vector<Piece> samples;
   add_interior(impl, impl.box.sizes().maxCoeff() / 32, samples);
-  std::vector<Piece> left;
-  const Indices chosen = Greedy(candidates, 0.0).choose(samples, left);
+  Choice choice(candidates, 0.0);
+  choice.extend(samples);
+  const Indices& chosen = choice.chosen();
   std::vector<Ball> balls;
   for (std::size_t i = 0; i < std::min(count, chosen.size()); ++i)
     balls.push_back({candidates[chosen[i]].center, candidates[chosen[i]].depth});

@@ -33,7 +33,7 @@ class CoverSolid {
   /// A triangle surface with everything that it encloses. Holes, doubled faces and wrong orientations are fine:
   /// enclosed is what cannot be reached from outside on a voxel grid (1/128 of the size; 1/32 for meshes with open
   /// edges). A mesh that is convex but for rounding is treated as its hull.
-  static CoverSolid mesh(const Vertices& vertices, const Triangles& triangles);
+  static CoverSolid mesh(const Vertices& vertices, const Triangles& triangles, double closing = 0);
 
   bool is_convex() const;
   bool is_closed() const;  ///< convex, or a mesh whose every edge has an even number of triangles

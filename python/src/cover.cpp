@@ -1,0 +1,136 @@
+#include <nanobind/stl/shared_ptr.h>
+
+#include <cmath>
+
+#include "bind.hpp"
+#include "srmp/robot/robot_cover.hpp"
+
+namespace srmp::python {
+
+namespace {
+
+/// The covers of a link's geometries in one, in the link's frame.
+struct LinkCover {
+  std::string link;
+  std::vector<Ball> coarse, fine, inner;
+  std::vector<std::vector<std::uint32_t>> children;
+  double coarse_inflation{}, fine_inflation{};            // largest
+  double mean_coarse_inflation{}, mean_fine_inflation{};  // over balls
+
+  void add(const RobotCover::Part& part) {
+    const GeometryCover& cover = *part.cover;
+    const auto first_fine = static_cast<std::uint32_t>(fine.size());
+    // A ball that is the geometry is all levels at once.
+    const std::vector<Ball>& finest = cover.exact ? cover.coarse : cover.fine;
+    mean_coarse_inflation =
+        mean(coarse.size(), mean_coarse_inflation, cover.coarse.size(), cover.coarse_inflation.mean);
+    mean_fine_inflation = mean(fine.size(), mean_fine_inflation, finest.size(), cover.fine_inflation.mean);
+    coarse_inflation = std::max(coarse_inflation, cover.coarse_inflation.max);
+    fine_inflation = std::max(fine_inflation, cover.fine_inflation.max);
+    append(coarse, cover.coarse, part.in_link);
+    append(fine, finest, part.in_link);
+    append(inner, cover.exact ? cover.coarse : cover.inner, part.in_link);
+    if (cover.exact) children.push_back({first_fine});
+    for (const auto& list : cover.children) {
+      children.push_back(list);
+      for (std::uint32_t& child : children.back()) child += first_fine;
+    }
+  }
+
+ private:
+  static double mean(std::size_t n, double a, std::size_t m, double b) {
+    return n + m == 0 ? 0.0 : (static_cast<double>(n) * a + static_cast<double>(m) * b) / static_cast<double>(n + m);
+  }
+  static void append(std::vector<Ball>& to, const std::vector<Ball>& balls, const Eigen::Isometry3d& pose) {
+    for (const Ball& ball : balls) to.push_back({pose * ball.center, ball.radius});
+  }
+};
+
+nb::object rows(const std::vector<Ball>& balls) {
+  std::vector<Eigen::VectorXd> rows;
+  for (const Ball& ball : balls) rows.push_back((Eigen::VectorXd(4) << ball.center, ball.radius).finished());
+  return to_numpy_rows(rows, 4);
+}
+
+struct PyRobotCover {
+  std::vector<LinkCover> links;
+  bool from_cache{};
+  double seconds{};
+};
+
+PyRobotCover by_links(const RobotCover& cover) {
+  PyRobotCover result;
+  result.from_cache = cover.origin != CoverStore::Origin::built;
+  result.seconds = cover.seconds;
+  for (const RobotCover::Part& part : cover.parts) {
+    if (result.links.empty() || result.links.back().link != part.link) {
+      result.links.emplace_back();
+      result.links.back().link = part.link;
+    }
+    result.links.back().add(part);
+  }
+  return result;
+}
+
+CoverProgress ask_python(const std::optional<nb::callable>& progress) {
+  return [&progress](std::size_t done, std::size_t total) {
+    const nb::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (progress) (*progress)(done, total);
+  };
+}
+
+PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>& package_dirs, double accuracy,
+                   double coarse_accuracy, int max_coarse, bool cache, const std::optional<nb::callable>& progress) {
+  if (max_coarse < 0) throw InvalidArgument("max_coarse must not be negative, got " + std::to_string(max_coarse));
+  RobotCoverOptions options;
+  options.levels.fine = accuracy;
+  options.levels.coarse = coarse_accuracy;
+  options.max_coarse = static_cast<std::size_t>(max_coarse);
+  const CoverProgress report = ask_python(progress);
+  const nb::gil_scoped_release no_gil;
+  CoverStore store(cache ? default_cover_folder() : std::filesystem::path(), options.levels);
+  return by_links(cover_urdf(urdf_path, package_dirs, store, options, report));
+}
+
+}  // namespace
+
+void bind_cover(nb::module_& m) {
+  nb::class_<LinkCover>(m, "LinkCover",
+                        "The spheres of one link, in its frame: arrays of shape (n, 4) with rows x, y, z, radius [m].")
+      .def_ro("link", &LinkCover::link)
+      .def_prop_ro(
+          "coarse", [](const LinkCover& c) { return rows(c.coarse); }, "Together hold the link's collision geometry.")
+      .def_prop_ro(
+          "fine", [](const LinkCover& c) { return rows(c.fine); }, "The same, more closely.")
+      .def_prop_ro(
+          "inner", [](const LinkCover& c) { return rows(c.inner); }, "Inside the collision geometry.")
+      .def_ro("children", &LinkCover::children, "For each coarse sphere, the rows of `fine` to look at when it is hit.")
+      .def_ro("coarse_inflation", &LinkCover::coarse_inflation, "How far the worst sphere sticks out [m].")
+      .def_ro("mean_coarse_inflation", &LinkCover::mean_coarse_inflation, "Mean over spheres [m].")
+      .def_ro("fine_inflation", &LinkCover::fine_inflation, "How far the worst sphere sticks out [m].")
+      .def_ro("mean_fine_inflation", &LinkCover::mean_fine_inflation, "Mean over spheres [m].")
+      .def("__repr__", [](const LinkCover& c) {
+        return "LinkCover('" + c.link + "': " + std::to_string(c.coarse.size()) + " coarse, " +
+               std::to_string(c.fine.size()) + " fine, " + std::to_string(c.inner.size()) + " inner spheres)";
+      });
+  nb::class_<PyRobotCover>(m, "RobotCover", "What srmp.cover returns.")
+      .def_ro("links", &PyRobotCover::links, "Links with collision geometry, in the order of the URDF.")
+      .def_ro("from_cache", &PyRobotCover::from_cache, "Was it read from the user's cache folder?")
+      .def_ro("seconds", &PyRobotCover::seconds, "Time to build or load the spheres [s]; reading meshes not counted.")
+      .def("__repr__",
+           [](const PyRobotCover& c) { return "RobotCover(" + std::to_string(c.links.size()) + " links)"; });
+  m.def("cover", &cover, nb::arg("urdf_path"), nb::kw_only(), nb::arg("package_dirs") = std::vector<std::string>(),
+        nb::arg("accuracy") = 0.004, nb::arg("coarse_accuracy") = 0.015, nb::arg("max_coarse") = 160,
+        nb::arg("cache") = true, nb::arg("progress") = nb::none(),
+        "Spheres that provably contain each link of a robot, in two levels, and spheres inside each link.\n\n"
+        "No fine sphere sticks out of the geometry by more than `accuracy` [m], no coarse one by more than\n"
+        "`coarse_accuracy`, unless that takes more than `max_coarse` spheres for the robot (0: no limit); then coarse\n"
+        "spheres grow. Cavities that a ball of 15 mm radius cannot enter count as filled. The result is the same on\n"
+        "every run. With `cache`, it is kept in the folder srmp/covers of the user's cache folder ($SRMP_CACHE_DIR,\n"
+        "$XDG_CACHE_HOME or ~/.cache; SRMP_CACHE_DIR set but empty: nowhere). `progress` is called with (steps done,\n"
+        "steps in all) while spheres are built.\n\n"
+        "Raises FileError for a missing or wrong file, InvalidArgument for numbers out of range.");
+}
+
+}  // namespace srmp::python

@@ -1,0 +1,220 @@
+#include "srmp/robot/cover_file.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+namespace srmp {
+
+namespace {
+
+// A file is: magic, version (in this machine's byte order), key, covers, SHA-256 of all that.
+constexpr std::string_view kMagic = "SRMPCOVR";
+constexpr std::uint32_t kFileVersion = 1;
+constexpr std::uint32_t kCoverVersion = 2;  // raise when covers of the same geometry come out differently
+
+class Writer {
+ public:
+  template <class T>
+  void put(T number) {
+    text_.append(reinterpret_cast<const char*>(&number), sizeof number);
+  }
+  void put(std::string_view bytes) { text_.append(bytes); }
+  void put(const Ball& ball) {
+    for (const double x : ball.center) put(x);
+    put(ball.radius);
+  }
+  void put(const Inflation& inflation) {
+    put(inflation.max);
+    put(inflation.mean);
+  }
+  template <class T>
+  void put(const std::vector<T>& list) {
+    put(static_cast<std::uint64_t>(list.size()));
+    for (const T& item : list) put(item);
+  }
+  void put(const GeometryCover& cover) {
+    put(cover.bound);
+    put(cover.coarse);
+    put(cover.fine);
+    put(cover.inner);
+    put(cover.children);
+    put(static_cast<std::uint8_t>(cover.exact));
+    put(static_cast<std::uint8_t>(cover.hollow));
+    put(cover.coarse_inflation);
+    put(cover.fine_inflation);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// Takes numbers off the front; once that was impossible, `ok` stays false.
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : text_(text) {}
+  bool ok{true};
+  bool at_end() const { return ok && text_.empty(); }
+
+  template <class T>
+  void get(T& number) {
+    const std::string_view bytes = take(sizeof number);
+    if (ok) std::memcpy(&number, bytes.data(), sizeof number);
+  }
+  std::string_view take(std::size_t size) {
+    ok = ok && size <= text_.size();
+    if (!ok) return {};
+    const std::string_view front = text_.substr(0, size);
+    text_.remove_prefix(size);
+    return front;
+  }
+  void get(Ball& ball) {
+    for (double& x : ball.center) get(x);
+    get(ball.radius);
+  }
+  void get(Inflation& inflation) {
+    get(inflation.max);
+    get(inflation.mean);
+  }
+  template <class T>
+  void get(std::vector<T>& list) {
+    std::uint64_t size = 0;
+    get(size);
+    ok = ok && size <= text_.size();  // every item takes a byte or more
+    if (!ok) return;
+    list.resize(size);
+    for (T& item : list)
+      if (ok) get(item);
+  }
+  void get(bool& flag) {
+    std::uint8_t byte = 0;
+    get(byte);
+    ok = ok && byte <= 1;
+    flag = byte == 1;
+  }
+  void get(GeometryCover& cover) {
+    get(cover.bound);
+    get(cover.coarse);
+    get(cover.fine);
+    get(cover.inner);
+    get(cover.children);
+    get(cover.exact);
+    get(cover.hollow);
+    get(cover.coarse_inflation);
+    get(cover.fine_inflation);
+    ok = ok && (cover.children.empty() || cover.children.size() == cover.coarse.size());
+    for (const auto& list : cover.children)
+      for (const std::uint32_t child : list) ok = ok && child < cover.fine.size();
+  }
+
+ private:
+  std::string_view text_;
+};
+
+std::string_view as_text(const Sha256::Digest& digest) {
+  return {reinterpret_cast<const char*>(digest.data()), digest.size()};
+}
+
+Sha256::Digest digest_of(std::string_view text) {
+  Sha256 hash;
+  hash.add(text.data(), text.size());
+  return hash.digest();
+}
+
+void put_header(Writer& out, const Sha256::Digest& key) {
+  out.put(kMagic);
+  out.put(kFileVersion);
+  out.put(as_text(key));
+}
+
+std::filesystem::path file_of(const std::filesystem::path& folder, const Sha256::Digest& key) {
+  return folder / (to_hex(key) + ".cover");
+}
+
+bool write_and_close(int descriptor, std::string_view text) {
+  bool good = true;
+  while (good && !text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    good = written > 0;
+    if (good) text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return ::close(descriptor) == 0 && good;
+}
+
+}  // namespace
+
+std::filesystem::path default_cover_folder() {
+  if (const char* own = std::getenv("SRMP_CACHE_DIR"))
+    return *own == '\0' ? std::filesystem::path() : std::filesystem::path(own) / "covers";
+  // Relative paths are to be ignored, says the XDG base directory specification.
+  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/')
+    return std::filesystem::path(xdg) / "srmp" / "covers";
+  if (const char* home = std::getenv("HOME"); home && *home == '/')
+    return std::filesystem::path(home) / ".cache" / "srmp" / "covers";
+  return {};
+}
+
+std::optional<CoverSet> read_covers(const std::filesystem::path& folder, const Sha256::Digest& key) {
+  if (folder.empty()) return std::nullopt;
+  std::ifstream file(file_of(folder, key), std::ios::binary | std::ios::ate);
+  if (!file) return std::nullopt;
+  std::string text(static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())), '\0');
+  file.seekg(0);
+  if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) return std::nullopt;
+  const std::string_view all = text;
+  const std::size_t sum_size = Sha256::Digest().size();
+  Writer header;
+  put_header(header, key);
+  if (all.size() < header.text().size() + sum_size || !all.starts_with(header.text())) return std::nullopt;
+  const std::string_view body = all.substr(0, all.size() - sum_size);
+  if (as_text(digest_of(body)) != all.substr(body.size())) return std::nullopt;
+  Reader in(body.substr(header.text().size()));
+  CoverSet covers;
+  in.get(covers);
+  if (!in.at_end()) return std::nullopt;
+  return covers;
+}
+
+bool write_covers(const std::filesystem::path& folder, const Sha256::Digest& key, const CoverSet& covers) {
+  if (folder.empty()) return false;
+  Writer out;
+  put_header(out, key);
+  out.put(covers);
+  out.put(as_text(digest_of(out.text())));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  std::string temporary = (folder / ".cover_XXXXXX").string();
+  const int descriptor = ::mkstemp(temporary.data());
+  if (descriptor < 0) return false;
+  bool good = write_and_close(descriptor, out.text());
+  if (good) {
+    std::filesystem::rename(temporary, file_of(folder, key), error);
+    good = !error;
+  }
+  if (!good) std::filesystem::remove(temporary, error);
+  return good;
+}
+
+Sha256 cover_key(std::string_view what) {
+  Sha256 hash;
+  hash.add(static_cast<std::uint64_t>(what.size()));
+  hash.add(what.data(), what.size());
+  hash.add(kFileVersion);
+  hash.add(kCoverVersion);
+  // Another compiler may round otherwise; then its covers are others.
+  constexpr std::string_view compiler = __VERSION__;
+  hash.add(compiler.data(), compiler.size());
+  return hash;
+}
+
+void add_levels(Sha256& hash, const CoverLevels& levels) {
+  for (const double x : {levels.coarse, levels.fine, levels.closing}) hash.add(x);
+  hash.add(static_cast<std::uint64_t>(levels.inner));
+}
+
+}  // namespace srmp

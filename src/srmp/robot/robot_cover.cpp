@@ -1,0 +1,212 @@
+#include "srmp/robot/robot_cover.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <thread>
+
+#include "srmp/core/worker_pool.hpp"
+#include "srmp/robot/robot_geometry.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Shape = std::shared_ptr<const coal::CollisionGeometry>;
+
+/// Equal geometries are covered once.
+struct Distinct {
+  std::vector<Shape> shapes;
+  std::vector<std::size_t> times;  // each occurs in the robot
+  std::vector<std::size_t> index;  // of each geometry of the robot
+  Sha256 key{cover_key("robot")};
+};
+
+Distinct tell_apart(const std::vector<Shape>& shapes) {
+  Distinct distinct;
+  std::map<Sha256::Digest, std::size_t> by_content;
+  std::map<const coal::CollisionGeometry*, std::size_t> by_address;  // spares hashing
+  for (const Shape& shape : shapes) {
+    const auto [known, is_new_address] = by_address.try_emplace(shape.get(), 0);
+    if (is_new_address) {
+      Sha256 hash;
+      add_content(hash, *shape);
+      const auto [it, is_new] = by_content.try_emplace(hash.digest(), distinct.shapes.size());
+      known->second = it->second;
+      if (is_new) {
+        distinct.shapes.push_back(shape);
+        distinct.times.push_back(0);
+        distinct.key.add(it->first.data(), it->first.size());
+      }
+    }
+    ++distinct.times[known->second];
+    distinct.index.push_back(known->second);
+  }
+  for (const std::size_t times : distinct.times) distinct.key.add(static_cast<std::uint64_t>(times));
+  return distinct;
+}
+
+/// Runs jobs on all cores; only the calling thread reports progress. The first job's exception, by number, is thrown.
+class Jobs {
+ public:
+  Jobs(std::size_t threads, std::size_t total, const CoverProgress& progress)
+      : pool_(threads), total_(total), progress_(progress) {}
+
+  void run(std::size_t count, const std::function<void(std::size_t)>& job) {
+    std::vector<std::exception_ptr> errors(count);
+    pool_.run(count, [&](std::size_t worker, std::size_t i) {
+      if (stop_) return;
+      try {
+        if (worker == 0 && progress_) progress_(done_, total_);
+        job(i);
+        ++done_;
+      } catch (...) {
+        errors[i] = std::current_exception();
+        stop_ = true;
+      }
+    });
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
+    if (progress_) progress_(done_, total_);
+  }
+
+ private:
+  WorkerPool pool_;
+  const std::size_t total_;
+  const CoverProgress& progress_;
+  std::atomic<std::size_t> done_{0};
+  std::atomic<bool> stop_{false};
+};
+
+/// Grows coarse balls, always where a millimetre more spares the most of them, until all together are few enough.
+void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, const std::vector<std::size_t>& times,
+                    std::size_t budget) {
+  if (budget == 0) return;
+  for (;;) {
+    std::size_t total = 0;
+    GeometryCoverBuilder* worst = nullptr;
+    double most = 0;
+    for (std::size_t i = 0; i < builders.size(); ++i) {
+      GeometryCoverBuilder& builder = *builders[i];
+      total += times[i] * builder.coarse_count();
+      const double score = static_cast<double>(times[i] * builder.coarse_count()) / builder.coarse_target();
+      if (builder.coarse_count() == 1 || score <= most) continue;
+      most = score;
+      worst = &builder;
+    }
+    if (total <= budget || !worst) return;
+    const double too_many = static_cast<double>(total) / static_cast<double>(budget);
+    worst->cover_coarsely(std::clamp(std::sqrt(too_many), 1.1, 1.5) * worst->coarse_target());
+  }
+}
+
+CoverSet build(const Distinct& distinct, const RobotCoverOptions& options, const CoverProgress& progress) {
+  const std::size_t count = distinct.shapes.size();
+  const std::size_t threads = options.threads ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  Jobs jobs(std::min(std::max<std::size_t>(1, count), threads), 2 * count, progress);
+  std::vector<std::optional<GeometryCoverBuilder>> builders(count);
+  jobs.run(count, [&](std::size_t i) { builders[i].emplace(*distinct.shapes[i], options.levels); });
+  keep_to_budget(builders, distinct.times, options.max_coarse);
+  CoverSet covers(count);
+  jobs.run(count, [&](std::size_t i) { covers[i] = builders[i]->finish(); });
+  return covers;
+}
+
+RobotCover cover_shapes(const std::vector<Shape>& shapes, CoverStore& store, const RobotCoverOptions& options,
+                        const CoverProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  require_levels(options.levels);
+  Distinct distinct = tell_apart(shapes);
+  add_levels(distinct.key, options.levels);
+  distinct.key.add(static_cast<std::uint64_t>(options.max_coarse));
+  const CoverStore::Answer answer =
+      store.get(distinct.key.digest(), [&] { return build(distinct, options, progress); });
+  RobotCover cover;
+  cover.origin = answer.origin;
+  for (const std::size_t i : distinct.index)
+    cover.parts.push_back({"", "", Eigen::Isometry3d::Identity(), {answer.covers, &answer.covers->at(i)}});
+  cover.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return cover;
+}
+
+/// The cover of a geometry by that of its envelope.
+std::shared_ptr<const GeometryCover> within_envelope(const GeometryCover& envelope) {
+  auto cover = std::make_shared<GeometryCover>(envelope);
+  cover->exact = false;
+  cover->hollow = true;
+  cover->inner.clear();
+  return cover;
+}
+
+template <class Value>
+auto largest(const RobotCover& cover, Value&& value) {
+  double most = 0;
+  for (const RobotCover::Part& part : cover.parts) most = std::max(most, value(*part.cover));
+  return most;
+}
+
+}  // namespace
+
+std::size_t RobotCover::coarse_balls() const {
+  std::size_t sum = 0;
+  for (const Part& part : parts) sum += part.cover->coarse.size();
+  return sum;
+}
+
+std::size_t RobotCover::fine_balls() const {
+  std::size_t sum = 0;
+  for (const Part& part : parts) sum += part.cover->exact ? part.cover->coarse.size() : part.cover->fine.size();
+  return sum;
+}
+
+double RobotCover::coarse_inflation() const {
+  return largest(*this, [](const GeometryCover& cover) { return cover.coarse_inflation.max; });
+}
+
+double RobotCover::fine_inflation() const {
+  return largest(*this, [](const GeometryCover& cover) { return cover.fine_inflation.max; });
+}
+
+RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options,
+                       const CoverProgress& progress) {
+  std::vector<Shape> shapes;
+  for (const LinkGeometry& geometry : model.geometries()) shapes.push_back(geometry.envelope);
+  RobotCover cover = cover_shapes(shapes, store, options, progress);
+  const RobotDataPtr data = model.make_data();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const LinkGeometry& geometry = model.geometries()[i];
+    if (geometry.envelope != geometry.shape) cover.parts[i].cover = within_envelope(*cover.parts[i].cover);
+    cover.parts[i].link = geometry.link;
+    cover.parts[i].name = geometry.name;
+    cover.parts[i].in_link = model.link_pose(*data, geometry.link_index).inverse() * model.geometry_pose(*data, i);
+    store.adopt(geometry.shape, cover.parts[i].cover);
+  }
+  return cover;
+}
+
+void ensure_covered(const RobotModel& model, CoverStore& store) {
+  const auto& geometries = model.geometries();
+  if (std::any_of(geometries.begin(), geometries.end(),
+                  [&](const LinkGeometry& geometry) { return !store.has_adopted(*geometry.shape); }))
+    cover_robot(model, store);
+}
+
+RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
+                      const RobotCoverOptions& options, const CoverProgress& progress) {
+  const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), urdf_path, package_dirs);
+  std::vector<Shape> shapes;
+  for (const PlacedGeometry& g : geometries) shapes.push_back(g.geometry.envelope);
+  RobotCover cover = cover_shapes(shapes, store, options, progress);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const LinkGeometry& geometry = geometries[i].geometry;
+    if (geometry.envelope != geometry.shape) cover.parts[i].cover = within_envelope(*cover.parts[i].cover);
+    cover.parts[i].link = geometry.link;
+    cover.parts[i].name = geometry.name;
+    cover.parts[i].in_link = geometries[i].in_link;
+  }
+  return cover;
+}
+
+}  // namespace srmp

@@ -1,0 +1,367 @@
+#include "srmp/robot/robot_cover.hpp"
+
+#include <coal/BVH/BVH_model.h>
+#include <coal/shape/geometric_shapes.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <boost/test/unit_test.hpp>
+#include <cstring>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "srmp/core/error.hpp"
+#include "srmp/robot/mesh_file.hpp"
+#include "support/data.hpp"
+#include "support/files.hpp"
+#include "support/throws.hpp"
+
+using namespace srmp;
+
+namespace {
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+bool same(const std::vector<Ball>& a, const std::vector<Ball>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Ball& x, const Ball& y) {
+    return same_bits(x.radius, y.radius) && same_bits(x.center[0], y.center[0]) &&
+           same_bits(x.center[1], y.center[1]) && same_bits(x.center[2], y.center[2]);
+  });
+}
+
+bool same(const GeometryCover& a, const GeometryCover& b) {
+  return same(std::vector{a.bound}, std::vector{b.bound}) && same(a.coarse, b.coarse) && same(a.fine, b.fine) &&
+         same(a.inner, b.inner) && a.children == b.children && a.exact == b.exact && a.hollow == b.hollow &&
+         same_bits(a.coarse_inflation.max, b.coarse_inflation.max) &&
+         same_bits(a.coarse_inflation.mean, b.coarse_inflation.mean) &&
+         same_bits(a.fine_inflation.max, b.fine_inflation.max) &&
+         same_bits(a.fine_inflation.mean, b.fine_inflation.mean);
+}
+
+bool same(const RobotCover& a, const RobotCover& b) {
+  return std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), [](const auto& x, const auto& y) {
+    return x.link == y.link && x.name == y.name && x.in_link.matrix() == y.in_link.matrix() && same(*x.cover, *y.cover);
+  });
+}
+
+/// Rough covers are quick to make.
+const CoverLevels kRough{.coarse = 0.06, .fine = 0.04, .closing = 0.02};
+
+using Geometry = std::shared_ptr<const coal::CollisionGeometry>;
+
+Geometry box(double x, double y, double z) { return std::make_shared<coal::Box>(x, y, z); }
+
+/// A ball with bumps and dents; with a triangle taken out where asked.
+TriangleSoup lumpy(unsigned seed, bool open) {
+  std::mt19937 random(seed);
+  constexpr int rings = 7, sectors = 10;
+  TriangleSoup mesh;
+  const auto at = [&](double up, double around) {
+    const double r = 0.08 + 0.05 * (random() * 0x1p-32);
+    return Eigen::Vector3d(r * std::sin(up) * std::cos(around), r * std::sin(up) * std::sin(around), r * std::cos(up));
+  };
+  mesh.vertices = {at(0, 0), at(M_PI, 0)};
+  for (int i = 1; i < rings; ++i)
+    for (int k = 0; k < sectors; ++k) mesh.vertices.push_back(at(M_PI * i / rings, 2 * M_PI * k / sectors));
+  const auto id = [&](int i, int k) { return 2 + (i - 1) * sectors + k % sectors; };
+  for (int k = 0; k < sectors; ++k) {
+    mesh.triangles.push_back({0, id(1, k), id(1, k + 1)});
+    mesh.triangles.push_back({1, id(rings - 1, k + 1), id(rings - 1, k)});
+    for (int i = 1; i + 1 < rings; ++i) {
+      mesh.triangles.push_back({id(i, k), id(i + 1, k), id(i + 1, k + 1)});
+      mesh.triangles.push_back({id(i, k), id(i + 1, k + 1), id(i, k + 1)});
+    }
+  }
+  if (open) mesh.triangles.pop_back();
+  return mesh;
+}
+
+std::string only_file(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path().string());
+  BOOST_REQUIRE(files.size() == 1u);
+  return files[0];
+}
+
+std::string contents(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+RobotDescription mbm_robot(const std::string& name, const std::string& end_effector) {
+  RobotDescription description;
+  description.urdf_path = mbm_file(name, name + ".urdf");
+  description.srdf_path = mbm_file(name, name + ".srdf");
+  description.end_effector = end_effector;
+  return description;
+}
+
+/// A variable of the environment for one test.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    value ? setenv(name, value, 1) : unsetenv(name);
+  }
+  ~Environment() { old_ ? setenv(name_, old_->c_str(), 1) : unsetenv(name_); }
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(covers_of_lumpy_meshes_contain_them) {
+  for (unsigned seed = 1; seed <= 2; ++seed)
+    for (const bool open : {false, true}) {
+      const TriangleSoup mesh = lumpy(seed, open);
+      const Geometry shape = make_mesh_geometry(mesh, MeshModel::surface);
+      const GeometryCover cover = cover_geometry(*shape, {.coarse = 0.04, .fine = 0.025});
+      const CoverSolid solid = CoverSolid::mesh(mesh.vertices, mesh.triangles, 0.015);
+      BOOST_TEST(solid.is_closed() == !open);
+      BOOST_TEST(contains_solid(cover.coarse, solid));
+      BOOST_TEST(contains_solid(cover.fine, solid));
+      BOOST_TEST(cover.coarse_inflation.max <= 0.040001);
+      BOOST_TEST(cover.fine_inflation.max <= 0.025001);
+      BOOST_TEST(cover.coarse_inflation.mean <= cover.coarse_inflation.max + 1e-12);
+      BOOST_TEST(cover.children.size() == cover.coarse.size());
+      BOOST_TEST(cover.hollow);
+      for (const Ball& ball : cover.inner) BOOST_TEST(solid.depth(ball.center) >= ball.radius - 1e-12);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(cavities_behind_small_holes_may_be_filled) {
+  // A box of thin walls with a square hole of 2 cm in its lid.
+  TriangleSoup mesh;
+  const auto quad = [&](Eigen::Vector3d a, Eigen::Vector3d b, Eigen::Vector3d c, Eigen::Vector3d d) {
+    const int n = static_cast<int>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {a, b, c, d});
+    mesh.triangles.push_back({n, n + 1, n + 2});
+    mesh.triangles.push_back({n, n + 2, n + 3});
+  };
+  const double h = 0.1, e = 0.01;
+  quad({-h, -h, -h}, {h, -h, -h}, {h, h, -h}, {-h, h, -h});
+  for (const double s : {-h, h}) {
+    quad({s, -h, -h}, {s, h, -h}, {s, h, h}, {s, -h, h});
+    quad({-h, s, -h}, {h, s, -h}, {h, s, h}, {-h, s, h});
+  }
+  quad({-h, -h, h}, {h, -h, h}, {h, -e, h}, {-h, -e, h});
+  quad({-h, e, h}, {h, e, h}, {h, h, h}, {-h, h, h});
+  quad({-h, -e, h}, {-e, -e, h}, {-e, e, h}, {-h, e, h});
+  quad({e, -e, h}, {h, -e, h}, {h, e, h}, {e, e, h});
+  const CoverSolid as_it_is = CoverSolid::mesh(mesh.vertices, mesh.triangles);
+  const CoverSolid filled = CoverSolid::mesh(mesh.vertices, mesh.triangles, 0.015);
+  BOOST_TEST(as_it_is.depth({0, 0, 0}) < 0);
+  BOOST_TEST(filled.depth({0, 0, 0}) > 0.09);
+  BOOST_TEST(filled.depth({0, 0, 0.099}) < 0.012);  // by the hole
+  BOOST_TEST(filled.depth({0, 0, 0.12}) < 0);
+  BOOST_TEST(filled.depth({0.12, 0, 0}) < 0);
+  const SphereCover a = cover_solid(as_it_is, {.max_inflation = 0.015}),
+                    b = cover_solid(filled, {.max_inflation = 0.015});
+  BOOST_TEST(contains_solid(b.balls, filled));
+  BOOST_TEST(2 * b.balls.size() < a.balls.size());
+}
+
+BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
+  const auto robot = RobotModel::load(arm7());
+  CoverStore store("");
+  const RobotCover cover = cover_robot(*robot, store, {.levels = kRough});
+  BOOST_REQUIRE(cover.parts.size() == robot->geometries().size());
+  for (std::size_t i = 0; i < cover.parts.size(); ++i) {
+    BOOST_TEST(cover.parts[i].name == robot->geometries()[i].name);
+    BOOST_TEST((&store.cover(*robot->geometries()[i].shape) == cover.parts[i].cover.get()));
+  }
+  BOOST_TEST(cover.coarse_balls() <= 160u);
+  BOOST_TEST(cover.coarse_inflation() <= kRough.coarse * 1.0001);
+  BOOST_TEST(cover.fine_inflation() <= kRough.fine * 1.0001);
+  BOOST_TEST((cover.origin == CoverStore::Origin::built));
+
+  // The file alone gives the same, whatever the number of threads; poses come by another way.
+  CoverStore other("");
+  const RobotCover from_file = cover_urdf(arm7().urdf_path, {}, other, {.levels = kRough, .threads = 1});
+  BOOST_REQUIRE(from_file.parts.size() == cover.parts.size());
+  for (std::size_t i = 0; i < cover.parts.size(); ++i) {
+    BOOST_TEST(same(*cover.parts[i].cover, *from_file.parts[i].cover));
+    BOOST_TEST(cover.parts[i].in_link.isApprox(from_file.parts[i].in_link, 1e-12));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(coarse_balls_grow_to_keep_to_the_budget) {
+  const auto robot = RobotModel::load(arm7());
+  CoverStore store("");
+  const RobotCover free = cover_robot(*robot, store, {.levels = kRough, .max_coarse = 0});
+  const std::size_t budget = free.coarse_balls() - 3;
+  const RobotCover tight = cover_robot(*robot, store, {.levels = kRough, .max_coarse = budget});
+  BOOST_TEST(tight.coarse_balls() <= budget);
+  BOOST_TEST(tight.coarse_inflation() > free.coarse_inflation());
+  BOOST_TEST(tight.fine_balls() == free.fine_balls());
+}
+
+BOOST_AUTO_TEST_CASE(loaded_covers_have_the_bits_of_built_ones) {
+  const TemporaryFolder folder;
+  const auto robot = RobotModel::load(arm7());
+  const RobotCoverOptions options{.levels = kRough};
+  CoverStore first(folder.path("covers")), second(folder.path("covers"));
+  const RobotCover built = cover_robot(*robot, first, options);
+  const RobotCover loaded = cover_robot(*robot, second, options);
+  BOOST_TEST((built.origin == CoverStore::Origin::built));
+  BOOST_TEST((loaded.origin == CoverStore::Origin::file));
+  BOOST_TEST((cover_robot(*robot, second, options).origin == CoverStore::Origin::memory));
+  BOOST_TEST(same(built, loaded));
+  const auto copy = RobotModel::load(arm7());  // other addresses, same content
+  BOOST_TEST((cover_robot(*copy, second, options).origin == CoverStore::Origin::memory));
+  BOOST_TEST((cover_robot(*robot, second, {.levels = kRough, .max_coarse = 150}).origin == CoverStore::Origin::built));
+}
+
+BOOST_AUTO_TEST_CASE(geometries_are_known_by_content_and_levels) {
+  const TemporaryFolder folder;
+  CoverStore store(folder.path(), kRough);
+  const GeometryCover& a = store.cover(*box(0.3, 0.2, 0.1));
+  BOOST_TEST((&store.cover(*box(0.3, 0.2, 0.1)) == &a));
+  BOOST_TEST((&store.cover(*box(0.3, 0.2, 0.11)) != &a));
+  BOOST_TEST(same(CoverStore(folder.path(), kRough).cover(*box(0.3, 0.2, 0.1)), a));
+  const GeometryCover finer = CoverStore(folder.path(), {.coarse = 0.06, .fine = 0.02}).cover(*box(0.3, 0.2, 0.1));
+  BOOST_TEST(finer.fine.size() > a.fine.size());
+  const GeometryCover& ball = store.cover(coal::Sphere(0.1));
+  BOOST_TEST(ball.exact);
+  BOOST_TEST(ball.fine.empty());
+}
+
+BOOST_AUTO_TEST_CASE(damaged_files_are_built_again) {
+  const TemporaryFolder folder;
+  const Geometry shape = box(0.2, 0.1, 0.1);
+  const auto ask = [&] {
+    CoverStore store(folder.path(), kRough);
+    return store.cover(*shape);
+  };
+  const GeometryCover good = ask();
+  const std::string path = only_file(folder.path()), text = contents(path);
+  const auto damaged = [&](const std::string& bad) {
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bad;
+    BOOST_TEST(same(ask(), good));
+    BOOST_TEST(contents(path) == text);  // put right
+    BOOST_TEST(only_file(folder.path()) == path);
+  };
+  damaged("");
+  damaged("no cover");
+  damaged(text.substr(0, text.size() / 2));
+  damaged(text + "x");
+  for (const std::size_t i : {std::size_t{0}, std::size_t{8}, std::size_t{20}, text.size() / 2, text.size() - 1}) {
+    std::string flipped = text;
+    flipped[i] ^= 4;  // magic, version, key, numbers, checksum
+    damaged(flipped);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_folder_that_cannot_be_used_does_not_matter) {
+  const TemporaryFolder folder;
+  const Geometry shape = box(0.2, 0.1, 0.1);
+  CoverStore none("", kRough);
+  const std::string file = folder.write("file", "not a folder");
+  CoverStore blocked(file + "/covers", kRough);
+  BOOST_TEST(same(blocked.cover(*shape), none.cover(*shape)));
+  if (geteuid() != 0) {  // nothing is forbidden to root
+    const std::string locked = folder.path("locked");
+    std::filesystem::create_directories(locked);
+    chmod(locked.c_str(), 0500);
+    CoverStore store(locked, kRough);
+    BOOST_TEST(same(store.cover(*shape), none.cover(*shape)));
+    chmod(locked.c_str(), 0700);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(threads_share_stores_and_folders) {
+  const TemporaryFolder folder;
+  CoverStore shared(folder.path(), kRough), own(folder.path(), kRough);
+  const std::vector<Geometry> shapes{box(0.2, 0.1, 0.1), std::make_shared<coal::Cylinder>(0.05, 0.2),
+                                     std::make_shared<coal::Cone>(0.05, 0.2), box(0.1, 0.1, 0.1)};
+  std::vector<std::vector<const GeometryCover*>> found(3);
+  const auto work = [&](CoverStore& store, std::size_t t) {
+    for (const Geometry& shape : shapes) found[t].push_back(&store.cover(*shape));
+  };
+  std::thread a(work, std::ref(shared), 0), b(work, std::ref(shared), 1), c(work, std::ref(own), 2);
+  a.join();
+  b.join();
+  c.join();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    BOOST_TEST((found[0][i] == found[1][i]));
+    BOOST_TEST(same(*found[0][i], *found[2][i]));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(the_environment_names_the_folder) {
+  const Environment home("HOME", "/home/someone");
+  {
+    const Environment a("SRMP_CACHE_DIR", nullptr), b("XDG_CACHE_HOME", nullptr);
+    BOOST_TEST(default_cover_folder() == "/home/someone/.cache/srmp/covers");
+  }
+  {
+    const Environment a("SRMP_CACHE_DIR", nullptr), b("XDG_CACHE_HOME", "/caches");
+    BOOST_TEST(default_cover_folder() == "/caches/srmp/covers");
+  }
+  const Environment b("XDG_CACHE_HOME", "relative");
+  const Environment a("SRMP_CACHE_DIR", nullptr);
+  BOOST_TEST(default_cover_folder() == "/home/someone/.cache/srmp/covers");
+  const Environment c("SRMP_CACHE_DIR", "/mine");
+  BOOST_TEST(default_cover_folder() == "/mine/covers");
+  const Environment d("SRMP_CACHE_DIR", "");
+  BOOST_TEST(default_cover_folder() == "");
+}
+
+BOOST_AUTO_TEST_CASE(progress_counts_up_and_may_stop_the_work) {
+  const auto robot = RobotModel::load(arm7());
+  CoverStore store("");
+  const RobotCoverOptions options{.levels = kRough};
+  struct Stop {};
+  BOOST_CHECK_THROW(cover_robot(*robot, store, options, [](std::size_t, std::size_t) { throw Stop(); }), Stop);
+  std::size_t last = 0, all = 0;
+  cover_robot(*robot, store, options, [&](std::size_t done, std::size_t total) {
+    BOOST_TEST(done >= last);
+    last = done;
+    all = total;
+  });
+  BOOST_TEST(last == all);
+  BOOST_TEST(all > 0u);
+}
+
+BOOST_AUTO_TEST_CASE(covers_refuse_what_they_cannot_do) {
+  check_throws<InvalidArgument>([] { cover_geometry(*box(1, 1, 1), {.coarse = 0}); }, "coarse inflation");
+  check_throws<InvalidArgument>([] { cover_geometry(*box(1, 1, 1), {.fine = NAN}); }, "fine inflation");
+  check_throws<InvalidArgument>([] { CoverStore("", {.coarse = 0.01, .fine = 0.02}); }, "must not exceed");
+  check_throws<InvalidArgument>([] { cover_geometry(*box(1, 1, 1), {.closing = -1}); }, "closing");
+  CoverStore store("");
+  check_throws<NotSupported>([&] { store.cover(coal::Plane(Eigen::Vector3d(0, 0, 1), 0)); }, "solids and meshes");
+  check_throws<FileError>([&] { cover_urdf("/nowhere.urdf", {}, store); }, "nowhere.urdf");
+  coal::Box swept(1, 1, 1);
+  swept.setSweptSphereRadius(0.1);
+  check_throws<NotSupported>([&] { store.cover(swept); }, "padding");
+}
+
+BOOST_AUTO_TEST_CASE(covers_of_real_robots_contain_them) {
+  for (const auto& [name, tip] :
+       {std::pair<std::string, std::string>("panda", "panda_hand"), {"ur5", "tool0"}, {"fetch", "gripper_link"}}) {
+    const RobotDescription description = mbm_robot(name, tip);
+    if (description.urdf_path.empty()) return;
+    const auto robot = RobotModel::load(description);
+    CoverStore store("");
+    // Coarser than by default: the proof is the same, and there are fewer balls to make.
+    const RobotCover cover = cover_robot(*robot, store, {.levels = {.coarse = 0.04, .fine = 0.025}});
+    BOOST_TEST(cover.coarse_balls() <= 160u, name);
+    BOOST_TEST(cover.fine_inflation() <= 0.025001, name);
+    for (std::size_t i = 0; i < cover.parts.size(); ++i) {
+      const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(robot->geometries()[i].shape.get());
+      if (!mesh) continue;
+      CoverSolid::Triangles triangles;
+      for (std::size_t k = 0; k < mesh->num_tris; ++k) {
+        const auto& t = (*mesh->tri_indices)[k];
+        triangles.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
+      }
+      const CoverSolid solid =
+          CoverSolid::mesh({mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices}, triangles, 0.015);
+      BOOST_TEST(contains_solid(cover.parts[i].cover->coarse, solid), cover.parts[i].name);
+      BOOST_TEST(contains_solid(cover.parts[i].cover->fine, solid), cover.parts[i].name);
+    }
+  }
+}
