@@ -500,6 +500,7 @@ void bind_planning(nb::class_<Self>& cls) {
          "ARAstar  ARA* (Likhachev, Gordon, Thrun 2003), anytime\n"
          "MHAstar  MHA* (Aine et al. 2016), several heuristics\n"
          "wPASE    ePA*SE (Mukherjee, Aine, Likhachev 2022), parallel\n"
+         "auto     six weighted A* in turns: both directions, three resolutions\n"
          "xECBS    xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms; plan_multi does not run yet\n\n"
          "Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of "
          "range.")

@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from srmp.options import XECBS as XECBS
     from srmp.options import ARAStar as ARAStar
     from srmp.options import AStar as AStar
+    from srmp.options import Auto as Auto
     from srmp.options import MHAStar as MHAStar
     from srmp.options import WAStar as WAStar
 
-_OPTIONS = ("ARAStar", "AStar", "MHAStar", "WAStar", "WPASE", "XECBS")
+_OPTIONS = ("ARAStar", "AStar", "Auto", "MHAStar", "WAStar", "WPASE", "XECBS")
 
 __version__: str = _srmp.__version__
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar
 
-__all__ = ["WPASE", "XECBS", "ARAStar", "AStar", "MHAStar", "WAStar"]
+__all__ = ["WPASE", "XECBS", "ARAStar", "AStar", "Auto", "MHAStar", "WAStar"]
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -102,6 +102,15 @@ class WPASE(_Options):
     """> 0; the path does not depend on it."""
     batch_size: int = 16
     """Edges evaluated together, > 0; another batch may find another path."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class Auto(_Options):
+    """Six weighted A* searches in turns (Huberman, Lukose, Hogg 1997): both directions, three resolutions."""
+
+    planner_id: ClassVar[str] = "auto"
+    weight: float = 50.0
+    """>= 1."""
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -31,7 +31,7 @@ def check_trajectory(planner, trajectory, start, goal=None):
             assert not planner.is_state_colliding("arm", a + t * (b - a))
 
 
-@pytest.mark.parametrize("planner_id", ["wAstar", "ARAstar", "MHAstar", "wPASE", "wA*", "mha*"])
+@pytest.mark.parametrize("planner_id", ["wAstar", "ARAstar", "MHAstar", "wPASE", "auto", "wA*", "mha*"])
 def test_every_planner_goes_round_the_post(arm, ready, planner_id):
     goal = mirrored(ready)
     assert not arm.is_motion_free("arm", ready, goal)
@@ -212,7 +212,15 @@ def test_values_pickle(arm, ready):
 
 
 def test_typed_options_equal_the_library_defaults():
-    for options in (srmp.AStar(), srmp.WAStar(), srmp.ARAStar(), srmp.MHAStar(), srmp.WPASE(), srmp.XECBS()):
+    for options in (
+        srmp.AStar(),
+        srmp.WAStar(),
+        srmp.ARAStar(),
+        srmp.MHAStar(),
+        srmp.WPASE(),
+        srmp.Auto(),
+        srmp.XECBS(),
+    ):
         assert srmp.planner_options({"planner_id": options.planner_id}) == options.to_dict()
 
 

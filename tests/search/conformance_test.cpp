@@ -6,6 +6,7 @@
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
+#include "srmp/search/portfolio.hpp"
 #include "srmp/search/wpase.hpp"
 #include "support/throws.hpp"
 
@@ -60,6 +61,14 @@ Planner mha_with(double w1, double w2, std::vector<InadmissibleHeuristic> others
           }};
 }
 
+Planner portfolio_of_one(double weight, std::uint64_t turn) {
+  return {"portfolio " + to_text(weight), weight, [=](auto& graph, auto starts, auto& h, auto& deadline) {
+            using Member = PortfolioMember<AnyGraph, AnyHeuristic>;
+            const std::vector<Member> members{{&graph, {starts.begin(), starts.end()}, &h}};
+            return portfolio<AnyGraph, AnyHeuristic>(members, {weight, turn}, deadline).result;
+          }};
+}
+
 Planner wpase_with(double weight, std::size_t batch_size) {
   return {"wpase " + to_text(weight) + " batch " + std::to_string(batch_size), weight,
           [=](auto& graph, auto starts, auto& h, auto& deadline) {
@@ -74,6 +83,7 @@ const std::vector<Planner>& all_planners() {
   static const std::vector<Planner> planners{astar_with(1.0),
                                              astar_with(1.7),
                                              astar_with(20.0),
+                                             portfolio_of_one(1.7, 2),
                                              ara_with(50.0, 10.0, 1.0),
                                              ara_with(4.0, 0.7, 1.0),
                                              ara_with(10.0, 5.0, 2.5),

@@ -75,6 +75,11 @@ void visit_fields(WPASE& o, V&& field) {
   field("batch_size", o.batch_size, above_zero);
 }
 template <class V>
+void visit_fields(Auto& o, V&& field) {
+  visit_fields(o.common, field);
+  field("weight", o.weight, from_one);
+}
+template <class V>
 void visit_fields(XECBS& o, V&& field) {
   visit_fields(o.common, field);
   field("weight_low_level_heuristic", o.weight_low_level_heuristic, from_one);
@@ -213,6 +218,9 @@ const std::vector<Planner>& registry() {
       {{"wPASE", "parallel weighted search; the same path for every number of threads", false},
        WPASE{},
        {"wpa*se", "wpastarse", "epa*se", "epase"}},
+      {{"auto", "six weighted A* in turns: both directions, three resolutions; seldom without a path", false},
+       Auto{},
+       {}},
       {{"xECBS", "many arms at once (not yet: plan_multi says so)", true}, XECBS{}, {}},
   };
   return planners;

@@ -69,7 +69,14 @@ struct XECBS {
   double low_level_focal_suboptimality{1.3};   ///< >= 1
 };
 
-using PlannerOptions = std::variant<WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS>;
+/// Six weighted A* searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at
+/// 1.5, 0.75 and 0.4 of `resolution`. cost <= weight * optimal on the lattice of the one that finishes first.
+struct Auto {
+  CommonOptions common{};
+  double weight{50.0};  ///< >= 1
+};
+
+using PlannerOptions = std::variant<WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, Auto>;
 
 /// A value as dictionaries bring it; strings hold numbers too ("5", "true").
 using OptionValue = std::variant<bool, double, std::string, std::vector<std::string>>;

@@ -10,6 +10,7 @@
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
+#include "srmp/search/portfolio.hpp"
 #include "srmp/search/wpase.hpp"
 #include "srmp/trajectory/parameterize.hpp"
 #include "srmp/trajectory/shortcut.hpp"
@@ -159,19 +160,25 @@ class SingleRobotPlan {
     return sum;
   }
 
-  Lattice make_lattice() {
+  /// `scale`: of the resolution asked for. Short moves near the ends help a lattice that is alone; beside finer
+  /// lattices they only crowd it.
+  Lattice make_lattice(bool backward, double scale = 1.0, bool alone = true) {
     Eigen::VectorXd step(static_cast<Eigen::Index>(robot_.dof()));
     for (std::size_t j = 0; j < robot_.dof(); ++j)
       step[static_cast<Eigen::Index>(j)] = robot_.joints()[j].kind == JointKind::prismatic
                                                ? common_.prismatic_resolution
                                                : common_.resolution * M_PI / 180.0;
+    step *= scale;
     Lattice::Options options;
     options.primitives = common_.mprim_path.empty() ? default_primitives(robot_.joints(), step)
                                                     : io::read_primitives(common_.mprim_path, robot_.joints());
+    if (!alone)
+      std::erase_if(options.primitives.families,
+                    [](const PrimitiveFamily& family) { return family.use == PrimitiveUse::near; });
     std::vector<Eigen::VectorXd> goals;
     for (const Target& target : targets_) goals.push_back(target.q);
     std::vector<Eigen::VectorXd> anchors{start_};
-    if (backward_) anchors.swap(goals);
+    if (backward) anchors.swap(goals);
     return Lattice(
         robot_, std::move(anchors), std::move(goals), std::move(options),
         [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -282,12 +289,51 @@ class SingleRobotPlan {
         "xECBS plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for plan");
   }
 
+  search::Result run_search(Lattice&, const Starts&, const StateHeuristic&, const Auto&) {
+    throw Error("internal error: 'auto' searches more than one lattice");
+  }
+
   std::vector<Eigen::VectorXd> find_path() {
-    Lattice lattice = make_lattice();
+    if (const auto* options = std::get_if<Auto>(&problem_.options)) return find_path_in_turns(*options);
+    Lattice lattice = make_lattice(backward_);
     const search::Result result = search(lattice);
+    statistics_.states = lattice.size();
+    return path_of(result, lattice);
+  }
+
+  /// The planner `auto`. Without a say in it, both directions; a lattice of primitives from a file has one resolution.
+  std::vector<Eigen::VectorXd> find_path_in_turns(const Auto& options) {
+    using Member = search::PortfolioMember<Lattice, StateHeuristic>;
+    std::vector<std::unique_ptr<Lattice>> lattices;
+    std::vector<std::unique_ptr<StateHeuristic>> heuristics;
+    std::vector<char> backward;
+    std::vector<Member> members;
+    const bool built_in = common_.mprim_path.empty();
+    const std::vector<double> scales = built_in ? std::vector<double>{1.5, 0.75, 0.4} : std::vector<double>{1.0};
+    for (const double scale : scales)
+      for (const bool back : {backward_, !backward_}) {
+        if (back != backward_ && common_.direction != "auto") continue;
+        lattices.emplace_back(new Lattice(make_lattice(back, scale, !built_in)));  // it cannot move
+        heuristics.push_back(std::make_unique<StateHeuristic>(make_heuristic(common_.heuristic, *lattices.back())));
+        backward.push_back(back);
+        members.push_back({lattices.back().get(), lattices.back()->starts(), heuristics.back().get()});
+      }
+    stop_if_late("the construction of the heuristic");
+    search::PortfolioResult found;
+    {
+      const PhaseTimer timer(deadline_, statistics_.search_time_s);
+      found = search::portfolio<Lattice, StateHeuristic>(members, {.weight = options.weight}, deadline_);
+    }
+    if (common_.heuristic != "joint_euclidean") found.result.bound = search::infinity;
+    for (const auto& lattice : lattices) statistics_.states += lattice->size();
+    backward_ = backward[found.winner];
+    return path_of(found.result, *lattices[found.winner]);
+  }
+
+  /// Of a search in a lattice that is backward_ or not.
+  std::vector<Eigen::VectorXd> path_of(const search::Result& result, const Lattice& lattice) {
     statistics_.expansions = result.statistics.expansions;
     statistics_.generated = result.statistics.generated;
-    statistics_.states = lattice.size();
     require_solved(result);
     std::vector<Eigen::VectorXd> path = lattice.configurations(result.path);
     const search::StateId goal_state = backward_ ? result.path.front() : result.path.back();

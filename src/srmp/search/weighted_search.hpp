@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -32,10 +33,15 @@ class WeightedSearch {
     tree_.add_starts(starts, [this](StateId s) { requeue(s); });
   }
 
-  /// Expands in the order of OPEN until no state in it can beat the best goal within the weight. Says why when it had
-  /// to stop earlier.
-  std::optional<Status> improve(const Deadline& deadline) {
-    while (!open_.empty() && (!solved() || open_.min_priority() < goal_cost_)) {
+  /// No state in OPEN can beat the best goal within the weight.
+  bool finished() const { return open_.empty() || (solved() && open_.min_priority() >= goal_cost_); }
+
+  /// Expands in the order of OPEN until finished, or as many states as `expansions` says. Says why when it had to stop
+  /// earlier.
+  std::optional<Status> improve(const Deadline& deadline,
+                                std::uint64_t expansions = std::numeric_limits<std::uint64_t>::max()) {
+    const std::uint64_t first = tree_.statistics.expansions;
+    while (!finished() && tree_.statistics.expansions - first < expansions) {
       if (const auto stop = stop_status(deadline)) return stop;
       const StateId s = open_.top().state;
       if (table().confirmed(s)) {
