@@ -9,10 +9,12 @@ include(CMakePackageConfigHelpers)
 if(SKBUILD)
   set(SRMP_LIB_DIR lib)
   set(SRMP_INCLUDE_DIR include)
+  set(SRMP_DATA_DIR data)
   set_target_properties(srmp PROPERTIES INSTALL_RPATH "$ORIGIN/../../cmeel.prefix/lib")
 else()
   set(SRMP_LIB_DIR ${CMAKE_INSTALL_LIBDIR})
   set(SRMP_INCLUDE_DIR ${CMAKE_INSTALL_INCLUDEDIR})
+  set(SRMP_DATA_DIR ${CMAKE_INSTALL_DATADIR}/srmp)
   set_target_properties(srmp PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)
 endif()
 set(SRMP_CMAKE_DIR ${SRMP_LIB_DIR}/cmake/srmp)
@@ -34,6 +36,9 @@ set_source_files_properties(${PROJECT_SOURCE_DIR}/src/srmp/core/version.cpp TARG
 install(TARGETS srmp EXPORT srmpTargets
         LIBRARY DESTINATION ${SRMP_LIB_DIR}
         FILE_SET HEADERS DESTINATION ${SRMP_INCLUDE_DIR})
+if(NOT SKBUILD)  # a wheel has them as part of the Python package
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/srmp/data/ DESTINATION ${SRMP_DATA_DIR})
+endif()
 install(EXPORT srmpTargets NAMESPACE srmp:: DESTINATION ${SRMP_CMAKE_DIR})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/srmpConfig.cmake.in ${PROJECT_BINARY_DIR}/srmpConfig.cmake
                               INSTALL_DESTINATION ${SRMP_CMAKE_DIR} NO_SET_AND_CHECK_MACRO)

@@ -12,6 +12,7 @@
 #include "srmp/collision/bodies.hpp"
 #include "srmp/collision/checker.hpp"
 #include "srmp/io/moveit.hpp"
+#include "srmp/robot/cover_store.hpp"
 
 using namespace srmp;
 
@@ -46,18 +47,6 @@ std::vector<Motion> random_motions(const RobotModel& robot, const Checker& exact
   }
   return motions;
 }
-
-class CoverStore {
- public:
-  const GeometryCover& operator()(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* /*hull*/) {
-    const auto it = covers_.find(&shape);
-    return it != covers_.end() ? it->second : covers_.emplace(&shape, cover_geometry(shape)).first->second;
-  }
-  const std::map<const coal::CollisionGeometry*, GeometryCover>& covers() const { return covers_; }
-
- private:
-  std::map<const coal::CollisionGeometry*, GeometryCover> covers_;
-};
 
 void run_backend(const BatchWorld& world, SimdBackend backend, const std::vector<Motion>& motions,
                  const std::vector<char>& free) {
@@ -94,29 +83,39 @@ void run_backend(const BatchWorld& world, SimdBackend backend, const std::vector
       16.0 * static_cast<double>(proved.size()) / block, 1e6 * all / static_cast<double>(motions.size()));
 }
 
-void run_scene(const std::shared_ptr<const RobotModel>& robot, const std::string& file, CoverStore& covers) {
+void run_scene(const std::shared_ptr<const RobotModel>& robot, const std::string& file,
+               const std::shared_ptr<CoverStore>& covers) {
   Scene scene;
   scene.add_robot(robot);
   io::apply(io::read_moveit_scene(file), scene);
-  const Checker exact(scene, robot->name());
-  const auto w = exact.make_workspace();
-  const std::vector<Motion> motions = random_motions(*robot, exact, *w, 500);
-  std::vector<char> free;
-  const double start = cpu_seconds();
-  for (const Motion& m : motions) {
-    const auto n = static_cast<Eigen::Index>(m.a.size());
-    const Eigen::VectorXd a = Eigen::Map<const Eigen::VectorXd>(m.a.data(), n);
-    free.push_back(exact.is_motion_free(a, a + Eigen::Map<const Eigen::VectorXd>(m.d.data(), n), *w));
-  }
-  const double coal = cpu_seconds() - start;
+  const Checker coal(scene, robot->name(), {.mode = CheckMode::coal});
+  const Checker exact(scene, robot->name(), {.mode = CheckMode::exact, .covers = covers});
+  const std::vector<Motion> motions = random_motions(*robot, coal, *coal.make_workspace(), 500);
+  const auto judge = [&](const Checker& checker, double& seconds) {
+    const auto w = checker.make_workspace();
+    std::vector<char> free;
+    const double start = cpu_seconds();
+    for (const Motion& m : motions) {
+      const auto n = static_cast<Eigen::Index>(m.a.size());
+      const Eigen::VectorXd a = Eigen::Map<const Eigen::VectorXd>(m.a.data(), n);
+      free.push_back(checker.is_motion_free(a, a + Eigen::Map<const Eigen::VectorXd>(m.d.data(), n), *w, true));
+    }
+    seconds = cpu_seconds() - start;
+    return free;
+  };
+  double coal_s{}, exact_s{};
+  const std::vector<char> free = judge(coal, coal_s);
+  const bool agree = free == judge(exact, exact_s);
   const detail::Bodies bodies(scene, robot->name());
   const double before = cpu_seconds();
-  const detail::BatchScene batch =
-      detail::make_batch_scene(bodies, *robot, robot->default_other_positions(),
-                               [&](const auto& s, const auto* h) -> auto& { return covers(s, h); });
-  std::printf("{\"scene\": \"%s\", \"setup_s\": %.3f, \"exact_motion_us\": %.3f, \"exact_free\": %d", file.c_str(),
-              cpu_seconds() - before, 1e6 * coal / static_cast<double>(motions.size()),
-              static_cast<int>(std::count(free.begin(), free.end(), 1)));
+  const detail::BatchScene batch = detail::make_batch_scene(bodies, *robot, robot->default_other_positions(),
+                                                            [&](const auto& s) -> auto& { return covers->cover(s); });
+  std::printf(
+      "{\"scene\": \"%s\", \"setup_s\": %.3f, \"coal_motion_us\": %.3f, \"exact_motion_us\": %.3f, \"agree\": %s, "
+      "\"free\": %d",
+      file.c_str(), cpu_seconds() - before, 1e6 * coal_s / static_cast<double>(motions.size()),
+      1e6 * exact_s / static_cast<double>(motions.size()), agree ? "true" : "false",
+      static_cast<int>(std::count(free.begin(), free.end(), 1)));
   for (SimdBackend backend : available_simd_backends()) {
     std::printf(",\n  ");
     run_backend(batch.world, backend, motions, free);
@@ -136,17 +135,11 @@ int main(int count, char** arguments) {
   description.srdf_path = arguments[2];
   description.group = arguments[3];
   const auto robot = RobotModel::load(description);
-  CoverStore covers;
+  const auto covers = std::make_shared<CoverStore>();
   std::printf("[");
   for (int i = 4; i < count; ++i) {
     run_scene(robot, arguments[i], covers);
     std::printf(i + 1 < count ? ",\n" : "]\n");
   }
-  std::size_t coarse = 0, fine = 0;
-  for (const auto& [shape, cover] : covers.covers()) {
-    coarse += cover.coarse.size();
-    fine += cover.fine.size();
-  }
-  std::fprintf(stderr, "%zu coarse and %zu fine balls\n", coarse, fine);
   return 0;
 }

@@ -38,10 +38,15 @@ struct ArrayLike {
 /// NumPy's float64 view or copy of any argument; InvalidArgument says `what` was not numbers.
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what);
 
+/// A NumPy array of float64; a type of its own so that the type stubs say so.
+class NumpyArray : public nb::object {
+  NB_OBJECT(NumpyArray, nb::object, "numpy.typing.NDArray[numpy.float64]", nb::ndarray_check)
+};
+
 /// A new NumPy array of the vector's numbers.
-nb::object to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector);
+NumpyArray to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector);
 /// A new NumPy array with the rows; (0, columns) when there are none.
-nb::object to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns);
+NumpyArray to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns);
 
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
@@ -49,6 +54,7 @@ std::vector<GoalConstraint> to_goals(nb::handle goal);
 /// One name, or a list of names.
 std::vector<std::string> to_names(nb::handle names);
 
+void bind_collision_checker(nb::module_& m);
 void bind_cover(nb::module_& m);
 void bind_errors(nb::module_& m);
 void bind_pose(nb::module_& m);

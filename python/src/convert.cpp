@@ -37,15 +37,16 @@ RowMatrix ArrayLike::rows(const std::string& what, Eigen::Index columns) const {
   return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)), columns);
 }
 
-nb::object to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector) {
-  return to_numpy_rows({Eigen::VectorXd(vector)}, static_cast<std::size_t>(vector.size())).attr("reshape")(-1);
+NumpyArray to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector) {
+  const NumpyArray row = to_numpy_rows({Eigen::VectorXd(vector)}, static_cast<std::size_t>(vector.size()));
+  return nb::borrow<NumpyArray>(row.attr("reshape")(-1));
 }
 
-nb::object to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns) {
+NumpyArray to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns) {
   auto* data = new RowMatrix(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns));
   const nb::capsule owner(data, [](void* p) noexcept { delete static_cast<RowMatrix*>(p); });
   for (std::size_t i = 0; i < rows.size(); ++i) data->row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
-  return nb::cast(nb::ndarray<nb::numpy, double>(data->data(), {rows.size(), columns}, owner));
+  return nb::borrow<NumpyArray>(nb::cast(nb::ndarray<nb::numpy, double>(data->data(), {rows.size(), columns}, owner)));
 }
 
 OptionMap to_option_map(nb::handle dictionary) {

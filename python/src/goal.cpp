@@ -64,7 +64,7 @@ void bind_goal(nb::module_& m) {
           "list of\n"
           "such targets, any of which will do. Tolerances in m and rad.\n\n"
           "Raises InvalidArgument for no target, a wrong number of entries, NaN or a zero quaternion.")
-      .def_ro("type", &GoalConstraint::type)
+      .def_ro("type", &GoalConstraint::type, "What the targets are.")
       .def_ro("position_tolerance", &GoalConstraint::position_tolerance, "[m]")
       .def_ro("rotation_tolerance", &GoalConstraint::rotation_tolerance, "[rad]")
       .def_prop_ro(
@@ -73,7 +73,7 @@ void bind_goal(nb::module_& m) {
             return to_numpy_rows(goal.targets,
                                  goal.targets.empty() ? 0 : static_cast<std::size_t>(goal.targets[0].size()));
           },
-          "One target a row.")
+          "(n, k), one target a row: k = dof for JOINTS, 7 for POSE, 3 for POSITION.")
       .def("__repr__", &text)
       .def("__getstate__",
            [](const GoalConstraint& goal) {

@@ -12,5 +12,6 @@ NB_MODULE(_srmp, m) {
   bind_trajectory(m);
   bind_io(m);
   bind_planner_interface(m);
+  bind_collision_checker(m);
   bind_cover(m);
 }

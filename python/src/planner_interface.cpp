@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "bind.hpp"
+#include "collision_checker.hpp"
 #include "srmp/planner/moveit_request.hpp"
 
 namespace srmp::python {
@@ -119,9 +120,11 @@ void bind_robots(nb::class_<Self>& cls) {
          "else the\n"
          "SRDF group, else the chain to the end effector. fixed_joints: values [rad or m] of all other joints. "
          "package_dirs:\n"
-         "where meshes are searched besides the URDF's folder. Without an SRDF, adjacent links and links that collide "
-         "in every\n"
-         "sampled configuration may touch.\n\n"
+         "where meshes are searched besides the URDF's folder. urdf_text: the URDF itself instead of urdf_path. "
+         "base_pose: of\n"
+         "the root link, in the world. Without an SRDF, adjacent links may touch, and so may links that touch with all "
+         "joints at 0\n"
+         "and in more than 95 % of the sampled configurations (see get_always_colliding).\n\n"
          "Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and\n"
          "InvalidArgument (unknown names, with the nearest).")
       .def(
@@ -133,7 +136,7 @@ void bind_robots(nb::class_<Self>& cls) {
           [](Self& self, const std::string& name, const Pose& pose) {
             self.use([&](auto& p) { p.set_base_pose(name, pose); });
           },
-          nb::arg("name"), nb::arg("pose"), "Place the robot's root link in the world.")
+          nb::arg("name"), nb::arg("pose"), "Place the robot's root link: its pose in the world.")
       .def(
           "set_qpos",
           [](Self& self, const std::string& name, const ArrayLike& q) {
@@ -141,14 +144,18 @@ void bind_robots(nb::class_<Self>& cls) {
             self.use([&](auto& p) { p.set_qpos(name, v); });
           },
           nb::arg("name"), nb::arg("q"),
-          "Where the robot stands while others plan: planned joints, shape (dof,) [rad or m].")
+          "Where the robot stands while others plan, and what attach_object and detach_object go by: planned joints "
+          "(dof,) "
+          "[rad or m].\n\n"
+          "Raises InvalidArgument for a wrong size, NaN, or a joint outside its limits.")
       .def(
           "set_joint_positions",
           [](Self& self, const std::string& name, const std::map<std::string, double>& positions) {
             self.use([&](auto& p) { p.set_joint_positions(name, positions); });
           },
           nb::arg("name"), nb::arg("positions"),
-          "Positions [rad or m] of any joints by name, planned or not (a gripper's, say).");
+          "Positions [rad or m] of any joints by name, planned or not (a gripper's, say). Joints not named stay.\n\n"
+          "Raises InvalidArgument for an unknown joint, NaN, or a joint outside its limits.");
 }
 
 void bind_objects(nb::class_<Self>& cls) {
@@ -171,14 +178,14 @@ void bind_objects(nb::class_<Self>& cls) {
             self.use([&](auto& p) { p.add_sphere(name, radius, pose, padding); });
           },
           nb::arg("name"), nb::arg("radius"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
-          add_doc("Add a sphere [m].").c_str())
+          add_doc("Add a sphere of `radius` [m].").c_str())
       .def(
           "add_cylinder",
           [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
             self.use([&](auto& p) { p.add_cylinder(name, radius, length, pose, padding); });
           },
           nb::arg("name"), nb::arg("radius"), nb::arg("length"), nb::arg("pose") = Pose{}, nb::arg("padding") = 0.0,
-          add_doc("Add a cylinder along z [m].").c_str())
+          add_doc("Add a cylinder along z, `radius` and `length` [m].").c_str())
       .def(
           "add_capsule",
           [](Self& self, const std::string& name, double radius, double length, const Pose& pose, double padding) {
@@ -220,8 +227,12 @@ void bind_objects(nb::class_<Self>& cls) {
           nb::arg("padding") = 0.0,
           "Add a triangle mesh from a file (`path`, with `scale` (3,)) or from `vertices` (n, 3) [m] and `triangles` "
           "(m, 3) of\n"
-          "vertex numbers. A mesh is its surface; convex=True takes the solid convex hull instead.\n\n"
-          "Raises FileError (missing, unreadable or empty file) and InvalidArgument.")
+          "vertex numbers from 0. A mesh is its surface; convex=True takes the solid convex hull instead (without "
+          "`triangles`: of the\n"
+          "`vertices`). `pose` of its origin in the world; `padding` [m] is kept clear around it.\n\n"
+          "Raises FileError (missing, unreadable or empty file) and InvalidArgument (name in use, neither or both of "
+          "path and vertices,\n"
+          "NaN, vertex numbers that are not there).")
       .def(
           "add_point_cloud",
           [](Self& self, const std::string& name, const ArrayLike& points, double resolution, const Pose& pose,
@@ -233,7 +244,11 @@ void bind_objects(nb::class_<Self>& cls) {
           },
           nb::arg("name"), nb::arg("points"), nb::arg("resolution") = 0.02, nb::arg("pose") = Pose{},
           nb::arg("padding") = 0.0,
-          "Add a point cloud (n, 3) [m]; every point fills a voxel with edges of `resolution` [m].")
+          "Add a point cloud (n, 3) [m]; every point fills a voxel with edges of `resolution` [m]. `pose` of its "
+          "origin in "
+          "the world;\n"
+          "`padding` [m] is kept clear around it.\n\n"
+          "Raises InvalidArgument for a name in use, no points, NaN, or a resolution that is not above 0.")
       .def(
           "remove_object",
           [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_object(name); }); },
@@ -243,7 +258,8 @@ void bind_objects(nb::class_<Self>& cls) {
           [](Self& self, const std::string& name, const Pose& pose) {
             self.use([&](auto& p) { p.set_object_pose(name, pose); });
           },
-          nb::arg("name"), nb::arg("pose"), "Move an object that is not attached.")
+          nb::arg("name"), nb::arg("pose"),
+          "Move an object: its pose in the world.\n\nRaises InvalidArgument while it is attached.")
       .def(
           "set_padding",
           [](Self& self, const std::string& name, double padding) {
@@ -260,11 +276,14 @@ void bind_objects(nb::class_<Self>& cls) {
           nb::arg("name"), nb::arg("robot"), nb::arg("link"), nb::arg("touch_links") = std::vector<std::string>{},
           nb::arg("pose_in_link") = nb::none(),
           "Let the object move with a link. It keeps its place relative to the link (robot at its set_qpos), or takes\n"
-          "`pose_in_link`. It may touch `link` and `touch_links`.")
+          "`pose_in_link`. It may touch `link` and `touch_links`.\n\n"
+          "Raises InvalidArgument for unknown names or an object that is attached already.")
       .def(
           "detach_object",
           [](Self& self, const std::string& name) { self.use([&](auto& p) { p.detach_object(name); }); },
-          nb::arg("name"), "Leave the object in the world where the robot (at its set_qpos) holds it.")
+          nb::arg("name"),
+          "Leave the object in the world where the robot (at its set_qpos) holds it.\n\n"
+          "Raises InvalidArgument when it is not attached.")
       .def(
           "set_allowed_collision",
           [](Self& self, const std::string& a, const std::string& b, bool allowed) {
@@ -272,7 +291,8 @@ void bind_objects(nb::class_<Self>& cls) {
           },
           nb::arg("a"), nb::arg("b"), nb::arg("allowed") = true,
           "Ignore (or, with False, heed again) contact of two bodies: objects, links ('link' or 'robot/link'), whole "
-          "robots.")
+          "robots.\n"
+          "A later call wins over earlier ones that it covers.")
       .def(
           "load_moveit_scene",
           [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); },
@@ -286,7 +306,12 @@ void bind_objects(nb::class_<Self>& cls) {
           nb::arg("name"), nb::arg("request"),
           "The request in the terms of this robot: start, goals, and the joints it names that are no movable joints of "
           "the robot.\n"
-          "Movable joints that are not planned (a gripper's) are set, and held objects attached.")
+          "Movable joints that are not planned (a gripper's) are set, and held objects attached. Its planning time, "
+          "speed scalings and\n"
+          "workspace are not used: make_planner's options say these.\n\n"
+          "Raises InvalidArgument for joints or links that a goal names and the robot does not have, NotSupported for "
+          "goals that cannot\n"
+          "be stated here (some of the joints only, tolerances that differ by axis).")
       .def(
           "reset", [](Self& self) { self.use([](auto& p) { p.reset(); }); },
           "Remove all robots, objects and planners.");
@@ -294,8 +319,11 @@ void bind_objects(nb::class_<Self>& cls) {
 
 void bind_questions(nb::class_<Self>& cls) {
   const auto q_of = [](const std::string& name) { return "q of '" + name + "'"; };
-  cls.def_prop_ro("robot_names", [](Self& self) { return self.use([](auto& p) { return p.robot_names(); }); })
-      .def_prop_ro("object_names", [](Self& self) { return self.use([](auto& p) { return p.object_names(); }); })
+  cls.def_prop_ro(
+         "robot_names", [](Self& self) { return self.use([](auto& p) { return p.robot_names(); }); }, "Sorted.")
+      .def_prop_ro(
+          "object_names", [](Self& self) { return self.use([](auto& p) { return p.object_names(); }); },
+          "Sorted; attached ones too.")
       .def(
           "get_joint_names",
           [](Self& self, const std::string& name) {
@@ -305,13 +333,13 @@ void bind_questions(nb::class_<Self>& cls) {
       .def(
           "get_link_names",
           [](Self& self, const std::string& name) { return self.use([&](auto& p) { return p.get_link_names(name); }); },
-          nb::arg("name"))
+          nb::arg("name"), "All links, the root first.")
       .def(
           "get_end_effector",
           [](Self& self, const std::string& name) {
             return self.use([&](auto& p) { return p.robot(name).end_effector(); });
           },
-          nb::arg("name"))
+          nb::arg("name"), "The link that goals speak of.")
       .def(
           "get_joint_limits",
           [](Self& self, const std::string& name) {
@@ -322,7 +350,8 @@ void bind_questions(nb::class_<Self>& cls) {
               return to_numpy_rows(rows, 3);
             });
           },
-          nb::arg("name"), "(dof, 3): lower and upper limit [rad or m], velocity limit [rad/s or m/s].")
+          nb::arg("name"),
+          "(dof, 3): lower and upper limit [rad or m], velocity limit [rad/s or m/s]. Continuous joints: -inf, inf.")
       .def(
           "get_group_states",
           [](Self& self, const std::string& name) {
@@ -332,14 +361,15 @@ void bind_questions(nb::class_<Self>& cls) {
               return states;
             });
           },
-          nb::arg("name"), nb::sig("def get_group_states(self, name: str) -> dict[str, numpy.ndarray]"),
-          "The SRDF's named configurations of the planned joints.")
+          nb::arg("name"),
+          nb::sig("def get_group_states(self, name: str) -> dict[str, numpy.typing.NDArray[numpy.float64]]"),
+          "The SRDF's named configurations of the planned joints: name to (dof,) [rad or m].")
       .def(
           "get_qpos",
           [](Self& self, const std::string& name) {
             return self.use([&](auto& p) { return to_numpy(p.scene().robot(name).q); });
           },
-          nb::arg("name"), "Planned joints as set by set_qpos, (dof,).")
+          nb::arg("name"), "Planned joints as set by set_qpos, (dof,) [rad or m]; at first the values nearest to 0.")
       .def(
           "get_object_pose",
           [](Self& self, const std::string& name) {
@@ -352,7 +382,9 @@ void bind_questions(nb::class_<Self>& cls) {
             return self.use([&](auto& p) { return p.robot(name).always_colliding(); });
           },
           nb::arg("name"),
-          "Link pairs found in collision in every sampled configuration (robots without SRDF); they are ignored.")
+          "Link pairs of a robot without SRDF that touch with all joints at 0 and in more than 95 % of the sampled "
+          "configurations;\n"
+          "their contact is ignored.")
       .def(
           "compute_fk",
           [q_of](Self& self, const std::string& name, const ArrayLike& q, const std::string& link) {
@@ -360,7 +392,7 @@ void bind_questions(nb::class_<Self>& cls) {
             return self.use([&](auto& p) { return p.compute_fk(name, v, link); });
           },
           nb::arg("name"), nb::arg("q"), nb::arg("link") = "",
-          "World pose of a link (default: end effector) at q (dof,).")
+          "World pose of a link (default: end effector) at q (dof,) [rad or m]. Limits are not looked at.")
       .def(
           "compute_jacobian",
           [q_of](Self& self, const std::string& name, const ArrayLike& q, const std::string& link) {
@@ -389,14 +421,20 @@ void bind_questions(nb::class_<Self>& cls) {
           nb::arg("max_solutions") = 16, nb::arg("seeds") = 64,
           "(n, dof) configurations that bring `link` (default: end effector) to the world pose `target`: within "
           "limits, nearest to\n"
-          "`reference` (default: set_qpos) first, n = 0 when none was found. Collisions are not looked at.")
+          "`reference` (dof,) (default: set_qpos) first; n = 0 when none was found. The same every time. Collisions "
+          "are not "
+          "looked at.\n\n"
+          "Damped least squares from `seeds` starts (Sugihara 2011), until `max_solutions` different ones are known; "
+          "met to 1e-5 m and\n"
+          "1e-4 rad. Raises InvalidArgument for an unknown link, a wrong size, or counts that are not above 0.")
       .def(
           "is_state_colliding",
           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
             const Eigen::VectorXd v = q.vector(q_of(name));
             return self.use([&](auto& p) { return p.is_state_colliding(name, v); });
           },
-          nb::arg("name"), nb::arg("q"), "Does the robot at q (dof,) touch itself or anything else?")
+          nb::arg("name"), nb::arg("q"),
+          "Does the robot at q (dof,) [rad or m] touch itself or anything else? Limits are not looked at.")
       .def(
           "contacts",
           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
@@ -411,7 +449,9 @@ void bind_questions(nb::class_<Self>& cls) {
             return self.use([&](auto& p) { return p.is_motion_free(name, from, to); });
           },
           nb::arg("name"), nb::arg("a"), nb::arg("b"),
-          "Is the straight joint-space motion from a to b proved free, between samples too?")
+          "Is the straight joint-space motion from a (dof,) to b (dof,) proved free, between samples too? Continuous "
+          "joints go the\n"
+          "short way. Conservative advancement (Schwarzer, Saha, Latombe 2004).")
       .def(
           "distance_to_collision",
           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
@@ -426,7 +466,20 @@ void bind_questions(nb::class_<Self>& cls) {
             const Eigen::VectorXd v = q.vector(q_of(name));
             return self.use([&](auto& p) { return p.nearest(name, v); });
           },
-          nb::arg("name"), nb::arg("q"), "The nearest pair as a Contact, or None with nothing around.");
+          nb::arg("name"), nb::arg("q"), "The nearest pair as a Contact, or None with nothing around.")
+      .def(
+          "collision_checker",
+          [](Self& self, const std::string& name, const std::string& mode) {
+            return wrap_checker(self.use([&](auto& p) { return p.collision_checker(name, to_check_mode(mode)); }));
+          },
+          nb::arg("name"), nb::arg("mode") = "exact",
+          nb::sig("def collision_checker(self, name: str, mode: str = 'exact') -> CollisionChecker"),
+          "A CollisionChecker of the scene as it is now, for many questions; later changes do not reach it.\n\n"
+          "mode: 'exact' (spheres answer most of it, Coal the rest; the answer is Coal's), 'conservative' (spheres "
+          "alone: never free\n"
+          "wrongly) or 'coal'. The first use of a robot covers its links with spheres, which may take many seconds; "
+          "later ones load\n"
+          "them from the cache folder.");
 }
 
 void bind_planning(nb::class_<Self>& cls) {
@@ -441,7 +494,13 @@ void bind_planning(nb::class_<Self>& cls) {
          nb::sig("def make_planner(self, names: str | collections.abc.Sequence[str], options: dict | object) -> None"),
          "Choose the planner of these robots: a dictionary such as {'planner_id': 'wAstar', 'time_limit': 5, 'weight': "
          "10} (numbers\n"
-         "may be strings) or a typed object such as srmp.WAStar(weight=10). print_available_planners() lists them.\n\n"
+         "may be strings) or a typed object such as srmp.WAStar(weight=10). Options left out have their defaults.\n\n"
+         "Astar    A* (Hart, Nilsson, Raphael 1968)\n"
+         "wAstar   weighted A* (Pohl 1970) with lazy edges (Cohen, Phillips, Likhachev 2014); the default\n"
+         "ARAstar  ARA* (Likhachev, Gordon, Thrun 2003), anytime\n"
+         "MHAstar  MHA* (Aine et al. 2016), several heuristics\n"
+         "wPASE    ePA*SE (Mukherjee, Aine, Likhachev 2022), parallel\n"
+         "xECBS    xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms; plan_multi does not run yet\n\n"
          "Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of "
          "range.")
       .def(
@@ -461,8 +520,9 @@ void bind_planning(nb::class_<Self>& cls) {
           "several). The same\n"
           "question gives the same answer, bit for bit. Other robots stand still. The GIL is released; Ctrl-C stops "
           "the plan.\n\n"
-          "Raises PlanningError (see its status and sentence) when there is none; InvalidArgument for a wrong "
-          "question.")
+          "Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or "
+          "cancelled, its text\n"
+          "says why. Raises InvalidArgument for a wrong question: unknown robot, no make_planner, wrong size, NaN.")
       .def(
           "plan_multi",
           [](Self& self, const std::map<std::string, ArrayLike>& starts,
@@ -477,9 +537,17 @@ void bind_planning(nb::class_<Self>& cls) {
       .def(
           "get_planning_stats",
           [](Self& self) { return self.use([](auto& p) { return to_dict(p.get_planning_stats()); }); },
-          nb::sig("def get_planning_stats(self) -> dict"),
-          "What the last plan did: status, reason, times by phase [s], expansions, edge checks, costs [rad], proven "
-          "bound, goal reached.")
+          nb::sig("def get_planning_stats(self) -> dict[str, typing.Any]"),
+          "What the last plan did, solved or not.\n\n"
+          "status, reason, note; plan_time_s (until the path is ready), total_time_s, and of these ik_time_s, "
+          "heuristic_time_s,\n"
+          "search_time_s, shortcut_time_s, timing_time_s, verification_time_s [s]; expansions, generated, states, "
+          "edge_checks,\n"
+          "configurations, narrow_phase (counts); search_cost_rad and path_cost_rad, before and after the shortcut "
+          "[rad, prismatic\n"
+          "joints m]; bound (search_cost_rad is at most this times the lattice's optimum; inf: none proven); "
+          "goal_index (which target\n"
+          "was reached, counted over all goals; -1: none).")
       .def(
           "print_available_planners",
           [](Self&) {
@@ -496,7 +564,7 @@ void bind_planner_interface(nb::module_& m) {
   nb::class_<Contact>(m, "Contact", "Two bodies in contact, or the nearest two.")
       .def_ro("body_a", &Contact::body_a, "Link (or attached object) of the robot asked about.")
       .def_ro("body_b", &Contact::body_b, "Object, link of the same robot, or 'robot/link' of another.")
-      .def_ro("distance", &Contact::distance, "[m]; negative: penetration depth.")
+      .def_ro("distance", &Contact::distance, "[m], less the padding; negative: how deep the two overlap.")
       .def_prop_ro(
           "point_a", [](const Contact& c) { return to_numpy(c.point_a); }, "On body_a, world frame [m].")
       .def_prop_ro(
@@ -514,7 +582,9 @@ void bind_planner_interface(nb::module_& m) {
                        "A world of robots and objects, and planners for them.\n\n"
                        "Poses are in the world frame; metres, radians, seconds; quaternions [x, y, z, w]; objects are "
                        "solid. A refused call raises and\n"
-                       "changes nothing. One thread at a time.");
+                       "changes nothing: InvalidArgument for unknown robots, objects or links (with the nearest name), "
+                       "wrong sizes, NaN and infinity.\n"
+                       "One thread at a time; a second one is refused with Error.");
   cls.def(nb::init<>());
   bind_robots(cls);
   bind_objects(cls);

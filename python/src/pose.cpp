@@ -59,7 +59,9 @@ void bind_pose(nb::module_& m) {
             if (rows.rows() != 4) throw InvalidArgument("pose matrix must have the shape (4, 4)");
             return Pose::from_matrix(rows);
           },
-          nb::arg("matrix"), "From a homogeneous (4, 4) matrix with an orthonormal rotation.")
+          nb::arg("matrix"),
+          "From a homogeneous (4, 4) matrix.\n\n"
+          "Raises InvalidArgument when its rotation is not orthonormal to 1e-6.")
       .def_prop_ro(
           "p", [](const Pose& pose) { return to_numpy(pose.p); }, "Position x, y, z [m].")
       .def_prop_ro(
@@ -71,19 +73,15 @@ void bind_pose(nb::module_& m) {
             return to_numpy_rows({matrix.row(0), matrix.row(1), matrix.row(2), matrix.row(3)}, 4);
           },
           "Homogeneous (4, 4) matrix.")
-      .def("inverse", &Pose::inverse)
+      .def("inverse", &Pose::inverse, "The transform the other way: `pose.inverse() @ pose` is the identity.")
       .def(
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator())
       .def(
           "__matmul__", [](const Pose& a, const ArrayLike& point) { return to_numpy(a * point.vector3("point")); },
           nb::is_operator())
-      .def("__iter__",
-           [](const Pose& pose) {
-             return nb::iter(nb::cast(std::vector<double>([&] {
-               const auto v = pose.to_list();
-               return std::vector<double>(v.begin(), v.end());
-             }())));
-           })
+      .def(
+          "__iter__", [](const Pose& pose) { return nb::iter(nb::cast(pose.to_list())); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"))
       .def("__len__", [](const Pose&) { return 7; })
       .def("__eq__",
            [](const Pose& a, nb::handle other) {

@@ -39,12 +39,13 @@ void bind_trajectory(nb::module_& m) {
       .def_prop_ro("accelerations", &view<&Trajectory::accelerations>, "(n, dof) [rad/s^2 or m/s^2]")
       .def_prop_ro("times", &times_view, "(n,) [s], from 0, strictly increasing")
       .def_prop_ro("waypoints", &view<&Trajectory::waypoints>,
-                   "(m, dof): the checked path; straight lines between its rows")
+                   "(m, dof): the checked path; the motion between two rows is straight in joint space")
       .def_prop_ro("duration", &Trajectory::duration, "[s]")
       .def_prop_ro("length", &Trajectory::length, "Joint-space length of the path [rad, prismatic joints m].")
       .def(
           "sample", [](const Trajectory& self, double t) { return to_numpy(self.sample(t)); }, nb::arg("t"),
-          "The configuration (dof,) at time t [s]; times outside are moved to the nearest end.")
+          "The configuration (dof,) at time t [s]; times outside are moved to the nearest end.\n\n"
+          "Raises InvalidArgument for NaN.")
       .def("__len__", &Trajectory::size)
       .def("__repr__",
            [](const Trajectory& t) {

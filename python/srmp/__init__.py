@@ -14,7 +14,12 @@ except ImportError:  # the libraries of other wheels are not beside this package
 from srmp._srmp import *  # noqa: F403
 
 if TYPE_CHECKING:
-    from srmp.options import WPASE, XECBS, ARAStar, AStar, MHAStar, WAStar  # noqa: F401
+    from srmp.options import WPASE as WPASE  # "as": for others to import from here
+    from srmp.options import XECBS as XECBS
+    from srmp.options import ARAStar as ARAStar
+    from srmp.options import AStar as AStar
+    from srmp.options import MHAStar as MHAStar
+    from srmp.options import WAStar as WAStar
 
 _OPTIONS = ("ARAStar", "AStar", "MHAStar", "WAStar", "WPASE", "XECBS")
 

@@ -6,7 +6,7 @@ Each class is a planner of the paper's dictionary; its fields are that planner's
 from __future__ import annotations
 
 import dataclasses
-from typing import ClassVar
+from typing import Any, ClassVar
 
 __all__ = ["WPASE", "XECBS", "ARAStar", "AStar", "MHAStar", "WAStar"]
 
@@ -44,7 +44,7 @@ class _Options:
     acceleration_scaling: float = 1.0
     """Share of the acceleration and jerk limits, in (0, 1]."""
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         """The paper's dictionary."""
         return {"planner_id": self.planner_id, **dataclasses.asdict(self)}
 

@@ -197,13 +197,15 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
     for (int i = 0; i < 120; ++i) {
       const auto q = random_q(random, 7 * 16, 2.0);
       const auto a = random_q(random, 7, 3.0), d = random_q(random, 7, i % 3 ? 0.1 : 1.0);
-      const Verdict block = checkers[0].free_block(q, *workspaces[0]);
+      const auto block = checkers[0].judge_block(q, *workspaces[0]);
       const auto block_pairs = checkers[0].undecided(*workspaces[0]);
       const Verdict motion = checkers[0].motion(a, d, *workspaces[0], {});
       const auto motion_pairs = checkers[0].undecided(*workspaces[0]);
       (motion == Verdict::free ? free : motion == Verdict::colliding ? colliding : undecided) += 1;
       for (std::size_t k = 1; k < checkers.size(); ++k) {
-        BOOST_REQUIRE((checkers[k].free_block(q, *workspaces[k]) == block));
+        const auto lanes = checkers[k].judge_block(q, *workspaces[k]);
+        BOOST_REQUIRE(lanes.colliding == block.colliding);
+        BOOST_REQUIRE(lanes.undecided == block.undecided);
         BOOST_REQUIRE(same(checkers[k].undecided(*workspaces[k]), block_pairs));
         BOOST_REQUIRE((checkers[k].motion(a, d, *workspaces[k], {}) == motion));
         BOOST_REQUIRE(same(checkers[k].undecided(*workspaces[k]), motion_pairs));
@@ -224,23 +226,21 @@ BOOST_AUTO_TEST_CASE(what_a_block_calls_free_is_free_and_what_it_calls_colliding
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 100; ++i) {
       const auto q = random_q(random, 7 * 16, 2.0);
-      const Verdict verdict = checker.free_block(q, *workspace);
+      const auto lanes = checker.judge_block(q, *workspace);
       const auto undecided = checker.undecided(*workspace);
-      double least = 1e9;
       for (int lane = 0; lane < 16; ++lane) {
         const std::span<const double> here(q.data() + 7 * lane, 7);
+        if (lanes.colliding >> lane & 1) {
+          ++hits;
+          BOOST_REQUIRE(clearance(world, here) < 0);
+          continue;
+        }
         std::vector<UndecidedPair> skip;
         for (const UndecidedPair& u : undecided)
           if (u.t == lane) skip.push_back(u);
-        const double gap = clearance(world, here, verdict == Verdict::colliding ? std::vector<UndecidedPair>{} : skip);
-        least = std::min(least, gap);
-        if (verdict == Verdict::colliding) continue;
+        BOOST_REQUIRE((lanes.undecided >> lane & 1) == !skip.empty());
         lanes_free += skip.empty();
-        BOOST_REQUIRE(gap > 0);  // every pair not handed over is apart
-      }
-      if (verdict == Verdict::colliding) {
-        ++hits;
-        BOOST_REQUIRE(least < 0);
+        BOOST_REQUIRE(clearance(world, here, skip) > 0);  // every pair not handed over is apart
       }
     }
   }
@@ -310,7 +310,7 @@ BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "not finite");
   const BatchChecker checker(random_world(1));
   const auto workspace = checker.make_workspace();
-  check_throws<InvalidArgument>([&] { checker.free_block(std::vector<double>(8), *workspace); }, "7 entries");
+  check_throws<InvalidArgument>([&] { checker.judge_block(std::vector<double>(8), *workspace); }, "7 entries");
   check_throws<InvalidArgument>([&] { checker.motion(std::vector<double>(7), std::vector<double>(3), *workspace, {}); },
                                 "3 entries");
 }

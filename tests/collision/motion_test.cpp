@@ -25,6 +25,9 @@ void* counted(std::size_t size, std::size_t alignment) {
 }  // namespace
 
 void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return counted(size, alignof(std::max_align_t));
+}
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return counted(size, static_cast<std::size_t>(alignment));
 }
@@ -134,10 +137,13 @@ BOOST_AUTO_TEST_CASE(a_pair_at_rest_in_a_motion_is_checked_unless_the_start_is_k
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("x", Sphere{0.1}, at(0.5, 0, 0));
-  const Checker checker(scene, "planar");
-  const auto workspace = checker.make_workspace();
-  BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
-  BOOST_TEST(checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace, true));
+  for (const CheckMode mode : {CheckMode::exact, CheckMode::coal}) {
+    const Checker checker(scene, "planar", {.mode = mode});
+    const auto workspace = checker.make_workspace();
+    BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
+  }
+  const Checker coal(scene, "planar", {.mode = CheckMode::coal});
+  BOOST_TEST(coal.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *coal.make_workspace(), true));
 }
 
 BOOST_AUTO_TEST_CASE(continuous_joints_go_the_short_way) {

@@ -1,6 +1,9 @@
+#include <coal/BVH/BVH_model.h>
 #include <coal/collision_object.h>
+#include <coal/mesh_loader/loader.h>
 
 #include <boost/test/unit_test.hpp>
+#include <set>
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/mesh_file.hpp"
@@ -48,6 +51,36 @@ BOOST_AUTO_TEST_CASE(mesh_files_are_read_without_their_degenerate_faces) {
   Eigen::Vector3d high = mesh.vertices[0];
   for (const auto& v : mesh.vertices) high = high.cwiseMax(v);
   BOOST_TEST(high == Eigen::Vector3d(1, 2, 3));
+}
+
+BOOST_AUTO_TEST_CASE(a_link_of_several_materials_is_what_the_file_says_and_what_coal_reads) {
+  const TemporaryFolder folder;
+  const std::string path =
+      folder.write("two.obj",
+                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\n"
+                   "usemtl a\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nusemtl b\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n");
+  using Corners = std::set<std::array<double, 3>>;
+  const auto corners = [](const auto& vertices, auto a, auto b, auto c) {
+    Corners result;
+    for (const auto i : {a, b, c}) {
+      const Eigen::Vector3d v = vertices[static_cast<std::size_t>(i)];
+      result.insert({v.x(), v.y(), v.z()});
+    }
+    return result;
+  };
+  const auto triangles = [&](const coal::CollisionGeometry& geometry) {
+    const auto& model = dynamic_cast<const coal::BVHModelBase&>(geometry);
+    std::set<Corners> result;
+    for (const coal::Triangle& t : *model.tri_indices) result.insert(corners(*model.vertices, t[0], t[1], t[2]));
+    return result;
+  };
+  const auto robot = RobotModel::load(from_file(urdf_file(folder, "r.urdf", "two.obj")));
+  const std::set<Corners> ours = triangles(*robot->geometries()[0].shape);
+  const TriangleSoup file = read_mesh_file(path);
+  BOOST_TEST(file.parts == 2);
+  for (const auto& t : file.triangles) BOOST_TEST(ours.count(corners(file.vertices, t[0], t[1], t[2])) == 1);
+  for (const Corners& t : triangles(*coal::MeshLoader().load(path, coal::Vec3s::Ones())))
+    BOOST_TEST(ours.count(t) == 1);
 }
 
 BOOST_AUTO_TEST_CASE(unreadable_meshes_say_why) {

@@ -110,10 +110,11 @@ def _unpack(archive: Path, root: Path) -> None:
     try:
         with tarfile.open(archive) as tar:
             members = [member for member in tar.getmembers() if member.isfile() and _MEMBER.search(member.name)]
-            if hasattr(tarfile, "data_filter"):
-                tar.extractall(root, members, filter="data")
-            else:
-                tar.extractall(root, [member for member in members if ".." not in Path(member.name).parts])
+            for member in members:  # plain files only, so this is all that Pythons without data_filter need
+                if Path(member.name).is_absolute() or ".." in Path(member.name).parts:
+                    raise tarfile.TarError(f"{member.name} would lie outside the folder")
+            safely = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
+            tar.extractall(root, members, **safely)
     except (tarfile.TarError, EOFError, OSError) as error:
         raise srmp.FileError(f"{archive} cannot be unpacked: {error}.") from error
 

@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <numbers>
 
+#include "srmp/collision/batch/batch_world.hpp"
 #include "srmp/collision/bodies.hpp"
 #include "srmp/core/error.hpp"
+#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
@@ -23,6 +25,11 @@ namespace {
 /// Two bodies of many pieces each (meshes, clouds) are asked to prove an interval only when they move by less in it:
 /// before that, halving is cheaper.
 constexpr double many_pieces_motion = 1e-3;  // [m]
+
+/// One block of 16: what it leaves open, Coal settles pair by pair in less time than more blocks would take.
+constexpr BatchChecker::MotionOptions batch_options{.step = 0.02, .refinements = 0, .max_blocks = 64};
+
+std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 std::string millimetres(double metres) {
   char text[32];
@@ -51,14 +58,40 @@ std::string Contact::describe() const {
 }
 
 struct Checker::Impl {
-  Impl(const Scene& scene, const std::string& robot)
-      : instance(scene.robot(robot)), model(*instance.model), bodies(scene, robot) {
+  Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options)
+      : instance(scene.robot(robot)), model(*instance.model), bodies(scene, robot), mode(options.mode) {
     for (const Joint& joint : model.joints()) continuous.push_back(joint.kind == JointKind::continuous);
+    if (mode == CheckMode::coal) return;
+    const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
+    for (const auto& [name, other] : scene.robots()) ensure_covered(*other.model, *covers);
+    const detail::CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
+    batch_scene = detail::make_batch_scene(bodies, model, instance.other_positions, cover_of);
+    batch.emplace(batch_scene.world);
+    for (auto* pairs : {&batch_scene.obstacle_pairs, &batch_scene.self_pairs})
+      for (auto& ids : *pairs) std::sort(ids.begin(), ids.end());
+  }
+
+  /// The pairs of bodies that an undecided pair of the batch speaks for.
+  const std::vector<std::uint32_t>& pairs_of(const UndecidedPair& pair) const {
+    return (pair.self ? batch_scene.self_pairs : batch_scene.obstacle_pairs)[static_cast<std::size_t>(pair.pair)];
+  }
+
+  /// The balls' bounds hold for prismatic joints up to 1 m outside their limits (BatchDrive::max_travel).
+  bool balls_reach(ConstVector q) const {
+    for (std::size_t i = 0; i < model.joints().size(); ++i) {
+      const Joint& joint = model.joints()[i];
+      const double value = q[static_cast<Eigen::Index>(i)];
+      if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
+    }
+    return true;
   }
 
   RobotInstance instance;
   const RobotModel& model;
   Bodies bodies;
+  CheckMode mode;
+  detail::BatchScene batch_scene;
+  std::optional<BatchChecker> batch;
   std::vector<char> continuous;
 };
 
@@ -75,17 +108,23 @@ class Checker::Workspace {
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 
   // --- motions
-  enum class Verdict { proved, contact, undecided };
+  enum class Judgement { proved, contact, undecided };
   void start_motion(ConstVector a, ConstVector b);
   void place_on_motion(double t);
   double displacement(std::size_t body, std::uint64_t movers, double half_width);
   bool is_still(const Pair& pair) const { return ((pair.movers_a | pair.movers_b) & active_) == 0; }
-  Verdict judge(const Pair& pair, double half_width);
-  bool first_sample(bool a_is_free);
-  bool first_sample_of(std::size_t body, bool a_is_free);
-  bool bisect();
+  Judgement judge(const Pair& pair, double half_width);
+  bool first_sample();
+  bool first_sample_of(std::size_t body);
+  Verdict ask_balls();
+  void halve(double t, double half_width);
+  bool settle();
   bool take(std::uint32_t pair, double half_width);
   bool is_motion_free(bool a_is_free);
+  MotionCertificate certify_motion();
+  bool settle_by_coal();
+  bool settle_lane(ConstVector q, std::span<const UndecidedPair> open);
+  void judge_block(ConstRows q, std::span<bool> free);
 
   // --- reports
   Placed placed(bool fixed, std::size_t index) const;
@@ -118,16 +157,22 @@ class Checker::Workspace {
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes_;  // of active drives, here
   std::vector<double> reach_;      // [body * drives + drive]: farthest point of the body from the drive's axis
   std::vector<char> reach_known_;  // of this body, here
+  BatchChecker::WorkspacePtr batch_;
+  bool start_is_free_{};  // pairs that the motion leaves alone need no look
   struct Interval {
-    std::uint32_t sample;
+    double t, half_width;
     std::uint32_t pair;
   };
   std::vector<Interval> open_, next_;
+  Interval failed_{};                               // where the last motion could not be proved
+  std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
   std::vector<std::uint32_t> undecided_;
 };
 
 Checker::Workspace::Workspace(const Impl& checker)
     : impl(checker), bodies_(checker.bodies), data_(checker.model.make_data()), narrow_(checker.bodies.functors) {
+  if (impl.batch) batch_ = impl.batch->make_workspace();
+  span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
   impl.model.set_other_positions(*data_, impl.instance.other_positions);
   const std::size_t drives = impl.model.drives().size(), moving = bodies_.moving.size();
   poses_.resize(moving);
@@ -272,101 +317,203 @@ double Checker::Workspace::displacement(std::size_t body, std::uint64_t movers, 
   return moved;
 }
 
-Checker::Workspace::Verdict Checker::Workspace::judge(const Pair& pair, double half_width) {
+Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double half_width) {
   double motion = displacement(pair.a, pair.movers_a, half_width);
   if (pair.movers_b & active_) motion += displacement(pair.b, pair.movers_b, half_width);
   const double margin = pair.padding + motion + NarrowPhase::tolerance;
   const double apart = gap(pair);
-  if (apart > margin) return Verdict::proved;
-  const Verdict unproved = motion < motion_floor ? Verdict::contact : Verdict::undecided;
+  if (apart > margin) return Judgement::proved;
+  const Judgement unproved = motion < motion_floor ? Judgement::contact : Judgement::undecided;
   // The middle of a body is hardly farther than this; no need to ask what cannot be proved.
   if (motion > apart + 2 * bodies_.moving[pair.a].bounds.radius) {
     if (apart > pair.padding) return unproved;
-    return in_contact(pair) ? Verdict::contact : unproved;
+    return in_contact(pair) ? Judgement::contact : unproved;
   }
 
   double distance = 0.0;
-  if (!hulls_within(pair, margin, distance)) return Verdict::proved;
+  if (!hulls_within(pair, margin, distance)) return Judgement::proved;
   if (pair.hulls_have_distance) {
     if (pair.hulls_are_exact)
-      return distance <= pair.padding + NarrowPhase::contact_distance ? Verdict::contact : unproved;
+      return distance <= pair.padding + NarrowPhase::contact_distance ? Judgement::contact : unproved;
     // Three more halvings let the hulls prove it: cheaper than asking the meshes.
     if (distance > margin - 0.9 * motion) return unproved;
   }
   const bool many_pieces = pair.two_meshes || !pair.hulls_have_distance;
   if (many_pieces && motion > many_pieces_motion) {
-    if (pair.two_meshes && !hull_of_one_within(pair, margin + NarrowPhase::tolerance)) return Verdict::proved;
+    if (pair.two_meshes && !hull_of_one_within(pair, margin + NarrowPhase::tolerance)) return Judgement::proved;
   } else if (!pair.hulls_are_exact && !within(pair, margin)) {
-    return Verdict::proved;
+    return Judgement::proved;
   }
-  return in_contact(pair) ? Verdict::contact : unproved;
+  return in_contact(pair) ? Judgement::contact : unproved;
 }
 
 /// Judges the pair over an interval around here and remembers it when undecided; false when the motion is not free.
 bool Checker::Workspace::take(std::uint32_t pair, double half_width) {
-  const Verdict verdict = judge(bodies_.pairs[pair], half_width);
-  if (verdict == Verdict::undecided) undecided_.push_back(pair);
-  return verdict != Verdict::contact;
+  failed_.pair = pair;
+  if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
+  const Judgement verdict = judge(bodies_.pairs[pair], half_width);
+  if (verdict == Judgement::undecided) undecided_.push_back(pair);
+  return verdict != Judgement::contact;
 }
 
-bool Checker::Workspace::first_sample_of(std::size_t body, bool a_is_free) {
+bool Checker::Workspace::first_sample_of(std::size_t body) {
   constexpr double half_width = 0.5;
   if (bodies_.moving[body].movers & active_)
     return for_each_fixed_near(body, displacement(body, bodies_.moving[body].movers, half_width),
                                [&](std::uint32_t pair) { return take(pair, half_width); });
-  if (a_is_free) return true;
-  return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); });
+  if (start_is_free_) return true;
+  return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) {
+    failed_.pair = pair;
+    return !in_contact(bodies_.pairs[pair]);
+  });
 }
 
 /// The whole motion as one interval around its middle.
-bool Checker::Workspace::first_sample(bool a_is_free) {
+bool Checker::Workspace::first_sample() {
   undecided_.clear();
   place_on_motion(0.5);
   for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
-    if (!first_sample_of(i, a_is_free)) return false;
-  for (std::uint32_t id : bodies_.moving_pairs) {
-    const Pair& pair = bodies_.pairs[id];
-    if (is_still(pair) ? !a_is_free && in_contact(pair) : !take(id, 0.5)) return false;
-  }
-  return true;
+    if (!first_sample_of(i)) return false;
+  return std::all_of(bodies_.moving_pairs.begin(), bodies_.moving_pairs.end(),
+                     [&](std::uint32_t pair) { return take(pair, 0.5); });
 }
 
-/// Halves the intervals of the pairs still undecided, level by level, so that the samples of a level are placed once
-/// for all pairs and a contact shows early. Sample s of a level with half width h is at (2 s + 1) h.
-bool Checker::Workspace::bisect() {
-  open_.clear();
-  for (std::uint32_t sample : {0u, 1u})
-    for (std::uint32_t pair : undecided_) open_.push_back({sample, pair});
-  for (double half_width = 0.25; !open_.empty(); half_width /= 2) {
+/// Settles the open intervals, in order of t. Those of pairs still undecided are halved, level by level, so that the
+/// samples of a level are placed once for all pairs and a contact shows early.
+bool Checker::Workspace::settle() {
+  while (!open_.empty()) {
     next_.clear();
     for (std::size_t i = 0; i < open_.size();) {
-      const std::uint32_t sample = open_[i].sample;
-      place_on_motion((2.0 * sample + 1.0) * half_width);
+      const double t = open_[i].t, half_width = open_[i].half_width;
+      place_on_motion(t);
       undecided_.clear();
-      for (; i < open_.size() && open_[i].sample == sample; ++i)
-        if (!take(open_[i].pair, half_width)) return false;
-      for (std::uint32_t child : {2 * sample, 2 * sample + 1})
-        for (std::uint32_t pair : undecided_) next_.push_back({child, pair});
+      for (; i < open_.size() && open_[i].t == t && open_[i].half_width == half_width; ++i)
+        if (!take(open_[i].pair, half_width)) {
+          failed_ = open_[i];
+          return false;
+        }
+      halve(t, half_width);
     }
     std::swap(open_, next_);
   }
   return true;
 }
 
+/// The undecided pairs, over both halves of an interval.
+void Checker::Workspace::halve(double t, double half_width) {
+  for (double side : {-0.5, 0.5})
+    for (std::uint32_t pair : undecided_) next_.push_back({t + side * half_width, half_width / 2, pair});
+}
+
+/// What the balls prove of the motion; what they leave open goes to open_.
+Verdict Checker::Workspace::ask_balls() {
+  const BatchChecker& batch = *impl.batch;
+  const std::uint64_t blocks = batch.statistics(*batch_).blocks;
+  const Verdict verdict = batch.motion(as_span(start_), as_span(delta_), *batch_, batch_options);
+  statistics.blocks += batch.statistics(*batch_).blocks - blocks;
+  open_.clear();
+  if (verdict != Verdict::undecided) return verdict;
+  // One interval a pair, from the first to the last that is open: Coal proves a long one as readily as a short one.
+  for (const UndecidedPair& u : batch.undecided(*batch_))
+    for (std::uint32_t pair : impl.pairs_of(u)) {
+      auto& [low, high] = span_of_[pair];
+      if (high < low) {
+        open_.push_back({0.0, 0.0, pair});
+        low = u.t - u.half;
+      }
+      high = u.t + u.half;
+    }
+  for (Interval& interval : open_) {
+    auto& [low, high] = span_of_[interval.pair];
+    interval.t = (low + high) / 2;
+    interval.half_width = (high - low) / 2;
+    low = 1.0;
+    high = 0.0;
+  }
+  std::sort(open_.begin(), open_.end(), [](const Interval& a, const Interval& b) {
+    return std::tie(a.t, a.half_width, a.pair) < std::tie(b.t, b.half_width, b.pair);
+  });
+  statistics.undecided += batch.undecided(*batch_).size();
+  return verdict;
+}
+
+/// The whole motion by Coal's distances.
+bool Checker::Workspace::settle_by_coal() {
+  next_.clear();
+  failed_ = {0.5, 0.5, 0};
+  if (!first_sample()) return false;
+  halve(0.5, 0.5);
+  std::swap(open_, next_);
+  return settle();
+}
+
 bool Checker::Workspace::is_motion_free(bool a_is_free) {
-  if (active_ != 0) return first_sample(a_is_free) && bisect();
-  if (a_is_free) return true;
-  place(start_);
-  return is_free_here();
+  start_is_free_ = a_is_free;
+  if (active_ == 0) {
+    if (a_is_free) return true;
+    place(start_);
+    return is_free_here();
+  }
+  if (!impl.batch || !impl.balls_reach(start_) || !impl.balls_reach(start_ + delta_)) return settle_by_coal();
+  const Verdict verdict = ask_balls();
+  if (verdict == Verdict::undecided && impl.mode != CheckMode::conservative) return settle();
+  ++statistics.motions_by_balls;
+  return verdict == Verdict::free;
+}
+
+MotionCertificate Checker::Workspace::certify_motion() {
+  start_is_free_ = false;
+  MotionCertificate certificate;
+  certificate.proved = settle_by_coal();
+  if (certificate.proved) return certificate;
+  const Pair& pair = bodies_.pairs[failed_.pair];
+  certificate.from = failed_.t - failed_.half_width;
+  certificate.to = failed_.t + failed_.half_width;
+  certificate.body_a = bodies_.moving[pair.a].name;
+  certificate.body_b = pair.b_fixed ? bodies_.fixed[pair.b].name : bodies_.moving[pair.b].name;
+  return certificate;
+}
+
+// --- many configurations
+
+/// Are the pairs that balls left open apart at q?
+bool Checker::Workspace::settle_lane(ConstVector q, std::span<const UndecidedPair> open) {
+  place(q);
+  for (const UndecidedPair& u : open)
+    for (std::uint32_t pair : impl.pairs_of(u))
+      if (in_contact(bodies_.pairs[pair])) return false;
+  return true;
+}
+
+/// Up to 16 rows.
+void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free) {
+  const BatchChecker& batch = *impl.batch;
+  const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_);
+  ++statistics.blocks;
+  std::span<const UndecidedPair> open = batch.undecided(*batch_);
+  statistics.undecided += open.size();
+  for (std::size_t lane = 0; lane < free.size(); ++lane) {
+    std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
+    while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
+    const bool undecided = lanes.undecided >> lane & 1;
+    free[lane] = !undecided && !(lanes.colliding >> lane & 1);
+    if (undecided && impl.mode == CheckMode::exact)
+      free[lane] = settle_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
+    else
+      ++statistics.states_by_balls;
+    open = open.subspan(count);
+  }
 }
 
 // --- the public face
 
-Checker::Checker(const Scene& scene, const std::string& robot) : impl_(std::make_unique<const Impl>(scene, robot)) {}
+Checker::Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options)
+    : impl_(std::make_unique<const Impl>(scene, robot, options)) {}
 Checker::~Checker() = default;
 
 const RobotModel& Checker::robot() const { return impl_->model; }
 const Pose& Checker::base() const { return impl_->instance.base; }
+CheckMode Checker::mode() const { return impl_->mode; }
 
 void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
 
@@ -389,6 +536,46 @@ bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace,
   if (!impl_->bodies.overlaps.empty()) return false;
   workspace.start_motion(a, b);
   return workspace.is_motion_free(a_is_free);
+}
+
+void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) const {
+  if (free.size() != static_cast<std::size_t>(q.rows()))
+    throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
+                          std::to_string(free.size()) + " answers");
+  for (Eigen::Index i = 0; i < q.rows(); ++i)
+    if (q.cols() != static_cast<Eigen::Index>(impl_->model.dof()) || !q.row(i).allFinite())
+      impl_->model.require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
+  workspace.statistics.states += free.size();
+  if (!impl_->bodies.overlaps.empty()) {
+    std::fill(free.begin(), free.end(), false);
+    return;
+  }
+  bool by_balls = impl_->batch.has_value();
+  for (Eigen::Index i = 0; i < q.rows() && by_balls; ++i) by_balls = impl_->balls_reach(q.row(i).transpose());
+  if (!by_balls) {
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      workspace.place(q.row(static_cast<Eigen::Index>(i)).transpose());
+      free[i] = workspace.is_free_here();
+    }
+    return;
+  }
+  for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
+    const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
+    workspace.judge_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
+                          free.subspan(first, count));
+  }
+}
+
+MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
+  impl_->model.require_configuration(a, "start of the motion");
+  impl_->model.require_configuration(b, "end of the motion");
+  ++workspace.statistics.motions;
+  if (!impl_->bodies.overlaps.empty()) {
+    const std::vector<Contact> rigid = contacts(a, workspace);
+    return {false, 0.0, 1.0, rigid.front().body_a, rigid.front().body_b};
+  }
+  workspace.start_motion(a, b);
+  return workspace.certify_motion();
 }
 
 Contact Checker::Workspace::contact(const detail::Body& a, const detail::Body& b, const Proximity& found,

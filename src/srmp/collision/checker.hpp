@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "srmp/scene/scene.hpp"
 
 namespace srmp {
+
+class CoverStore;
 
 enum class BodyKind { link, object, attached_object };
 
@@ -28,12 +31,35 @@ struct Contact {
   std::string describe() const;
 };
 
+/// How motions are decided.
+enum class CheckMode {
+  exact,         ///< balls around and inside the bodies answer most of it, 16 configurations at a time; Coal the rest
+  conservative,  ///< balls alone: never free wrongly, but what they cannot prove counts as not free
+  coal,          ///< Coal alone
+};
+
+struct CheckerOptions {
+  CheckMode mode{CheckMode::exact};
+  std::shared_ptr<CoverStore> covers;  ///< where balls are looked up; nullptr: a store of the checker's own
+};
+
 /// What a thread's checks did so far.
 struct CheckStatistics {
-  std::uint64_t configurations{};  ///< kinematics computed
-  std::uint64_t states{};          ///< is_free calls
-  std::uint64_t motions{};         ///< is_motion_free calls
-  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
+  std::uint64_t configurations{};    ///< kinematics computed, one at a time
+  std::uint64_t states{};            ///< configurations asked about
+  std::uint64_t motions{};           ///< is_motion_free calls
+  std::uint64_t states_by_balls{};   ///< of the states, decided by balls alone (are_free)
+  std::uint64_t motions_by_balls{};  ///< of the motions, decided by balls alone
+  std::uint64_t blocks{};            ///< of 16 configurations under balls
+  std::uint64_t undecided{};         ///< pairs, over a part of a motion, that balls left to Coal
+  std::uint64_t narrow_phase{};      ///< pairs that Coal decided
+};
+
+/// Proof that a motion is free, or the first part of it that could not be proved.
+struct MotionCertificate {
+  bool proved{};
+  double from{}, to{};         ///< part of the motion, 0..1, that is not free or could not be proved
+  std::string body_a, body_b;  ///< the pair there, named as in Contact
 };
 
 /// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
@@ -63,18 +89,26 @@ class Checker {
   };
   using WorkspacePtr = std::unique_ptr<Workspace, WorkspaceDeleter>;
 
-  Checker(const Scene& scene, const std::string& robot);
+  Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options = {});
   ~Checker();
 
   const RobotModel& robot() const;
   const Pose& base() const;
+  CheckMode mode() const;
   WorkspacePtr make_workspace() const;
 
   /// Limits are not looked at. All of these throw InvalidArgument unless configurations have dof() finite entries.
   bool is_free(ConstVector q, Workspace& workspace) const;
-  /// Both ends included. `a_is_free`: the caller knows that is_free(a); pairs that this motion leaves alone are
-  /// skipped.
+  /// Both ends included. `a_is_free`: the caller knows that is_free(a); pairs that this motion leaves alone need no
+  /// look.
   bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free = false) const;
+
+  /// is_free of each row, 16 at a time; `free` has as many entries as q has rows. With CheckMode::conservative, what
+  /// balls cannot prove free counts as not free. Throws InvalidArgument as is_free does, naming the row.
+  void are_free(ConstRows q, std::span<bool> free, Workspace& workspace) const;
+
+  /// Proves a motion free by Coal's distances alone, without balls: an independent check of is_motion_free.
+  MotionCertificate certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const;
 
   /// Every pair in contact at q, deepest first; empty when free. Pairs are of bodies: a link with several geometries
   /// is named once.

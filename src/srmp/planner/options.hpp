@@ -13,7 +13,7 @@ struct CommonOptions {
   std::string heuristic{"joint_euclidean"};  ///< joint_euclidean | bfs
   double resolution{15.0};                   ///< lattice step of revolute joints [degrees], > 0
   double prismatic_resolution{0.05};         ///< lattice step of prismatic joints [m], > 0
-  std::string mprim_path;  ///< motion primitives (YAML); "" = every joint by a step, near the ends by a third too
+  std::string mprim_path{};  ///< motion primitives (YAML); "" = every joint by a step, near the ends by a third too
   std::string direction{
       "auto"};  ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
   double bfs_resolution{0.05};       ///< cell of the bfs heuristic's grid [m], > 0

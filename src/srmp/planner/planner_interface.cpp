@@ -4,6 +4,7 @@
 
 #include "srmp/io/moveit.hpp"
 #include "srmp/planner/single_robot.hpp"
+#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
@@ -11,6 +12,7 @@ struct PlannerInterface::Impl {
   Scene scene;
   std::map<std::vector<std::string>, PlannerOptions> planners;       // by sorted robot names
   mutable std::map<std::string, std::unique_ptr<Checker>> checkers;  // of the scene as it is now
+  std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   PlanStatistics statistics;
 
   /// Runs a change of the scene; the checkers made for the old one go.
@@ -23,7 +25,7 @@ struct PlannerInterface::Impl {
   const Checker& checker(const std::string& robot) const {
     scene.robot(robot);  // throws with the nearest name
     std::unique_ptr<Checker>& slot = checkers[robot];
-    if (!slot) slot = std::make_unique<Checker>(scene, robot);
+    if (!slot) slot = std::make_unique<Checker>(scene, robot, CheckerOptions{.covers = covers});
     return *slot;
   }
 
@@ -233,6 +235,11 @@ double PlannerInterface::distance_to_collision(const std::string& robot, ConstVe
   return pair ? pair->distance : std::numeric_limits<double>::infinity();
 }
 
+std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
+  impl_->scene.robot(robot);  // throws with the nearest name
+  return std::make_shared<const Checker>(impl_->scene, robot, CheckerOptions{mode, impl_->covers});
+}
+
 // --- planning
 
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {
@@ -245,6 +252,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
     throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +
                           std::to_string(key.size()) + " were named; use 'xECBS' for many");
+  for (const auto& [name, robot] : impl_->scene.robots()) ensure_covered(*robot.model, *impl_->covers);
   impl_->planners.insert_or_assign(std::move(key), options);
 }
 

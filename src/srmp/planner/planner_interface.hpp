@@ -108,6 +108,8 @@ class PlannerInterface {
   /// Distance of the nearest pair [m], negative in collision; infinity when there is nothing to collide with.
   double distance_to_collision(const std::string& robot, ConstVector q) const;
   std::optional<Contact> nearest(const std::string& robot, ConstVector q) const;
+  /// A checker of the scene as it is now, for many questions; later changes of the scene do not reach it.
+  std::shared_ptr<const Checker> collision_checker(const std::string& robot, CheckMode mode = CheckMode::exact) const;
 
   // --- planning
   /// Chooses the planner for these robots from the paper's dictionary ("planner_id", "time_limit", …) or typed options.

@@ -26,6 +26,11 @@ void CoverStore::adopt(std::shared_ptr<const coal::CollisionGeometry> shape,
   adopted_.try_emplace(address, Adopted{std::move(shape), std::move(cover)});  // references to the first stay good
 }
 
+bool CoverStore::has_adopted(const coal::CollisionGeometry& shape) const {
+  const std::lock_guard lock(mutex_);
+  return adopted_.contains(&shape);
+}
+
 CoverStore::Answer CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {
   std::promise<Answer> promise;
   Future known;

@@ -24,6 +24,7 @@ class CoverStore {
 
   /// From now on `cover` is the answer for this very geometry object.
   void adopt(std::shared_ptr<const coal::CollisionGeometry> shape, std::shared_ptr<const GeometryCover> cover);
+  bool has_adopted(const coal::CollisionGeometry& shape) const;
 
   enum class Origin { memory, file, built };
   struct Answer {
@@ -46,7 +47,7 @@ class CoverStore {
 
   const std::filesystem::path folder_;
   const CoverLevels levels_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<Sha256::Digest, Future> answers_;
   std::map<const coal::CollisionGeometry*, Adopted> adopted_;  // looked up, never walked
 };

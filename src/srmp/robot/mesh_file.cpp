@@ -84,6 +84,7 @@ TriangleSoup read_mesh_file(const std::string& path, const Eigen::Vector3d& scal
     throw FileError("mesh file '" + path + "' cannot be read: " + importer.GetErrorString());
 
   Collector collector(scale);
+  collector.mesh.parts = scene->mNumMeshes;
   collector.add(*scene, *scene->mRootNode, aiMatrix4x4());
   if (collector.mesh.triangles.empty()) throw FileError("mesh file '" + path + "' holds no triangles");
   for (const Eigen::Vector3d& v : collector.mesh.vertices)

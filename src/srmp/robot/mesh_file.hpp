@@ -16,6 +16,7 @@ namespace srmp {
 struct TriangleSoup {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
+  std::size_t parts{1};  ///< meshes (materials) of the file it was read from
 };
 
 /// Reads any format that assimp reads, all parts with their transforms. Lengths are taken in the file's own unit
@@ -23,6 +24,11 @@ struct TriangleSoup {
 /// merged; faces left with fewer than three different vertices are dropped. Throws FileError: missing, empty,
 /// unreadable.
 TriangleSoup read_mesh_file(const std::string& path, const Eigen::Vector3d& scale = {1, 1, 1});
+
+/// Adds the triangles that Coal's own loader, and so Pinocchio, sees in the file. Of a node with several materials Coal
+/// 3.0.3 takes the vertices of the first for all, which gives triangles that are not in the file. A path must be free
+/// for those who check it with Pinocchio too, so a robot's link is both readings.
+void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh);
 
 /// What a mesh stands for.
 enum class MeshModel {

@@ -1,4 +1,5 @@
 #include <coal/BVH/BVH_model.h>
+#include <coal/mesh_loader/loader.h>
 #include <coal/shape/convex.h>
 
 #include <algorithm>
@@ -116,6 +117,17 @@ bool spans_volume(const std::vector<Eigen::Vector3d>& vertices) {
   const Eigen::Vector3d normal = across.normalized();
   const Eigen::Vector3d d = farthest([&](const Eigen::Vector3d& v) { return std::abs(normal.dot(v - a)); });
   return std::abs(normal.dot(d - a)) > kThin * size;
+}
+
+void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh) {
+  const coal::BVHModelPtr_t model = coal::MeshLoader(coal::BV_OBBRSS).load(path, scale);
+  const int first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), model->vertices->begin(), model->vertices->end());
+  for (const coal::Triangle& t : *model->tri_indices) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    mesh.triangles.push_back(
+        {first + static_cast<int>(t[0]), first + static_cast<int>(t[1]), first + static_cast<int>(t[2])});
+  }
 }
 
 bool is_convex(const TriangleSoup& mesh) {

@@ -131,6 +131,15 @@ RobotCover cover_shapes(const std::vector<Shape>& shapes, CoverStore& store, con
   return cover;
 }
 
+/// The cover of a geometry by that of its envelope.
+std::shared_ptr<const GeometryCover> within_envelope(const GeometryCover& envelope) {
+  auto cover = std::make_shared<GeometryCover>(envelope);
+  cover->exact = false;
+  cover->hollow = true;
+  cover->inner.clear();
+  return cover;
+}
+
 template <class Value>
 auto largest(const RobotCover& cover, Value&& value) {
   double most = 0;
@@ -163,11 +172,12 @@ double RobotCover::fine_inflation() const {
 RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options,
                        const CoverProgress& progress) {
   std::vector<Shape> shapes;
-  for (const LinkGeometry& geometry : model.geometries()) shapes.push_back(geometry.shape);
+  for (const LinkGeometry& geometry : model.geometries()) shapes.push_back(geometry.envelope);
   RobotCover cover = cover_shapes(shapes, store, options, progress);
   const RobotDataPtr data = model.make_data();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const LinkGeometry& geometry = model.geometries()[i];
+    if (geometry.envelope != geometry.shape) cover.parts[i].cover = within_envelope(*cover.parts[i].cover);
     cover.parts[i].link = geometry.link;
     cover.parts[i].name = geometry.name;
     cover.parts[i].in_link = model.link_pose(*data, geometry.link_index).inverse() * model.geometry_pose(*data, i);
@@ -176,15 +186,24 @@ RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCo
   return cover;
 }
 
+void ensure_covered(const RobotModel& model, CoverStore& store) {
+  const auto& geometries = model.geometries();
+  if (std::any_of(geometries.begin(), geometries.end(),
+                  [&](const LinkGeometry& geometry) { return !store.has_adopted(*geometry.shape); }))
+    cover_robot(model, store);
+}
+
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options, const CoverProgress& progress) {
   const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), urdf_path, package_dirs);
   std::vector<Shape> shapes;
-  for (const PlacedGeometry& g : geometries) shapes.push_back(g.geometry.shape);
+  for (const PlacedGeometry& g : geometries) shapes.push_back(g.geometry.envelope);
   RobotCover cover = cover_shapes(shapes, store, options, progress);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    cover.parts[i].link = geometries[i].geometry.link;
-    cover.parts[i].name = geometries[i].geometry.name;
+    const LinkGeometry& geometry = geometries[i].geometry;
+    if (geometry.envelope != geometry.shape) cover.parts[i].cover = within_envelope(*cover.parts[i].cover);
+    cover.parts[i].link = geometry.link;
+    cover.parts[i].name = geometry.name;
     cover.parts[i].in_link = geometries[i].in_link;
   }
   return cover;

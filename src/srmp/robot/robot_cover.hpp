@@ -42,7 +42,10 @@ using CoverProgress = std::function<void(std::size_t done, std::size_t total)>;
 RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options = {},
                        const CoverProgress& progress = {});
 
-/// The same for a URDF file of which nothing is planned. Throws FileError as RobotModel::load does.
+/// cover_robot, unless the store answers for the model's geometries already.
+void ensure_covered(const RobotModel& model, CoverStore& store);
+
+/// cover_robot for a URDF file of which nothing is planned. Throws FileError as RobotModel::load does.
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options = {}, const CoverProgress& progress = {});
 

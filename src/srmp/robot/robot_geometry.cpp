@@ -49,7 +49,7 @@ void build_primitive(const UrdfGeometry& g, LinkGeometry& geometry) {
     geometry.radius = rounded_up(g.radius + g.length / 2);
   }
   shape->computeLocalAABB();
-  geometry.shape = shape;
+  geometry.shape = geometry.envelope = shape;
 }
 
 /// Reads each mesh file once, however many links use it.
@@ -66,6 +66,7 @@ class MeshLoader {
     const auto [it, is_new] = known_.try_emplace({path, {g.scale.x(), g.scale.y(), g.scale.z()}});
     if (is_new) it->second = read(path, g.scale, where);
     geometry.shape = it->second.shape;
+    geometry.envelope = it->second.envelope;
     geometry.center = it->second.center;
     geometry.radius = it->second.radius;
   }
@@ -74,8 +75,10 @@ class MeshLoader {
   static LinkGeometry read(const std::string& path, const Eigen::Vector3d& scale, const std::string& where) {
     LinkGeometry result;
     try {
-      const TriangleSoup mesh = read_mesh_file(path, scale);
-      result.shape = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
+      TriangleSoup mesh = read_mesh_file(path, scale);
+      if (mesh.parts > 1) add_coal_reading(path, scale, mesh);
+      result.shape = result.envelope = make_mesh_geometry(mesh, MeshModel::hull_if_convex);
+      if (mesh.parts > 1 && spans_volume(mesh.vertices)) result.envelope = make_mesh_geometry(mesh, MeshModel::hull);
       bound_by_vertices(mesh.vertices, result);
     } catch (const FileError& error) {
       throw FileError(where + error.what());

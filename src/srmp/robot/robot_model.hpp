@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/matrix.hpp"
 #include "srmp/core/pose.hpp"
 
 namespace coal {
@@ -19,19 +20,17 @@ class CollisionGeometry;
 
 namespace srmp {
 
-using ConstVector = Eigen::Ref<const Eigen::VectorXd>;
-
 /// Where a robot comes from and which part of it is planned.
 struct RobotDescription {
-  std::string urdf_path;                       ///< file; required unless urdf_text is given
-  std::string urdf_text;                       ///< the URDF itself (mesh paths are then relative to package_dirs)
-  std::string srdf_path;                       ///< file; "" = none: the allowed-collision matrix is sampled
-  std::string name;                            ///< unique in a scene; "" = the URDF's robot name
-  std::string end_effector;                    ///< link that goals speak of; "" = tip of the group, or the only leaf
-  std::string group;                           ///< SRDF planning group; "" = chain to the end effector
-  std::vector<std::string> joint_names;        ///< named joints instead of a group or chain; order is kept
-  std::map<std::string, double> fixed_joints;  ///< values [rad or m] of joints that are not planned
-  std::vector<std::string> package_dirs;       ///< searched for package:// and relative meshes, after the URDF's folder
+  std::string urdf_path{};                       ///< file; required unless urdf_text is given
+  std::string urdf_text{};                       ///< the URDF itself (mesh paths are then relative to package_dirs)
+  std::string srdf_path{};                       ///< file; "" = none: the allowed-collision matrix is sampled
+  std::string name{};                            ///< unique in a scene; "" = the URDF's robot name
+  std::string end_effector{};                    ///< link that goals speak of; "" = tip of the group, or the only leaf
+  std::string group{};                           ///< SRDF planning group; "" = chain to the end effector
+  std::vector<std::string> joint_names{};        ///< named joints instead of a group or chain; order is kept
+  std::map<std::string, double> fixed_joints{};  ///< values [rad or m] of joints that are not planned
+  std::vector<std::string> package_dirs{};  ///< searched for package:// and relative meshes, after the URDF's folder
 };
 
 enum class JointKind { revolute, continuous, prismatic };
@@ -52,6 +51,8 @@ struct LinkGeometry {
   /// Boxes, spheres, cylinders and capsules as such. A mesh is its convex hull where it is a closed convex surface (to
   /// 1 µm): a solid; else its triangles: a surface.
   std::shared_ptr<const coal::CollisionGeometry> shape;
+  /// What balls cover: the shape, or its convex hull where a mesh of several materials is read in two ways.
+  std::shared_ptr<const coal::CollisionGeometry> envelope;
   Eigen::Vector3d center;  ///< of a bounding sphere, in the geometry's frame [m]
   double radius{};         ///< of that sphere [m]
   std::uint64_t

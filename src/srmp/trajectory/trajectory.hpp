@@ -1,16 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <string>
 #include <vector>
 
-namespace srmp {
+#include "srmp/core/matrix.hpp"
 
-/// Rows are waypoints or samples, columns are joints; row-major, as numpy's default, so that Python sees it uncopied.
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-/// Takes any matrix of m waypoints x dof joints; a column-major one is copied.
-using ConstRows = Eigen::Ref<const RowMatrix>;
+namespace srmp {
 
 /// A motion: n samples of dof joints. Revolute joints in rad, prismatic ones in m. Values of continuous joints do not
 /// jump: they run on past ±pi.

@@ -431,22 +431,24 @@ class BatchChecker::Workspace {
   std::vector<Interval> open, next;
   BatchStatistics statistics;
 
-  batch::KernelResult run(const Impl& impl, bool moving, bool stop_at_undecided) {
+  batch::KernelResult run(const Impl& impl, bool moving) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, pair_lanes.data()};
-    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, stop_at_undecided};
+    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving};
     impl.kernel(view, request, scratch.get(), result);
     return result;
   }
 
-  /// Moves the kernel's report into `undecided`, for the lanes wanted; `at(lane)` is the interval of a lane.
+  /// Moves the kernel's report into `undecided`, for the lanes wanted that do not collide; `at(lane)` is the interval
+  /// of a lane.
   template <class At>
   void collect(const Impl& impl, const batch::KernelResult& result, unsigned wanted, At&& at) {
-    if (!result.undecided && !result.collides) return;
+    if (!result.undecided) return;
+    wanted &= ~static_cast<unsigned>(result.colliding);
     const int pairs = view.pair_count;
     for (int k = 0; k < static_cast<int>(pair_lanes.size()); ++k) {
       const unsigned lanes = std::exchange(pair_lanes[k], batch::LaneMask{0}) & wanted;
-      if (lanes == 0 || result.collides) continue;
+      if (lanes == 0) continue;
       const bool self = k >= pairs;
       const int pair = self ? k - pairs : impl.pair_ids[k];
       for (int lane = 0; lane < kLanes; ++lane)
@@ -497,7 +499,7 @@ bool by_time_and_pair(const UndecidedPair& a, const UndecidedPair& b) {
 
 }  // namespace
 
-Verdict BatchChecker::free_block(std::span<const double> configurations, Workspace& w) const {
+BatchChecker::Lanes BatchChecker::judge_block(std::span<const double> configurations, Workspace& w) const {
   const std::size_t n = dof(), count = n ? configurations.size() / n : 0;
   if (n == 0 || count * n != configurations.size() || count == 0 || count > block)
     throw InvalidArgument("batch checker: a block holds 1 to 16 configurations of " + std::to_string(n) + " entries");
@@ -511,15 +513,12 @@ Verdict BatchChecker::free_block(std::span<const double> configurations, Workspa
       w.values[k * kLanes + i] = static_cast<float>(value);
     }
   }
-  const batch::KernelResult result = w.run(*impl_, false, false);
+  const batch::KernelResult result = w.run(*impl_, false);
   const unsigned wanted = (1u << count) - 1;
-  if (result.collides) {
-    w.forget();
-    return Verdict::colliding;
-  }
   w.collect(*impl_, result, wanted, [](int lane) { return Interval{static_cast<double>(lane), 0}; });
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
-  return result.undecided & wanted ? Verdict::undecided : Verdict::free;
+  const unsigned colliding = result.colliding & wanted;
+  return {static_cast<std::uint16_t>(colliding), static_cast<std::uint16_t>(result.undecided & wanted & ~colliding)};
 }
 
 Verdict BatchChecker::motion_block(std::span<const double> a, std::span<const double> difference, Workspace& w) const {
@@ -551,8 +550,8 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
       for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = w.open[first + std::min(i, count - 1)];
       w.set_lanes(lanes.data());
       ++blocks;
-      const batch::KernelResult result = w.run(*impl_, true, false);
-      if (result.collides) {
+      const batch::KernelResult result = w.run(*impl_, true);
+      if (result.colliding) {
         w.forget();
         w.undecided.clear();
         ++w.statistics.motions_colliding;
@@ -582,7 +581,7 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
 Eigen::Isometry3d BatchChecker::drive_pose(std::span<const double> q, std::size_t k, Workspace& w) const {
   require_size(q.size(), dof(), "batch checker: configuration");
   require_index(static_cast<int>(k), impl_->world.drives.size(), "batch checker: drive");
-  free_block(q, w);
+  judge_block(q, w);
   // The kernel leaves lane 0 of the last slice's frames at the front of its scratch memory; all lanes are equal here.
   const int width = impl_->backend == SimdBackend::avx512 ? 16 : impl_->backend == SimdBackend::avx2 ? 8 : 4;
   const float* frame = w.scratch.get() + static_cast<std::size_t>(12 * width) * (k + 1);

@@ -66,7 +66,7 @@ enum class Verdict { free, colliding, undecided };
 
 /// What could not be settled: a pair, over part of a motion (half = 0: at one configuration).
 struct UndecidedPair {
-  double t{};     ///< middle of the part, 0..1 on the motion; for free_block the index of the configuration
+  double t{};     ///< middle of the part, 0..1 on the motion; for judge_block the index of the configuration
   double half{};  ///< half its length
   bool self{};
   int pair{};  ///< index into BatchWorld::self_pairs when self, else into obstacle_pairs
@@ -110,8 +110,12 @@ class BatchChecker {
 
   static constexpr int block = 16;
 
+  /// What is known of each configuration of a block, bit i for number i; neither bit: free.
+  struct Lanes {
+    std::uint16_t colliding{}, undecided{};
+  };
   /// Up to 16 configurations, each dof() long, one after the other.
-  Verdict free_block(std::span<const double> configurations, Workspace& workspace) const;
+  Lanes judge_block(std::span<const double> configurations, Workspace& workspace) const;
 
   /// One block: the motion from a by `difference` (joint space, straight) in 16 equal intervals.
   Verdict motion_block(std::span<const double> a, std::span<const double> difference, Workspace& workspace) const;

@@ -4,7 +4,6 @@
 
 #include <bit>
 #include <map>
-#include <optional>
 #include <tuple>
 
 #include "srmp/collision/bodies.hpp"
@@ -87,9 +86,33 @@ class Builder {
     }
   }
 
-  /// Adds a geometry's balls to a body.
   void add_cover(BatchBody& body, const Body& from, const Eigen::Isometry3d& pose) {
-    const GeometryCover& cover = cover_of_(*from.geometry, from.hull.get());
+    if (from.kind == BodyKind::link)
+      add_balls(body, cover_of_(*from.geometry), pose);
+    else
+      add_balls(body, cover_of_held(from), pose);
+  }
+
+  /// A held object is covered by its size, as nobody waits for it: its hull where it is a mesh, or the box around it.
+  static GeometryCover cover_of_held(const Body& from) {
+    const double size = from.bounds.radius;
+    const CoverLevels levels{.coarse = std::max(0.015, 0.15 * size), .fine = std::max(0.004, 0.05 * size)};
+    if (from.hull == from.geometry && is_convex_solid(*from.geometry)) return cover_geometry(*from.geometry, levels);
+    const bool hull = is_convex_solid(*from.hull);
+    GeometryCover cover =
+        hull ? cover_geometry(*from.hull, levels) : cover_geometry(coal::Box(2 * from.bounds.box_half), levels);
+    if (!hull)
+      for (auto* balls : {&cover.coarse, &cover.fine})
+        for (Ball& ball : *balls) ball.center += from.bounds.box_center;
+    if (!hull) cover.bound.center += from.bounds.box_center;
+    cover.exact = false;
+    cover.hollow = true;
+    cover.inner.clear();
+    return cover;
+  }
+
+  /// Adds a geometry's balls to a body.
+  void add_balls(BatchBody& body, const GeometryCover& cover, const Eigen::Isometry3d& pose) {
     const auto first_fine = static_cast<std::uint32_t>(body.fine.size());
     const auto add = [&](std::vector<Ball>& to, const std::vector<Ball>& balls) {
       for (const Ball& ball : balls) to.push_back({pose * ball.center, ball.radius});
@@ -127,7 +150,7 @@ class Builder {
     return place->second;
   }
 
-  std::optional<BatchObstacle> as_obstacle(const FixedBody& body) const {
+  static BatchObstacle as_obstacle(const FixedBody& body) {
     const coal::CollisionGeometry* shape = body.geometry.get();
     BatchObstacle o{.pose = body.pose, .padding = body.padding};
     if (const auto* s = dynamic_cast<const coal::Sphere*>(shape)) {
@@ -142,24 +165,21 @@ class Builder {
     } else if (const auto* s = dynamic_cast<const coal::Capsule*>(shape)) {
       o.kind = BatchObstacle::Kind::capsule;
       o.size = {s->radius, 2 * s->halfLength, 0};
-    } else if (shape->getObjectType() == coal::OT_OCTREE) {
+    } else {
       o.kind = BatchObstacle::Kind::box;
       o.size = 2 * body.bounds.box_half;
       o.pose.translate(body.bounds.box_center);
       o.exact = false;
-    } else {
-      return std::nullopt;
     }
     return o;
   }
 
   void add_fixed(const FixedBody& from) {
-    if (!from.own)
-      if (const auto obstacle = as_obstacle(from)) {
-        fixed_.push_back({true, static_cast<int>(scene_.world.obstacles.size())});
-        scene_.world.obstacles.push_back(*obstacle);
-        return;
-      }
+    if (from.kind != BodyKind::link) {
+      fixed_.push_back({true, static_cast<int>(scene_.world.obstacles.size())});
+      scene_.world.obstacles.push_back(as_obstacle(from));
+      return;
+    }
     fixed_.push_back({false, static_cast<int>(scene_.world.bodies.size())});
     scene_.world.bodies.emplace_back();
     add_cover(scene_.world.bodies.back(), from, from.pose);

@@ -10,9 +10,8 @@ namespace srmp::detail {
 
 struct Bodies;
 
-/// The cover of a geometry (and the hull beside it, or nullptr); made once per geometry, kept by the caller.
-using CoverOf =
-    std::function<const GeometryCover&(const coal::CollisionGeometry& shape, const coal::CollisionGeometry* hull)>;
+/// The cover of a link's geometry; made once per geometry, kept by the caller.
+using CoverOf = std::function<const GeometryCover&(const coal::CollisionGeometry& shape)>;
 
 /// What a BatchChecker needs to stand in front of the exact one, and how its pairs translate.
 struct BatchScene {
@@ -21,8 +20,8 @@ struct BatchScene {
   std::vector<std::vector<std::uint32_t>> obstacle_pairs, self_pairs;
 };
 
-/// The geometries of one link become one body. Objects that are boxes, spheres, cylinders or capsules become obstacles;
-/// cones, meshes and links at rest become bodies on the base; an octree becomes the box around it, which proves only
+/// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that
+/// are boxes, spheres, cylinders or capsules become obstacles; others become the box around them, which proves only
 /// what is clear of it.
 BatchScene make_batch_scene(const Bodies& bodies, const RobotModel& model, ConstVector other_positions,
                             const CoverOf& cover_of);

@@ -36,7 +36,7 @@ class Slice {
   }
 
  private:
-  SRMP_INLINE bool done() const { return result_.collides || (request_.stop_at_undecided && result_.undecided != 0); }
+  SRMP_INLINE bool done() const { return request_.every_lane ? alive_ == 0 : result_.colliding != 0; }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -145,7 +145,7 @@ class Slice {
     for (int k = 0; k < body.pairs; ++k) {
       const int pair = body.first_pair + k;
       const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
-      const unsigned pending = within(squared_distance(o, c), add(limit, all(o.radius)));
+      const unsigned pending = within(squared_distance(o, c), add(limit, all(o.radius))) & alive_;
       if (pending == 0) continue;
       check_closely(i, o, pair, pending, margin);
       if (done()) return;
@@ -200,15 +200,19 @@ class Slice {
     report(pair, undecided);
   }
 
-  /// Is some lane of `mask` surely closer than `radius`?
+  /// Are some lanes of `mask` surely closer than `radius`? True when that ends the run.
   SRMP_INLINE bool hit(V squared, float radius, unsigned mask) {
     if (!(radius > 0.0f)) return false;
-    if ((bits(less(squared, all(radius * radius))) & mask) == 0) return false;
-    result_.collides = 1;
-    return true;
+    const unsigned hits = bits(less(squared, all(radius * radius))) & mask & alive_;
+    if (hits == 0) return false;
+    result_.colliding = static_cast<LaneMask>(result_.colliding | hits << lane_);
+    alive_ &= ~hits;
+    return done();
   }
 
   SRMP_INLINE void report(int pair, unsigned lanes) {
+    lanes &= alive_;
+    if (lanes == 0) return;
     const auto shifted = static_cast<LaneMask>(lanes << lane_);
     result_.pair_lanes[pair] = static_cast<LaneMask>(result_.pair_lanes[pair] | shifted);
     result_.undecided = static_cast<LaneMask>(result_.undecided | shifted);
@@ -226,7 +230,7 @@ class Slice {
       const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};
       const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
       const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), all(pair.padding + pair.slack));
-      const unsigned pending = within(between(ca, cb), add(limit, all(a.radius + b.radius)));
+      const unsigned pending = within(between(ca, cb), add(limit, all(a.radius + b.radius))) & alive_;
       if (pending == 0) continue;
       check_self_closely(k, pair, pending, limit);
       if (done()) return;
@@ -296,6 +300,7 @@ class Slice {
   const KernelRequest& request_;
   KernelResult& result_;
   const int lane_;
+  unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide
   float *frames_, *centers_, *stages_, *margins_, *balls_, *placed_;
 };
 
@@ -304,7 +309,7 @@ class Slice {
 void SRMP_KERNEL(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     Slice(model, request, scratch, result, lane).run();
-    if (result.collides || (request.stop_at_undecided && result.undecided)) return;
+    if (result.colliding && !request.every_lane) return;
   }
 }
 

@@ -81,12 +81,12 @@ struct KernelModel {
 struct KernelRequest {
   const float* values;       // [drive][kLanes]: angle (|.| <= 2 pi) or travel of each driven joint
   const float* half_widths;  // [drive][kLanes]: how far it may be from there, >= 0; null: exactly there
-  int stop_at_undecided;
+  int every_lane;            // go on after a collision, until it is known which lanes collide
 };
 
 struct KernelResult {
   LaneMask undecided;    // lanes with a pair that is not proved free
-  int collides;          // a lane surely collides at its sample; nothing else is filled in then
+  LaneMask colliding;    // lanes that surely collide at their sample; unless every_lane, the first found ends the run
   LaneMask* pair_lanes;  // [pair_count + self_pair_count], zero on entry: lanes in which the pair is undecided
 };
 

@@ -1,0 +1,20 @@
+# What the stub generator cannot see: the exceptions (made with PyErr_NewException) and the version.
+_srmp.__suffix__:
+    __version__: str
+
+    class Error(Exception):
+        """Base of everything that srmp raises."""
+
+    class InvalidArgument(Error, ValueError):
+        """An argument was refused; nothing was changed."""
+
+    class FileError(Error, OSError):
+        """A file is missing, unreadable or wrong."""
+
+    class NotSupported(Error, NotImplementedError):
+        """Not done by this version yet."""
+
+    class PlanningError(Error):
+        """No trajectory. `status` says which kind of no, the text why."""
+
+        status: Status

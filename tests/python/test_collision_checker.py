@@ -1,0 +1,175 @@
+"""Batch collision checking: spheres in front of Coal give Coal's answers."""
+
+import os
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import srmp
+from srmp.bench import mbm
+
+SCENARIOS = ["bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage", "table_pick", "table_under_pick"]
+
+
+def random_states(planner, name, count, seed=0):
+    limits = np.clip(planner.get_joint_limits(name)[:, :2], -np.pi, np.pi)
+    return np.random.default_rng(seed).uniform(limits[:, 0], limits[:, 1], (count, len(limits)))
+
+
+def assert_modes_agree(planner, name, count, seed=0):
+    """Returns the share of free states and what the exact checker counted."""
+    q = random_states(planner, name, count, seed)
+    exact, coal, careful = (planner.collision_checker(name, mode) for mode in ("exact", "coal", "conservative"))
+    truth = coal.are_free(q)
+    np.testing.assert_array_equal(exact.are_free(q), truth)
+    assert not np.any(careful.are_free(q) & ~truth)
+    a, b = q[: count // 4], q[: count // 4] + 0.05 * (q[count // 4 : 2 * (count // 4)] - q[: count // 4])
+    free = coal.motions_free(a, b)
+    np.testing.assert_array_equal(exact.motions_free(a, b), free)
+    assert not np.any(careful.motions_free(a, b) & ~free)
+    return truth.mean(), exact.stats()
+
+
+def test_exact_is_coal_and_conservative_is_never_free_wrongly(arm):
+    arm.add_sphere("ball", radius=0.15, pose=srmp.Pose(p=[0.2, 0.5, 0.5]))
+    arm.add_capsule("bar", radius=0.05, length=0.5, pose=srmp.Pose(p=[-0.3, 0.3, 0.6]), padding=0.01)
+    arm.add_cone("cone", radius=0.2, length=0.3, pose=srmp.Pose(p=[0.4, -0.4, 0.3]))
+    cloud = np.random.default_rng(1).uniform([-0.6, -0.6, 0.2], [-0.4, -0.2, 0.8], (500, 3))
+    arm.add_point_cloud("cloud", cloud, resolution=0.03)
+    arm.add_box("held", size=[0.05, 0.1, 0.2], pose=srmp.Pose(p=[0, 0, 3]))
+    arm.attach_object("held", "arm", "arm7_hand", pose_in_link=srmp.Pose(p=[0, 0, 0.2]))
+    free, stats = assert_modes_agree(arm, "arm", 4000)
+    assert 0.02 < free < 0.98
+    assert stats["states"] == 4000
+    assert stats["motions"] == 1000
+    assert stats["states_by_balls"] + stats["motions_by_balls"] > 2000
+
+
+@pytest.mark.parametrize("robot", ["panda", "ur5", "fetch"])
+def test_agreement_on_motion_bench_maker(mbm_dir, robot):
+    files = mbm.robot_files(mbm_dir, robot, "urdf")
+    group = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}[robot]
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(urdf_path=str(files.urdf), srdf_path=str(files.srdf), name=robot, group=group)
+    with mbm.open_problems(files.folder, robot, SCENARIOS, {1}) as problems:
+        assert len(problems) == 7
+        for seed, problem in enumerate(problems):
+            for name in planner.object_names:
+                planner.remove_object(name)
+            planner.load_moveit_scene(str(problem.scene))
+            assert_modes_agree(planner, robot, 1000, seed)
+
+
+def test_certificate_names_the_part_that_is_not_free(arm, ready):
+    checker = arm.collision_checker("arm")
+    through = np.array(ready)
+    through[0] -= 1.8  # sweeps through the post
+    proof = checker.certify_motion(ready, ready + 0.01)
+    assert proof
+    assert proof.interval == (0.0, 0.0)
+    assert (proof.body_a, proof.body_b) == ("", "")
+    refusal = checker.certify_motion(ready, through)
+    assert not refusal.proved
+    assert 0 <= refusal.interval[0] < refusal.interval[1] <= 1
+    assert refusal.body_b == "post"
+    assert not checker.motions_free([ready], [through])[0]
+
+
+def test_motions_with_clearance_are_proved_and_samples_of_proved_ones_are_free(arm):
+    checker = arm.collision_checker("arm", "coal")
+    a = random_states(arm, "arm", 300)
+    b = a + 0.1 * (random_states(arm, "arm", 300, 1) - a)
+    steps = np.linspace(0, 1, 60)[:, None]
+    proved = clear = 0
+    for start, end in zip(a, b, strict=True):
+        samples = start + steps * (end - start)
+        free = checker.are_free(samples)
+        proof = checker.certify_motion(start, end)
+        assert not proof or free.all()
+        if free.all() and checker.clearance(samples[::4]).min() > 0.005:
+            clear += 1
+            proved += proof.proved
+    assert clear > 50
+    assert proved >= 0.95 * clear
+
+
+def test_clearance_is_the_nearest_pair(arm):
+    checker = arm.collision_checker("arm")
+    q = random_states(arm, "arm", 50)
+    clearance = checker.clearance(q)
+    for row, distance in zip(q, clearance, strict=True):
+        assert distance == checker.nearest(row).distance == arm.distance_to_collision("arm", row)
+    np.testing.assert_array_equal(clearance > 0, checker.are_free(q))
+
+
+def test_a_checker_is_a_snapshot(arm, ready):
+    checker = arm.collision_checker("arm")
+    assert checker.are_free(ready).tolist() == [True]
+    arm.add_box("everywhere", size=[3, 3, 3], pose=srmp.Pose(p=[0, 0, 0]))
+    assert checker.are_free(ready).tolist() == [True]
+    assert arm.collision_checker("arm").are_free([ready, ready]).tolist() == [False, False]
+    assert arm.collision_checker("arm").are_free(np.zeros((0, 7))).shape == (0,)
+
+
+def test_threads_share_a_checker(arm):
+    checker = arm.collision_checker("arm")
+    q = random_states(arm, "arm", 2000)
+    expected = checker.are_free(q)
+    results = [None] * 4
+
+    def work(i):
+        results[i] = checker.are_free(q)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for result in results:
+        np.testing.assert_array_equal(result, expected)
+
+
+PLAN = """
+import hashlib, srmp
+from srmp.demo import run
+print(hashlib.sha256(run({"planner_id": "wAstar", "time_limit": 60}).trajectory.positions.tobytes()).hexdigest())
+"""
+
+
+def test_paths_are_the_same_on_every_instruction_set():
+    hashes = {}
+    for backend in ("", "portable", "avx2", "avx512"):
+        outcome = subprocess.run(
+            [sys.executable, "-c", PLAN], env={**os.environ, "SRMP_SIMD": backend}, capture_output=True, text=True
+        )
+        if "which this CPU does not have" not in outcome.stderr:
+            assert outcome.returncode == 0, outcome.stderr
+            hashes[backend] = outcome.stdout
+    assert len(hashes) >= 2
+    assert len(set(hashes.values())) == 1
+
+
+def test_unknown_instruction_set_is_refused():
+    environment = {**os.environ, "SRMP_SIMD": "avx3"}
+    outcome = subprocess.run([sys.executable, "-c", PLAN], env=environment, capture_output=True, text=True)
+    assert "SRMP_SIMD is 'avx3', did you mean 'avx2'?" in outcome.stderr
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda p: p.collision_checker("arm", "exakt"), "mode is 'exakt', did you mean 'exact'"),
+        (lambda p: p.collision_checker("harm"), "did you mean 'arm'"),
+        (lambda p: p.collision_checker("arm").are_free([[0.0] * 6]), r"q must have the shape \(n, 7\)"),
+        (lambda p: p.collision_checker("arm").are_free([[0.0] * 7, [np.nan] * 7]), "configuration 1"),
+        (lambda p: p.collision_checker("arm").motions_free([[0.0] * 7], [[0.0] * 7] * 2), "a has 1 rows and b has 2"),
+        (lambda p: p.collision_checker("arm").certify_motion([0.0] * 7, [np.inf] * 7), "end of the motion"),
+        (lambda p: p.collision_checker("arm").clearance("near"), "q must be numbers"),
+    ],
+)
+def test_bad_input(arm, ask, message):
+    with pytest.raises(srmp.InvalidArgument, match=message):
+        ask(arm)

@@ -1,0 +1,82 @@
+"""The type stubs: complete, and right for a user's program."""
+
+import ast
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import srmp
+from srmp import _srmp
+
+STUBS = Path(srmp.__file__).parent / "_srmp.pyi"
+
+USER_PROGRAM = """
+import numpy as np
+from numpy.typing import NDArray
+
+import srmp
+
+
+def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), name="arm", end_effector="arm7_hand")
+    planner.add_box("post", size=[0.1, 0.1, 0.8], pose=srmp.Pose(p=[0.3, 0, 0.4]))
+    planner.add_point_cloud("cloud", points=np.zeros((3, 3)), resolution=0.01)
+    planner.make_planner(["arm"], {"planner_id": "wAstar", "time_limit": "5", "weight": 10})
+    planner.make_planner("arm", srmp.WAStar(weight=10, heuristic="bfs"))
+    goal = srmp.GoalConstraint(srmp.GoalType.POSE, list(srmp.Pose([0.6, 0, 0.5])))
+    try:
+        trajectory = planner.plan("arm", q, [goal, srmp.GoalConstraint(srmp.GoalType.JOINTS, q)])
+    except srmp.PlanningError as error:
+        return f"{error.status.name}: {error}"
+    except (srmp.InvalidArgument, srmp.FileError, srmp.NotSupported) as error:
+        return str(error)
+    positions: NDArray[np.float64] = trajectory.positions
+    solutions: NDArray[np.float64] = planner.compute_ik("arm", planner.compute_fk("arm", positions[-1]))
+    numbers: list[float] = [x for x in srmp.Pose() @ srmp.Pose()]
+    assert len(solutions) + len(numbers) + planner.get_planning_stats()["expansions"]
+    for contact in planner.contacts("arm", q):
+        print(contact.body_a, contact.distance, contact.point_a[0], srmp.Status.solved, srmp.__version__)
+    return trajectory
+"""
+
+
+def test_stubs_know_every_public_name():
+    tree = ast.parse(STUBS.read_text())
+    classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for name, value in vars(_srmp).items():
+        if name.startswith("_"):
+            continue
+        assert name in (classes if inspect.isclass(value) else functions), name
+        if not inspect.isclass(value) or issubclass(value, Exception):
+            continue
+        members = {getattr(node, "name", None) for node in classes[name].body}
+        members |= {
+            node.targets[0].id
+            for node in classes[name].body
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+        }
+        assert {member for member in vars(value) if not member.startswith(("_", "@"))} <= members, name
+
+
+def test_every_public_method_has_a_docstring():
+    for cls in (srmp.Pose, srmp.GoalConstraint, srmp.Trajectory, srmp.PlannerInterface, srmp.Contact):
+        assert cls.__doc__
+        for name, member in vars(cls).items():
+            if not name.startswith("_"):
+                assert (member.__doc__ or "").strip(), f"{cls.__name__}.{name}"
+
+
+@pytest.mark.parametrize("strict", [False, True])
+def test_a_users_program_is_clean(tmp_path, strict):
+    pytest.importorskip("mypy")
+    program = tmp_path / "program.py"
+    program.write_text(USER_PROGRAM)
+    cache = f"--cache-dir={tmp_path / 'cache'}"
+    command = [sys.executable, "-m", "mypy", cache, *(["--strict"] if strict else []), str(program)]
+    result = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert result.returncode == 0, result.stdout + result.stderr
