@@ -103,7 +103,7 @@ def draw_spheres(path: str | Path, panels: Sequence[tuple[str, Sequence[ArrayLik
         axes.add_collection3d(
             Poly3DCollection(np.vstack(faces), facecolors=np.vstack(shades), shade=True, linewidths=0)
         )
-        _frame(axes, lower, upper)
+        _frame(axes, lower, upper, zoom=0.95)
         axes.set_title(title, fontsize=12)
     figure.tight_layout()
     figure.savefig(path)
@@ -196,9 +196,9 @@ def _draw_arm(axes: Any, arm: np.ndarray, colour: Any, alpha: float) -> None:
     axes.plot(*arm.T, color="white", alpha=alpha, linewidth=0, marker="o", markersize=2.5, zorder=21)
 
 
-def _frame(axes: Any, lower: np.ndarray, upper: np.ndarray) -> None:
+def _frame(axes: Any, lower: np.ndarray, upper: np.ndarray, zoom: float = 1.08) -> None:
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
-    axes.set_box_aspect(np.maximum(upper - lower, 1e-3), zoom=1.08)
+    axes.set_box_aspect(np.maximum(upper - lower, 1e-3), zoom=zoom)
     axes.view_init(elev=24, azim=-148)
     axes.set_axis_off()
 

@@ -98,7 +98,7 @@ void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, 
     }
     if (total <= budget || !worst) return;
     const double too_many = static_cast<double>(total) / static_cast<double>(budget);
-    worst->cover_coarsely(std::clamp(std::sqrt(too_many), 1.1, 1.5) * worst->coarse_target());
+    worst->cover_coarsely(std::clamp(std::sqrt(too_many), too_many < 1.04 ? 1.03 : 1.1, 1.5) * worst->coarse_target());
   }
 }
 

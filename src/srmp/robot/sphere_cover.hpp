@@ -31,8 +31,9 @@ class CoverSolid {
   /// The convex hull of the vertices; the triangles are its faces, or nearly so (only the quality depends on them).
   static CoverSolid convex(const Vertices& vertices, const Triangles& triangles);
   /// A triangle surface with everything that it encloses. Holes, doubled faces and wrong orientations are fine:
-  /// enclosed is what cannot be reached from outside on a voxel grid (1/128 of the size; 1/32 for meshes with open
-  /// edges). A mesh that is convex but for rounding is treated as its hull.
+  /// enclosed is what cannot be reached from outside on a voxel grid (1/128 of the size). Inflation is measured from
+  /// that and from the cavities that a ball of radius `closing` [m] cannot enter; a cover need not hold those. A mesh
+  /// that is convex but for rounding is treated as its hull.
   static CoverSolid mesh(const Vertices& vertices, const Triangles& triangles, double closing = 0);
 
   bool is_convex() const;
@@ -64,7 +65,8 @@ struct SphereCover {
 };
 
 /// Covers the solid, deterministically. Every ball is an inscribed ball of the solid, grown by at most max_inflation;
-/// they are chosen greedily among balls on the medial axis (shrinking-ball transform: Ma, Bae, Choi 2012). Containment
+/// they are chosen among balls on the medial axis (shrinking-ball transform: Ma, Bae, Choi 2012), greedily and then by
+/// local search (smaller_cover). Containment
 /// is proved, not sampled: a ball is convex, so a triangle (a cell) is in it when its corners are, else it is split;
 /// what stays uncovered is given to the greedy choice again. Proved is: for convex solids the whole interior; for
 /// meshes every triangle and every enclosed cell that the surface does not cut.
