@@ -48,6 +48,37 @@ def test_exact_is_coal_and_conservative_is_never_free_wrongly(arm):
     assert stats["states_by_balls"] + stats["motions_by_balls"] > 2000
 
 
+TETRAHEDRON = ([[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.3]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+
+
+def add_object(planner, kind, name, pose):
+    adders = {
+        "box": lambda: planner.add_box(name, size=[0.05, 0.1, 0.3], pose=pose),
+        "sphere": lambda: planner.add_sphere(name, radius=0.1, pose=pose),
+        "cylinder": lambda: planner.add_cylinder(name, radius=0.05, length=0.3, pose=pose),
+        "capsule": lambda: planner.add_capsule(name, radius=0.05, length=0.3, pose=pose),
+        "cone": lambda: planner.add_cone(name, radius=0.1, length=0.3, pose=pose),
+        "mesh": lambda: planner.add_mesh(name, vertices=TETRAHEDRON[0], triangles=TETRAHEDRON[1], pose=pose),
+        "cloud": lambda: planner.add_point_cloud(
+            name, np.random.default_rng(2).uniform(-0.1, 0.1, (60, 3)), resolution=0.02, pose=pose
+        ),
+    }
+    adders[kind]()
+
+
+KINDS = ["box", "sphere", "cylinder", "capsule", "cone", "mesh", "cloud"]
+
+
+@pytest.mark.parametrize("held", KINDS)
+@pytest.mark.parametrize("around", KINDS)
+def test_every_kind_in_the_hand_against_every_kind_around(arm, held, around):
+    add_object(arm, held, "held", srmp.Pose(p=[0, 0, 3]))
+    arm.attach_object("held", "arm", "arm7_hand", pose_in_link=srmp.Pose(p=[0, 0, 0.3]))
+    for i, place in enumerate([[0.5, 0.4, 0.4], [-0.5, 0.3, 0.7], [0.1, -0.6, 0.9], [0.0, 0.5, 1.1]]):
+        add_object(arm, around, f"around{i}", srmp.Pose(p=place, q=[0.5, 0.5, 0.5, 0.5]))
+    assert_modes_agree(arm, "arm", 400, seed=KINDS.index(held))
+
+
 @pytest.mark.parametrize("robot", ["panda", "ur5", "fetch"])
 def test_agreement_on_motion_bench_maker(mbm_dir, robot):
     files = mbm.robot_files(mbm_dir, robot, "urdf")

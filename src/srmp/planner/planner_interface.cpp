@@ -29,6 +29,11 @@ struct PlannerInterface::Impl {
     return *slot;
   }
 
+  /// Slow for a robot seen for the first time, nothing otherwise.
+  void cover_robots() const {
+    for (const auto& [name, robot] : scene.robots()) ensure_covered(*robot.model, *covers);
+  }
+
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
 
   std::vector<std::string> sorted_robots(std::vector<std::string> robots) const {
@@ -252,7 +257,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
     throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +
                           std::to_string(key.size()) + " were named; use 'xECBS' for many");
-  for (const auto& [name, robot] : impl_->scene.robots()) ensure_covered(*robot.model, *impl_->covers);
+  impl_->cover_robots();
   impl_->planners.insert_or_assign(std::move(key), options);
 }
 
@@ -266,6 +271,7 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const Interrupt& interrupt) {
   const PlannerOptions& options = planner_options({robot});
+  impl_->cover_robots();  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
   const RobotModel& model = impl_->model(robot);
   if (goals.empty()) throw InvalidArgument("plan needs at least one goal");

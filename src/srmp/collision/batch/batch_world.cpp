@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 #include "srmp/collision/bodies.hpp"
@@ -93,22 +94,45 @@ class Builder {
       add_balls(body, cover_of_held(from), pose);
   }
 
-  /// A held object is covered by its size, as nobody waits for it: its hull where it is a mesh, or the box around it.
+  /// Nobody waits for the covers of a held object: unless it is a ball, cells of the box around it are put into balls.
   static GeometryCover cover_of_held(const Body& from) {
-    const double size = from.bounds.radius;
-    const CoverLevels levels{.coarse = std::max(0.015, 0.15 * size), .fine = std::max(0.004, 0.05 * size)};
-    if (from.hull == from.geometry && is_convex_solid(*from.geometry)) return cover_geometry(*from.geometry, levels);
-    const bool hull = is_convex_solid(*from.hull);
-    GeometryCover cover =
-        hull ? cover_geometry(*from.hull, levels) : cover_geometry(coal::Box(2 * from.bounds.box_half), levels);
-    if (!hull)
-      for (auto* balls : {&cover.coarse, &cover.fine})
-        for (Ball& ball : *balls) ball.center += from.bounds.box_center;
-    if (!hull) cover.bound.center += from.bounds.box_center;
-    cover.exact = false;
-    cover.hollow = true;
-    cover.inner.clear();
+    GeometryCover cover;
+    cover.bound = {from.bounds.center, from.bounds.radius};
+    if (const auto* sphere = dynamic_cast<const coal::Sphere*>(from.geometry.get())) {
+      cover.bound = {Eigen::Vector3d::Zero(), sphere->radius};
+      cover.coarse = {cover.bound};
+      cover.exact = true;
+      return cover;
+    }
+    cover.hollow = true;  // as far as the cells know
+    cover.coarse = balls_around_cells(from.bounds.box_center, from.bounds.box_half, 3);
+    for (const Ball& ball : cover.coarse) {
+      const auto first = static_cast<std::uint32_t>(cover.fine.size());
+      const Eigen::Vector3d cell = from.bounds.box_half.cwiseQuotient(cells_of(from.bounds.box_half, 3));
+      for (const Ball& fine : balls_around_cells(ball.center, cell, 2)) cover.fine.push_back(fine);
+      cover.children.emplace_back(cover.fine.size() - first);
+      std::iota(cover.children.back().begin(), cover.children.back().end(), first);
+    }
     return cover;
+  }
+
+  /// Cells along each edge of a box: as many as `longest` along the longest, and near cubes.
+  static Eigen::Vector3d cells_of(const Eigen::Vector3d& half, int longest) {
+    const double edge = half.maxCoeff() / longest;
+    if (!(edge > 0)) return Eigen::Vector3d::Ones();
+    return (half / edge - Eigen::Vector3d::Constant(1e-9)).array().ceil().max(1.0);
+  }
+
+  static std::vector<Ball> balls_around_cells(const Eigen::Vector3d& center, const Eigen::Vector3d& half, int longest) {
+    const Eigen::Vector3d cells = cells_of(half, longest), cell = half.cwiseQuotient(cells);
+    const double radius = cell.norm() * (1 + 1e-9) + 1e-12;
+    std::vector<Ball> balls;
+    for (int x = 0; x < cells.x(); ++x)
+      for (int y = 0; y < cells.y(); ++y)
+        for (int z = 0; z < cells.z(); ++z)
+          balls.push_back(
+              {center - half + cell.cwiseProduct(Eigen::Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1)), radius});
+    return balls;
   }
 
   /// Adds a geometry's balls to a body.
