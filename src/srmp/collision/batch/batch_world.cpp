@@ -176,7 +176,7 @@ class Builder {
 
   static BatchObstacle as_obstacle(const FixedBody& body) {
     const coal::CollisionGeometry* shape = body.geometry.get();
-    BatchObstacle o{.pose = body.pose, .padding = body.padding};
+    BatchObstacle o{.pose = body.pose, .padding = body.padding + NarrowPhase::contact_distance};
     if (const auto* s = dynamic_cast<const coal::Sphere*>(shape)) {
       o.kind = BatchObstacle::Kind::sphere;
       o.size = {s->radius, 0, 0};
@@ -231,7 +231,8 @@ class Builder {
     for (auto& [key, ids] : self_pairs) {
       // Where some geometries of the two may touch, a hit may be theirs.
       const bool all = ids.size() == geometries[key.first] * geometries[key.second];
-      scene_.world.self_pairs.push_back({key.first, key.second, bodies_.pairs[ids.front()].padding, all});
+      const double padding = bodies_.pairs[ids.front()].padding + NarrowPhase::contact_distance;
+      scene_.world.self_pairs.push_back({key.first, key.second, padding, all});
       scene_.self_pairs.push_back(std::move(ids));
     }
   }
