@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -125,7 +126,9 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     """A 7-joint arm reaches into a shelf; writes demo.json and demo.png."""
     from srmp.demo import run
 
-    result = run({"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
+    planner_options = {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)}
+    _cover_first(srmp.data_path("arm7.urdf"))
+    result = run(planner_options)
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
     result.write(folder / "demo.json")
@@ -171,6 +174,7 @@ def plan(
     chosen = group or (request.group_name if srdf else "")
     world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
     problem = _apply_request(world, request)
+    _cover_first(urdf, package_dirs)
     world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
     try:
         trajectory = world.plan("robot", problem.start, problem.goals)
@@ -310,6 +314,13 @@ def cover(
             click.echo(f"wrote {picture}")
 
 
+def _cover_first(urdf: str | Path, package_dirs: Sequence[str] = ()) -> None:
+    """Spheres of a robot never seen before take seconds to a minute: here with a bar, later from the cache."""
+    if os.environ.get("SRMP_CACHE_DIR") != "":  # without a cache the planner makes its own
+        with _steps_bar() as progress:
+            srmp.cover(str(urdf), package_dirs=list(package_dirs), progress=progress)
+
+
 @contextlib.contextmanager
 def _steps_bar() -> Iterator[Callable[[int, int], None]]:
     """Shows steps done of steps in all on stderr, where that is a terminal."""
@@ -364,13 +375,16 @@ def mbm(
 
     if out and not Path(out).parent.is_dir():
         raise click.BadParameter(f"--out: the folder {Path(out).parent} does not exist.")
+    planner_options = parse_key_values(options)
+    files = benchmark.robot_files(data, robot, geometry)
+    _cover_first(files.urdf, [str(files.folder)])
     result = benchmark.run(
         data,
         robot,
         scenarios=scenarios,
         problems=problems,
         planner_id=planner,
-        options=parse_key_values(options),
+        options=planner_options,
         geometry=geometry,
         time_limit=time_limit,
         progress=_progress_bar,

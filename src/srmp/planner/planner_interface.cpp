@@ -10,8 +10,9 @@ namespace srmp {
 
 struct PlannerInterface::Impl {
   Scene scene;
-  std::map<std::vector<std::string>, PlannerOptions> planners;       // by sorted robot names
-  mutable std::map<std::string, std::unique_ptr<Checker>> checkers;  // of the scene as it is now
+  std::map<std::vector<std::string>, PlannerOptions> planners;  // by sorted robot names
+  // Of the scene as it is now. Single questions go to Coal alone, so that they do not wait for sphere covers.
+  mutable std::map<std::pair<std::string, CheckMode>, std::unique_ptr<Checker>> checkers;
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   PlanStatistics statistics;
 
@@ -22,10 +23,10 @@ struct PlannerInterface::Impl {
     checkers.clear();
   }
 
-  const Checker& checker(const std::string& robot) const {
+  const Checker& checker(const std::string& robot, CheckMode mode = CheckMode::coal) const {
     scene.robot(robot);  // throws with the nearest name
-    std::unique_ptr<Checker>& slot = checkers[robot];
-    if (!slot) slot = std::make_unique<Checker>(scene, robot, CheckerOptions{.covers = covers});
+    std::unique_ptr<Checker>& slot = checkers[{robot, mode}];
+    if (!slot) slot = std::make_unique<Checker>(scene, robot, CheckerOptions{mode, covers});
     return *slot;
   }
 
@@ -282,8 +283,8 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   }
   model.require_configuration(start, "start of '" + robot + "'");
   impl_->statistics = {};
-  return plan_single_robot({impl_->scene, robot, impl_->checker(robot), start, goals, options}, deadline,
-                           impl_->statistics);
+  return plan_single_robot({impl_->scene, robot, impl_->checker(robot, CheckMode::exact), start, goals, options},
+                           deadline, impl_->statistics);
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
