@@ -142,7 +142,15 @@ def test_exhausted_is_told_apart(arm, ready, tmp_path):
     assert error.value.status == srmp.Status.exhausted
 
 
-def test_ctrl_c_stops_a_plan(arm, ready):
+@pytest.fixture
+def interruptible():
+    """Python's own Ctrl-C, which a program started in the background may have been told to ignore."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_stops_a_plan(arm, ready, interruptible):
     arm.make_planner("arm", {"planner_id": "Astar", "time_limit": 60, "resolution": 2})
     threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
     began = time.perf_counter()
