@@ -28,6 +28,7 @@ Sha256::Sha256()
     : state_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19} {}
 
 void Sha256::add(const void* data, std::size_t size) {
+  if (size == 0) return;  // data may be null then
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   std::size_t filled = size_ % 64;
   size_ += size;
