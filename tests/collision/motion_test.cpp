@@ -255,9 +255,7 @@ BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
 
 BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
   const auto robot = arm7();
-  Scene scene = crowd(robot, 41, 2, "arm7_hand");
-  for (const std::string name : {"mesh_a", "mesh_b", "cloud_a", "cloud_b"})
-    scene.remove_object(name);  // Coal allocates
+  const Scene scene = crowd(robot, 41, 2, "arm7_hand");
   const Checker checker(scene, "arm7");
   const auto workspace = checker.make_workspace();
   std::vector<Motion> motions;

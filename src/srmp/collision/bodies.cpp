@@ -18,7 +18,8 @@ Body link_body(const RobotInstance& instance, std::size_t index, bool own) {
   return {own ? geometry.link : scene_name,
           BodyKind::link,
           geometry.shape,
-          instance.hulls[index],
+          instance.parts[index],
+          nullptr,
           bounds,
           instance.padding,
           own,
@@ -28,8 +29,17 @@ Body link_body(const RobotInstance& instance, std::size_t index, bool own) {
 }
 
 Body object_body(const Object& object, BodyKind kind) {
-  return {object.name, kind, object.geometry, object.hull, bounds_of(*object.geometry), object.padding, false, 0,
-          object.name, 0};
+  return {object.name,
+          kind,
+          object.geometry,
+          object.parts,
+          object.field,
+          bounds_of(*object.geometry),
+          object.padding,
+          false,
+          0,
+          object.name,
+          0};
 }
 
 /// Does contact between two bodies count?
@@ -159,19 +169,16 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
     const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
     const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
     if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;
-    const Placed placed_a{a.geometry.get(), pose_a, center_a}, placed_b{b.geometry.get(), pose_b, center_b};
+    const Placed placed_a{a.geometry.get(), a.parts.pieces.get(), a.bounds, pose_a, center_a},
+        placed_b{b.geometry.get(), b.parts.pieces.get(), b.bounds, pose_b, center_b};
     if (NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance)
       overlaps.push_back({a_fixed, b_fixed, index_a, index_b});
     return;
   }
   Pair pair{index_a, index_b, b_fixed};
-  pair.hulls_are_exact = a.hull == a.geometry && b.hull == b.geometry;
-  pair.hulls_have_distance = is_convex_solid(*a.hull) && is_convex_solid(*b.hull);
-  pair.two_meshes = a.hull != a.geometry && b.hull != b.geometry;
-  pair.hull_mesh_functor = functors.index(*a.hull, *b.geometry);
-  pair.mesh_hull_functor = functors.index(*a.geometry, *b.hull);
-  pair.hull_functor = functors.index(*a.hull, *b.hull);
-  pair.functor = functors.index(*a.geometry, *b.geometry);
+  pair.solid = a.is_solid() && b.is_solid();
+  pair.in_pieces = !a.is_solid() && !b.is_solid();
+  if (a.solid() && b.solid()) pair.formula = formulas.index(*a.solid(), *b.solid());
   pair.padding = a.own && b.own ? 0.0 : a.padding + b.padding;
   pair.movers_a = a.movers & ~b.movers;
   pair.movers_b = b.movers & ~a.movers;

@@ -16,13 +16,18 @@ struct Body {
   std::string name;
   BodyKind kind{};
   std::shared_ptr<const coal::CollisionGeometry> geometry;
-  std::shared_ptr<const coal::CollisionGeometry> hull;
+  GeometryParts parts;
+  std::shared_ptr<const DistanceField> field;  // of an object
   Bounds bounds;
   double padding{};
   bool own{};              // a link of the planned robot, or attached to one
   std::uint64_t movers{};  // drives of the planned robot that move it
   std::string scene_name;  // as the scene resolves it
   std::size_t source{};    // geometry index of a link; link index of an object in a moving hand
+
+  /// The geometry, or a convex solid around it; null when there is only the geometry's pieces.
+  const coal::CollisionGeometry* solid() const { return is_convex_solid(*parts.hull) ? parts.hull.get() : nullptr; }
+  bool is_solid() const { return !parts.pieces; }
 };
 
 /// Moved by the planned joints: a geometry of the robot, or an object in a link's hand.
@@ -41,10 +46,9 @@ struct Pair {
   std::uint32_t a{};  // moving body
   std::uint32_t b{};  // moving or fixed body
   bool b_fixed{};
-  bool hulls_are_exact{};      // the geometries are their own hulls
-  bool hulls_have_distance{};  // both hulls are convex solids
-  bool two_meshes{};           // neither geometry is its own hull
-  std::uint8_t hull_functor{}, hull_mesh_functor{}, mesh_hull_functor{}, functor{};
+  bool solid{};      // both bodies are convex solids
+  bool in_pieces{};  // neither is
+  int formula{-1};   // for the distance of their solids
   double padding{};
   std::uint64_t movers_a{}, movers_b{};  // drives between the body and the nearest common frame
 };
@@ -66,7 +70,7 @@ struct Bodies {
   std::vector<RigidOverlap> overlaps;
   BoxTree tree;  // over fixed
   double most_fixed_padding{};
-  FunctorTable functors;
+  FormulaTable formulas;
 
  private:
   void add_robot_links(const RobotInstance& instance, const RobotData& data);

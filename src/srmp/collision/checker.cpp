@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 
 #include "srmp/collision/batch/batch_world.hpp"
@@ -23,8 +24,13 @@ using detail::Proximity;
 namespace {
 
 /// Two bodies of many pieces each (meshes, clouds) are asked to prove an interval only when they move by less in it:
-/// before that, halving is cheaper.
+/// before that, cutting it is cheaper.
 constexpr double many_pieces_motion = 1e-3;  // [m]
+
+/// An interval is cut into so many that the pair's distance could prove each, but no more than this.
+constexpr int most_cuts = 16;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// One block of 16: what it leaves open, Coal settles pair by pair in less time than more blocks would take.
 constexpr BatchChecker::MotionOptions batch_options{.step = 0.02, .refinements = 0, .max_blocks = 64};
@@ -102,6 +108,8 @@ class Checker::Workspace {
 
   void place(ConstVector q);
   double gap(const Pair& pair) const;
+  double hull_distance(const Pair& pair, double margin, double suffices);
+  double distance(const Pair& pair, double margin, double enough);
   bool in_contact(const Pair& pair);
   bool is_free_here();
   template <class Visit>
@@ -113,13 +121,14 @@ class Checker::Workspace {
   void place_on_motion(double t);
   double displacement(std::size_t body, std::uint64_t movers, double half_width);
   bool is_still(const Pair& pair) const { return ((pair.movers_a | pair.movers_b) & active_) == 0; }
-  Judgement judge(const Pair& pair, double half_width);
+  Judgement judge(const Pair& pair, double half_width, int& cuts);
   bool first_sample();
   bool first_sample_of(std::size_t body);
   Verdict ask_balls();
-  void halve(double t, double half_width);
+  void cut(double t, double half_width, std::uint32_t pair, int cuts);
+  void sort_open();
   bool settle();
-  bool take(std::uint32_t pair, double half_width);
+  bool take(std::uint32_t pair, double t, double half_width);
   bool is_motion_free(bool a_is_free);
   MotionCertificate certify_motion();
   bool settle_by_coal();
@@ -134,15 +143,11 @@ class Checker::Workspace {
   CheckStatistics statistics;
 
  private:
-  Placed placed_a(const Pair& pair) const { return placed(false, pair.a); }
-  Placed placed_b(const Pair& pair) const { return placed(pair.b_fixed, pair.b); }
-  const coal::CollisionGeometry* hull_a(const Pair& pair) const { return bodies_.moving[pair.a].hull.get(); }
-  const coal::CollisionGeometry* hull_b(const Pair& pair) const {
-    return pair.b_fixed ? bodies_.fixed[pair.b].hull.get() : bodies_.moving[pair.b].hull.get();
+  const detail::Body& body_b(const Pair& pair) const {
+    if (pair.b_fixed) return bodies_.fixed[pair.b];
+    return bodies_.moving[pair.b];
   }
-  bool hull_of_one_within(const Pair& pair, double margin);
-  bool hulls_within(const Pair& pair, double margin, double& distance);
-  bool within(const Pair& pair, double margin);
+  double ask(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough);
   double axis_reach(std::size_t body, std::size_t drive);
 
   const Bodies& bodies_;
@@ -166,13 +171,14 @@ class Checker::Workspace {
   std::vector<Interval> open_, next_;
   Interval failed_{};                               // where the last motion could not be proved
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
-  std::vector<std::uint32_t> undecided_;
 };
 
 Checker::Workspace::Workspace(const Impl& checker)
-    : impl(checker), bodies_(checker.bodies), data_(checker.model.make_data()), narrow_(checker.bodies.functors) {
+    : impl(checker), bodies_(checker.bodies), data_(checker.model.make_data()), narrow_(checker.bodies.formulas) {
   if (impl.batch) batch_ = impl.batch->make_workspace();
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
+  open_.reserve(1024);
+  next_.reserve(1024);
   impl.model.set_other_positions(*data_, impl.instance.other_positions);
   const std::size_t drives = impl.model.drives().size(), moving = bodies_.moving.size();
   poses_.resize(moving);
@@ -197,8 +203,12 @@ void Checker::Workspace::place(ConstVector q) {
 }
 
 Placed Checker::Workspace::placed(bool fixed, std::size_t i) const {
-  if (fixed) return {bodies_.fixed[i].geometry.get(), bodies_.fixed[i].pose, bodies_.fixed[i].center};
-  return {bodies_.moving[i].geometry.get(), poses_[i], centers_[i]};
+  if (!fixed) {
+    const MovingBody& body = bodies_.moving[i];
+    return {body.geometry.get(), body.parts.pieces.get(), body.bounds, poses_[i], centers_[i]};
+  }
+  const FixedBody& body = bodies_.fixed[i];
+  return {body.geometry.get(), body.parts.pieces.get(), body.bounds, body.pose, body.center};
 }
 
 // --- one configuration
@@ -213,37 +223,37 @@ double Checker::Workspace::gap(const Pair& pair) const {
   return (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0).norm() - radius;
 }
 
-bool Checker::Workspace::hulls_within(const Pair& pair, double margin, double& distance) {
-  const Placed a = placed_a(pair), b = placed_b(pair);
+double Checker::Workspace::ask(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough) {
   ++statistics.narrow_phase;
-  return narrow_.within(pair.hull_functor, {hull_a(pair), a.pose, a.center}, {hull_b(pair), b.pose, b.center}, margin,
-                        distance);
+  if (!a.pieces && !b.pieces) return narrow_.solids(pair.formula, a, b, margin);
+  return narrow_.pieces(a, b, margin, enough);
 }
 
-/// Is one mesh near the other's hull, both ways? Takes a tenth of the time of mesh against mesh.
-bool Checker::Workspace::hull_of_one_within(const Pair& pair, double margin) {
-  double unused;
-  const Placed a = placed_a(pair), b = placed_b(pair);
-  ++statistics.narrow_phase;
-  if (!narrow_.within(pair.hull_mesh_functor, {hull_a(pair), a.pose, a.center}, b, margin, unused)) return false;
-  ++statistics.narrow_phase;
-  return narrow_.within(pair.mesh_hull_functor, a, {hull_b(pair), b.pose, b.center}, margin, unused);
+/// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
+/// exceeds `margin`. One that is more than `suffices` is not improved.
+double Checker::Workspace::hull_distance(const Pair& pair, double margin, double suffices) {
+  const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
+  const Placed solid_a{bodies_.moving[pair.a].solid(), nullptr, a.bounds, a.pose, a.center};
+  const Placed solid_b{body_b(pair).solid(), nullptr, b.bounds, b.pose, b.center};
+  double found = 0.0;
+  if (solid_a.geometry && solid_b.geometry) found = ask(pair, solid_a, solid_b, margin, suffices);
+  if (!pair.in_pieces || found > suffices) return found;
+  if (solid_a.geometry) found = ask(pair, solid_a, b, margin, suffices);
+  if (solid_b.geometry && found <= suffices) found = ask(pair, a, solid_b, margin, suffices);
+  return found;
 }
 
-bool Checker::Workspace::within(const Pair& pair, double margin) {
-  if (pair.two_meshes && !hull_of_one_within(pair, margin + NarrowPhase::tolerance)) return false;
-  double unused;
-  const Placed a = placed_a(pair), b = placed_b(pair);
-  ++statistics.narrow_phase;
-  return narrow_.within(pair.functor, a, b, margin, unused);
+/// The distance of the pair, padding not counted; infinity when it exceeds `margin`. Any that two of their points have
+/// will do if it is at most `enough`.
+double Checker::Workspace::distance(const Pair& pair, double margin, double enough) {
+  return ask(pair, placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough);
 }
 
 /// Coal's verdict on the pair, padding counted. The hulls answer most of the time.
 bool Checker::Workspace::in_contact(const Pair& pair) {
   if (gap(pair) > pair.padding + NarrowPhase::tolerance) return false;
-  if (pair.hulls_are_exact) return within(pair, pair.padding);
-  double unused;
-  return hulls_within(pair, pair.padding + NarrowPhase::tolerance, unused) && within(pair, pair.padding);
+  if (!pair.solid && hull_distance(pair, pair.padding + NarrowPhase::tolerance, infinity) == infinity) return false;
+  return distance(pair, pair.padding, pair.padding + NarrowPhase::contact_distance) < infinity;
 }
 
 /// Visits the pairs of a moving body with those fixed bodies whose boxes come within `margin` plus padding of its
@@ -317,11 +327,13 @@ double Checker::Workspace::displacement(std::size_t body, std::uint64_t movers, 
   return moved;
 }
 
-Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double half_width) {
+/// Judges the pair over an interval around here: `cuts` is into how many parts it is to be cut when undecided.
+Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double half_width, int& cuts) {
   double motion = displacement(pair.a, pair.movers_a, half_width);
   if (pair.movers_b & active_) motion += displacement(pair.b, pair.movers_b, half_width);
   const double margin = pair.padding + motion + NarrowPhase::tolerance;
   const double apart = gap(pair);
+  cuts = 2;
   if (apart > margin) return Judgement::proved;
   const Judgement unproved = motion < motion_floor ? Judgement::contact : Judgement::undecided;
   // The middle of a body is hardly farther than this; no need to ask what cannot be proved.
@@ -329,38 +341,46 @@ Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double
     if (apart > pair.padding) return unproved;
     return in_contact(pair) ? Judgement::contact : unproved;
   }
-
-  double distance = 0.0;
-  if (!hulls_within(pair, margin, distance)) return Judgement::proved;
-  if (pair.hulls_have_distance) {
-    if (pair.hulls_are_exact)
-      return distance <= pair.padding + NarrowPhase::contact_distance ? Judgement::contact : unproved;
-    // Three more halvings let the hulls prove it: cheaper than asking the meshes.
-    if (distance > margin - 0.9 * motion) return unproved;
+  const auto cut_by = [&](double found) {
+    while (cuts < most_cuts && motion > cuts * (found - pair.padding)) cuts *= 2;
+    return unproved;
+  };
+  if (!pair.solid) {
+    const double limit = margin + NarrowPhase::tolerance, found = hull_distance(pair, limit, limit - 0.9 * motion);
+    if (found == infinity) return Judgement::proved;
+    // Hulls a tenth of the motion apart prove it once it is cut: cheaper than asking the meshes.
+    if (found > limit - 0.9 * motion && unproved == Judgement::undecided) return cut_by(found);
+    if (pair.in_pieces && motion > many_pieces_motion) return in_contact(pair) ? Judgement::contact : unproved;
   }
-  const bool many_pieces = pair.two_meshes || !pair.hulls_have_distance;
-  if (many_pieces && motion > many_pieces_motion) {
-    if (pair.two_meshes && !hull_of_one_within(pair, margin + NarrowPhase::tolerance)) return Judgement::proved;
-  } else if (!pair.hulls_are_exact && !within(pair, margin)) {
-    return Judgement::proved;
-  }
-  return in_contact(pair) ? Judgement::contact : unproved;
+  const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + 0.5 * motion;
+  const double found = distance(pair, margin, enough);
+  if (found == infinity) return Judgement::proved;
+  if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
+    return Judgement::contact;
+  return cut_by(found);
 }
 
 /// Judges the pair over an interval around here and remembers it when undecided; false when the motion is not free.
-bool Checker::Workspace::take(std::uint32_t pair, double half_width) {
+bool Checker::Workspace::take(std::uint32_t pair, double t, double half_width) {
   failed_.pair = pair;
   if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
-  const Judgement verdict = judge(bodies_.pairs[pair], half_width);
-  if (verdict == Judgement::undecided) undecided_.push_back(pair);
+  int cuts;
+  const Judgement verdict = judge(bodies_.pairs[pair], half_width, cuts);
+  if (verdict == Judgement::undecided) cut(t, half_width, pair, cuts);
   return verdict != Judgement::contact;
+}
+
+/// The pair is to be judged over each of so many parts of the interval.
+void Checker::Workspace::cut(double t, double half_width, std::uint32_t pair, int cuts) {
+  const double part = half_width / cuts;
+  for (int i = 0; i < cuts; ++i) next_.push_back({t - half_width + (2 * i + 1) * part, part, pair});
 }
 
 bool Checker::Workspace::first_sample_of(std::size_t body) {
   constexpr double half_width = 0.5;
   if (bodies_.moving[body].movers & active_)
     return for_each_fixed_near(body, displacement(body, bodies_.moving[body].movers, half_width),
-                               [&](std::uint32_t pair) { return take(pair, half_width); });
+                               [&](std::uint32_t pair) { return take(pair, 0.5, half_width); });
   if (start_is_free_) return true;
   return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) {
     failed_.pair = pair;
@@ -370,39 +390,37 @@ bool Checker::Workspace::first_sample_of(std::size_t body) {
 
 /// The whole motion as one interval around its middle.
 bool Checker::Workspace::first_sample() {
-  undecided_.clear();
   place_on_motion(0.5);
   for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
     if (!first_sample_of(i)) return false;
   return std::all_of(bodies_.moving_pairs.begin(), bodies_.moving_pairs.end(),
-                     [&](std::uint32_t pair) { return take(pair, 0.5); });
+                     [&](std::uint32_t pair) { return take(pair, 0.5, 0.5); });
 }
 
-/// Settles the open intervals, in order of t. Those of pairs still undecided are halved, level by level, so that the
+void Checker::Workspace::sort_open() {
+  std::sort(open_.begin(), open_.end(), [](const Interval& a, const Interval& b) {
+    return std::tie(a.t, a.half_width, a.pair) < std::tie(b.t, b.half_width, b.pair);
+  });
+}
+
+/// Settles the open intervals, in order of t. Those of pairs still undecided are cut, level by level, so that the
 /// samples of a level are placed once for all pairs and a contact shows early.
 bool Checker::Workspace::settle() {
   while (!open_.empty()) {
     next_.clear();
+    sort_open();
     for (std::size_t i = 0; i < open_.size();) {
-      const double t = open_[i].t, half_width = open_[i].half_width;
+      const double t = open_[i].t;
       place_on_motion(t);
-      undecided_.clear();
-      for (; i < open_.size() && open_[i].t == t && open_[i].half_width == half_width; ++i)
-        if (!take(open_[i].pair, half_width)) {
+      for (; i < open_.size() && open_[i].t == t; ++i)
+        if (!take(open_[i].pair, t, open_[i].half_width)) {
           failed_ = open_[i];
           return false;
         }
-      halve(t, half_width);
     }
     std::swap(open_, next_);
   }
   return true;
-}
-
-/// The undecided pairs, over both halves of an interval.
-void Checker::Workspace::halve(double t, double half_width) {
-  for (double side : {-0.5, 0.5})
-    for (std::uint32_t pair : undecided_) next_.push_back({t + side * half_width, half_width / 2, pair});
 }
 
 /// What the balls prove of the motion; what they leave open goes to open_.
@@ -430,9 +448,6 @@ Verdict Checker::Workspace::ask_balls() {
     low = 1.0;
     high = 0.0;
   }
-  std::sort(open_.begin(), open_.end(), [](const Interval& a, const Interval& b) {
-    return std::tie(a.t, a.half_width, a.pair) < std::tie(b.t, b.half_width, b.pair);
-  });
   statistics.undecided += batch.undecided(*batch_).size();
   return verdict;
 }
@@ -442,7 +457,6 @@ bool Checker::Workspace::settle_by_coal() {
   next_.clear();
   failed_ = {0.5, 0.5, 0};
   if (!first_sample()) return false;
-  halve(0.5, 0.5);
   std::swap(open_, next_);
   return settle();
 }
@@ -631,16 +645,20 @@ std::optional<Contact> Checker::nearest(ConstVector q, Workspace& workspace) con
   for (std::size_t i = 0; i < bodies.pairs.size(); ++i)
     order.emplace_back(workspace.gap(bodies.pairs[i]) - bodies.pairs[i].padding, i);
   std::sort(order.begin(), order.end());
-  std::optional<Contact> best;
+  double least = infinity;
+  const Pair* pair = nullptr;
   for (const auto& [bound, i] : order) {
-    if (best && bound > best->distance) break;
-    const Pair& pair = bodies.pairs[i];
-    const Proximity found =
-        NarrowPhase::distance(workspace.placed(false, pair.a), workspace.placed(pair.b_fixed, pair.b));
-    if (!best || found.distance - pair.padding < best->distance)
-      best = workspace.contact(bodies.moving[pair.a], body_of(bodies, pair.b_fixed, pair.b), found, pair.padding);
+    if (bound > least) break;
+    const Pair& next = bodies.pairs[i];
+    const double apart = workspace.distance(next, least + next.padding, 0.0) - next.padding;
+    if (apart >= least) continue;
+    least = apart;
+    pair = &next;
   }
-  return best;
+  if (!pair) return std::nullopt;
+  const Proximity found =
+      NarrowPhase::distance(workspace.placed(false, pair->a), workspace.placed(pair->b_fixed, pair->b));
+  return workspace.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
 }
 
 }  // namespace srmp

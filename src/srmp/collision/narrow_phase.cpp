@@ -72,26 +72,101 @@ Bounds bounds_of(const coal::CollisionGeometry& geometry) {
 
 bool is_convex_solid(const coal::CollisionGeometry& geometry) { return geometry.getObjectType() == coal::OT_GEOM; }
 
-std::uint8_t FunctorTable::index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b) {
-  const auto [it, added] = known_.emplace(std::pair<int, int>(a.getNodeType(), b.getNodeType()),
-                                          static_cast<std::uint8_t>(examples_.size()));
+int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b) {
+  if (!has_formula(a.getNodeType(), b.getNodeType())) return -1;
+  const auto [it, added] =
+      known_.emplace(std::pair<int, int>(a.getNodeType(), b.getNodeType()), static_cast<int>(examples_.size()));
   if (added) examples_.emplace_back(&a, &b);
   return it->second;
 }
 
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A box among the boxes of a tree: its place in the tree's frame.
+struct BoxAmong {
+  Eigen::Matrix3d axes, absolute;  // columns, and their absolute values
+  Eigen::Vector3d center, half;
+
+  explicit BoxAmong(const Eigen::Matrix3d& rotation) : axes(rotation), absolute(rotation.cwiseAbs()) {}
+
+  /// A lower bound of the squared distance to an aligned box: along the axes of either.
+  double squared_gap(const Eigen::Vector3d& middle, const Eigen::Vector3d& extent) const {
+    const Eigen::Vector3d way = center - middle;
+    const Eigen::Vector3d theirs = (way.cwiseAbs() - extent - absolute * half).cwiseMax(0.0);
+    const Eigen::Vector3d ours =
+        ((axes.transpose() * way).cwiseAbs() - half - absolute.transpose() * extent).cwiseMax(0.0);
+    return std::max(theirs.squaredNorm(), ours.squaredNorm());
+  }
+
+  /// Is the box farther than `limit` from the triangle's plane?
+  bool beyond_plane(const PieceTree::Triangle& t, double limit) const {
+    const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
+    const double gap = std::abs(normal.dot(center - t[0])) - (axes.transpose() * normal).cwiseAbs().dot(half);
+    return gap > 0 && gap * gap > limit * limit * normal.squaredNorm();
+  }
+};
+
+struct BoxOf {
+  Eigen::Vector3d center, half;
+};
+
+/// The box around one piece.
+BoxOf box_of_piece(const PieceTree& tree, std::size_t piece) {
+  if (tree.of_cubes()) return {tree.cubes()[piece], Eigen::Vector3d::Constant(tree.edge() / 2)};
+  const PieceTree::Triangle& t = tree.triangles()[piece];
+  const Eigen::Vector3d low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+  return {(low + high) / 2, (high - low) / 2};
+}
+
+/// A piece as one of Coal's shapes.
+class PieceShape {
+ public:
+  explicit PieceShape(const PieceTree& tree) : tree_(&tree), cube_(tree.edge(), tree.edge(), tree.edge()) {}
+  const coal::ShapeBase* shape() const {
+    if (tree_->of_cubes()) return &cube_;
+    return &triangle_;
+  }
+  /// Changes shape() into the piece; returns its frame's origin in the tree's frame.
+  Eigen::Vector3d take(std::size_t piece) {
+    if (tree_->of_cubes()) return tree_->cubes()[piece];
+    const PieceTree::Triangle& t = tree_->triangles()[piece];
+    triangle_.a = t[0], triangle_.b = t[1], triangle_.c = t[2];
+    return Eigen::Vector3d::Zero();
+  }
+
+ private:
+  const PieceTree* tree_;
+  coal::TriangleP triangle_;
+  coal::Box cube_;
+};
+
+}  // namespace
+
 struct NarrowPhase::Impl {
-  std::vector<std::unique_ptr<Functor>> functors;  // null where GJK is run directly: Coal's functor allocates
+  std::vector<std::unique_ptr<Functor>> formulas;
   coal::details::GJK gjk{coal::GJK_DEFAULT_MAX_ITERATIONS, coal::GJK_DEFAULT_TOLERANCE};
   coal::details::MinkowskiDiff difference;
   coal::CollisionRequest request;
   coal::CollisionResult result;
+  struct Open {
+    double squared_gap;
+    std::uint32_t a, b;
+  };
+  std::vector<Open> open;
+
+  double run_gjk(const Eigen::Vector3d& guess, double margin);
+  double solid_to_piece(const Placed& solid, const PieceTree& tree, std::size_t piece, const Eigen::Isometry3d& to_tree,
+                        PieceShape& shape, double margin);
+  double solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough);
+  double pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough);
+  void push_nearer_last(const Open& one, const Open& other, double limit);
 };
 
-NarrowPhase::NarrowPhase(const FunctorTable& table) : impl_(std::make_unique<Impl>()) {
-  for (const auto& [a, b] : table.examples()) {
-    const bool gjk = is_convex_solid(*a) && is_convex_solid(*b) && !has_formula(a->getNodeType(), b->getNodeType());
-    impl_->functors.push_back(gjk ? nullptr : std::make_unique<Functor>(a, b));
-  }
+NarrowPhase::NarrowPhase(const FormulaTable& table) : impl_(std::make_unique<Impl>()) {
+  for (const auto& [a, b] : table.examples()) impl_->formulas.push_back(std::make_unique<Functor>(a, b));
+  impl_->open.reserve(256);
   impl_->gjk.gjk_variant = coal::GJKVariant::DefaultGJK;
   impl_->gjk.convergence_criterion = coal::GJKConvergenceCriterion::Default;
   impl_->gjk.convergence_criterion_type = coal::GJKConvergenceCriterionType::Relative;
@@ -104,34 +179,145 @@ NarrowPhase::NarrowPhase(const FunctorTable& table) : impl_(std::make_unique<Imp
 
 NarrowPhase::~NarrowPhase() = default;
 
-/// GJK as Coal's functors run it, without their allocations. evaluate() starts afresh every time.
-bool NarrowPhase::gjk_within(const Placed& a, const Placed& b, double margin, double& distance) {
-  coal::details::GJK& gjk = impl_->gjk;
-  impl_->difference.set(static_cast<const coal::ShapeBase*>(a.geometry),
-                        static_cast<const coal::ShapeBase*>(b.geometry), transform(a.pose), transform(b.pose));
+/// GJK on `difference`, as Coal's functors run it, without their allocations. evaluate() starts afresh every time.
+double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
   gjk.setDistanceEarlyBreak(margin + contact_distance);  // enough once more than this is proved
-  gjk.evaluate(impl_->difference, first_guess(a, b));
-  distance = std::max(0.0, gjk.distance);
+  gjk.evaluate(difference, guess);
+  double distance = std::max(0.0, gjk.distance);
   switch (gjk.status) {
     case coal::details::GJK::Collision:
-    case coal::details::GJK::CollisionWithPenetrationInformation: return true;
-    case coal::details::GJK::NoCollisionEarlyStopped: return false;
-    case coal::details::GJK::NoCollision: return distance <= margin + contact_distance;
-    default: return distance <= margin + unconverged;
+    case coal::details::GJK::CollisionWithPenetrationInformation: break;
+    case coal::details::GJK::NoCollisionEarlyStopped: return infinity;
+    case coal::details::GJK::NoCollision: break;
+    default: distance = std::max(0.0, distance - unconverged);
   }
+  return distance <= margin + contact_distance ? distance : infinity;
 }
 
-bool NarrowPhase::within(std::uint8_t functor, const Placed& a, const Placed& b, double margin, double& distance) {
-  const Functor* coal_functor = impl_->functors[functor].get();
-  if (!coal_functor) return gjk_within(a, b, margin, distance);
-  coal_functor->point_at(a.geometry, b.geometry);
-  set_guess(impl_->request, a, b);
-  impl_->request.security_margin = margin;
-  impl_->request.distance_upper_bound = margin + contact_distance;  // GJK stops once it has proved more
-  impl_->result.clear();
-  const bool near = (*coal_functor)(transform(a.pose), transform(b.pose), impl_->request, impl_->result) > 0;
-  distance = std::max(0.0, impl_->result.distance_lower_bound + margin);
-  return near;
+double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin) {
+  Impl& impl = *impl_;
+  if (formula < 0) {
+    impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry),
+                        static_cast<const coal::ShapeBase*>(b.geometry), transform(a.pose), transform(b.pose));
+    return impl.run_gjk(first_guess(a, b), margin);
+  }
+  const Functor& functor = *impl.formulas[static_cast<std::size_t>(formula)];
+  functor.point_at(a.geometry, b.geometry);
+  set_guess(impl.request, a, b);
+  impl.request.security_margin = margin;
+  impl.request.distance_upper_bound = margin + contact_distance;
+  impl.result.clear();
+  if (functor(transform(a.pose), transform(b.pose), impl.request, impl.result) == 0) return infinity;
+  return std::max(0.0, impl.result.distance_lower_bound + margin);
+}
+
+double NarrowPhase::pieces(const Placed& a, const Placed& b, double margin, double enough) {
+  if (!a.pieces) return impl_->solid_to_pieces(a, b, margin, enough);
+  if (!b.pieces) return impl_->solid_to_pieces(b, a, margin, enough);
+  return impl_->pieces_to_pieces(a, b, margin, enough);
+}
+
+/// `to_tree`: from the solid's frame.
+double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PieceTree& tree, std::size_t piece,
+                                         const Eigen::Isometry3d& to_tree, PieceShape& shape, double margin) {
+  const Eigen::Vector3d origin = shape.take(piece);
+  if (tree.of_cubes() && solid.geometry->getNodeType() == coal::GEOM_SPHERE) {
+    const Eigen::Vector3d off = (to_tree.translation() - origin).cwiseAbs();
+    const double distance = (off.array() - tree.edge() / 2).cwiseMax(0.0).matrix().norm() - solid.bounds.radius;
+    return distance <= margin + contact_distance ? std::max(0.0, distance) : infinity;
+  }
+  difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), shape.shape(), transform(to_tree),
+                 coal::Transform3s(Eigen::Matrix3d::Identity(), origin));
+  const Eigen::Vector3d guess =
+      to_tree.linear().transpose() * (to_tree * solid.bounds.center - box_of_piece(tree, piece).center);
+  return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin);
+}
+
+/// What is nearer is looked at first; what is too far, not at all.
+void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, double limit) {
+  const Open &far = one.squared_gap > other.squared_gap ? one : other, &near = &far == &one ? other : one;
+  if (far.squared_gap <= limit * limit) open.push_back(far);
+  if (near.squared_gap <= limit * limit) open.push_back(near);
+}
+
+double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough) {
+  const PieceTree& tree = *other.pieces;
+  const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
+  BoxAmong box(to_tree.linear());
+  box.center = to_tree * solid.bounds.box_center;
+  box.half = solid.bounds.box_half;
+  PieceShape shape(tree);
+  double best = infinity, limit = margin + tolerance;
+  const auto gap_to = [&](std::uint32_t node) {
+    return box.squared_gap(tree.nodes()[node].center, tree.nodes()[node].half);
+  };
+  open.assign(1, {gap_to(0), 0, 0});
+  while (!open.empty()) {
+    const Open next = open.back();
+    open.pop_back();
+    if (next.squared_gap > limit * limit) continue;
+    const PieceTree::Node& node = tree.nodes()[next.a];
+    if (node.size == 0) {
+      push_nearer_last({gap_to(next.a + 1), next.a + 1, 0}, {gap_to(node.right), node.right, 0}, limit);
+      continue;
+    }
+    for (std::size_t i = node.first; i < node.first + node.size; ++i) {
+      const BoxOf piece = box_of_piece(tree, i);
+      if (box.squared_gap(piece.center, piece.half) > limit * limit) continue;
+      if (!tree.of_cubes() && box.beyond_plane(tree.triangles()[i], limit)) continue;
+      best = std::min(best, solid_to_piece(solid, tree, i, to_tree, shape, std::min(margin, best)));
+      if (best < infinity && best <= enough) return best;
+      limit = std::min(limit, best + tolerance);
+    }
+  }
+  return best;
+}
+
+double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough) {
+  const PieceTree &tree_a = *a.pieces, &tree_b = *b.pieces;
+  const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
+  BoxAmong box(to_a.linear());
+  PieceShape shape_a(tree_a), shape_b(tree_b);
+  double best = infinity, limit = margin + tolerance;
+  const auto gap_between = [&](const auto& of_a, const auto& of_b) {
+    box.center = to_a * of_b.center;
+    box.half = of_b.half;
+    return box.squared_gap(of_a.center, of_a.half);
+  };
+  const auto entry = [&](std::uint32_t i, std::uint32_t j) {
+    return Open{gap_between(tree_a.nodes()[i], tree_b.nodes()[j]), i, j};
+  };
+  open.assign(1, entry(0, 0));
+  while (!open.empty()) {
+    const Open next = open.back();
+    open.pop_back();
+    if (next.squared_gap > limit * limit) continue;
+    const PieceTree::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
+    const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
+    if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
+      push_nearer_last(entry(next.a + 1, next.b), entry(node_a.right, next.b), limit);
+      continue;
+    }
+    if (!leaf_b) {
+      push_nearer_last(entry(next.a, next.b + 1), entry(next.a, node_b.right), limit);
+      continue;
+    }
+    for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
+      for (std::size_t j = node_b.first; j < node_b.first + node_b.size; ++j) {
+        const BoxOf box_i = box_of_piece(tree_a, i), box_j = box_of_piece(tree_b, j);
+        if (gap_between(box_i, box_j) > limit * limit) continue;
+        if (!tree_a.of_cubes() && box.beyond_plane(tree_a.triangles()[i], limit)) continue;
+        const Eigen::Vector3d origin_a = shape_a.take(i), origin_b = shape_b.take(j);
+        difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
+                       coal::Transform3s(to_a.linear(), to_a * origin_b));
+        const Eigen::Vector3d guess = box_i.center - to_a * box_j.center;
+        best = std::min(
+            best, run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best)));
+        if (best < infinity && best <= enough) return best;
+        limit = std::min(limit, best + tolerance);
+      }
+  }
+  return best;
 }
 
 Proximity NarrowPhase::deepest(const Placed& a, const Placed& b, double margin) {

@@ -1,16 +1,13 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
-namespace coal {
-class CollisionGeometry;
-}
+#include "srmp/scene/piece_tree.hpp"
 
 // Coal, as the checker needs it: one query, whose answer depends on its arguments alone.
 namespace srmp::detail {
@@ -27,11 +24,13 @@ Bounds bounds_of(const coal::CollisionGeometry& geometry);
 /// One convex solid: GJK knows its distance, while a mesh or an octree is many pieces.
 bool is_convex_solid(const coal::CollisionGeometry& geometry);
 
-/// A geometry at a place; `center` is of its bounding sphere, in the frame of the pose's parent.
+/// A geometry at a place.
 struct Placed {
   const coal::CollisionGeometry* geometry;
+  const PieceTree* pieces;  ///< make_piece_tree(*geometry): null for a convex solid
+  const Bounds& bounds;
   const Eigen::Isometry3d& pose;
-  const Eigen::Vector3d& center;
+  const Eigen::Vector3d& center;  ///< of its bounding sphere, in the frame of the pose's parent
 };
 
 /// The deepest point of two bodies, or the nearest points.
@@ -40,23 +39,23 @@ struct Proximity {
   Eigen::Vector3d point_a, point_b;
 };
 
-/// Which Coal functor decides a pair, by the geometries' types.
-class FunctorTable {
+/// For which kinds of solids Coal has a formula for the distance, so that it does not use GJK.
+class FormulaTable {
  public:
   using Pair = std::pair<const coal::CollisionGeometry*, const coal::CollisionGeometry*>;
-  std::uint8_t index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b);
+  /// Index of the formula for these two; -1: there is none.
+  int index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b);
   const std::vector<Pair>& examples() const { return examples_; }  ///< one pair of each kind
 
  private:
   std::vector<Pair> examples_;
-  std::map<std::pair<int, int>, std::uint8_t> known_;
+  std::map<std::pair<int, int>, int> known_;
 };
 
-/// One thread's Coal functors and result buffers. Once warm, nothing is allocated for two convex solids; Coal does for
-/// the pieces of a mesh or an octree.
+/// One thread's Coal functors and scratch memory. Once warm, nothing is allocated.
 class NarrowPhase {
  public:
-  explicit NarrowPhase(const FunctorTable& table);
+  explicit NarrowPhase(const FormulaTable& table);
   ~NarrowPhase();
 
   /// GJK converges to 1e-6 m: nearer than this is contact. (Coal's own threshold of 1e-12 calls some overlapping boxes
@@ -65,17 +64,18 @@ class NarrowPhase {
   /// A pair reported farther apart than a margin may be nearer by this much [m], contact_distance included.
   static constexpr double tolerance = 2e-6;
 
-  /// Are the two within `margin` + contact_distance of each other? For two convex solids that are, `distance` is theirs
-  /// (0 in contact).
-  bool within(std::uint8_t functor, const Placed& a, const Placed& b, double margin, double& distance);
+  /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
+  double solids(int formula, const Placed& a, const Placed& b, double margin);
+  /// The same for two geometries of which at least one is in pieces: branch and bound over the trees. May return any
+  /// distance up to `enough` once it has met one.
+  double pieces(const Placed& a, const Placed& b, double margin, double enough);
+
   /// The deepest contact of a pair within `margin` of each other; distance = margin when there is none. Allocates.
   static Proximity deepest(const Placed& a, const Placed& b, double margin);
   /// Signed distance. Allocates.
   static Proximity distance(const Placed& a, const Placed& b);
 
  private:
-  bool gjk_within(const Placed& a, const Placed& b, double margin, double& distance);
-
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

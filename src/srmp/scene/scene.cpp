@@ -114,7 +114,7 @@ void Scene::add_robot(std::shared_ptr<const RobotModel> model, const Pose& base)
                          model->default_other_positions(),
                          0.0,
                          {}};
-  for (const LinkGeometry& geometry : model->geometries()) instance.hulls.push_back(outer_hull(geometry.shape));
+  for (const LinkGeometry& geometry : model->geometries()) instance.parts.push_back(parts_of(geometry.shape));
   robots_.emplace(name, std::move(instance));
 }
 
@@ -190,9 +190,11 @@ void Scene::add_object(const std::string& name, const Shape& shape, const Pose& 
       throw InvalidArgument("object name '" + name + "' is how a link of robot '" + robot +
                             "' is called; choose another name");
   const std::string owner = "object '" + name + "'";
-  Object object{name, shape, nullptr, nullptr, checked_pose(pose, "pose of " + owner), checked_padding(padding, owner)};
+  Object object{
+      name, shape, nullptr, {}, nullptr, checked_pose(pose, "pose of " + owner), checked_padding(padding, owner)};
   object.geometry = make_geometry(shape, name);
-  object.hull = outer_hull(object.geometry);
+  object.parts = parts_of(object.geometry);
+  object.field = make_distance_field(*object.geometry, object.parts.pieces.get());
   objects_.emplace(name, std::move(object));
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "srmp/robot/robot_model.hpp"
+#include "srmp/scene/distance_field.hpp"
 #include "srmp/scene/shape.hpp"
 
 namespace srmp {
@@ -17,7 +18,8 @@ struct Object {
   std::string name;
   Shape shape;
   std::shared_ptr<const coal::CollisionGeometry> geometry;  ///< of shape
-  std::shared_ptr<const coal::CollisionGeometry> hull;      ///< outer_hull(geometry): what a checker asks first
+  GeometryParts parts;                                      ///< of geometry
+  std::shared_ptr<const DistanceField> field;               ///< of geometry; nullptr where the distance is a formula
   Pose pose;                                                ///< in the world; once attached: in the link's frame
   double padding{0.0};                                      ///< [m], >= 0: kept clear around the object
 };
@@ -32,11 +34,11 @@ struct Attachment {
 /// A robot in the world.
 struct RobotInstance {
   std::shared_ptr<const RobotModel> model;
-  Pose base;                        ///< of the URDF's root link, in the world
-  Eigen::VectorXd q;                ///< planned joints, where the robot stands now
-  Eigen::VectorXd other_positions;  ///< RobotModel::other_joints
-  double padding{0.0};              ///< [m] around every link, towards everything but the robot itself
-  std::vector<std::shared_ptr<const coal::CollisionGeometry>> hulls;  ///< outer_hull of each of model->geometries()
+  Pose base;                         ///< of the URDF's root link, in the world
+  Eigen::VectorXd q;                 ///< planned joints, where the robot stands now
+  Eigen::VectorXd other_positions;   ///< RobotModel::other_joints
+  double padding{0.0};               ///< [m] around every link, towards everything but the robot itself
+  std::vector<GeometryParts> parts;  ///< of each of model->geometries()
 };
 
 /// Robots, objects, attachments and allowed collisions: the planning world. Every mutator checks first and changes

@@ -5,10 +5,12 @@
 #include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/mesh_file.hpp"
+#include "srmp/scene/morton.hpp"
 
 namespace srmp {
 
@@ -81,12 +83,30 @@ std::shared_ptr<const coal::CollisionGeometry> build_mesh(const Mesh& mesh, cons
   }
 }
 
+/// coal::makeOctree, faster: every cell once, in the octree's own order, its parents at the end.
+Geometry octree_of(const PointCloud& cloud) {
+  std::vector<std::uint64_t> codes;
+  codes.reserve(cloud.points.size());
+  const auto cell = [&](double x) { return static_cast<std::int32_t>(std::floor(x / cloud.resolution)); };
+  for (const Eigen::Vector3d& p : cloud.points) codes.push_back(morton_code({cell(p.x()), cell(p.y()), cell(p.z())}));
+  std::sort(codes.begin(), codes.end());
+  codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+  const auto octree = std::make_shared<octomap::OcTree>(cloud.resolution);
+  const auto middle = static_cast<std::int32_t>(1u << (octree->getTreeDepth() - 1));
+  for (const std::uint64_t code : codes) {
+    const auto key = morton_key(code);
+    const auto part = [&](std::size_t i) { return static_cast<octomap::key_type>(key[i] + middle); };
+    octree->setNodeValue(octomap::OcTreeKey(part(0), part(1), part(2)), octree->getProbHitLog(), true);
+  }
+  octree->updateInnerOccupancy();
+  return std::make_shared<coal::OcTree>(octree);
+}
+
 Geometry build(const PointCloud& cloud, const std::string& object) {
   require_positive(cloud.resolution, of("point cloud resolution", object));
   if (cloud.points.empty()) throw InvalidArgument(of("point cloud", object) + " is empty; it needs at least one point");
   constexpr double octree_reach = 32766;  // voxels from the middle to the edge of an octree 16 levels deep
   const double reach = octree_reach * cloud.resolution;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> points(cloud.points.size(), 3);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (!cloud.points[i].allFinite())
       throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) +
@@ -95,9 +115,8 @@ Geometry build(const PointCloud& cloud, const std::string& object) {
       throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) + " is more than " +
                             to_text(reach) + " m from the origin, the octree's reach at resolution " +
                             to_text(cloud.resolution) + "; use a coarser resolution");
-    points.row(static_cast<Eigen::Index>(i)) = cloud.points[i].transpose();
   }
-  return coal::makeOctree(points, cloud.resolution);
+  return octree_of(cloud);
 }
 
 }  // namespace
@@ -129,6 +148,10 @@ std::shared_ptr<const coal::CollisionGeometry> make_geometry(const Shape& shape,
                  shape);
   geometry->computeLocalAABB();
   return geometry;
+}
+
+GeometryParts parts_of(const std::shared_ptr<const coal::CollisionGeometry>& geometry) {
+  return {outer_hull(geometry), make_piece_tree(*geometry)};
 }
 
 std::shared_ptr<const coal::CollisionGeometry> outer_hull(std::shared_ptr<const coal::CollisionGeometry> geometry) {

@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "srmp/scene/piece_tree.hpp"
+
 namespace coal {
 class CollisionGeometry;
 }
@@ -61,5 +63,12 @@ std::shared_ptr<const coal::CollisionGeometry> make_geometry(const Shape& shape,
 /// The convex hull of a mesh: farther away than the hull means farther away than the mesh, and the hull is far cheaper
 /// to ask. Any other geometry, and a mesh that is flat, is returned as it is.
 std::shared_ptr<const coal::CollisionGeometry> outer_hull(std::shared_ptr<const coal::CollisionGeometry> geometry);
+
+/// What a checker asks before a geometry, or in its place.
+struct GeometryParts {
+  std::shared_ptr<const coal::CollisionGeometry> hull;  ///< outer_hull(geometry)
+  std::shared_ptr<const PieceTree> pieces;              ///< make_piece_tree(geometry)
+};
+GeometryParts parts_of(const std::shared_ptr<const coal::CollisionGeometry>& geometry);
 
 }  // namespace srmp

@@ -12,6 +12,7 @@
 
 #include "srmp/collision/batch/kernel.hpp"
 #include "srmp/core/error.hpp"
+#include "srmp/scene/distance_field.hpp"
 
 namespace srmp {
 
@@ -170,19 +171,34 @@ batch::KernelBall kernel_ball(const Ball& ball, bool inner = false) {
           0};
 }
 
+batch::KernelField kernel_field(const DistanceField& field) {
+  const auto& n = field.size();
+  return {field.squared().data(),
+          static_cast<float>(n[0]),
+          static_cast<float>(n[0]) * static_cast<float>(n[1]),
+          {static_cast<float>(n[0] - 1), static_cast<float>(n[1] - 1), static_cast<float>(n[2] - 1)},
+          static_cast<float>(field.cell()),
+          static_cast<float>(1 / field.cell()),
+          above(field.excess()),
+          below(0.99 * field.reach())};
+}
+
 double extent(const BatchObstacle& o) {
   switch (o.kind) {
     case BatchObstacle::Kind::sphere: return o.size[0];
-    case BatchObstacle::Kind::box: return o.size.norm() / 2;
+    case BatchObstacle::Kind::box:
+    case BatchObstacle::Kind::field: return o.size.norm() / 2;
     case BatchObstacle::Kind::cylinder: return std::hypot(o.size[0], o.size[1] / 2);
     case BatchObstacle::Kind::capsule: return o.size[0] + o.size[1] / 2;
   }
   return 0;
 }
 
-/// A lower bound of the diameter, padding left out.
+/// A lower bound of the diameter of what is in one piece, padding left out.
 double diameter(const BatchObstacle& o) {
+  if (!o.connected) return 1e-9;
   switch (o.kind) {
+    case BatchObstacle::Kind::field: return o.size.maxCoeff();
     case BatchObstacle::Kind::sphere: return 2 * o.size[0];
     case BatchObstacle::Kind::box: return o.size.norm();
     case BatchObstacle::Kind::cylinder: return std::hypot(2 * o.size[0], o.size[1]);
@@ -222,8 +238,10 @@ void BatchChecker::Impl::require_valid() const {
     const BatchObstacle& o = world.obstacles[i];
     const std::string what = "batch checker: obstacle " + std::to_string(i);
     if (!o.size.allFinite() || (o.size.array() < 0).any() || !o.pose.matrix().allFinite() ||
-        !std::isfinite(o.padding) || o.padding < 0)
+        !std::isfinite(o.padding) || o.padding < 0 || !o.field_center.allFinite())
       throw InvalidArgument(what + ": size, pose and padding must be finite and not negative");
+    if ((o.kind == BatchObstacle::Kind::field) != (o.field != nullptr))
+      throw InvalidArgument(what + ": a field is needed where, and only where, the kind says so");
   }
   for (const auto& [body, obstacle] : world.obstacle_pairs) {
     require_index(body, world.bodies.size(), "batch checker: the body of a pair");
@@ -328,6 +346,11 @@ void BatchChecker::Impl::add_obstacles() {
         kernel.half[2] = static_cast<float>(o.size[1] / 2);
         rounding = o.size[0];
         break;
+      case BatchObstacle::Kind::field:
+        kernel.field = kernel_field(*o.field);
+        for (int i = 0; i < 3; ++i)
+          kernel.offset[i] = static_cast<float>(inverse.translation()[i] + o.field_center[i] - o.field->corner()[i]);
+        break;
     }
     // Local coordinates err by some units of everything that went into them, comparisons by some of the threshold.
     const double here = slack + 24 * kUnit * (arm_reach + o.pose.translation().norm() + extent(o) + o.padding + 1.0);
@@ -341,7 +364,8 @@ bool BatchChecker::Impl::reachable(const BatchBody& body, const BatchObstacle& o
   const double reach = node_reach[body.drive + 1] + body.bound.center.norm() + body.bound.radius + body.padding;
   const Eigen::Vector3d p = o.pose.inverse().translation();  // the base in the obstacle's frame
   double distance = p.norm() - extent(o);
-  if (o.kind == BatchObstacle::Kind::box) distance = (p.cwiseAbs() - o.size / 2).cwiseMax(0.0).norm();
+  if (o.kind == BatchObstacle::Kind::box || o.kind == BatchObstacle::Kind::field)
+    distance = (p.cwiseAbs() - o.size / 2).cwiseMax(0.0).norm();
   return distance - o.padding <= reach * 1.0001 + 1e-3;
 }
 

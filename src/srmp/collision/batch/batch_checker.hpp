@@ -12,6 +12,8 @@
 
 namespace srmp {
 
+class DistanceField;
+
 // Plain data that a BatchChecker is made of: the driven joints, balls for each rigid body, obstacles. All frames and
 // poses start from the robot's base; lengths in metres, angles in radians.
 
@@ -40,8 +42,12 @@ struct BatchBody {
 };
 
 struct BatchObstacle {
-  enum class Kind { sphere, box, cylinder, capsule } kind{};
-  Eigen::Vector3d size{Eigen::Vector3d::Zero()};  ///< sphere: radius; box: edges; cylinder, capsule: radius, length
+  enum class Kind { sphere, box, cylinder, capsule, field } kind{};
+  /// sphere: radius; box: edges; cylinder, capsule: radius, length; field: edges of the box around it, tight
+  Eigen::Vector3d size{Eigen::Vector3d::Zero()};
+  std::shared_ptr<const DistanceField> field{};
+  Eigen::Vector3d field_center{Eigen::Vector3d::Zero()};  ///< the pose's origin in the field's frame
+  bool connected{true};  ///< in one piece, so that as much of it as fits into nothing smaller sticks out
   Eigen::Isometry3d pose{Eigen::Isometry3d::Identity()};
   double padding{0.0};
   bool exact{true};  ///< false: only something around the object, so a hit proves nothing

@@ -190,10 +190,13 @@ class Builder {
       o.kind = BatchObstacle::Kind::capsule;
       o.size = {s->radius, 2 * s->halfLength, 0};
     } else {
-      o.kind = BatchObstacle::Kind::box;
+      o.kind = body.field ? BatchObstacle::Kind::field : BatchObstacle::Kind::box;
       o.size = 2 * body.bounds.box_half;
       o.pose.translate(body.bounds.box_center);
-      o.exact = false;
+      o.field = body.field;
+      o.field_center = body.bounds.box_center;
+      o.exact = body.field != nullptr;
+      o.connected = !body.parts.pieces;
     }
     return o;
   }

@@ -113,18 +113,68 @@ class Slice {
     set_row(margins_, i, moved);
   }
 
+  SRMP_INLINE V3 local(const KernelObstacle& o, const V3& c) const {
+    if (o.aligned) return {add(c.x, all(o.offset[0])), add(c.y, all(o.offset[1])), add(c.z, all(o.offset[2]))};
+    const float* r = o.rotation;
+    return {add(sum(mul(c.x, all(r[0])), mul(c.y, all(r[1])), mul(c.z, all(r[2]))), all(o.offset[0])),
+            add(sum(mul(c.x, all(r[3])), mul(c.y, all(r[4])), mul(c.z, all(r[5]))), all(o.offset[1])),
+            add(sum(mul(c.x, all(r[6])), mul(c.y, all(r[7])), mul(c.z, all(r[8]))), all(o.offset[2]))};
+  }
+
+  /// A place on a field's grid: coordinates in cells, clamped to the grid.
+  struct GridPlace {
+    V3 at;
+    V squared_off;  // of the distance from there to the grid's box
+  };
+  SRMP_INLINE GridPlace grid_place(const KernelObstacle& o, const V3& c) const {
+    const KernelField& f = o.field;
+    const V3 p = local(o, c);
+    const V x = mul(p.x, all(f.per_cell)), y = mul(p.y, all(f.per_cell)), z = mul(p.z, all(f.per_cell));
+    const V3 at{min(max0(x), all(f.last[0])), min(max0(y), all(f.last[1])), min(max0(z), all(f.last[2]))};
+    const V dx = mul(sub(x, at.x), all(f.cell)), dy = mul(sub(y, at.y), all(f.cell)),
+            dz = mul(sub(z, at.z), all(f.cell));
+    return {at, sum(mul(dx, dx), mul(dy, dy), mul(dz, dz))};
+  }
+
+  /// A lower bound, see DistanceField.
+  __attribute__((noinline)) V squared_distance_to_field(const KernelObstacle& o, const V3& c) const {
+    const KernelField& f = o.field;
+    const GridPlace place = grid_place(o, c);
+    const V one = all(1.0f);
+    const V x = truncate(min(place.at.x, all(f.last[0] - 1.0f))), y = truncate(min(place.at.y, all(f.last[1] - 1.0f))),
+            z = truncate(min(place.at.z, all(f.last[2] - 1.0f)));
+    const V tx = sub(place.at.x, x), ty = sub(place.at.y, y), tz = sub(place.at.z, z);
+    const V low = sum(x, mul(y, all(f.row)), mul(z, all(f.layer)));  // whole numbers below 2^24: exact
+    const auto along_x = [&](V index) {
+      const V a = gather(f.squared, index), b = gather(f.squared, add(index, one));
+      return add(a, mul(tx, sub(b, a)));
+    };
+    const auto along_y = [&](V index) {
+      const V a = along_x(index), b = along_x(add(index, all(f.row)));
+      return add(a, mul(ty, sub(b, a)));
+    };
+    const V a = along_y(low), b = along_y(add(low, all(f.layer)));
+    const V bend = sum(mul(tx, sub(one, tx)), mul(ty, sub(one, ty)), mul(tz, sub(one, tz)));
+    const V inside = sub(add(a, mul(tz, sub(b, a))), mul(all(f.cell * f.cell), bend));
+    return add(max0(inside), place.squared_off);
+  }
+
+  /// Lanes surely nearer than the radius to what a field describes: by way of the nearest point of its grid.
+  SRMP_INLINE unsigned surely_within(const KernelObstacle& o, const V3& c, float radius) const {
+    const KernelField& f = o.field;
+    const GridPlace place = grid_place(o, c);
+    const V x = round(place.at.x), y = round(place.at.y), z = round(place.at.z);
+    const V squared = max0(gather(f.squared, sum(x, mul(y, all(f.row)), mul(z, all(f.layer)))));
+    const V dx = sub(place.at.x, x), dy = sub(place.at.y, y), dz = sub(place.at.z, z);
+    const V to_grid = mul(all(f.cell), sqrt(sum(mul(dx, dx), mul(dy, dy), mul(dz, dz))));
+    const V way = sum(sqrt(squared), to_grid, add(sqrt(place.squared_off), all(f.excess)));
+    return bits(less(way, all(radius < f.reach ? radius : f.reach)));
+  }
+
+  /// Exact but for a field, where it is a lower bound.
   SRMP_INLINE V squared_distance(const KernelObstacle& o, const V3& c) const {
-    V x, y, z;
-    if (o.aligned) {
-      x = add(c.x, all(o.offset[0]));
-      y = add(c.y, all(o.offset[1]));
-      z = add(c.z, all(o.offset[2]));
-    } else {
-      const float* r = o.rotation;
-      x = add(sum(mul(c.x, all(r[0])), mul(c.y, all(r[1])), mul(c.z, all(r[2]))), all(o.offset[0]));
-      y = add(sum(mul(c.x, all(r[3])), mul(c.y, all(r[4])), mul(c.z, all(r[5]))), all(o.offset[1]));
-      z = add(sum(mul(c.x, all(r[6])), mul(c.y, all(r[7])), mul(c.z, all(r[8]))), all(o.offset[2]));
-    }
+    if (o.field.squared) return squared_distance_to_field(o, c);
+    auto [x, y, z] = local(o, c);
     z = max0(sub(abs(z), all(o.half[2])));
     if (o.cylinder) {
       const V side = max0(sub(sqrt(add(mul(x, x), mul(y, y))), all(o.half[0])));
@@ -145,7 +195,9 @@ class Slice {
     for (int k = 0; k < body.pairs; ++k) {
       const int pair = body.first_pair + k;
       const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
-      const unsigned pending = within(squared_distance(o, c), add(limit, all(o.radius))) & alive_;
+      const V reach = add(limit, all(o.radius));
+      if (o.field.squared && (within(grid_place(o, c).squared_off, reach) & alive_) == 0) continue;
+      const unsigned pending = within(squared_distance(o, c), reach) & alive_;
       if (pending == 0) continue;
       check_closely(i, o, pair, pending, margin);
       if (done()) return;
@@ -181,7 +233,7 @@ class Slice {
       const V squared = squared_distance(o, coarse(b));
       const unsigned near = within(squared, add(limit, all(ball.radius))) & pending;
       if ((near & ~undecided) == 0 && !(body.exact && near)) continue;
-      if (body.exact && o.exact && hit(squared, ball.radius + body.padding + o.inner_radius, near)) return;
+      if (body.exact && o.exact && hit_obstacle(o, coarse(b), squared, ball.radius + body.padding, near)) return;
       if (ball.children == 0) {
         undecided |= near;
         continue;
@@ -194,16 +246,27 @@ class Slice {
     if (undecided == 0) return;
     if (o.exact && o.size > body.capacity)
       for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
-        if (hit(squared_distance(o, fine(body, m_.balls[b])), m_.balls[b].radius + body.padding + o.inner_radius,
-                undecided))
+        if (const V3 center = fine(body, m_.balls[b]);
+            hit_obstacle(o, center, o.field.squared ? V{} : squared_distance(o, center),
+                         m_.balls[b].radius + body.padding, undecided))
           return;
     report(pair, undecided);
   }
 
+  /// Does a ball surely meet the obstacle in some lanes of `mask`? True when that ends the run.
+  SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, V squared, float ball, unsigned mask) {
+    const float radius = ball + o.inner_radius;
+    if (!o.field.squared) return hit(squared, radius, mask);
+    return radius > 0.0f && hit(surely_within(o, center, radius) & mask);
+  }
+
   /// Are some lanes of `mask` surely closer than `radius`? True when that ends the run.
   SRMP_INLINE bool hit(V squared, float radius, unsigned mask) {
-    if (!(radius > 0.0f)) return false;
-    const unsigned hits = bits(less(squared, all(radius * radius))) & mask & alive_;
+    return radius > 0.0f && hit(bits(less(squared, all(radius * radius))) & mask);
+  }
+
+  SRMP_INLINE bool hit(unsigned hits) {
+    hits &= alive_;
     if (hits == 0) return false;
     result_.colliding = static_cast<LaneMask>(result_.colliding | hits << lane_);
     alive_ &= ~hits;

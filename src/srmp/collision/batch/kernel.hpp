@@ -41,17 +41,27 @@ struct KernelBody {
   int first_pair, pairs;    // obstacles to check against, into Model::pair_obstacles
 };
 
-/// A rounded box (sphere and capsule: a box without extent), or a cylinder along z.
+/// A DistanceField, in the kernel's numbers.
+struct KernelField {
+  const float* squared;  // null: none
+  float row, layer;      // grid points along x; along x times those along y
+  float last[3];         // of the grid's indices
+  float cell, per_cell;  // edge of a cell, and 1 / edge
+  float excess, reach;
+};
+
+/// A rounded box (sphere and capsule: a box without extent), a cylinder along z, or anything with a distance field.
 struct KernelObstacle {
   int cylinder;
   int aligned;         // rotation is the identity
   int exact;           // the shape is the object, not something around it
   float rotation[9];   // world to local, row by row
-  float offset[3];     // local = rotation * world + offset
+  float offset[3];     // local = rotation * world + offset; a field's grid starts at local 0
   float half[3];       // half extents; cylinder: radius, unused, half length
   float size;          // a lower bound of its diameter
   float radius;        // rounding, padding and float slack, for proofs of "free"
   float inner_radius;  // rounding and padding less float slack, for proofs of "hit"
+  KernelField field;
 };
 
 struct KernelSelfPair {

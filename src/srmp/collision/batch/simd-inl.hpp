@@ -23,6 +23,9 @@ SRMP_INLINE V add(V a, V b) { return _mm512_add_ps(a, b); }
 SRMP_INLINE V sub(V a, V b) { return _mm512_sub_ps(a, b); }
 SRMP_INLINE V mul(V a, V b) { return _mm512_mul_ps(a, b); }
 SRMP_INLINE V max0(V a) { return _mm512_max_ps(a, _mm512_setzero_ps()); }
+SRMP_INLINE V min(V a, V b) { return _mm512_min_ps(a, b); }
+SRMP_INLINE V truncate(V a) { return _mm512_roundscale_ps(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+SRMP_INLINE V gather(const float* p, V index) { return _mm512_i32gather_ps(_mm512_cvttps_epi32(index), p, 4); }
 SRMP_INLINE V abs(V a) { return _mm512_abs_ps(a); }
 SRMP_INLINE V sqrt(V a) { return _mm512_sqrt_ps(a); }
 SRMP_INLINE M less(V a, V b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
@@ -43,6 +46,9 @@ SRMP_INLINE V add(V a, V b) { return _mm256_add_ps(a, b); }
 SRMP_INLINE V sub(V a, V b) { return _mm256_sub_ps(a, b); }
 SRMP_INLINE V mul(V a, V b) { return _mm256_mul_ps(a, b); }
 SRMP_INLINE V max0(V a) { return _mm256_max_ps(a, _mm256_setzero_ps()); }
+SRMP_INLINE V min(V a, V b) { return _mm256_min_ps(a, b); }
+SRMP_INLINE V truncate(V a) { return _mm256_round_ps(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
+SRMP_INLINE V gather(const float* p, V index) { return _mm256_i32gather_ps(p, _mm256_cvttps_epi32(index), 4); }
 SRMP_INLINE V abs(V a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
 SRMP_INLINE V sqrt(V a) { return _mm256_sqrt_ps(a); }
 SRMP_INLINE M less(V a, V b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
@@ -67,6 +73,12 @@ SRMP_INLINE M not_greater(V a, V b) { return ~(a > b); }
 SRMP_INLINE M either(M a, M b) { return a | b; }
 SRMP_INLINE V choose(M m, V a, V b) { return (V)((m & (M)a) | (~m & (M)b)); }
 SRMP_INLINE V max0(V a) { return choose(a > V{}, a, V{}); }
+SRMP_INLINE V min(V a, V b) { return choose(a < b, a, b); }
+SRMP_INLINE V truncate(V a) { return __builtin_convertvector(__builtin_convertvector(a, M), V); }
+SRMP_INLINE V gather(const float* p, V index) {
+  const M i = __builtin_convertvector(index, M);
+  return V{p[i[0]], p[i[1]], p[i[2]], p[i[3]]};
+}
 SRMP_INLINE V abs(V a) { return (V)((M)a & M{0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff}); }
 SRMP_INLINE V sqrt(V a) {
   return V{__builtin_sqrtf(a[0]), __builtin_sqrtf(a[1]), __builtin_sqrtf(a[2]), __builtin_sqrtf(a[3])};

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace coal {
+class CollisionGeometry;
+}
+
+namespace srmp {
+
+/// A geometry that is no convex solid, as convex pieces in a tree of boxes: the triangles of a mesh, or the cubes of a
+/// cloud. In the geometry's frame. Const once built.
+class PieceTree {
+ public:
+  using Triangle = std::array<Eigen::Vector3d, 3>;
+
+  /// A box around pieces. Its left child is the next node.
+  struct Node {
+    Eigen::Vector3d center, half;
+    std::uint32_t right{};          ///< right child
+    std::uint32_t first{}, size{};  ///< pieces of a leaf; size 0: has children
+  };
+
+  explicit PieceTree(std::vector<Triangle> triangles);
+  /// `keys`: cells of a grid of cubes, [k * edge, (k + 1) * edge] along each axis; doubles count once.
+  PieceTree(std::vector<std::array<std::int32_t, 3>> keys, double edge);
+
+  const std::vector<Node>& nodes() const { return nodes_; }
+  const std::vector<Triangle>& triangles() const { return triangles_; }  ///< empty for cubes
+  const std::vector<Eigen::Vector3d>& cubes() const { return cubes_; }   ///< middles; empty for triangles
+  double edge() const { return edge_; }                                  ///< of the cubes
+  bool of_cubes() const { return triangles_.empty(); }
+
+  /// Depth of the tree, the root counted.
+  std::size_t depth() const { return depth_; }
+
+ private:
+  std::uint32_t build_triangles(std::span<std::uint32_t> order, std::size_t done, std::size_t depth);
+  std::uint32_t build_cubes(std::span<const std::uint64_t> codes, std::size_t done, std::size_t depth);
+  std::uint32_t add_node(std::size_t depth);
+  void add_leaf(std::uint32_t node, std::size_t first, std::size_t size);
+  void add_children(std::uint32_t node, std::uint32_t right);
+
+  std::vector<Node> nodes_;
+  std::vector<Triangle> triangles_;
+  std::vector<Eigen::Vector3d> cubes_;
+  double edge_{};
+  std::size_t depth_{};
+};
+
+/// The pieces of a mesh; nullptr for a convex solid. Throws NotSupported for other geometries.
+std::shared_ptr<const PieceTree> make_piece_tree(const coal::CollisionGeometry& geometry);
+
+}  // namespace srmp

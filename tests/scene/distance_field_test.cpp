@@ -1,0 +1,136 @@
+#include "srmp/scene/distance_field.hpp"
+
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+
+#include "collision/worlds.hpp"
+#include "srmp/collision/narrow_phase.hpp"
+
+using namespace srmp;
+using namespace worlds;
+using Eigen::Vector3d;
+
+namespace {
+
+struct Range {
+  double low, high;
+};
+
+/// What a field says of the distance to a point, as its documentation has it.
+Range distance_by(const DistanceField& field, const Vector3d& point) {
+  const auto value = [&](int x, int y, int z) {
+    return static_cast<double>(
+        field.squared()[static_cast<std::size_t>((z * field.size()[1] + y) * field.size()[0] + x)]);
+  };
+  const Vector3d at = (point - field.corner()) / field.cell();
+  Vector3d inside, t;
+  std::array<int, 3> cell{}, nearest{};
+  double bend = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    inside[i] = std::clamp(at[i], 0.0, field.size()[k] - 1.0);
+    cell[k] = std::min(static_cast<int>(inside[i]), field.size()[k] - 2);
+    nearest[k] = static_cast<int>(std::lround(inside[i]));
+    t[i] = inside[i] - cell[k];
+    bend += t[i] * (1 - t[i]);
+  }
+  double mixed = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    std::array<int, 3> c = cell;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const bool up = corner >> i & 1;
+      c[i] += up;
+      weight *= up ? t[static_cast<Eigen::Index>(i)] : 1 - t[static_cast<Eigen::Index>(i)];
+    }
+    mixed += weight * value(c[0], c[1], c[2]);
+  }
+  const double h = field.cell(), off = h * (at - inside).norm();
+  const double low = std::sqrt(std::max(0.0, mixed - h * h * bend) + off * off);
+  const double v = std::max(0.0, value(nearest[0], nearest[1], nearest[2]));
+  const Vector3d grid = field.corner() + h * Vector3d(nearest[0], nearest[1], nearest[2]);
+  const bool known = std::sqrt(v) < 0.99 * field.reach();
+  return {low, known ? std::sqrt(v) + field.excess() + (point - grid).norm() : INFINITY};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_field_bounds_the_distance_from_below_and_above) {
+  const auto ball = make_geometry(Sphere{1e-7}, "point");
+  const Pose here;
+  Dice dice(1);
+  for (const auto& [name, shape] : every_kind()) {
+    const auto geometry = make_geometry(shape, name);
+    const auto pieces = make_piece_tree(*geometry);
+    const auto field = make_distance_field(*geometry, pieces.get());
+    BOOST_TEST((field == nullptr) == (name == "box" || name == "sphere" || name == "cylinder" || name == "capsule"));
+    if (!field) continue;
+    double lost = 0;
+    int far = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const double side = i % 2 ? 0.15 : 0.5;
+      const Vector3d point(dice.in(-side, side), dice.in(-side, side), dice.in(-side, side));
+      const Pose there{point, Eigen::Quaterniond::Identity()};
+      const detail::Bounds bounds = detail::bounds_of(*geometry), tiny = detail::bounds_of(*ball);
+      const Eigen::Isometry3d pose = here.isometry(), place = there.isometry();
+      const double truth =
+          std::max(0.0, detail::NarrowPhase::distance({geometry.get(), pieces.get(), bounds, pose, bounds.center},
+                                                      {ball.get(), nullptr, tiny, place, point})
+                            .distance);
+      const Range range = distance_by(*field, point);
+      BOOST_TEST(range.low <= truth + 3e-6, name);
+      BOOST_TEST(range.high >= truth - 3e-6, name);
+      if (truth < 0.05 || truth > 0.18) continue;
+      lost += truth - range.low;
+      ++far;
+    }
+    BOOST_TEST(far > 100);
+    BOOST_TEST(lost / far < 0.025, name << " " << lost / far << " " << field->cell());
+  }
+}
+
+BOOST_AUTO_TEST_CASE(pieces_of_a_cloud_are_its_cells_once_each) {
+  const PieceTree tree({{0, 0, 0}, {5, -3, 2}, {0, 0, 0}, {-1, -1, -1}, {100, 0, 0}, {7, 7, 7}}, 0.5);
+  BOOST_TEST(tree.cubes().size() == 5u);
+  BOOST_TEST(tree.edge() == 0.5);
+  std::vector<Vector3d> found(tree.cubes());
+  for (const Vector3d& expected :
+       {Vector3d(0.25, 0.25, 0.25), Vector3d(2.75, -1.25, 1.25), Vector3d(50.25, 0.25, 0.25)})
+    BOOST_TEST((std::find(found.begin(), found.end(), expected) != found.end()));
+}
+
+BOOST_AUTO_TEST_CASE(every_box_of_a_tree_holds_its_pieces) {
+  Dice dice(2);
+  std::vector<PieceTree::Triangle> triangles;
+  std::vector<std::array<std::int32_t, 3>> cells;
+  const auto corner = [&] { return Vector3d(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1)); };
+  const auto index = [&] { return static_cast<std::int32_t>(dice.below(40)) - 20; };
+  for (int i = 0; i < 500; ++i) {
+    triangles.push_back({corner(), corner(), corner()});
+    cells.push_back({index(), index(), index()});
+  }
+  for (const PieceTree& tree : {PieceTree(triangles), PieceTree(cells, 0.1)}) {
+    std::size_t seen = 0;
+    // Of the pieces below a node: the box around them.
+    const std::function<Eigen::AlignedBox3d(std::uint32_t)> check = [&](std::uint32_t i) {
+      const PieceTree::Node& node = tree.nodes()[i];
+      Eigen::AlignedBox3d box;
+      for (std::size_t k = node.first; k < node.first + node.size; ++k, ++seen)
+        if (tree.of_cubes()) {
+          box.extend(tree.cubes()[k] - Vector3d::Constant(0.05));
+          box.extend(tree.cubes()[k] + Vector3d::Constant(0.05));
+        } else {
+          for (const Vector3d& v : tree.triangles()[k]) box.extend(v);
+        }
+      if (node.size == 0) {
+        box.extend(check(i + 1));
+        box.extend(check(node.right));
+      }
+      BOOST_TEST((box.center() - node.center).norm() < 1e-12);
+      BOOST_TEST((box.sizes() / 2 - node.half).norm() < 1e-12);
+      return box;
+    };
+    check(0);
+    BOOST_TEST(seen == (tree.of_cubes() ? tree.cubes().size() : tree.triangles().size()));
+  }
+}
