@@ -236,19 +236,25 @@ void bind_objects(nb::class_<Self>& cls) {
       .def(
           "add_point_cloud",
           [](Self& self, const std::string& name, const ArrayLike& points, double resolution, const Pose& pose,
-             double padding) {
+             double padding, std::optional<double> self_filter_distance) {
             const RowMatrix rows = points.rows("points of cloud '" + name + "'", 3);
             std::vector<Eigen::Vector3d> list;
+            list.reserve(static_cast<std::size_t>(rows.rows()));
             for (const auto& row : rows.rowwise()) list.emplace_back(row.transpose());
-            self.use([&](auto& p) { p.add_point_cloud(name, list, resolution, pose, padding); });
+            self.use([&](auto& p) { p.add_point_cloud(name, list, resolution, pose, padding, self_filter_distance); });
           },
           nb::arg("name"), nb::arg("points"), nb::arg("resolution") = 0.02, nb::arg("pose") = Pose{},
-          nb::arg("padding") = 0.0,
+          nb::arg("padding") = 0.0, nb::arg("self_filter_distance") = nb::none(),
           "Add a point cloud (n, 3) [m]; every point fills a voxel with edges of `resolution` [m]. `pose` of its "
-          "origin in "
-          "the world;\n"
-          "`padding` [m] is kept clear around it.\n\n"
-          "Raises InvalidArgument for a name in use, no points, NaN, or a resolution that is not above 0.")
+          "origin in the world;\n"
+          "`padding` [m] is kept clear around it. A camera sees the robots too: with `self_filter_distance` [m], "
+          "points "
+          "no farther\n"
+          "than that from a robot, where set_qpos put it, or from what it holds are left out (take at least twice the\n"
+          "`resolution`, so that no voxel reaches the robot).\n\n"
+          "Raises InvalidArgument for a name in use, no points (or none left), NaN, or a resolution or distance that "
+          "is "
+          "not above 0.")
       .def(
           "remove_object",
           [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_object(name); }); },

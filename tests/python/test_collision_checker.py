@@ -204,3 +204,31 @@ def test_unknown_instruction_set_is_refused():
 def test_bad_input(arm, ask, message):
     with pytest.raises(srmp.InvalidArgument, match=message):
         ask(arm)
+
+
+def test_a_robot_is_filtered_out_of_its_own_cloud(arm):
+    start = np.zeros(7)
+    arm.set_qpos("arm", start)
+    arm.add_box("held", size=[0.06, 0.06, 0.2], pose=srmp.Pose(p=[0, 0, 3]))
+    arm.attach_object("held", "arm", "arm7_hand", pose_in_link=srmp.Pose(p=[0, 0, 0.2]))
+    # A grid around the arm: what the camera would see of it, and of the room.
+    axis = np.arange(-0.6, 0.6, 0.02)
+    grid = np.stack(np.meshgrid(axis, axis, np.arange(0.0, 1.4, 0.02), indexing="ij"), -1).reshape(-1, 3)
+    pose = srmp.Pose(p=[0.01, 0.0, 0.005])
+    arm.add_point_cloud("all", grid, resolution=0.02, pose=pose)
+    assert arm.is_state_colliding("arm", start)
+    arm.remove_object("all")
+    arm.add_point_cloud("room", grid, resolution=0.02, pose=pose, self_filter_distance=0.04)
+    assert not arm.is_state_colliding("arm", start)
+    # Nothing else is taken away: what is left comes within twice the cube's diagonal of the distance.
+    assert arm.distance_to_collision("arm", start) < 0.04 + 2 * 0.02 * np.sqrt(3)
+
+
+def test_filtering_refuses_bad_distances_and_empty_rooms(arm):
+    point = [[0.0, 0.0, 0.05]]
+    for distance in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(srmp.InvalidArgument, match="self_filter_distance"):
+            arm.add_point_cloud("cloud", point, self_filter_distance=distance)
+    with pytest.raises(srmp.InvalidArgument, match="all 1 points are within self_filter_distance 3"):
+        arm.add_point_cloud("cloud", point, self_filter_distance=3.0)
+    assert "cloud" not in arm.object_names

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "srmp/collision/self_filter.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/planner/single_robot.hpp"
 #include "srmp/robot/robot_cover.hpp"
@@ -119,8 +120,17 @@ void PlannerInterface::add_mesh(const std::string& name, const Mesh& mesh, const
 }
 
 void PlannerInterface::add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points,
-                                       double resolution, const Pose& pose, double padding) {
-  impl_->change([&](Scene& scene) { scene.add_object(name, PointCloud{points, resolution}, pose, padding); });
+                                       double resolution, const Pose& pose, double padding,
+                                       std::optional<double> self_filter_distance) {
+  impl_->change([&](Scene& scene) {
+    if (!self_filter_distance) return scene.add_object(name, PointCloud{points, resolution}, pose, padding);
+    const auto kept = points_clear_of_robots(scene, points, pose, *self_filter_distance);
+    if (kept.empty() && !points.empty())
+      throw InvalidArgument("point cloud of object '" + name + "': all " + std::to_string(points.size()) +
+                            " points are within self_filter_distance " + to_text(*self_filter_distance) +
+                            " m of a robot or what it holds");
+    scene.add_object(name, PointCloud{kept, resolution}, pose, padding);
+  });
 }
 
 void PlannerInterface::remove_object(const std::string& name) {

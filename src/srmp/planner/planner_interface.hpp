@@ -73,8 +73,10 @@ class PlannerInterface {
   void add_mesh(const std::string& name, const std::string& path, const Pose& pose,
                 const Eigen::Vector3d& scale = {1, 1, 1}, bool convex = false, double padding = 0.0);
   void add_mesh(const std::string& name, const Mesh& mesh, const Pose& pose, double padding = 0.0);
+  /// Every point fills a voxel with edges of `resolution`. With `self_filter_distance` [m], points no farther than that
+  /// from a robot, where set_qpos put it, or from what it holds are left out (points_clear_of_robots).
   void add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points, double resolution,
-                       const Pose& pose = {}, double padding = 0.0);
+                       const Pose& pose = {}, double padding = 0.0, std::optional<double> self_filter_distance = {});
   void remove_object(const std::string& name);
   void set_object_pose(const std::string& name, const Pose& pose);
   void set_padding(const std::string& name, double padding);

@@ -1,0 +1,80 @@
+#include "srmp/collision/self_filter.hpp"
+
+#include <coal/shape/geometric_shapes.h>
+
+#include "srmp/collision/narrow_phase.hpp"
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+using namespace detail;
+
+namespace {
+
+/// Balls around points against one geometry.
+class NearGeometry {
+ public:
+  NearGeometry(const coal::CollisionGeometry& geometry, const GeometryParts& parts, const Eigen::Isometry3d& pose,
+               double distance)
+      : geometry_(geometry),
+        pieces_(parts.pieces.get()),
+        bounds_(bounds_of(geometry)),
+        pose_(pose),
+        center_(pose * bounds_.center),
+        ball_(distance),
+        ball_bounds_{Eigen::Vector3d::Zero(), distance, Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(distance)} {
+    if (!pieces_) formula_ = table_.index(ball_, geometry_);
+    narrow_ = std::make_unique<NarrowPhase>(table_);
+  }
+
+  bool holds(const Eigen::Vector3d& point) {
+    const Eigen::Vector3d local = pose_.linear().transpose() * (point - pose_.translation()) - bounds_.box_center;
+    if ((local.cwiseAbs() - bounds_.box_half).cwiseMax(0.0).norm() > ball_.radius) return false;
+    Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
+    place.translation() = point;
+    const Placed ball{&ball_, nullptr, ball_bounds_, place, point};
+    const Placed body{&geometry_, pieces_, bounds_, pose_, center_};
+    const double apart = pieces_ ? narrow_->pieces(ball, body, 0.0, 1.0) : narrow_->solids(formula_, ball, body, 0.0);
+    return apart <= NarrowPhase::contact_distance;
+  }
+
+ private:
+  const coal::CollisionGeometry& geometry_;
+  const PieceTree* pieces_;
+  Bounds bounds_;
+  Eigen::Isometry3d pose_;
+  Eigen::Vector3d center_;
+  coal::Sphere ball_;
+  Bounds ball_bounds_;
+  FormulaTable table_;
+  int formula_{-1};
+  std::unique_ptr<NarrowPhase> narrow_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> points_clear_of_robots(const Scene& scene, const std::vector<Eigen::Vector3d>& points,
+                                                    const Pose& pose, double distance) {
+  require_positive(distance, "self_filter_distance");
+  std::vector<Eigen::Vector3d> kept = points;
+  const auto filter = [&](const coal::CollisionGeometry& geometry, const GeometryParts& parts,
+                          const Eigen::Isometry3d& place) {
+    NearGeometry near(geometry, parts, place, distance);
+    std::erase_if(kept, [&](const Eigen::Vector3d& point) { return near.holds(pose * point); });
+  };
+  for (const auto& [name, robot] : scene.robots()) {
+    const RobotDataPtr data = robot.model->make_data();
+    robot.model->set_other_positions(*data, robot.other_positions);
+    robot.model->forward(*data, robot.q);
+    for (std::size_t i = 0; i < robot.parts.size(); ++i)
+      filter(*robot.model->geometries()[i].shape, robot.parts[i],
+             robot.base.isometry() * robot.model->geometry_pose(*data, i));
+  }
+  for (const auto& [name, attachment] : scene.attachments()) {
+    const Object& object = scene.object(name);
+    filter(*object.geometry, object.parts, scene.object_pose(name).isometry());
+  }
+  return kept;
+}
+
+}  // namespace srmp
