@@ -106,10 +106,11 @@ void run_scene(const std::shared_ptr<const RobotModel>& robot, const std::string
   double coal_s{}, exact_s{};
   const std::vector<char> free = judge(coal, coal_s);
   const bool agree = free == judge(exact, exact_s);
-  const detail::Bodies bodies(scene, robot->name());
+  const detail::RobotGroup group(scene, {robot->name()});
+  const detail::Bodies bodies(scene, group);
   const double before = cpu_seconds();
-  const detail::BatchScene batch = detail::make_batch_scene(bodies, *robot, robot->default_other_positions(),
-                                                            [&](const auto& s) -> auto& { return covers->cover(s); });
+  const detail::BatchScene batch =
+      detail::make_batch_scene(bodies, group, [&](const auto& s) -> auto& { return covers->cover(s); });
   std::printf(
       "{\"scene\": \"%s\", \"setup_s\": %.3f, \"coal_motion_us\": %.3f, \"exact_motion_us\": %.3f, \"agree\": %s, "
       "\"free\": %d",

@@ -10,14 +10,19 @@ namespace {
 
 using BoolArray = nb::ndarray<nb::numpy, bool>;
 
-/// A checker and one workspace; threads take turns, and no answer depends on the one before.
-class PyCollisionChecker {
- public:
-  explicit PyCollisionChecker(std::shared_ptr<const Checker> checker)
-      : checker_(std::move(checker)), workspace_(checker_->make_workspace()) {}
+std::size_t dof_of(const Checker& checker) { return checker.robot().dof(); }
+std::size_t dof_of(const TimedChecker& checker) { return checker.dof(); }
+const Checker& base_of(const Checker& checker) { return checker; }
+const Checker& base_of(const TimedChecker& checker) { return checker.checker(); }
 
-  const Checker& checker() const { return *checker_; }
-  Eigen::Index dof() const { return static_cast<Eigen::Index>(checker_->robot().dof()); }
+/// A checker and one workspace; threads take turns, and no answer depends on the one before.
+template <class C>
+class PyChecker {
+ public:
+  explicit PyChecker(std::shared_ptr<const C> checker)
+      : checker_(std::move(checker)), workspace_(base_of(*checker_).make_workspace()) {}
+
+  Eigen::Index dof() const { return static_cast<Eigen::Index>(dof_of(*checker_)); }
 
   /// Runs without the GIL.
   template <class Ask>
@@ -28,12 +33,13 @@ class PyCollisionChecker {
   }
 
  private:
-  std::shared_ptr<const Checker> checker_;
+  std::shared_ptr<const C> checker_;
   std::mutex mutex_;
   Checker::WorkspacePtr workspace_;
 };
 
-using Self = PyCollisionChecker;
+using Self = PyChecker<Checker>;
+using Timed = PyChecker<TimedChecker>;
 
 /// NumPy's own rows, not copied when they are float64 and contiguous; one configuration counts as one row.
 class Rows {
@@ -54,6 +60,12 @@ class Rows {
   Eigen::Index count_{}, columns_{};
 };
 
+void require_as_many(const Rows& a, const Rows& b) {
+  if (a.count() != b.count())
+    throw InvalidArgument("a has " + std::to_string(a.count()) + " rows and b has " + std::to_string(b.count()) +
+                          "; a motion goes from each row of a to the same row of b");
+}
+
 template <class T>
 nb::ndarray<nb::numpy, T> new_array(std::size_t size, T*& data) {
   data = new T[size]();
@@ -73,9 +85,7 @@ BoolArray are_free(Self& self, const ArrayLike& q) {
 
 BoolArray motions_free(Self& self, const ArrayLike& a, const ArrayLike& b) {
   const Rows from(a, "a", self.dof()), to(b, "b", self.dof());
-  if (from.count() != to.count())
-    throw InvalidArgument("a has " + std::to_string(from.count()) + " rows and b has " + std::to_string(to.count()) +
-                          "; a motion goes from each row of a to the same row of b");
+  require_as_many(from, to);
   bool* free{};
   BoolArray result = new_array(static_cast<std::size_t>(from.count()), free);
   self.ask([&](const Checker& checker, Checker::Workspace& workspace) {
@@ -98,9 +108,66 @@ nb::ndarray<nb::numpy, double> clearance(Self& self, const ArrayLike& q) {
   return result;
 }
 
-nb::dict stats(Self& self) {
+/// One time for each row, or one for all.
+class Times {
+ public:
+  Times(const ArrayLike& array, const std::string& what, Eigen::Index rows) : values_(to_numbers(array.value, what)) {
+    one_ = values_.size() == 1;
+    if (!one_ && (values_.ndim() != 1 || static_cast<Eigen::Index>(values_.size()) != rows))
+      throw InvalidArgument(what + " must be one time [s] or one for each of the " + std::to_string(rows) + " rows");
+  }
+  double operator[](Eigen::Index row) const { return values_.data()[one_ ? 0 : row]; }
+
+ private:
+  nb::ndarray<const double, nb::c_contig, nb::device::cpu> values_;
+  bool one_{};
+};
+
+BoolArray are_free_at(Timed& self, const ArrayLike& q, const ArrayLike& times) {
+  const Rows rows(q, "q", self.dof());
+  const Times when(times, "times", rows.count());
+  bool* free{};
+  BoolArray result = new_array(static_cast<std::size_t>(rows.count()), free);
+  self.ask([&](const TimedChecker& checker, Checker::Workspace& workspace) {
+    for (Eigen::Index i = 0; i < rows.count(); ++i)
+      free[i] = checker.is_free(rows.view().row(i).transpose(), when[i], workspace);
+  });
+  return result;
+}
+
+BoolArray motions_free_at(Timed& self, const ArrayLike& a, const ArrayLike& b, const ArrayLike& from,
+                          const ArrayLike& to) {
+  const Rows starts(a, "a", self.dof()), ends(b, "b", self.dof());
+  require_as_many(starts, ends);
+  const Times departures(from, "from_times", starts.count()), arrivals(to, "to_times", starts.count());
+  bool* free{};
+  BoolArray result = new_array(static_cast<std::size_t>(starts.count()), free);
+  self.ask([&](const TimedChecker& checker, Checker::Workspace& workspace) {
+    for (Eigen::Index i = 0; i < starts.count(); ++i)
+      free[i] = checker.is_motion_free(starts.view().row(i).transpose(), ends.view().row(i).transpose(), departures[i],
+                                       arrivals[i], workspace);
+  });
+  return result;
+}
+
+nb::ndarray<nb::numpy, double> clearance_at(Timed& self, const ArrayLike& q, const ArrayLike& times) {
+  const Rows rows(q, "q", self.dof());
+  const Times when(times, "times", rows.count());
+  double* distance{};
+  auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
+  self.ask([&](const TimedChecker& checker, Checker::Workspace& workspace) {
+    for (Eigen::Index i = 0; i < rows.count(); ++i) {
+      const auto nearest = checker.nearest(rows.view().row(i).transpose(), when[i], workspace);
+      distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
+    }
+  });
+  return result;
+}
+
+template <class C>
+nb::dict stats(PyChecker<C>& self) {
   const CheckStatistics s =
-      self.ask([](const Checker& checker, Checker::Workspace& w) { return checker.statistics(w); });
+      self.ask([](const C& checker, Checker::Workspace& w) { return base_of(checker).statistics(w); });
   nb::dict d;
   d["states"] = s.states;
   d["states_by_balls"] = s.states_by_balls;
@@ -126,7 +193,33 @@ CheckMode to_check_mode(const std::string& mode) {
 }
 
 nb::object wrap_checker(std::shared_ptr<const Checker> checker) {
-  return nb::cast(new PyCollisionChecker(std::move(checker)), nb::rv_policy::take_ownership);
+  return nb::cast(new Self(std::move(checker)), nb::rv_policy::take_ownership);
+}
+
+nb::object wrap_checker(std::shared_ptr<const TimedChecker> checker) {
+  return nb::cast(new Timed(std::move(checker)), nb::rv_policy::take_ownership);
+}
+
+std::map<std::string, TimedPath> to_timed_paths(nb::handle others) {
+  std::map<std::string, TimedPath> paths;
+  if (!nb::isinstance<nb::dict>(others))
+    throw InvalidArgument("others must be a dict: robot name -> (times, configurations)");
+  for (const auto& [key, value] : nb::cast<nb::dict>(others)) {
+    if (!nb::isinstance<nb::str>(key)) throw InvalidArgument("others: a key is no robot name");
+    const auto name = nb::cast<std::string>(key);
+    if (!nb::isinstance<nb::sequence>(value) || nb::len(value) != 2)
+      throw InvalidArgument("others['" + name + "'] must be (times, configurations)");
+    const Eigen::VectorXd times = ArrayLike{value[0]}.vector("times of robot '" + name + "'");
+    const auto rows = to_numbers(value[1], "configurations of robot '" + name + "'");
+    if (rows.ndim() != 2) throw InvalidArgument("configurations of robot '" + name + "' must have the shape (n, dof)");
+    TimedPath& path = paths[name];
+    path.times.assign(times.begin(), times.end());
+    const auto columns = static_cast<Eigen::Index>(rows.shape(1));
+    for (std::size_t i = 0; i < rows.shape(0); ++i)
+      path.configurations.emplace_back(
+          Eigen::Map<const Eigen::VectorXd>(rows.data() + static_cast<Eigen::Index>(i) * columns, columns));
+  }
+  return paths;
 }
 
 void bind_collision_checker(nb::module_& m) {
@@ -176,8 +269,41 @@ void bind_collision_checker(nb::module_& m) {
           "Proves the straight motion a to b, each (dof,) [rad or m], free by conservative advancement on Coal's "
           "distances (Schwarzer,\n"
           "Saha, Latombe 2004), without balls: an independent check of motions_free.")
-      .def("stats", &stats, "What this checker's checks did so far: how many of what, and which layer decided.")
+      .def("stats", &stats<Checker>,
+           "What this checker's checks did so far: how many of what, and which layer decided.")
       .def_prop_ro("dof", [](const Self& self) { return self.dof(); }, "Planned joints.");
+  nb::class_<Timed>(m, "TimedCollisionChecker",
+                    "Collision checks of one robot among others whose motions are known, in the scene as it was when\n"
+                    "planner.timed_collision_checker made this. Arrays as for CollisionChecker; times are one [s], or "
+                    "(n,), one for each row.")
+      .def("are_free", &are_free_at, nb::arg("q"), nb::arg("times"),
+           nb::sig("def are_free(self, q: numpy.typing.ArrayLike, times: numpy.typing.ArrayLike) -> "
+                   "numpy.typing.NDArray[numpy.bool_]"),
+           "(n,) bool: is each configuration, (n, dof) [rad or m], free at its time?")
+      .def("motions_free", &motions_free_at, nb::arg("a"), nb::arg("b"), nb::arg("from_times"), nb::arg("to_times"),
+           nb::sig("def motions_free(self, a: numpy.typing.ArrayLike, b: numpy.typing.ArrayLike, from_times: "
+                   "numpy.typing.ArrayLike, to_times: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.bool_]"),
+           "(n,) bool: is the straight motion from each row of a, where it departs at from_times, to that of b, where "
+           "it "
+           "arrives at\n"
+           "to_times, at constant speed, proved free of everything that moves meanwhile?")
+      .def("clearance", &clearance_at, nb::arg("q"), nb::arg("times"),
+           nb::sig("def clearance(self, q: numpy.typing.ArrayLike, times: numpy.typing.ArrayLike) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "(n,) [m]: distance of the nearest pair at each configuration and time, less its padding; negative in "
+           "collision.")
+      .def(
+          "certify_motion",
+          [](Timed& self, const ArrayLike& a, const ArrayLike& b, double from, double to) {
+            const Eigen::VectorXd start = a.vector("a"), end = b.vector("b");
+            return self.ask([&](const TimedChecker& c, Checker::Workspace& w) {
+              return c.certify_motion(start, end, from, to, w);
+            });
+          },
+          nb::arg("a"), nb::arg("b"), nb::arg("from_time"), nb::arg("to_time"),
+          "Proves the motion free by Coal's distances alone, as CollisionChecker.certify_motion does.")
+      .def("stats", &stats<TimedChecker>, "What this checker's checks did so far.")
+      .def_prop_ro("dof", [](const Timed& self) { return self.dof(); }, "Planned joints of the one robot.");
 }
 
 }  // namespace srmp::python

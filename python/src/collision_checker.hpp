@@ -2,10 +2,11 @@
 
 #include <nanobind/nanobind.h>
 
+#include <map>
 #include <memory>
 #include <string>
 
-#include "srmp/collision/checker.hpp"
+#include "srmp/collision/timed_checker.hpp"
 
 namespace srmp::python {
 
@@ -13,5 +14,8 @@ namespace srmp::python {
 CheckMode to_check_mode(const std::string& mode);
 /// The Python object for a checker.
 nanobind::object wrap_checker(std::shared_ptr<const Checker> checker);
+nanobind::object wrap_checker(std::shared_ptr<const TimedChecker> checker);
+/// From a dict: robot name -> (times, configurations).
+std::map<std::string, TimedPath> to_timed_paths(nanobind::handle others);
 
 }  // namespace srmp::python

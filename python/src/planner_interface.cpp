@@ -485,7 +485,22 @@ void bind_questions(nb::class_<Self>& cls) {
           "alone: never free\n"
           "wrongly) or 'coal'. The first use of a robot covers its links with spheres, which may take many seconds; "
           "later ones load\n"
-          "them from the cache folder.");
+          "them from the cache folder.")
+      .def(
+          "timed_collision_checker",
+          [](Self& self, const std::string& name, nb::handle others, const std::string& mode) {
+            const auto paths = to_timed_paths(others);
+            return wrap_checker(
+                self.use([&](auto& p) { return p.timed_collision_checker(name, paths, to_check_mode(mode)); }));
+          },
+          nb::arg("name"), nb::arg("others"), nb::arg("mode") = "exact",
+          nb::sig("def timed_collision_checker(self, name: str, others: dict[str, tuple[numpy.typing.ArrayLike, "
+                  "numpy.typing.ArrayLike]], mode: str = 'exact') -> TimedCollisionChecker"),
+          "A checker of one robot among others whose motions are known: `others` maps a robot's name to its times (m,) "
+          "[s] and\n"
+          "configurations (m, dof) [rad or m]: straight between them, at rest before and after. Robots not named stand "
+          "still.\n\n"
+          "Raises InvalidArgument for unknown robots, times that do not grow, wrong sizes and NaN.");
 }
 
 void bind_planning(nb::class_<Self>& cls) {

@@ -232,3 +232,91 @@ def test_filtering_refuses_bad_distances_and_empty_rooms(arm):
     with pytest.raises(srmp.InvalidArgument, match="all 1 points are within self_filter_distance 3"):
         arm.add_point_cloud("cloud", point, self_filter_distance=3.0)
     assert "cloud" not in arm.object_names
+
+
+@pytest.fixture
+def two_arms():
+    planner = srmp.PlannerInterface()
+    for name, x in (("left", -0.3), ("right", 0.3)):
+        planner.add_articulation(
+            urdf_path=srmp.data_path("arm7.urdf"),
+            srdf_path=srmp.data_path("arm7.srdf"),
+            name=name,
+            end_effector="arm7_hand",
+            base_pose=srmp.Pose(p=[x, 0, 0]),
+        )
+    return planner
+
+
+def test_beside_a_robot_that_moves(two_arms):
+    rng = np.random.default_rng(3)
+    limits = np.clip(two_arms.get_joint_limits("right")[:, :2], -2, 2)
+    path = rng.uniform(limits[:, 0], limits[:, 1], (4, 7))
+    times = np.array([0.0, 1.0, 1.5, 3.0])
+    checker = two_arms.timed_collision_checker("left", {"right": (times, path)})
+    assert checker.dof == 7
+    q = rng.uniform(limits[:, 0], limits[:, 1], (60, 7))
+    when = rng.uniform(-0.5, 3.5, 60)
+    free, clearance = checker.are_free(q, when), checker.clearance(q, when)
+    for i in range(60):
+        two_arms.set_qpos("right", [np.interp(when[i], times, joint) for joint in path.T])
+        assert free[i] == (not two_arms.is_state_colliding("left", q[i]))
+        if free[i]:
+            assert clearance[i] == pytest.approx(two_arms.distance_to_collision("left", q[i]), abs=1e-5)
+    assert 0.1 < free.mean() < 1
+
+
+def test_motions_beside_a_robot_that_moves(two_arms):
+    rng = np.random.default_rng(4)
+    limits = np.clip(two_arms.get_joint_limits("right")[:, :2], -2, 2)
+    path = rng.uniform(limits[:, 0], limits[:, 1], (5, 7))
+    times = np.array([0.0, 0.5, 1.0, 2.0, 3.0])
+    exact, coal = (
+        two_arms.timed_collision_checker("left", {"right": (times, path)}, mode) for mode in ("exact", "coal")
+    )
+    a = rng.uniform(limits[:, 0], limits[:, 1], (80, 7))
+    b = a + rng.uniform(-0.4, 0.4, a.shape)
+    start = rng.uniform(-0.2, 2.5, 80)
+    end = start + rng.uniform(0, 1, 80)
+    free = exact.motions_free(a, b, start, end)
+    np.testing.assert_array_equal(free, coal.motions_free(a, b, start, end))
+    assert 0.1 < free.mean() < 0.9
+    for i in range(80):
+        t = np.linspace(0, 1, 200)
+        sampled = exact.are_free(a[i] + t[:, None] * (b[i] - a[i]), start[i] + t * (end[i] - start[i]))
+        assert not free[i] or sampled.all()
+        proof = exact.certify_motion(a[i], b[i], start[i], end[i])
+        assert bool(proof) == free[i]
+        if not proof and not sampled.all():
+            assert 0 <= proof.interval[0] < proof.interval[1] <= 1
+    # What the other does by itself is not this robot's collision.
+    two_arms.add_box("wall", size=[0.1, 3, 3], pose=srmp.Pose(p=[0.85, 0, 0]))
+    ready = two_arms.get_group_states("left")["ready"]
+    into_wall = np.array([[0, 1.5, 0, 0, 0, 0, 0]], float)
+    assert two_arms.timed_collision_checker("left", {"right": ([0.0], into_wall)}).are_free(ready, 0.0).all()
+
+
+def test_timed_checkers_refuse_nonsense(two_arms):
+    q = np.zeros(7)
+    bad = {
+        "unknown robot": ({"rigt": ([0.0], [q])}, "right"),
+        "not a dict": ([1], "others must be a dict"),
+        "no pair": ({"right": [0.0]}, r"others\['right'\] must be \(times, configurations\)"),
+        "empty": ({"right": ([], np.zeros((0, 7)))}, "is empty"),
+        "sizes": ({"right": ([0.0, 1.0], [q])}, "2 times, but 1 configurations"),
+        "order": ({"right": ([1.0, 1.0], [q, q])}, "not after the one before"),
+        "NaN time": ({"right": ([np.nan], [q])}, "times"),
+        "NaN": ({"right": ([0.0], [q * np.nan])}, "configuration 0 of the path of robot 'right'"),
+        "wrong dof": ({"right": ([0.0], [q[:3]])}, "configuration 0 of the path of robot 'right'"),
+        "itself": ({"left": ([0.0], [q])}, "named twice"),
+    }
+    for others, message in bad.values():
+        with pytest.raises(srmp.InvalidArgument, match=message):
+            two_arms.timed_collision_checker("left", others)
+    checker = two_arms.timed_collision_checker("left", {"right": ([0.0], [q])})
+    with pytest.raises(srmp.InvalidArgument, match="before that"):
+        checker.motions_free(q, q, 1.0, 0.0)
+    with pytest.raises(srmp.InvalidArgument, match="times must be one time"):
+        checker.are_free(np.zeros((3, 7)), [0.0, 1.0])
+    with pytest.raises(srmp.InvalidArgument, match="finite time"):
+        checker.are_free(q, np.inf)

@@ -9,23 +9,14 @@ namespace {
 
 std::string full_name(const std::string& robot, const std::string& link) { return robot + "/" + link; }
 
-Body link_body(const RobotInstance& instance, std::size_t index, bool own) {
+Body link_body(const RobotInstance& instance, std::size_t index) {
   const LinkGeometry& geometry = instance.model->geometries()[index];
   Bounds bounds = bounds_of(*geometry.shape);
   bounds.center = geometry.center;
   bounds.radius = geometry.radius;
   const std::string scene_name = full_name(instance.model->name(), geometry.link);
-  return {own ? geometry.link : scene_name,
-          BodyKind::link,
-          geometry.shape,
-          instance.parts[index],
-          nullptr,
-          bounds,
-          instance.padding,
-          own,
-          own ? geometry.movers : 0,
-          scene_name,
-          index};
+  return {scene_name, BodyKind::link, geometry.shape, instance.parts[index], nullptr, bounds, instance.padding, -1,
+          0,          scene_name,     index};
 }
 
 Body object_body(const Object& object, BodyKind kind) {
@@ -36,7 +27,7 @@ Body object_body(const Object& object, BodyKind kind) {
           object.field,
           bounds_of(*object.geometry),
           object.padding,
-          false,
+          -1,
           0,
           object.name,
           0};
@@ -45,15 +36,22 @@ Body object_body(const Object& object, BodyKind kind) {
 /// Does contact between two bodies count?
 class Rules {
  public:
-  Rules(const Scene& scene, const RobotModel& model)
-      : scene_(scene), model_(model), checked_(model.self_pairs().begin(), model.self_pairs().end()) {}
+  Rules(const Scene& scene, const RobotGroup& group) : scene_(scene), group_(group), checked_(group.size()) {
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const auto& pairs = group.model(i).self_pairs();
+      checked_[i].insert(pairs.begin(), pairs.end());
+    }
+  }
 
   bool matters(const Body& a, const Body& b) {
+    if (a.member != 0 && b.member != 0) return false;
     if (allowed(a.scene_name, b.scene_name)) return false;
-    if (!a.own || !b.own || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
+    if (a.member != b.member || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
-    return checked_.contains(std::minmax(a.source, b.source)) ||
-           model_.allowed(model_.geometries()[a.source].link, model_.geometries()[b.source].link);
+    const auto member = static_cast<std::size_t>(a.member);
+    const RobotModel& model = group_.model(member);
+    return checked_[member].contains(std::minmax(a.source, b.source)) ||
+           model.allowed(model.geometries()[a.source].link, model.geometries()[b.source].link);
   }
 
  private:
@@ -64,21 +62,24 @@ class Rules {
   }
 
   const Scene& scene_;
-  const RobotModel& model_;
-  std::set<std::pair<std::size_t, std::size_t>> checked_;
+  const RobotGroup& group_;
+  std::vector<std::set<std::pair<std::size_t, std::size_t>>> checked_;
   std::map<std::pair<std::string, std::string>, bool> known_;
 };
 
 }  // namespace
 
-Bodies::Bodies(const Scene& scene, const std::string& robot) {
-  const RobotInstance& instance = scene.robot(robot);
-  const RobotDataPtr data = instance.model->make_data();
-  instance.model->set_other_positions(*data, instance.other_positions);
-  instance.model->forward(*data, instance.q);
-  add_robot_links(instance, *data);
-  add_objects(scene, instance, *data);
-  add_other_robots(scene, instance);
+Bodies::Bodies(const Scene& scene, const RobotGroup& group) : group_(group), data_(group.make_data()) {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(group.joints().size()));
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    q.segment(first, group.instance(i).q.size()) = group.instance(i).q;
+    first += group.instance(i).q.size();
+  }
+  group.forward(data_, q);
+  for (std::size_t i = 0; i < group.size(); ++i) add_links(static_cast<int>(i));
+  add_objects(scene);
+  add_other_robots(scene);
 
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const FixedBody& body : fixed) {
@@ -88,7 +89,7 @@ Bodies::Bodies(const Scene& scene, const std::string& robot) {
     most_fixed_padding = std::max(most_fixed_padding, body.padding);
   }
   tree.build(boxes);
-  add_pairs(scene, instance, *data);
+  add_pairs(scene);
 }
 
 void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
@@ -96,75 +97,85 @@ void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
   fixed.push_back({std::move(body), pose, center});
 }
 
-void Bodies::add_robot_links(const RobotInstance& instance, const RobotData& data) {
+void Bodies::add_links(int member) {
+  const auto index = static_cast<std::size_t>(member);
+  const RobotInstance& instance = group_.instance(index);
   for (std::size_t i = 0; i < instance.model->geometries().size(); ++i) {
-    Body body = link_body(instance, i, true);
+    Body body = link_body(instance, i);
+    const LinkGeometry& geometry = instance.model->geometries()[i];
+    body.member = member;
+    body.movers = group_.movers(index, geometry.movers);
+    if (member == 0) body.name = geometry.link;
     if (body.movers == 0)
-      add_fixed(std::move(body), instance.model->geometry_pose(data, i));
+      add_fixed(std::move(body), group_.geometry_pose(data_, index, i));
     else
       moving.push_back({std::move(body), Eigen::Isometry3d::Identity()});
   }
 }
 
-void Bodies::add_objects(const Scene& scene, const RobotInstance& instance, const RobotData& data) {
-  const RobotModel& model = *instance.model;
-  const Pose to_base = instance.base.inverse();
+void Bodies::add_objects(const Scene& scene) {
+  const Pose to_base = group_.instance(0).base.inverse();
   for (const auto& [name, object] : scene.objects()) {
     const auto it = scene.attachments().find(name);
     if (it == scene.attachments().end()) {
       add_fixed(object_body(object, BodyKind::object), (to_base * object.pose).isometry());
-    } else if (it->second.robot != model.name()) {
-      add_fixed(object_body(object, BodyKind::attached_object), (to_base * scene.object_pose(name)).isometry());
-    } else {
-      const std::size_t link = model.link_index(it->second.link);
-      Body body = object_body(object, BodyKind::attached_object);
-      body.own = true;
-      body.movers = model.link_movers(link);
-      body.source = link;
-      const Eigen::Isometry3d in_link = object.pose.isometry();
-      if (body.movers == 0)
-        add_fixed(std::move(body), model.link_pose(data, link) * in_link);
-      else
-        moving.push_back({std::move(body), in_link});
+      continue;
     }
+    Body body = object_body(object, BodyKind::attached_object);
+    for (std::size_t i = 0; i < group_.size(); ++i)
+      if (group_.model(i).name() == it->second.robot) body.member = static_cast<int>(i);
+    if (body.member < 0) {
+      add_fixed(std::move(body), (to_base * scene.object_pose(name)).isometry());
+      continue;
+    }
+    const auto member = static_cast<std::size_t>(body.member);
+    const std::size_t link = group_.model(member).link_index(it->second.link);
+    body.movers = group_.movers(member, group_.model(member).link_movers(link));
+    body.source = link;
+    const Eigen::Isometry3d in_link = object.pose.isometry();
+    if (body.movers == 0)
+      add_fixed(std::move(body), group_.link_pose(data_, member, link) * in_link);
+    else
+      moving.push_back({std::move(body), in_link});
   }
 }
 
-void Bodies::add_other_robots(const Scene& scene, const RobotInstance& planned) {
-  const Eigen::Isometry3d to_base = planned.base.inverse().isometry();
+void Bodies::add_other_robots(const Scene& scene) {
+  const Eigen::Isometry3d to_base = group_.instance(0).base.inverse().isometry();
   for (const auto& [name, instance] : scene.robots()) {
-    if (name == planned.model->name()) continue;
+    if (group_.contains(name)) continue;
     const RobotDataPtr data = instance.model->make_data();
     instance.model->set_other_positions(*data, instance.other_positions);
     instance.model->forward(*data, instance.q);
     for (std::size_t i = 0; i < instance.model->geometries().size(); ++i)
-      add_fixed(link_body(instance, i, false),
-                to_base * instance.base.isometry() * instance.model->geometry_pose(*data, i));
+      add_fixed(link_body(instance, i), to_base * instance.base.isometry() * instance.model->geometry_pose(*data, i));
   }
 }
 
-void Bodies::add_pairs(const Scene& scene, const RobotInstance& instance, const RobotData& data) {
-  Rules rules(scene, *instance.model);
+void Bodies::add_pairs(const Scene& scene) {
+  Rules rules(scene, group_);
   fixed_pair.assign(moving.size() * fixed.size(), -1);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)
-      if (rules.matters(moving[i], fixed[j])) add_pair(moving[i], false, i, fixed[j], true, j, instance, data);
+      if (rules.matters(moving[i], fixed[j])) add_pair(moving[i], false, i, fixed[j], true, j);
     for (std::size_t j = i + 1; j < moving.size(); ++j)
-      if (rules.matters(moving[i], moving[j])) add_pair(moving[i], false, i, moving[j], false, j, instance, data);
+      if (rules.matters(moving[i], moving[j])) {
+        const bool swap = moving[i].member != 0;  // the planned robot's body comes first
+        add_pair(moving[swap ? j : i], false, swap ? j : i, moving[swap ? i : j], false, swap ? i : j);
+      }
   }
   for (std::size_t i = 0; i < fixed.size(); ++i)
     for (std::size_t j = 0; j < fixed.size(); ++j) {
-      const bool once = fixed[i].own && (!fixed[j].own || i < j);
-      if (once && rules.matters(fixed[i], fixed[j])) add_pair(fixed[i], true, i, fixed[j], true, j, instance, data);
+      const bool once = fixed[i].member == 0 && (fixed[j].member != 0 || i < j);
+      if (once && rules.matters(fixed[i], fixed[j])) add_pair(fixed[i], true, i, fixed[j], true, j);
     }
 }
 
-void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib,
-                      const RobotInstance& instance, const RobotData& data) {
+void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib) {
   const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
   if (a.movers == b.movers) {
     const auto pose = [&](bool is_fixed, std::size_t i) {
-      return is_fixed ? fixed[i].pose : pose_of(moving[i], *instance.model, data);
+      return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
     };
     const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
     const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
@@ -179,7 +190,7 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   pair.solid = a.is_solid() && b.is_solid();
   pair.in_pieces = !a.is_solid() && !b.is_solid();
   if (a.solid() && b.solid()) pair.formula = formulas.index(*a.solid(), *b.solid());
-  pair.padding = a.own && b.own ? 0.0 : a.padding + b.padding;
+  pair.padding = a.member == b.member ? 0.0 : a.padding + b.padding;
   pair.movers_a = a.movers & ~b.movers;
   pair.movers_b = b.movers & ~a.movers;
   const auto id = static_cast<std::uint32_t>(pairs.size());

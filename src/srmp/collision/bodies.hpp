@@ -8,8 +8,10 @@
 #include "srmp/collision/broad_phase.hpp"
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/narrow_phase.hpp"
+#include "srmp/collision/robot_group.hpp"
 
-// What a checker keeps of a scene: bodies, and the pairs of them that matter. In the planned robot's base frame.
+// What a checker keeps of a scene: bodies, and the pairs of them that matter. In the base frame of a group of robots,
+// of which the first is planned; the others move too, but matter only where the first meets them.
 namespace srmp::detail {
 
 struct Body {
@@ -20,8 +22,8 @@ struct Body {
   std::shared_ptr<const DistanceField> field;  // of an object
   Bounds bounds;
   double padding{};
-  bool own{};              // a link of the planned robot, or attached to one
-  std::uint64_t movers{};  // drives of the planned robot that move it
+  int member{-1};          // of the group: whose link it is, or whose link holds it
+  std::uint64_t movers{};  // drives of the group that move it
   std::string scene_name;  // as the scene resolves it
   std::size_t source{};    // geometry index of a link; link index of an object in a moving hand
 
@@ -30,7 +32,7 @@ struct Body {
   bool is_solid() const { return !parts.pieces; }
 };
 
-/// Moved by the planned joints: a geometry of the robot, or an object in a link's hand.
+/// Moved by the group's joints: a geometry of a robot, or an object in a link's hand.
 struct MovingBody : Body {
   Eigen::Isometry3d in_link;  // of an object in the hand
   bool attached() const { return kind == BodyKind::attached_object; }
@@ -60,7 +62,7 @@ struct RigidOverlap {
 };
 
 struct Bodies {
-  Bodies(const Scene& scene, const std::string& robot);
+  Bodies(const Scene& scene, const RobotGroup& group);
 
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
@@ -73,18 +75,22 @@ struct Bodies {
   FormulaTable formulas;
 
  private:
-  void add_robot_links(const RobotInstance& instance, const RobotData& data);
-  void add_objects(const Scene& scene, const RobotInstance& instance, const RobotData& data);
-  void add_other_robots(const Scene& scene, const RobotInstance& instance);
+  void add_links(int member);
+  void add_objects(const Scene& scene);
+  void add_other_robots(const Scene& scene);
   void add_fixed(Body body, const Eigen::Isometry3d& pose);
-  void add_pairs(const Scene& scene, const RobotInstance& instance, const RobotData& data);
-  void add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib,
-                const RobotInstance& instance, const RobotData& data);
+  void add_pairs(const Scene& scene);
+  void add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib);
+
+  const RobotGroup& group_;
+  RobotGroup::Data data_;  // where set_qpos put the robots
 };
 
 /// The pose of a moving body at the configuration in `data`.
-inline Eigen::Isometry3d pose_of(const MovingBody& body, const RobotModel& model, const RobotData& data) {
-  return body.attached() ? model.link_pose(data, body.source) * body.in_link : model.geometry_pose(data, body.source);
+inline Eigen::Isometry3d pose_of(const MovingBody& body, const RobotGroup& group, const RobotGroup::Data& data) {
+  const auto member = static_cast<std::size_t>(body.member);
+  return body.attached() ? group.link_pose(data, member, body.source) * body.in_link
+                         : group.geometry_pose(data, member, body.source);
 }
 
 }  // namespace srmp::detail

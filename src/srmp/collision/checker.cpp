@@ -65,13 +65,13 @@ std::string Contact::describe() const {
 
 struct Checker::Impl {
   Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options)
-      : instance(scene.robot(robot)), model(*instance.model), bodies(scene, robot), mode(options.mode) {
-    for (const Joint& joint : model.joints()) continuous.push_back(joint.kind == JointKind::continuous);
+      : group(scene, with_companions(robot, options.companions)), bodies(scene, group), mode(options.mode) {
+    for (const Joint& joint : group.joints()) continuous.push_back(joint.kind == JointKind::continuous);
     if (mode == CheckMode::coal) return;
     const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
     for (const auto& [name, other] : scene.robots()) ensure_covered(*other.model, *covers);
     const detail::CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
-    batch_scene = detail::make_batch_scene(bodies, model, instance.other_positions, cover_of);
+    batch_scene = detail::make_batch_scene(bodies, group, cover_of);
     batch.emplace(batch_scene.world);
     for (auto* pairs : {&batch_scene.obstacle_pairs, &batch_scene.self_pairs})
       for (auto& ids : *pairs) std::sort(ids.begin(), ids.end());
@@ -84,16 +84,20 @@ struct Checker::Impl {
 
   /// The balls' bounds hold for prismatic joints up to 1 m outside their limits (BatchDrive::max_travel).
   bool balls_reach(ConstVector q) const {
-    for (std::size_t i = 0; i < model.joints().size(); ++i) {
-      const Joint& joint = model.joints()[i];
+    for (std::size_t i = 0; i < group.joints().size(); ++i) {
+      const Joint& joint = group.joints()[i];
       const double value = q[static_cast<Eigen::Index>(i)];
       if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
     }
     return true;
   }
 
-  RobotInstance instance;
-  const RobotModel& model;
+  static std::vector<std::string> with_companions(const std::string& robot, std::vector<std::string> names) {
+    names.insert(names.begin(), robot);
+    return names;
+  }
+
+  detail::RobotGroup group;
   Bodies bodies;
   CheckMode mode;
   detail::BatchScene batch_scene;
@@ -151,7 +155,7 @@ class Checker::Workspace {
   double axis_reach(std::size_t body, std::size_t drive);
 
   const Bodies& bodies_;
-  RobotDataPtr data_;
+  detail::RobotGroup::Data data_;
   NarrowPhase narrow_;
   std::vector<Eigen::Isometry3d> poses_;  // of moving bodies
   std::vector<Eigen::Vector3d> centers_;  // of their bounding spheres
@@ -174,16 +178,15 @@ class Checker::Workspace {
 };
 
 Checker::Workspace::Workspace(const Impl& checker)
-    : impl(checker), bodies_(checker.bodies), data_(checker.model.make_data()), narrow_(checker.bodies.formulas) {
+    : impl(checker), bodies_(checker.bodies), data_(checker.group.make_data()), narrow_(checker.bodies.formulas) {
   if (impl.batch) batch_ = impl.batch->make_workspace();
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
   open_.reserve(1024);
   next_.reserve(1024);
-  impl.model.set_other_positions(*data_, impl.instance.other_positions);
-  const std::size_t drives = impl.model.drives().size(), moving = bodies_.moving.size();
+  const std::size_t drives = impl.group.drives().size(), moving = bodies_.moving.size();
   poses_.resize(moving);
   centers_.resize(moving);
-  const auto dof = static_cast<Eigen::Index>(impl.model.dof());
+  const auto dof = static_cast<Eigen::Index>(impl.group.joints().size());
   start_ = delta_ = q_ = Eigen::VectorXd::Zero(dof);
   active_drives_.reserve(drives);
   speed_.resize(drives);
@@ -194,10 +197,10 @@ Checker::Workspace::Workspace(const Impl& checker)
 
 void Checker::Workspace::place(ConstVector q) {
   ++statistics.configurations;
-  impl.model.forward(*data_, q);
+  impl.group.forward(data_, q);
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     const MovingBody& body = bodies_.moving[i];
-    poses_[i] = detail::pose_of(body, impl.model, *data_);
+    poses_[i] = detail::pose_of(body, impl.group, data_);
     centers_[i] = poses_[i] * body.bounds.center;
   }
 }
@@ -286,7 +289,7 @@ void Checker::Workspace::start_motion(ConstVector a, ConstVector b) {
     if (impl.continuous[i]) delta_[i] = std::remainder(delta_[i], 2.0 * std::numbers::pi);
   active_ = 0;
   active_drives_.clear();
-  const std::vector<Drive>& drives = impl.model.drives();
+  const std::vector<Drive>& drives = impl.group.drives();
   for (std::size_t k = drives.size(); k-- > 0;) {  // children first
     speed_[k] = std::abs(drives[k].ratio * delta_[static_cast<Eigen::Index>(drives[k].joint)]);
     if (speed_[k] == 0.0) continue;
@@ -298,7 +301,7 @@ void Checker::Workspace::start_motion(ConstVector a, ConstVector b) {
 void Checker::Workspace::place_on_motion(double t) {
   q_ = start_ + t * delta_;
   place(q_);
-  for (std::size_t k : active_drives_) axes_[k] = impl.model.drive_axis(*data_, k);
+  for (std::size_t k : active_drives_) axes_[k] = impl.group.drive_axis(data_, k);
   std::fill(reach_known_.begin(), reach_known_.end(), 0);
 }
 
@@ -322,7 +325,7 @@ double Checker::Workspace::displacement(std::size_t body, std::uint64_t movers, 
   for (std::size_t k : active_drives_) {
     if (!(movers >> k & 1)) continue;
     const double change = speed_[k] * half_width;
-    moved += impl.model.drives()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
+    moved += impl.group.drives()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
   }
   return moved;
 }
@@ -525,8 +528,9 @@ Checker::Checker(const Scene& scene, const std::string& robot, const CheckerOpti
     : impl_(std::make_unique<const Impl>(scene, robot, options)) {}
 Checker::~Checker() = default;
 
-const RobotModel& Checker::robot() const { return impl_->model; }
-const Pose& Checker::base() const { return impl_->instance.base; }
+const RobotModel& Checker::robot() const { return impl_->group.model(0); }
+std::size_t Checker::dof() const { return impl_->group.joints().size(); }
+const Pose& Checker::base() const { return impl_->group.instance(0).base; }
 CheckMode Checker::mode() const { return impl_->mode; }
 
 void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
@@ -536,7 +540,7 @@ Checker::WorkspacePtr Checker::make_workspace() const { return WorkspacePtr(new 
 const CheckStatistics& Checker::statistics(const Workspace& workspace) const { return workspace.statistics; }
 
 bool Checker::is_free(ConstVector q, Workspace& workspace) const {
-  impl_->model.require_configuration(q, "configuration");
+  impl_->group.require_configuration(q, "configuration");
   ++workspace.statistics.states;
   if (!impl_->bodies.overlaps.empty()) return false;
   workspace.place(q);
@@ -544,8 +548,8 @@ bool Checker::is_free(ConstVector q, Workspace& workspace) const {
 }
 
 bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free) const {
-  impl_->model.require_configuration(a, "start of the motion");
-  impl_->model.require_configuration(b, "end of the motion");
+  impl_->group.require_configuration(a, "start of the motion");
+  impl_->group.require_configuration(b, "end of the motion");
   ++workspace.statistics.motions;
   if (!impl_->bodies.overlaps.empty()) return false;
   workspace.start_motion(a, b);
@@ -557,8 +561,8 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) 
     throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
                           std::to_string(free.size()) + " answers");
   for (Eigen::Index i = 0; i < q.rows(); ++i)
-    if (q.cols() != static_cast<Eigen::Index>(impl_->model.dof()) || !q.row(i).allFinite())
-      impl_->model.require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
+    if (q.cols() != static_cast<Eigen::Index>(dof()) || !q.row(i).allFinite())
+      impl_->group.require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
   workspace.statistics.states += free.size();
   if (!impl_->bodies.overlaps.empty()) {
     std::fill(free.begin(), free.end(), false);
@@ -581,8 +585,8 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) 
 }
 
 MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
-  impl_->model.require_configuration(a, "start of the motion");
-  impl_->model.require_configuration(b, "end of the motion");
+  impl_->group.require_configuration(a, "start of the motion");
+  impl_->group.require_configuration(b, "end of the motion");
   ++workspace.statistics.motions;
   if (!impl_->bodies.overlaps.empty()) {
     const std::vector<Contact> rigid = contacts(a, workspace);
@@ -594,7 +598,7 @@ MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspac
 
 Contact Checker::Workspace::contact(const detail::Body& a, const detail::Body& b, const Proximity& found,
                                     double padding) const {
-  const Pose& base = impl.instance.base;
+  const Pose& base = impl.group.instance(0).base;
   return {a.name, b.name, found.distance - padding, base * found.point_a, base * found.point_b, padding,
           a.kind, b.kind};
 }
@@ -621,7 +625,7 @@ void tidy(std::vector<Contact>& contacts) {
 }  // namespace
 
 std::vector<Contact> Checker::contacts(ConstVector q, Workspace& workspace) const {
-  impl_->model.require_configuration(q, "configuration");
+  impl_->group.require_configuration(q, "configuration");
   const Bodies& bodies = impl_->bodies;
   workspace.place(q);
   std::vector<Contact> contacts;

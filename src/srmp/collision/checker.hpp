@@ -40,7 +40,8 @@ enum class CheckMode {
 
 struct CheckerOptions {
   CheckMode mode{CheckMode::exact};
-  std::shared_ptr<CoverStore> covers;  ///< where balls are looked up; nullptr: a store of the checker's own
+  std::shared_ptr<CoverStore> covers;   ///< where balls are looked up; nullptr: a store of the checker's own
+  std::vector<std::string> companions;  ///< other robots that move too
 };
 
 /// What a thread's checks did so far.
@@ -63,9 +64,11 @@ struct MotionCertificate {
 };
 
 /// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
-/// with a Workspace of its own. Other robots stand where set_qpos put them. Bodies collide when they touch (are within
-/// 1 µm of each other) or come within the sum of their paddings; links of one robot and what it holds have no padding
-/// towards each other.
+/// with a Workspace of its own. Other robots stand where set_qpos put them, but for `companions`: a configuration holds
+/// their joints too, after those of the robot, in the order of their names in the options. Only what the robot itself
+/// (or what it holds) touches is a collision, not what companions do elsewhere. Bodies collide when they touch (are
+/// within 1 µm of each other) or come within the sum of their paddings; links of one robot and what it holds have no
+/// padding towards each other.
 ///
 /// Two bodies that never move relative to each other (the base on its table, an object in the hand) are judged once,
 /// without padding, and only what overlaps by more than `touching_tolerance` is a collision: things may stand on
@@ -93,6 +96,7 @@ class Checker {
   ~Checker();
 
   const RobotModel& robot() const;
+  std::size_t dof() const;  ///< of a configuration: the robot's and its companions'
   const Pose& base() const;
   CheckMode mode() const;
   WorkspacePtr make_workspace() const;

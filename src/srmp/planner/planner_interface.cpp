@@ -256,6 +256,12 @@ std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::st
   return std::make_shared<const Checker>(impl_->scene, robot, CheckerOptions{mode, impl_->covers});
 }
 
+std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
+    const std::string& robot, const std::map<std::string, TimedPath>& others, CheckMode mode) const {
+  impl_->scene.robot(robot);  // throws with the nearest name
+  return std::make_shared<const TimedChecker>(impl_->scene, robot, others, CheckerOptions{mode, impl_->covers});
+}
+
 // --- planning
 
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "srmp/collision/checker.hpp"
+#include "srmp/collision/timed_checker.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/planner/goal.hpp"
 #include "srmp/planner/options.hpp"
@@ -112,6 +112,10 @@ class PlannerInterface {
   std::optional<Contact> nearest(const std::string& robot, ConstVector q) const;
   /// A checker of the scene as it is now, for many questions; later changes of the scene do not reach it.
   std::shared_ptr<const Checker> collision_checker(const std::string& robot, CheckMode mode = CheckMode::exact) const;
+  /// The same among other robots whose motions are known; robots not named stand still.
+  std::shared_ptr<const TimedChecker> timed_collision_checker(const std::string& robot,
+                                                              const std::map<std::string, TimedPath>& others,
+                                                              CheckMode mode = CheckMode::exact) const;
 
   // --- planning
   /// Chooses the planner for these robots from the paper's dictionary ("planner_id", "time_limit", …) or typed options.

@@ -46,14 +46,13 @@ Ball around(const std::vector<Ball>& balls) {
 
 class Builder {
  public:
-  Builder(const Bodies& bodies, const RobotModel& model, ConstVector other_positions, const CoverOf& cover_of)
-      : bodies_(bodies), model_(model), cover_of_(cover_of), data_(model.make_data()) {
-    model.set_other_positions(*data_, other_positions);
-    model.forward(*data_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof())));
+  Builder(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of)
+      : bodies_(bodies), group_(group), cover_of_(cover_of), data_(group.make_data()) {
+    group.forward(data_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
   }
 
   BatchScene build() {
-    scene_.world.dof = model_.dof();
+    scene_.world.dof = group_.joints().size();
     add_drives();
     for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
     for (BatchBody& body : scene_.world.bodies) finish(body);
@@ -64,23 +63,18 @@ class Builder {
 
  private:
   void add_drives() {
-    std::vector<int> parent(model_.drives().size(), -1);
-    for (std::size_t link = 0; link < model_.link_names().size(); ++link)
-      if (const std::uint64_t movers = model_.link_movers(link)) {
-        const std::uint64_t above = movers & ~(std::uint64_t{1} << top_bit(movers));
-        if (above) parent[top_bit(movers)] = top_bit(above);
-      }
-    for (std::size_t k = 0; k < parent.size(); ++k) {
-      const Drive& from = model_.drives()[k];
-      frames_.push_back(frame_on_axis(model_.drive_axis(*data_, k)));
+    for (std::size_t k = 0; k < group_.drives().size(); ++k) {
+      const Drive& from = group_.drives()[k];
+      frames_.push_back(frame_on_axis(group_.drive_axis(data_, k)));
       BatchDrive drive;
-      drive.parent = parent[k];
-      drive.frame = parent[k] < 0 ? frames_[k] : frames_[parent[k]].inverse() * frames_[k];
+      drive.parent = group_.parent(k);
+      drive.frame =
+          drive.parent < 0 ? frames_[k] : frames_[static_cast<std::size_t>(drive.parent)].inverse() * frames_[k];
       drive.prismatic = from.prismatic;
       drive.joint = static_cast<int>(from.joint);
       drive.ratio = from.ratio;
       if (from.prismatic) {
-        const Joint& joint = model_.joints()[from.joint];
+        const Joint& joint = group_.joints()[from.joint];
         drive.max_travel = std::abs(from.ratio) * (std::max(std::abs(joint.lower), std::abs(joint.upper)) + 1.0);
       }
       scene_.world.drives.push_back(drive);
@@ -170,7 +164,7 @@ class Builder {
       scene_.world.bodies.back().drive = drive;
       scene_.world.bodies.back().padding = body.padding;
     }
-    add_cover(scene_.world.bodies[place->second], body, frames_[drive].inverse() * pose_of(body, model_, *data_));
+    add_cover(scene_.world.bodies[place->second], body, frames_[drive].inverse() * pose_of(body, group_, data_));
     return place->second;
   }
 
@@ -241,9 +235,9 @@ class Builder {
   }
 
   const Bodies& bodies_;
-  const RobotModel& model_;
+  const RobotGroup& group_;
   const CoverOf& cover_of_;
-  RobotDataPtr data_;
+  RobotGroup::Data data_;
   BatchScene scene_;
   std::vector<Eigen::Isometry3d> frames_;  // of drives, at q = 0
   std::vector<int> body_of_moving_;
@@ -254,9 +248,8 @@ class Builder {
 
 }  // namespace
 
-BatchScene make_batch_scene(const Bodies& bodies, const RobotModel& model, ConstVector other_positions,
-                            const CoverOf& cover_of) {
-  return Builder(bodies, model, other_positions, cover_of).build();
+BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of) {
+  return Builder(bodies, group, cover_of).build();
 }
 
 }  // namespace srmp::detail

@@ -9,6 +9,7 @@
 namespace srmp::detail {
 
 struct Bodies;
+class RobotGroup;
 
 /// The cover of a link's geometry; made once per geometry, kept by the caller.
 using CoverOf = std::function<const GeometryCover&(const coal::CollisionGeometry& shape)>;
@@ -23,7 +24,6 @@ struct BatchScene {
 /// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that
 /// are boxes, spheres, cylinders or capsules become obstacles; others become the box around them, which proves only
 /// what is clear of it.
-BatchScene make_batch_scene(const Bodies& bodies, const RobotModel& model, ConstVector other_positions,
-                            const CoverOf& cover_of);
+BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of);
 
 }  // namespace srmp::detail
