@@ -26,7 +26,7 @@ constexpr std::size_t kMaxPairs = 4'000'000;
 
 bool cpu_has([[maybe_unused]] SimdBackend backend) {
   if (backend == SimdBackend::portable) return true;
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(SRMP_PORTABLE_ONLY)
   if (backend == SimdBackend::avx2) return __builtin_cpu_supports("avx2");
   return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 #else
@@ -35,7 +35,7 @@ bool cpu_has([[maybe_unused]] SimdBackend backend) {
 }
 
 batch::KernelFunction kernel_of([[maybe_unused]] SimdBackend backend) {
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(SRMP_PORTABLE_ONLY)
   if (backend == SimdBackend::avx512) return batch::run_avx512;
   if (backend == SimdBackend::avx2) return batch::run_avx2;
 #endif

@@ -109,7 +109,7 @@ inline int scratch_floats(const KernelModel& m) {
 }
 
 void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(SRMP_PORTABLE_ONLY)
 void run_avx2(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
 void run_avx512(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
 #endif
