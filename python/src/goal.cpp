@@ -29,6 +29,14 @@ std::vector<Eigen::VectorXd> to_targets(GoalType type, nb::handle value) {
   return targets;
 }
 
+AxisTolerance to_tolerance(const ArrayLike& value, const std::string& what) {
+  const auto numbers = to_numbers(value.value, what);
+  if (numbers.size() == 1) return numbers.data()[0];
+  if (numbers.ndim() != 1 || numbers.size() != 3)
+    throw InvalidArgument(what + " must be one number or three, for x, y and z");
+  return {numbers.data()[0], numbers.data()[1], numbers.data()[2]};
+}
+
 std::string text(const GoalConstraint& goal) {
   return "GoalConstraint(" + std::string(to_string(goal.type)) + ", " + std::to_string(goal.targets.size()) +
          (goal.targets.size() == 1 ? " target)" : " targets)");
@@ -49,9 +57,10 @@ void bind_goal(nb::module_& m) {
       "to 1e-5 m and 1e-4 rad where it can and within the tolerances at worst.")
       .def(
           "__init__",
-          [](GoalConstraint* self, GoalType type, nb::object targets, double position_tolerance,
-             double rotation_tolerance) {
-            GoalConstraint goal{type, to_targets(type, targets), position_tolerance, rotation_tolerance};
+          [](GoalConstraint* self, GoalType type, nb::object targets, const ArrayLike& position_tolerance,
+             const ArrayLike& rotation_tolerance) {
+            GoalConstraint goal{type, to_targets(type, targets), to_tolerance(position_tolerance, "position_tolerance"),
+                                to_tolerance(rotation_tolerance, "rotation_tolerance")};
             goal.validate();
             new (self) GoalConstraint(std::move(goal));
           },
@@ -59,14 +68,24 @@ void bind_goal(nb::module_& m) {
           nb::arg("rotation_tolerance") = 1e-2,
           nb::sig("def __init__(self, type: GoalType, targets: Pose | numpy.typing.ArrayLike | "
                   "collections.abc.Sequence[Pose], "
-                  "position_tolerance: float = 0.001, rotation_tolerance: float = 0.01) -> None"),
+                  "position_tolerance: numpy.typing.ArrayLike = 0.001, rotation_tolerance: numpy.typing.ArrayLike = "
+                  "0.01) -> None"),
           "targets: JOINTS dof numbers [rad or m]; POSE x, y, z, qx, qy, qz, qw or a Pose; POSITION x, y, z [m]; or a "
           "list of\n"
-          "such targets, any of which will do. Tolerances in m and rad.\n\n"
-          "Raises InvalidArgument for no target, a wrong number of entries, NaN or a zero quaternion.")
+          "such targets, any of which will do. Tolerances [m] and [rad]: one number, or three, for x, y and z of the "
+          "target's own frame\n"
+          "(POSITION: of the world); infinity: that axis is free.\n\n"
+          "Raises InvalidArgument for no target, a wrong number of entries, NaN, a zero quaternion, a tolerance that "
+          "is "
+          "not above 0,\n"
+          "and when every axis is free.")
       .def_ro("type", &GoalConstraint::type, "What the targets are.")
-      .def_ro("position_tolerance", &GoalConstraint::position_tolerance, "[m]")
-      .def_ro("rotation_tolerance", &GoalConstraint::rotation_tolerance, "[rad]")
+      .def_prop_ro(
+          "position_tolerance", [](const GoalConstraint& goal) { return to_numpy(goal.position_tolerance.axes); },
+          "(3,) [m], along x, y, z; infinity: free.")
+      .def_prop_ro(
+          "rotation_tolerance", [](const GoalConstraint& goal) { return to_numpy(goal.rotation_tolerance.axes); },
+          "(3,) [rad], about x, y, z; infinity: free.")
       .def_prop_ro(
           "targets",
           [](const GoalConstraint& goal) {
@@ -79,14 +98,16 @@ void bind_goal(nb::module_& m) {
            [](const GoalConstraint& goal) {
              std::vector<std::vector<double>> targets;
              for (const auto& t : goal.targets) targets.emplace_back(t.begin(), t.end());
-             return nb::make_tuple(goal.type, targets, goal.position_tolerance, goal.rotation_tolerance);
+             const auto &p = goal.position_tolerance.axes, &r = goal.rotation_tolerance.axes;
+             return nb::make_tuple(goal.type, targets, std::array{p[0], p[1], p[2]}, std::array{r[0], r[1], r[2]});
            })
       .def("__setstate__", [](GoalConstraint& self, const nb::tuple& state) {
         std::vector<Eigen::VectorXd> targets;
         for (const auto& t : nb::cast<std::vector<std::vector<double>>>(state[1]))
           targets.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.data(), static_cast<Eigen::Index>(t.size())));
-        new (&self) GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), nb::cast<double>(state[2]),
-                                   nb::cast<double>(state[3])};
+        const auto p = nb::cast<std::array<double, 3>>(state[2]), r = nb::cast<std::array<double, 3>>(state[3]);
+        new (&self) GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), Eigen::Vector3d(p.data()),
+                                   Eigen::Vector3d(r.data())};
       });
 }
 

@@ -170,6 +170,18 @@ QUESTIONS = [
         lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose(), position_tolerance=0),
         "position_tolerance is 0",
     ),
+    (
+        lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose(), rotation_tolerance=[0.1, -1, 0.1]),
+        "rotation_tolerance is -1 for y",
+    ),
+    (
+        lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, srmp.Pose(), rotation_tolerance=[0.1, 0.1]),
+        "one number or three",
+    ),
+    (
+        lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSITION, [0, 0, 1], position_tolerance=float("inf")),
+        "leave every axis free",
+    ),
     (lambda p, q: p.make_planner(["arm", "arm"], {}), "'arm' is named twice"),
     (lambda p, q: p.make_planner([], {}), "at least one robot"),
     (lambda p, q: p.compute_fk("arm", q, "arm7_hnad"), "did you mean 'arm7_hand'"),

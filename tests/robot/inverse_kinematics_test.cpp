@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
+#include "srmp/robot/low_discrepancy.hpp"
 #include "support/data.hpp"
 #include "support/numbers.hpp"
 #include "support/robots.hpp"
@@ -55,6 +56,51 @@ BOOST_AUTO_TEST_CASE(both_elbows_of_the_planar_arm_are_found) {
   BOOST_TEST(inverse_kinematics(*robot, target, Eigen::Vector2d(0.1, 1.0), options).size() == 1);
 }
 
+BOOST_AUTO_TEST_CASE(free_axes_are_those_of_the_target) {
+  const auto robot = RobotModel::load(arm7());
+  const Eigen::VectorXd reference = robot->group_states().at("ready");
+  const double free = std::numeric_limits<double>::infinity();
+  int found[3] = {};
+  for (int i = 1; i <= 60; ++i) {
+    Eigen::VectorXd q = low_discrepancy_point(static_cast<std::size_t>(i), 7);
+    for (Eigen::Index k = 0; k < 7; ++k) {
+      const Joint& joint = robot->joints()[static_cast<std::size_t>(k)];
+      q[k] = joint.lower + q[k] * (joint.upper - joint.lower);
+    }
+    const Pose target = robot->compute_fk(q);
+    for (int axis = 0; axis < 3; ++axis) {
+      IkOptions options;
+      options.max_solutions = 4;
+      options.rotation_tolerance.axes[axis] = free;
+      options.position_tolerance.axes[(axis + 1) % 3] = free;
+      const auto solutions = inverse_kinematics(*robot, target, reference, options);
+      found[axis] += !solutions.empty();
+      for (const Eigen::VectorXd& solution : solutions) {
+        const Pose off = target.inverse() * robot->compute_fk(solution);  // in the target's axes
+        for (int k = 0; k < 3; ++k) {
+          if (k != (axis + 1) % 3) BOOST_TEST(std::abs(off.p[k]) < 1.1e-5);
+          if (k != axis) BOOST_TEST(std::abs(off.q.vec()[k]) < 1.1e-4);
+        }
+      }
+    }
+  }
+  for (int count : found) BOOST_TEST(count >= 59);
+}
+
+BOOST_AUTO_TEST_CASE(tolerances_hold_axis_by_axis) {
+  const auto robot = robots::planar();  // it cannot leave the plane z = 0
+  const Pose above{{1, 1, 0.02}, Eigen::Quaterniond::Identity()};
+  IkOptions options;
+  options.rotation_tolerance = std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d reference(0.1, 1.0);
+  options.position_tolerance = {0.05, 0.05, 0.01};
+  BOOST_TEST(inverse_kinematics(*robot, above, reference, options).empty());
+  options.position_tolerance = {1e-4, 1e-4, 0.03};
+  BOOST_TEST(!inverse_kinematics(*robot, above, reference, options).empty());
+  options.position_tolerance = {1e-4, 1e-4, std::numeric_limits<double>::infinity()};
+  BOOST_TEST(!inverse_kinematics(*robot, above, reference, options).empty());
+}
+
 BOOST_AUTO_TEST_CASE(out_of_reach_is_empty_and_the_reference_itself_comes_first) {
   const auto robot = RobotModel::load(arm7());
   const Eigen::VectorXd reference = robot->group_states().at("ready");
@@ -102,7 +148,8 @@ BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
   refuses({.seeds = -1}, "seeds is -1");
   refuses({.max_iterations = 0}, "max_iterations is 0");
   refuses({.position_tolerance = 0}, "position_tolerance is 0");
-  refuses({.position_tolerance = INFINITY}, "position_tolerance is infinity");
+  refuses({.position_tolerance = INFINITY, .rotation_tolerance = INFINITY}, "leave every axis free");
+  refuses({.position_tolerance = {1e-3, -1, 1e-3}}, "position_tolerance is -1 for y");
   refuses({.rotation_tolerance = NAN}, "rotation_tolerance is NaN");
   refuses({.distinct = -1}, "distinct is -1");
   check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, {}, Eigen::Vector2d(0, NAN)); },

@@ -24,8 +24,11 @@ GoalConstraint GoalConstraint::position(const Eigen::Vector3d& p) { return {Goal
 
 void GoalConstraint::validate() const {
   if (targets.empty()) throw InvalidArgument("the goal has no target; give at least one");
-  require_positive(position_tolerance, "goal position_tolerance");
-  require_positive(rotation_tolerance, "goal rotation_tolerance");
+  position_tolerance.validate("goal position_tolerance");
+  rotation_tolerance.validate("goal rotation_tolerance");
+  if (type != GoalType::joints && position_tolerance.axes.array().isInf().all() &&
+      (type == GoalType::position || rotation_tolerance.axes.array().isInf().all()))
+    throw InvalidArgument("the goal's tolerances leave every axis free; nothing is asked for");
   for (const Eigen::VectorXd& target : targets) {
     if (target.size() == 0) throw InvalidArgument("the goal has an empty target; a target is a row of numbers");
     const std::span<const double> numbers(target.data(), static_cast<std::size_t>(target.size()));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "srmp/core/pose.hpp"
+#include "srmp/robot/inverse_kinematics.hpp"
 
 namespace srmp {
 
@@ -23,14 +24,16 @@ struct GoalConstraint {
   GoalType type{GoalType::joints};
   /// One row a target. joints: dof numbers [rad or m]; pose: x, y, z, qx, qy, qz, qw; position: x, y, z [m].
   std::vector<Eigen::VectorXd> targets;
-  double position_tolerance{1e-3};  ///< [m], > 0
-  double rotation_tolerance{1e-2};  ///< [rad], > 0
+  /// Each a number, or one for each axis of the target's own frame (position targets: of the world); infinity: that
+  /// axis is free, and the solutions are spread over it.
+  AxisTolerance position_tolerance{1e-3};  ///< [m], > 0
+  AxisTolerance rotation_tolerance{1e-2};  ///< [rad], > 0
 
   static GoalConstraint joints(const Eigen::VectorXd& q);
   static GoalConstraint pose(const Pose& pose);
   static GoalConstraint position(const Eigen::Vector3d& p);
 
-  /// Throws InvalidArgument: no target, wrong size, NaN, zero quaternion, tolerance not above 0.
+  /// Throws InvalidArgument: no target, wrong size, NaN, zero quaternion, a tolerance not above 0, all axes free.
   void validate() const;
 };
 

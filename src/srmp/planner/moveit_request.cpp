@@ -41,7 +41,10 @@ GoalConstraint pose_goal(const RobotModel& robot, const io::RequestFile& request
   GoalConstraint result = GoalConstraint::position(position.pose.p);
   if (!goal.orientations.empty()) {
     result = GoalConstraint::pose({position.pose.p, goal.orientations[0].orientation});
-    result.rotation_tolerance = std::max(1e-4, goal.orientations[0].tolerance.minCoeff());
+    Eigen::Vector3d tolerance = goal.orientations[0].tolerance.cwiseMax(1e-4);
+    for (double& axis : tolerance)
+      if (axis >= M_PI) axis = INFINITY;  // any angle
+    result.rotation_tolerance = tolerance;
   }
   if (const auto* ball = std::get_if<Sphere>(&position.region)) result.position_tolerance = ball->radius;
   if (const auto* box = std::get_if<Box>(&position.region)) result.position_tolerance = 0.5 * box->size.minCoeff();

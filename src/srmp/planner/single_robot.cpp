@@ -140,7 +140,9 @@ class SingleRobotPlan {
     const Pose in_base = problem_.checker.base().inverse() * world;
     IkOptions options;
     options.max_solutions = common_.ik_solutions;
-    if (position_only) options.rotation_tolerance = search::infinity;
+    options.position_tolerance = goal.position_tolerance.tightened(options.position_tolerance.axes[0]);
+    options.rotation_tolerance = position_only ? AxisTolerance(search::infinity)
+                                               : goal.rotation_tolerance.tightened(options.rotation_tolerance.axes[0]);
     auto found = inverse_kinematics(robot_, in_base, start_, options, "", deadline_);
     if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
       options.position_tolerance = goal.position_tolerance;

@@ -90,25 +90,44 @@ class Solver {
   }
 
  private:
-  bool position_only() const { return std::isinf(options_.rotation_tolerance); }
-
-  /// Sets the error and the Jacobian at q; returns the error's norm.
+  /// Sets the error and the Jacobian at q, in the target's axes, zero where an axis is free; returns the error's norm.
   double evaluate(const Eigen::VectorXd& q) {
     robot_.forward(*data_, q);
     const Eigen::Isometry3d pose = robot_.link_pose(*data_, link_);
-    error_.head<3>() = target_.translation() - pose.translation();
-    error_.tail<3>().setZero();
     robot_.jacobian(*data_, link_, jacobian_);
-    if (position_only())
-      jacobian_.bottomRows<3>().setZero();
-    else
-      error_.tail<3>() = rotation_vector(target_.linear() * pose.linear().transpose());
+    const Eigen::Matrix3d to_target = target_.linear().transpose();
+    jacobian_.topRows<3>() = to_target * jacobian_.topRows<3>();
+    jacobian_.bottomRows<3>() = to_target * jacobian_.bottomRows<3>();
+    error_.head<3>() = to_target * (target_.translation() - pose.translation());
+    error_.tail<3>() = to_target * rotation_error(pose.linear());
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (options_.position_tolerance.is_free(axis)) error_[axis] = 0, jacobian_.row(axis).setZero();
+      if (options_.rotation_tolerance.is_free(axis)) error_[3 + axis] = 0, jacobian_.row(3 + axis).setZero();
+    }
     return error_.norm();
   }
 
+  /// The turn [rad] that is missing. Where one axis is free, the shortest that brings it in line; else all of it.
+  Eigen::Vector3d rotation_error(const Eigen::Matrix3d& rotation) const {
+    Eigen::Index free = -1;
+    int count = 0;
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      if (options_.rotation_tolerance.is_free(axis)) {
+        free = axis;
+        ++count;
+      }
+    if (count == 3) return Eigen::Vector3d::Zero();
+    if (count != 1) return rotation_vector(target_.linear() * rotation.transpose());
+    const Eigen::Vector3d is = rotation.col(free), wanted = target_.linear().col(free);
+    const Eigen::Vector3d turn = is.cross(wanted);
+    const double sine = turn.norm(), cosine = is.dot(wanted);
+    if (sine > 1e-12) return turn * (std::atan2(sine, cosine) / sine);
+    return cosine > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(std::numbers::pi * is.unitOrthogonal());
+  }
+
   bool within_tolerance() const {
-    return error_.head<3>().norm() <= options_.position_tolerance &&
-           error_.tail<3>().norm() <= options_.rotation_tolerance;
+    return (error_.head<3>().array().abs() <= options_.position_tolerance.axes.array()).all() &&
+           (error_.tail<3>().array().abs() <= options_.rotation_tolerance.axes.array()).all();
   }
 
   /// One damped step inside the limits. Joints that a step would push out are held, and the rest solved again.
@@ -177,14 +196,30 @@ void require_options(const IkOptions& o) {
   require_count(o.max_solutions, "max_solutions");
   require_count(o.seeds, "seeds");
   require_count(o.max_iterations, "max_iterations");
-  require_positive(o.position_tolerance, "position_tolerance");
-  if (!std::isinf(o.rotation_tolerance) || o.rotation_tolerance < 0)
-    require_positive(o.rotation_tolerance, "rotation_tolerance");
+  o.position_tolerance.validate("position_tolerance");
+  o.rotation_tolerance.validate("rotation_tolerance");
+  if (o.position_tolerance.axes.array().isInf().all() && o.rotation_tolerance.axes.array().isInf().all())
+    throw InvalidArgument("position_tolerance and rotation_tolerance leave every axis free; nothing is asked for");
   if (!(o.distinct >= 0.0 && std::isfinite(o.distinct)))
     throw InvalidArgument("distinct is " + to_text(o.distinct) + "; it must be a finite number, 0 or above");
 }
 
 }  // namespace
+
+AxisTolerance AxisTolerance::tightened(double value) const {
+  AxisTolerance result = *this;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (!is_free(axis)) result.axes[axis] = std::min(value, axes[axis]);
+  return result;
+}
+
+void AxisTolerance::validate(const std::string& what) const {
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (!(axes[axis] > 0))
+      throw InvalidArgument(what + " is " + to_text(axes[axis]) +
+                            (axes == Eigen::Vector3d::Constant(axes[axis]) ? "" : std::string(" for ") + "xyz"[axis]) +
+                            "; it must be above 0 (infinity: the axis is free)");
+}
 
 std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const Pose& target, ConstVector reference,
                                                 const IkOptions& options, const std::string& link,
