@@ -99,6 +99,16 @@ def test_agreement_on_motion_bench_maker(mbm_dir, tmp_path, robot):
     assert all(total[fault] == 0 for fault in agreement.FAULTS)
 
 
+def test_meshes_far_apart_are_not_called_near(mbm_dir):
+    """Found by the suite: Coal's tree of triangles called these two near on a 15 µm part of the motion."""
+    planner = agreement.load_robot(mbm_dir, "ur5")
+    checker = planner.collision_checker("ur5", "coal")
+    a = np.array([0.2062372, 0.2466945, -2.6512656, 1.5938370, 1.4263714, 0.5440000])
+    b = np.array([0.2135874, 0.2791976, -2.5644320, 1.5715717, 1.5087547, 0.5482689])
+    assert checker.clearance([a, b]).min() > 0.01
+    assert checker.certify_motion(a, b)
+
+
 def test_certificate_names_the_part_that_is_not_free(arm, ready):
     checker = arm.collision_checker("arm")
     through = np.array(ready)
