@@ -73,8 +73,9 @@ class World:
         pin.removeCollisionPairs(self.model, self.geometry, str(folder / f"{robot}.srdf"))
         parts = self.geometry.ngeoms
         for item in read_problem(folder, robot, problem, "scene")["world"]["collision_objects"]:
+            place = to_se3(item["pose"]) if "pose" in item else pin.SE3.Identity()
             for primitive, pose in zip(item["primitives"], item["primitive_poses"], strict=True):
-                placed = pin.GeometryObject(item["id"], 0, 0, to_se3(pose), to_shape(primitive))
+                placed = pin.GeometryObject(item["id"], 0, 0, place * to_se3(pose), to_shape(primitive))
                 index = self.geometry.addGeometryObject(placed)
                 for part in range(parts):
                     # A base standing on something that never moves relative to it is not the plan's affair.
