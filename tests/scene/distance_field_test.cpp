@@ -101,36 +101,40 @@ BOOST_AUTO_TEST_CASE(pieces_of_a_cloud_are_its_cells_once_each) {
 
 BOOST_AUTO_TEST_CASE(every_box_of_a_tree_holds_its_pieces) {
   Dice dice(2);
-  std::vector<PieceTree::Triangle> triangles;
+  Mesh mesh;
   std::vector<std::array<std::int32_t, 3>> cells;
-  const auto corner = [&] { return Vector3d(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1)); };
   const auto index = [&] { return static_cast<std::int32_t>(dice.below(40)) - 20; };
   for (int i = 0; i < 500; ++i) {
-    triangles.push_back({corner(), corner(), corner()});
+    for (int k = 0; k < 3; ++k) mesh.vertices.emplace_back(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1));
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     cells.push_back({index(), index(), index()});
   }
-  for (const PieceTree& tree : {PieceTree(triangles), PieceTree(cells, 0.1)}) {
-    std::size_t seen = 0;
-    // Of the pieces below a node: the box around them.
-    const std::function<Eigen::AlignedBox3d(std::uint32_t)> check = [&](std::uint32_t i) {
+  const auto geometry = make_geometry(mesh, "mesh");
+  for (const PieceTree& tree : {*make_piece_tree(*geometry), PieceTree(cells, 0.1)}) {
+    std::vector<int> seen(tree.of_cubes() ? tree.cubes().size() : tree.triangles().size());
+    // Calls visit(corner) for the corners of all pieces below a node.
+    const std::function<void(std::uint32_t, const std::function<void(const Vector3d&)>&)> corners =
+        [&](std::uint32_t i, const auto& visit) {
+          const PieceTree::Node& node = tree.nodes()[i];
+          for (std::size_t k = node.first; k < node.first + node.size; ++k) {
+            for (int c = 0; tree.of_cubes() && c < 8; ++c)
+              visit(tree.cubes()[k] + 0.05 * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
+            for (int c = 0; !tree.of_cubes() && c < 3; ++c) visit(tree.triangles()[k][static_cast<std::size_t>(c)]);
+          }
+          if (node.size > 0) return;
+          corners(i + 1, visit);
+          corners(node.right, visit);
+        };
+    for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
       const PieceTree::Node& node = tree.nodes()[i];
-      Eigen::AlignedBox3d box;
-      for (std::size_t k = node.first; k < node.first + node.size; ++k, ++seen)
-        if (tree.of_cubes()) {
-          box.extend(tree.cubes()[k] - Vector3d::Constant(0.05));
-          box.extend(tree.cubes()[k] + Vector3d::Constant(0.05));
-        } else {
-          for (const Vector3d& v : tree.triangles()[k]) box.extend(v);
-        }
-      if (node.size == 0) {
-        box.extend(check(i + 1));
-        box.extend(check(node.right));
-      }
-      BOOST_TEST((box.center() - node.center).norm() < 1e-12);
-      BOOST_TEST((box.sizes() / 2 - node.half).norm() < 1e-12);
-      return box;
-    };
-    check(0);
-    BOOST_TEST(seen == (tree.of_cubes() ? tree.cubes().size() : tree.triangles().size()));
+      for (std::size_t k = node.first; k < node.first + node.size; ++k) ++seen[k];
+      double outside = 0;
+      corners(i, [&](const Vector3d& corner) {
+        const Vector3d local = node.axes.transpose() * (corner - node.center);
+        outside = std::max(outside, (local.cwiseAbs() - node.half).maxCoeff());
+      });
+      BOOST_TEST(outside < 1e-9);
+    }
+    BOOST_TEST((std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(seen.size())));
   }
 }

@@ -84,23 +84,12 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A box among the boxes of a tree: its place in the tree's frame.
-struct BoxAmong {
-  Eigen::Matrix3d axes, absolute;  // columns, and their absolute values
+/// A box, its edges along the columns of `axes`.
+struct OrientedBox {
+  Eigen::Matrix3d axes;
   Eigen::Vector3d center, half;
 
-  explicit BoxAmong(const Eigen::Matrix3d& rotation) : axes(rotation), absolute(rotation.cwiseAbs()) {}
-
-  /// A lower bound of the squared distance to an aligned box: along the axes of either.
-  double squared_gap(const Eigen::Vector3d& middle, const Eigen::Vector3d& extent) const {
-    const Eigen::Vector3d way = center - middle;
-    const Eigen::Vector3d theirs = (way.cwiseAbs() - extent - absolute * half).cwiseMax(0.0);
-    const Eigen::Vector3d ours =
-        ((axes.transpose() * way).cwiseAbs() - half - absolute.transpose() * extent).cwiseMax(0.0);
-    return std::max(theirs.squaredNorm(), ours.squaredNorm());
-  }
-
-  /// Is the box farther than `limit` from the triangle's plane?
+  /// Is it farther than `limit` from the triangle's plane?
   bool beyond_plane(const PieceTree::Triangle& t, double limit) const {
     const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
     const double gap = std::abs(normal.dot(center - t[0])) - (axes.transpose() * normal).cwiseAbs().dot(half);
@@ -108,16 +97,25 @@ struct BoxAmong {
   }
 };
 
-struct BoxOf {
-  Eigen::Vector3d center, half;
-};
+OrientedBox transformed(const Eigen::Isometry3d& by, const PieceTree::Node& node) {
+  return {by.linear() * node.axes, by * node.center, node.half};
+}
 
-/// The box around one piece.
-BoxOf box_of_piece(const PieceTree& tree, std::size_t piece) {
-  if (tree.of_cubes()) return {tree.cubes()[piece], Eigen::Vector3d::Constant(tree.edge() / 2)};
+/// A lower bound of the squared distance of two boxes: along the axes of either.
+template <class A, class B>
+double squared_gap(const A& a, const B& b) {
+  const Eigen::Vector3d way = b.center - a.center;
+  const Eigen::Matrix3d turn = a.axes.transpose() * b.axes, absolute = turn.cwiseAbs();
+  const Eigen::Vector3d along_a = a.axes.transpose() * way, along_b = b.axes.transpose() * way;
+  const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
+  const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
+  return std::max(of_a.squaredNorm(), of_b.squaredNorm());
+}
+
+Eigen::Vector3d middle_of(const PieceTree& tree, std::size_t piece) {
+  if (tree.of_cubes()) return tree.cubes()[piece];
   const PieceTree::Triangle& t = tree.triangles()[piece];
-  const Eigen::Vector3d low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
-  return {(low + high) / 2, (high - low) / 2};
+  return (t[0] + t[1] + t[2]) / 3;
 }
 
 /// A piece as one of Coal's shapes.
@@ -228,8 +226,7 @@ double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PieceTree& t
   }
   difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), shape.shape(), transform(to_tree),
                  coal::Transform3s(Eigen::Matrix3d::Identity(), origin));
-  const Eigen::Vector3d guess =
-      to_tree.linear().transpose() * (to_tree * solid.bounds.center - box_of_piece(tree, piece).center);
+  const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - middle_of(tree, piece));
   return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin);
 }
 
@@ -243,14 +240,10 @@ void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, dou
 double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough) {
   const PieceTree& tree = *other.pieces;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
-  BoxAmong box(to_tree.linear());
-  box.center = to_tree * solid.bounds.box_center;
-  box.half = solid.bounds.box_half;
+  const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
   PieceShape shape(tree);
   double best = infinity, limit = margin + tolerance;
-  const auto gap_to = [&](std::uint32_t node) {
-    return box.squared_gap(tree.nodes()[node].center, tree.nodes()[node].half);
-  };
+  const auto gap_to = [&](std::uint32_t node) { return squared_gap(tree.nodes()[node], box); };
   open.assign(1, {gap_to(0), 0, 0});
   while (!open.empty()) {
     const Open next = open.back();
@@ -262,8 +255,6 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
       continue;
     }
     for (std::size_t i = node.first; i < node.first + node.size; ++i) {
-      const BoxOf piece = box_of_piece(tree, i);
-      if (box.squared_gap(piece.center, piece.half) > limit * limit) continue;
       if (!tree.of_cubes() && box.beyond_plane(tree.triangles()[i], limit)) continue;
       best = std::min(best, solid_to_piece(solid, tree, i, to_tree, shape, std::min(margin, best)));
       if (best < infinity && best <= enough) return best;
@@ -276,16 +267,10 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
 double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough) {
   const PieceTree &tree_a = *a.pieces, &tree_b = *b.pieces;
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
-  BoxAmong box(to_a.linear());
   PieceShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
-  const auto gap_between = [&](const auto& of_a, const auto& of_b) {
-    box.center = to_a * of_b.center;
-    box.half = of_b.half;
-    return box.squared_gap(of_a.center, of_a.half);
-  };
   const auto entry = [&](std::uint32_t i, std::uint32_t j) {
-    return Open{gap_between(tree_a.nodes()[i], tree_b.nodes()[j]), i, j};
+    return Open{squared_gap(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
   };
   open.assign(1, entry(0, 0));
   while (!open.empty()) {
@@ -304,13 +289,10 @@ double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, dou
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
       for (std::size_t j = node_b.first; j < node_b.first + node_b.size; ++j) {
-        const BoxOf box_i = box_of_piece(tree_a, i), box_j = box_of_piece(tree_b, j);
-        if (gap_between(box_i, box_j) > limit * limit) continue;
-        if (!tree_a.of_cubes() && box.beyond_plane(tree_a.triangles()[i], limit)) continue;
         const Eigen::Vector3d origin_a = shape_a.take(i), origin_b = shape_b.take(j);
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
-        const Eigen::Vector3d guess = box_i.center - to_a * box_j.center;
+        const Eigen::Vector3d guess = node_a.center - to_a * node_b.center;
         best = std::min(
             best, run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best)));
         if (best < infinity && best <= enough) return best;

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
-#include "srmp/core/error.hpp"
+#include "srmp/robot/mesh_file.hpp"
 
 namespace srmp {
 
@@ -18,6 +19,18 @@ namespace {
 constexpr double most_sites = 4e6;
 constexpr double sites_along = 64;      // the longest edge of a mesh
 constexpr double largest_reach = 0.25;  // [m]
+
+/// Lower corner and edges.
+std::pair<Vector3d, Vector3d> box_around(const PieceTree& pieces) {
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const PieceTree::Triangle& triangle : pieces.triangles())
+    for (const Vector3d& v : triangle) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const Vector3d& cube : pieces.cubes()) {
+    low = low.cwiseMin((cube.array() - pieces.edge() / 2).matrix());
+    high = high.cwiseMax((cube.array() + pieces.edge() / 2).matrix());
+  }
+  return {low, high - low};
+}
 
 /// Does the triangle meet the cube? Separating axes (Akenine-Moller 2001); the cube is a little larger than it is.
 bool meets(const PieceTree::Triangle& triangle, const Vector3d& middle, double half) {
@@ -53,8 +66,7 @@ struct DistanceField::Sites {
   }
 
   explicit Sites(const PieceTree& pieces) {
-    const PieceTree::Node& root = pieces.nodes().front();
-    const Vector3d low = root.center - root.half, extent = 2 * root.half;
+    const auto [low, extent] = box_around(pieces);
     if (pieces.of_cubes()) {
       edge = pieces.edge();
       const auto count = [&] { return ((extent.array() / edge).ceil() + 1).prod(); };
@@ -185,27 +197,31 @@ void DistanceField::measure(const Sites& sites) {
 
 namespace {
 
-std::vector<PieceTree::Triangle> surface_of(const coal::Convex<coal::Triangle>& hull) {
-  std::vector<PieceTree::Triangle> triangles;
+DistanceField solid_field(const TriangleSoup& surface, double outside) {
+  const auto mesh = make_mesh_geometry(surface, MeshModel::surface);
+  return DistanceField(*make_piece_tree(*mesh), outside);
+}
+
+TriangleSoup surface_of(const coal::Convex<coal::Triangle>& hull) {
+  TriangleSoup surface{{hull.points->begin(), hull.points->end()}, {}};
   for (const coal::Triangle& t : *hull.polygons)
-    triangles.push_back({(*hull.points)[t[0]], (*hull.points)[t[1]], (*hull.points)[t[2]]});
-  return triangles;
+    surface.triangles.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
+  return surface;
 }
 
 constexpr int cone_sides = 64;
 /// A pyramid around the cone.
-std::vector<PieceTree::Triangle> surface_of(const coal::Cone& cone) {
-  std::vector<PieceTree::Triangle> triangles;
+TriangleSoup surface_of(const coal::Cone& cone) {
+  TriangleSoup surface{{{0, 0, cone.halfLength}, {0, 0, -cone.halfLength}}, {}};
   const double r = cone.radius / std::cos(std::numbers::pi / cone_sides);
-  const auto rim = [&](int i) {
-    const double angle = 2 * std::numbers::pi * i / cone_sides;
-    return Vector3d(r * std::cos(angle), r * std::sin(angle), -cone.halfLength);
-  };
   for (int i = 0; i < cone_sides; ++i) {
-    triangles.push_back({rim(i), rim(i + 1), Vector3d(0, 0, cone.halfLength)});
-    triangles.push_back({rim(i), rim(i + 1), Vector3d(0, 0, -cone.halfLength)});
+    const double angle = 2 * std::numbers::pi * i / cone_sides;
+    surface.vertices.emplace_back(r * std::cos(angle), r * std::sin(angle), -cone.halfLength);
+    const int here = 2 + i, next = 2 + (i + 1) % cone_sides;
+    surface.triangles.push_back({here, next, 0});
+    surface.triangles.push_back({next, here, 1});
   }
-  return triangles;
+  return surface;
 }
 
 }  // namespace
@@ -214,10 +230,10 @@ std::shared_ptr<const DistanceField> make_distance_field(const coal::CollisionGe
                                                          const PieceTree* pieces) {
   if (pieces) return std::make_shared<const DistanceField>(*pieces);
   if (const auto* hull = dynamic_cast<const coal::Convex<coal::Triangle>*>(&geometry))
-    return std::make_shared<const DistanceField>(PieceTree(surface_of(*hull)), 0.0);
+    return std::make_shared<const DistanceField>(solid_field(surface_of(*hull), 0.0));
   if (const auto* cone = dynamic_cast<const coal::Cone*>(&geometry))
-    return std::make_shared<const DistanceField>(PieceTree(surface_of(*cone)),
-                                                 cone->radius * (1 / std::cos(std::numbers::pi / cone_sides) - 1));
+    return std::make_shared<const DistanceField>(
+        solid_field(surface_of(*cone), cone->radius * (1 / std::cos(std::numbers::pi / cone_sides) - 1)));
   return nullptr;
 }
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
+#include <limits>
 
 #include "srmp/core/error.hpp"
 #include "srmp/scene/morton.hpp"
@@ -14,92 +14,34 @@ namespace srmp {
 
 namespace {
 
-constexpr std::size_t most_triangles = 2, most_cubes = 4;  // of a leaf
+constexpr std::size_t most_cubes = 4;  // of a leaf
 
-Eigen::Vector3d middle(const PieceTree::Triangle& t) {
-  return (t[0].cwiseMin(t[1]).cwiseMin(t[2]) + t[0].cwiseMax(t[1]).cwiseMax(t[2])) / 2;
-}
+using Boxes = coal::BVHModel<coal::OBBRSS>;
 
 }  // namespace
 
-std::uint32_t PieceTree::add_node(std::size_t depth) {
-  depth_ = std::max(depth_, depth);
-  nodes_.emplace_back();
-  return static_cast<std::uint32_t>(nodes_.size() - 1);
-}
-
-void PieceTree::add_leaf(std::uint32_t index, std::size_t first, std::size_t size) {
-  Node& node = nodes_[index];
-  node.first = static_cast<std::uint32_t>(first);
-  node.size = static_cast<std::uint32_t>(size);
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::size_t i = first; i < first + size; ++i)
-    if (of_cubes()) {
-      low = low.cwiseMin(cubes_[i] - Eigen::Vector3d::Constant(edge_ / 2));
-      high = high.cwiseMax(cubes_[i] + Eigen::Vector3d::Constant(edge_ / 2));
-    } else {
-      for (const Eigen::Vector3d& v : triangles_[i]) {
-        low = low.cwiseMin(v);
-        high = high.cwiseMax(v);
-      }
+PieceTree::PieceTree(const coal::BVHModelBase& mesh) {
+  const auto* boxes = dynamic_cast<const Boxes*>(&mesh);
+  if (!boxes || boxes->getNumBVs() == 0) throw NotSupported("a mesh needs Coal's tree of oriented boxes (OBBRSS)");
+  nodes_.reserve(boxes->getNumBVs());
+  triangles_.reserve(mesh.num_tris);
+  const auto copy = [&](const auto& self, unsigned from) -> std::uint32_t {
+    const auto& box = boxes->getBV(from);
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.push_back({box.bv.obb.axes, box.bv.obb.To, box.bv.obb.extent});
+    if (box.isLeaf()) {
+      const coal::Triangle& t = (*mesh.tri_indices)[static_cast<std::size_t>(box.primitiveId())];
+      nodes_[index].first = static_cast<std::uint32_t>(triangles_.size());
+      nodes_[index].size = 1;
+      triangles_.push_back({(*mesh.vertices)[t[0]], (*mesh.vertices)[t[1]], (*mesh.vertices)[t[2]]});
+      return index;
     }
-  node.center = (low + high) / 2;
-  node.half = (high - low) / 2;
-}
-
-void PieceTree::add_children(std::uint32_t index, std::uint32_t right) {
-  Node& node = nodes_[index];
-  const Node &a = nodes_[index + 1], &b = nodes_[right];
-  const Eigen::Vector3d low = (a.center - a.half).cwiseMin(b.center - b.half),
-                        high = (a.center + a.half).cwiseMax(b.center + b.half);
-  node.right = right;
-  node.center = (low + high) / 2;
-  node.half = (high - low) / 2;
-}
-
-PieceTree::PieceTree(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
-  if (triangles_.empty()) throw InvalidArgument("a tree of pieces needs at least one triangle");
-  std::vector<std::uint32_t> order(triangles_.size());
-  std::iota(order.begin(), order.end(), 0u);
-  nodes_.reserve(2 * triangles_.size());
-  const std::vector<Triangle> unordered = triangles_;
-  // Leaves take their pieces in the order in which they are made, so each half is put in place before it is split.
-  build_triangles(order, 0, 1);
-  for (std::size_t i = 0; i < order.size(); ++i) triangles_[i] = unordered[order[i]];
-  for (std::size_t i = nodes_.size(); i-- > 0;) {
-    const auto index = static_cast<std::uint32_t>(i);
-    if (nodes_[i].size > 0)
-      add_leaf(index, nodes_[i].first, nodes_[i].size);
-    else
-      add_children(index, nodes_[i].right);
-  }
-}
-
-/// Splits at the median of the middles, along the axis on which they spread most. Boxes come later.
-std::uint32_t PieceTree::build_triangles(std::span<std::uint32_t> order, std::size_t done, std::size_t depth) {
-  const std::uint32_t node = add_node(depth);
-  if (order.size() <= most_triangles) {
-    nodes_[node].first = static_cast<std::uint32_t>(done);
-    nodes_[node].size = static_cast<std::uint32_t>(order.size());
-    return node;
-  }
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const std::uint32_t i : order) {
-    low = low.cwiseMin(middle(triangles_[i]));
-    high = high.cwiseMax(middle(triangles_[i]));
-  }
-  Eigen::Index axis;
-  (high - low).maxCoeff(&axis);
-  const std::size_t half = order.size() / 2;
-  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const double x = middle(triangles_[a])[axis], y = middle(triangles_[b])[axis];
-                     return x != y ? x < y : a < b;
-                   });
-  build_triangles(order.first(half), done, depth + 1);
-  const std::uint32_t right = build_triangles(order.subspan(half), done + half, depth + 1);
-  nodes_[node].right = right;
-  return node;
+    self(self, static_cast<unsigned>(box.leftChild()));
+    const std::uint32_t right = self(self, static_cast<unsigned>(box.rightChild()));
+    nodes_[index].right = right;
+    return index;
+  };
+  copy(copy, 0);
 }
 
 PieceTree::PieceTree(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
@@ -115,35 +57,36 @@ PieceTree::PieceTree(std::vector<std::array<std::int32_t, 3>> keys, double edge)
     cubes_.emplace_back((key[0] + 0.5) * edge, (key[1] + 0.5) * edge, (key[2] + 0.5) * edge);
   }
   nodes_.reserve(codes.size());
-  build_cubes(codes, 0, 1);
+  build_cubes(codes, 0);
 }
 
 /// Splits where the codes' highest differing bit changes: the halves of an octree's cell along one axis.
-std::uint32_t PieceTree::build_cubes(std::span<const std::uint64_t> codes, std::size_t done, std::size_t depth) {
-  const std::uint32_t node = add_node(depth);
+std::uint32_t PieceTree::build_cubes(std::span<const std::uint64_t> codes, std::size_t done) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  const auto hold = [&](const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
+    low = low.cwiseMin(center - half);
+    high = high.cwiseMax(center + half);
+  };
   if (codes.size() <= most_cubes) {
-    add_leaf(node, done, codes.size());
-    return node;
+    nodes_[index].first = static_cast<std::uint32_t>(done);
+    nodes_[index].size = static_cast<std::uint32_t>(codes.size());
+    for (std::size_t i = done; i < done + codes.size(); ++i) hold(cubes_[i], Eigen::Vector3d::Constant(edge_ / 2));
+  } else {
+    const std::uint64_t bit = std::bit_floor(codes.front() ^ codes.back()), border = codes.back() & ~(bit - 1);
+    const auto half = static_cast<std::size_t>(std::lower_bound(codes.begin(), codes.end(), border) - codes.begin());
+    const std::uint32_t left = build_cubes(codes.first(half), done);
+    const std::uint32_t right = build_cubes(codes.subspan(half), done + half);
+    nodes_[index].right = right;
+    for (const std::uint32_t child : {left, right}) hold(nodes_[child].center, nodes_[child].half);
   }
-  const std::uint64_t bit = std::bit_floor(codes.front() ^ codes.back());
-  const std::uint64_t border = (codes.back() & ~(bit - 1));
-  const auto half = static_cast<std::size_t>(std::lower_bound(codes.begin(), codes.end(), border) - codes.begin());
-  build_cubes(codes.first(half), done, depth + 1);
-  add_children(node, build_cubes(codes.subspan(half), done + half, depth + 1));
-  return node;
+  nodes_[index].center = (low + high) / 2;
+  nodes_[index].half = (high - low) / 2;
+  return index;
 }
 
 namespace {
-
-PieceTree tree_of_mesh(const coal::BVHModelBase& mesh) {
-  std::vector<PieceTree::Triangle> triangles;
-  triangles.reserve(mesh.num_tris);
-  for (unsigned i = 0; i < mesh.num_tris; ++i) {
-    const coal::Triangle& t = (*mesh.tri_indices)[i];
-    triangles.push_back({(*mesh.vertices)[t[0]], (*mesh.vertices)[t[1]], (*mesh.vertices)[t[2]]});
-  }
-  return PieceTree(std::move(triangles));
-}
 
 /// Leaves may stand for many cubes of the finest level.
 PieceTree tree_of_octree(const coal::OcTree& geometry) {
@@ -167,7 +110,7 @@ PieceTree tree_of_octree(const coal::OcTree& geometry) {
 std::shared_ptr<const PieceTree> make_piece_tree(const coal::CollisionGeometry& geometry) {
   if (geometry.getObjectType() == coal::OT_GEOM) return nullptr;
   if (const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(&geometry))
-    return std::make_shared<const PieceTree>(tree_of_mesh(*mesh));
+    return std::make_shared<const PieceTree>(*mesh);
   if (const auto* octree = dynamic_cast<const coal::OcTree*>(&geometry))
     return std::make_shared<const PieceTree>(tree_of_octree(*octree));
   throw NotSupported("a geometry of Coal's type " + std::to_string(geometry.getNodeType()) +

@@ -8,8 +8,9 @@
 #include <vector>
 
 namespace coal {
+class BVHModelBase;
 class CollisionGeometry;
-}
+}  // namespace coal
 
 namespace srmp {
 
@@ -19,14 +20,16 @@ class PieceTree {
  public:
   using Triangle = std::array<Eigen::Vector3d, 3>;
 
-  /// A box around pieces. Its left child is the next node.
+  /// A box around pieces, its edges along the columns of `axes`. Its left child is the next node.
   struct Node {
+    Eigen::Matrix3d axes{Eigen::Matrix3d::Identity()};
     Eigen::Vector3d center, half;
     std::uint32_t right{};          ///< right child
     std::uint32_t first{}, size{};  ///< pieces of a leaf; size 0: has children
   };
 
-  explicit PieceTree(std::vector<Triangle> triangles);
+  /// The triangles of a mesh, in the boxes that Coal made for it. Throws NotSupported for another kind of tree.
+  explicit PieceTree(const coal::BVHModelBase& mesh);
   /// `keys`: cells of a grid of cubes, [k * edge, (k + 1) * edge] along each axis; doubles count once.
   PieceTree(std::vector<std::array<std::int32_t, 3>> keys, double edge);
 
@@ -36,21 +39,13 @@ class PieceTree {
   double edge() const { return edge_; }                                  ///< of the cubes
   bool of_cubes() const { return triangles_.empty(); }
 
-  /// Depth of the tree, the root counted.
-  std::size_t depth() const { return depth_; }
-
  private:
-  std::uint32_t build_triangles(std::span<std::uint32_t> order, std::size_t done, std::size_t depth);
-  std::uint32_t build_cubes(std::span<const std::uint64_t> codes, std::size_t done, std::size_t depth);
-  std::uint32_t add_node(std::size_t depth);
-  void add_leaf(std::uint32_t node, std::size_t first, std::size_t size);
-  void add_children(std::uint32_t node, std::uint32_t right);
+  std::uint32_t build_cubes(std::span<const std::uint64_t> codes, std::size_t done);
 
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Vector3d> cubes_;
   double edge_{};
-  std::size_t depth_{};
 };
 
 /// The pieces of a mesh; nullptr for a convex solid. Throws NotSupported for other geometries.
