@@ -23,9 +23,9 @@ using detail::Proximity;
 
 namespace {
 
-/// Two bodies of many pieces each (meshes, clouds) are asked to prove an interval only when they move by less in it:
-/// before that, cutting it is cheaper.
-constexpr double many_pieces_motion = 1e-3;  // [m]
+/// Meshes are not asked for a distance that is a smaller share of an interval's motion than this: it must be cut
+/// anyway.
+constexpr double rough_distance = 0.3;
 
 /// An interval is cut into so many that the pair's distance could prove each, but no more than this.
 constexpr int most_cuts = 16;
@@ -241,8 +241,8 @@ double Checker::Workspace::hull_distance(const Pair& pair, double margin, double
   double found = 0.0;
   if (solid_a.geometry && solid_b.geometry) found = ask(pair, solid_a, solid_b, margin, suffices);
   if (!pair.in_pieces || found > suffices) return found;
-  if (solid_a.geometry) found = ask(pair, solid_a, b, margin, suffices);
-  if (solid_b.geometry && found <= suffices) found = ask(pair, a, solid_b, margin, suffices);
+  if (solid_a.geometry && !solid_b.geometry) return ask(pair, solid_a, b, margin, suffices);
+  if (solid_b.geometry && !solid_a.geometry) return ask(pair, a, solid_b, margin, suffices);
   return found;
 }
 
@@ -353,9 +353,8 @@ Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double
     if (found == infinity) return Judgement::proved;
     // Hulls a tenth of the motion apart prove it once it is cut: cheaper than asking the meshes.
     if (found > limit - 0.9 * motion && unproved == Judgement::undecided) return cut_by(found);
-    if (pair.in_pieces && motion > many_pieces_motion) return in_contact(pair) ? Judgement::contact : unproved;
   }
-  const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + 0.5 * motion;
+  const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + rough_distance * motion;
   const double found = distance(pair, margin, enough);
   if (found == infinity) return Judgement::proved;
   if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))

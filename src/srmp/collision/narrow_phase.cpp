@@ -153,10 +153,13 @@ struct NarrowPhase::Impl {
     std::uint32_t a, b;
   };
   std::vector<Open> open;
+  coal::Box box{1, 1, 1};
 
   double run_gjk(const Eigen::Vector3d& guess, double margin);
   double solid_to_piece(const Placed& solid, const PieceTree& tree, std::size_t piece, const Eigen::Isometry3d& to_tree,
                         PieceShape& shape, double margin);
+  double solid_to_node(const Placed& solid, const PieceTree::Node& node, const Eigen::Isometry3d& to_tree,
+                       double margin);
   double solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough);
   double pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough);
   void push_nearer_last(const Open& one, const Open& other, double limit);
@@ -230,6 +233,16 @@ double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PieceTree& t
   return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin);
 }
 
+/// The distance to the box around pieces: a solid may be far from what its own box holds.
+double NarrowPhase::Impl::solid_to_node(const Placed& solid, const PieceTree::Node& node,
+                                        const Eigen::Isometry3d& to_tree, double margin) {
+  box.halfSide = node.half;
+  difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box, transform(to_tree),
+                 coal::Transform3s(node.axes, node.center));
+  const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - node.center);
+  return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin + tolerance);
+}
+
 /// What is nearer is looked at first; what is too far, not at all.
 void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, double limit) {
   const Open &far = one.squared_gap > other.squared_gap ? one : other, &near = &far == &one ? other : one;
@@ -251,6 +264,7 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
     if (next.squared_gap > limit * limit) continue;
     const PieceTree::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
+      if (solid_to_node(solid, node, to_tree, limit) == infinity) continue;
       push_nearer_last({gap_to(next.a + 1), next.a + 1, 0}, {gap_to(node.right), node.right, 0}, limit);
       continue;
     }
