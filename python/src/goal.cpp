@@ -42,28 +42,28 @@ void bind_goal(nb::module_& m) {
       .value("POSE", GoalType::pose, "Position and orientation of the end effector, world frame.")
       .value("POSITION", GoalType::position, "Position of the end effector, world frame; any orientation.");
 
-  nb::class_<GoalConstraint>(
+  nb::class_<GoalConstraint> cls(
       m, "GoalConstraint",
       "What a plan must reach: any one of several targets of one type.\n\n"
       "Joint targets are met exactly; for poses and positions inverse kinematics supplies configurations,\n"
-      "to 1e-5 m and 1e-4 rad where it can and within the tolerances at worst.")
-      .def(
-          "__init__",
-          [](GoalConstraint* self, GoalType type, nb::object targets, double position_tolerance,
-             double rotation_tolerance) {
-            GoalConstraint goal{type, to_targets(type, targets), position_tolerance, rotation_tolerance};
-            goal.validate();
-            new (self) GoalConstraint(std::move(goal));
-          },
-          nb::arg("type"), nb::arg("targets"), nb::arg("position_tolerance") = 1e-3,
-          nb::arg("rotation_tolerance") = 1e-2,
-          nb::sig("def __init__(self, type: GoalType, targets: Pose | numpy.typing.ArrayLike | "
-                  "collections.abc.Sequence[Pose], "
-                  "position_tolerance: float = 0.001, rotation_tolerance: float = 0.01) -> None"),
-          "targets: JOINTS dof numbers [rad or m]; POSE x, y, z, qx, qy, qz, qw or a Pose; POSITION x, y, z [m]; or a "
-          "list of\n"
-          "such targets, any of which will do. Tolerances in m and rad.\n\n"
-          "Raises InvalidArgument for no target, a wrong number of entries, NaN or a zero quaternion.")
+      "to 1e-5 m and 1e-4 rad where it can and within the tolerances at worst.");
+  cls.def(
+         "__init__",
+         [](GoalConstraint* self, GoalType type, nb::object targets, double position_tolerance,
+            double rotation_tolerance) {
+           GoalConstraint goal{type, to_targets(type, targets), position_tolerance, rotation_tolerance};
+           goal.validate();
+           new (self) GoalConstraint(std::move(goal));
+         },
+         nb::arg("type"), nb::arg("targets"), nb::arg("position_tolerance") = 1e-3,
+         nb::arg("rotation_tolerance") = 1e-2,
+         nb::sig("def __init__(self, type: GoalType, targets: Pose | numpy.typing.ArrayLike | "
+                 "collections.abc.Sequence[Pose], "
+                 "position_tolerance: float = 0.001, rotation_tolerance: float = 0.01) -> None"),
+         "targets: JOINTS dof numbers [rad or m]; POSE x, y, z, qx, qy, qz, qw or a Pose; POSITION x, y, z [m]; or a "
+         "list of\n"
+         "such targets, any of which will do. Tolerances in m and rad.\n\n"
+         "Raises InvalidArgument for no target, a wrong number of entries, NaN or a zero quaternion.")
       .def_ro("type", &GoalConstraint::type, "What the targets are.")
       .def_ro("position_tolerance", &GoalConstraint::position_tolerance, "[m]")
       .def_ro("rotation_tolerance", &GoalConstraint::rotation_tolerance, "[rad]")
@@ -74,19 +74,20 @@ void bind_goal(nb::module_& m) {
                                  goal.targets.empty() ? 0 : static_cast<std::size_t>(goal.targets[0].size()));
           },
           "(n, k), one target a row: k = dof for JOINTS, 7 for POSE, 3 for POSITION.")
-      .def("__repr__", &text)
-      .def("__getstate__",
-           [](const GoalConstraint& goal) {
-             std::vector<std::vector<double>> targets;
-             for (const auto& t : goal.targets) targets.emplace_back(t.begin(), t.end());
-             return nb::make_tuple(goal.type, targets, goal.position_tolerance, goal.rotation_tolerance);
-           })
-      .def("__setstate__", [](GoalConstraint& self, const nb::tuple& state) {
+      .def("__repr__", &text);
+  make_value(
+      cls,
+      [](const GoalConstraint& goal) {
+        std::vector<std::vector<double>> targets;
+        for (const auto& t : goal.targets) targets.emplace_back(t.begin(), t.end());
+        return nb::make_tuple(goal.type, targets, goal.position_tolerance, goal.rotation_tolerance);
+      },
+      [](const nb::tuple& state) {
         std::vector<Eigen::VectorXd> targets;
         for (const auto& t : nb::cast<std::vector<std::vector<double>>>(state[1]))
           targets.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.data(), static_cast<Eigen::Index>(t.size())));
-        new (&self) GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), nb::cast<double>(state[2]),
-                                   nb::cast<double>(state[3])};
+        return GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), nb::cast<double>(state[2]),
+                              nb::cast<double>(state[3])};
       });
 }
 
