@@ -22,9 +22,14 @@ void for_each_field(Statistics& s, F&& f) {
   f("expansions", s.expansions);
   f("generated", s.generated);
   f("edge_checks", s.edge_checks);
+  f("edges_free_by_balls", s.edges_free_by_balls);
+  f("edges_colliding_by_balls", s.edges_colliding_by_balls);
+  f("edges_free_by_coal", s.edges_free_by_coal);
+  f("edges_colliding_by_coal", s.edges_colliding_by_coal);
   f("configurations", s.configurations);
   f("narrow_phase", s.narrow_phase);
   f("states", s.states);
+  f("memory_bytes", s.memory_bytes);
   f("search_cost_rad", s.search_cost_rad);
   f("path_cost_rad", s.path_cost_rad);
   f("bound", s.bound);

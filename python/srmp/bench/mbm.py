@@ -31,6 +31,10 @@ from srmp._table import format_seconds, format_table
 # The link whose path length is reported; other robots: the tip of the planning group.
 END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
 _MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
+_STATISTICS = (
+    *("plan_time_s", "total_time_s", "search_time_s", "expansions", "memory_bytes", "edge_checks"),
+    *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
+)
 _FK_STEP = 0.01  # [rad or m] between samples of the end effector's path
 
 
@@ -219,8 +223,7 @@ class Runner:
     ) -> dict[str, Any]:
         stats = planner.get_planning_stats()
         row: dict[str, Any] = {"problem": problem.name, "status": status, "reason": reason}
-        for key in ("plan_time_s", "total_time_s", "search_time_s", "expansions", "edge_checks"):
-            row[key] = stats[key]
+        row.update((key, stats[key]) for key in _STATISTICS)
         row["joint_names"] = joint_names
         if trajectory is None:
             row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "times", "positions")))

@@ -30,6 +30,7 @@ class TaskSpaceBfs {
   /// Travelled distance [m] from `point` to the nearest goal; 0 in a goal's cell; infinity where walls leave no way.
   /// Points outside the grid count from the nearest cell; points inside obstacles from the nearest free neighbour.
   double distance(const Eigen::Vector3d& point) const;
+  std::size_t memory() const { return occupied_.capacity() + distance_.capacity() * sizeof(float); }
 
  private:
   using Cell = std::array<int, 3>;

@@ -36,14 +36,19 @@ struct PlanStatistics {
   double verification_time_s{};
   std::uint64_t expansions{};
   std::uint64_t generated{};
-  std::uint64_t edge_checks{};     ///< motions checked, shortcut included
-  std::uint64_t configurations{};  ///< kinematics computed for them
-  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
-  std::uint64_t states{};          ///< states of the lattice
-  double search_cost_rad{};        ///< joint-space length of the search's path, before the shortcut
-  double path_cost_rad{};          ///< joint-space length of the returned path
-  double bound{};                  ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
-  int goal_index{-1};              ///< which of the goals (all targets of all constraints, in order) was reached
+  std::uint64_t edge_checks{};  ///< motions checked, shortcut included; the sum of the next four
+  std::uint64_t edges_free_by_balls{};
+  std::uint64_t edges_colliding_by_balls{};
+  std::uint64_t edges_free_by_coal{};       ///< for the parts of them that balls left open, if there were balls
+  std::uint64_t edges_colliding_by_coal{};  ///< the same
+  std::uint64_t configurations{};           ///< kinematics computed for them
+  std::uint64_t narrow_phase{};             ///< pairs that Coal decided
+  std::uint64_t states{};                   ///< states of the lattice
+  std::uint64_t memory_bytes{};  ///< the most that states, OPEN, search tree and heuristic grids took together
+  double search_cost_rad{};      ///< joint-space length of the search's path, before the shortcut
+  double path_cost_rad{};        ///< joint-space length of the returned path
+  double bound{};                ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
+  int goal_index{-1};            ///< which of the goals (all targets of all constraints, in order) was reached
 };
 
 /// One plan of many.
