@@ -23,7 +23,7 @@ class TaskSpaceBfs {
   };
 
   /// The grid is the box `low`..`high` (world frame), grown where needed to hold the goals. Objects of the scene that
-  /// are not attached to a robot are obstacles.
+  /// are not attached to a robot are obstacles. Once the deadline has passed, the rest of the grid stays undone.
   TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                std::span<const Eigen::Vector3d> goals, const Options& options, const Deadline& deadline = {});
 

@@ -146,6 +146,7 @@ class SingleRobotPlan {
             targets_.push_back({std::move(q), index});
           else if (why.empty())
             why = invalid;
+          stop_if_late("the search for goal configurations");
         }
         if (first_reason.empty()) first_reason = why;
         ++index;
@@ -222,6 +223,7 @@ class SingleRobotPlan {
   }
 
   double clearance(const Eigen::VectorXd& q) {
+    stop_if_late("the choice of a direction");
     const auto pair = problem_.checker.nearest(q, workspace());
     return pair ? pair->distance : search::infinity;
   }
