@@ -15,6 +15,7 @@ _srmp.__suffix__:
         """Not done by this version yet."""
 
     class PlanningError(Error):
-        """No trajectory. `status` says which kind of no, the text why."""
+        """No trajectory. `status` says which kind of no, the text why; `statistics`: see get_planning_stats."""
 
         status: Status
+        statistics: dict[str, object]

@@ -19,6 +19,7 @@
 #include "srmp/core/pose.hpp"
 #include "srmp/planner/goal.hpp"
 #include "srmp/planner/options.hpp"
+#include "srmp/planner/planner_interface.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace nb = nanobind;
@@ -54,6 +55,23 @@ std::vector<GoalConstraint> to_goals(nb::handle goal);
 /// One name, or a list of names.
 std::vector<std::string> to_names(nb::handle names);
 
+nb::dict to_dict(const PlanStatistics& statistics);
+
+/// Raises PlanningError with these attributes.
+[[noreturn]] void raise(const PlanningError& error, const nb::dict& statistics);
+
+/// Gives a class the manners of a value. `get` makes a tuple of Python objects that can be compared and pickled, `set`
+/// makes the value from it; with them it is compared, pickled and copied. Values can change hands but have no hash.
+template <class T, class Get, class Set>
+void make_value(nb::class_<T>& cls, Get get, Set set) {
+  cls.def("__getstate__", get)
+      .def("__setstate__", [set](T& self, const nb::tuple& state) { new (&self) T(set(state)); })
+      .def("__eq__", [get](const T& self, nb::handle other) {
+        return nb::isinstance<T>(other) && get(self).equal(get(nb::cast<const T&>(other)));
+      });
+  cls.attr("__hash__") = nb::none();
+}
+
 void bind_collision_checker(nb::module_& m);
 void bind_cover(nb::module_& m);
 void bind_errors(nb::module_& m);
@@ -62,6 +80,7 @@ void bind_goal(nb::module_& m);
 void bind_options(nb::module_& m);
 void bind_trajectory(nb::module_& m);
 void bind_io(nb::module_& m);
+void bind_plan_many(nb::module_& m);
 void bind_planner_interface(nb::module_& m);
 
 }  // namespace srmp::python

@@ -223,15 +223,22 @@ std::map<std::string, TimedPath> to_timed_paths(nb::handle others) {
 }
 
 void bind_collision_checker(nb::module_& m) {
-  nb::class_<MotionCertificate>(m, "MotionCertificate",
-                                "Proof that a motion is free, or the first part of it that could not be proved.")
-      .def_ro("proved", &MotionCertificate::proved, "Free between samples too.")
+  nb::class_<MotionCertificate> certificate(
+      m, "MotionCertificate", "Proof that a motion is free, or the first part of it that could not be proved.");
+  certificate.def_ro("proved", &MotionCertificate::proved, "Free between samples too.")
       .def_prop_ro(
           "interval", [](const MotionCertificate& c) { return std::pair(c.from, c.to); },
           "Part of the motion, 0..1, that is not free or could not be proved; (0, 0) when proved.")
       .def_ro("body_a", &MotionCertificate::body_a, "The pair there: link or attached object of the robot; '' if none.")
       .def_ro("body_b", &MotionCertificate::body_b, "The pair there: object or link; '' if none.")
       .def("__bool__", [](const MotionCertificate& c) { return c.proved; });
+  make_value(
+      certificate,
+      [](const MotionCertificate& c) { return nb::make_tuple(c.proved, c.from, c.to, c.body_a, c.body_b); },
+      [](const nb::tuple& s) {
+        return MotionCertificate{nb::cast<bool>(s[0]), nb::cast<double>(s[1]), nb::cast<double>(s[2]),
+                                 nb::cast<std::string>(s[3]), nb::cast<std::string>(s[4])};
+      });
   nb::class_<Self>(m, "CollisionChecker",
                    "Collision checks of one robot in the scene as it was when planner.collision_checker made this.\n\n"
                    "Arrays are (n, dof) [rad or m]; float64 and contiguous ones are not copied. The GIL is released. "

@@ -17,9 +17,10 @@ PyObject* make_exception(nb::module_& m, const char* name, const char* doc, PyOb
   return type;
 }
 
-void raise_planning_error(const PlanningError& error) {
+void set_planning_error(const PlanningError& error, const nb::dict& statistics) {
   const nb::object exception = nb::handle(planning_error_type)(error.what());
   exception.attr("status") = nb::cast(error.status());
+  exception.attr("statistics") = statistics;
   PyErr_SetObject(planning_error_type, exception.ptr());
 }
 
@@ -27,7 +28,7 @@ void translate(const std::exception_ptr& pointer, void*) {
   try {
     std::rethrow_exception(pointer);
   } catch (const PlanningError& error) {
-    raise_planning_error(error);
+    set_planning_error(error, {});
   } catch (const InvalidArgument& error) {
     PyErr_SetString(invalid_argument_type, error.what());
   } catch (const FileError& error) {
@@ -40,6 +41,11 @@ void translate(const std::exception_ptr& pointer, void*) {
 }
 
 }  // namespace
+
+void raise(const PlanningError& error, const nb::dict& statistics) {
+  set_planning_error(error, statistics);
+  throw nb::python_error();
+}
 
 void bind_errors(nb::module_& m) {
   nb::enum_<Status>(m, "Status", "How a plan ended.")
@@ -58,7 +64,9 @@ void bind_errors(nb::module_& m) {
   not_supported_type =
       make_exception(m, "NotSupported", "Not done by this version yet.", error_type, PyExc_NotImplementedError);
   planning_error_type =
-      make_exception(m, "PlanningError", "No trajectory. `status` (a Status) says which kind of no, the text why.",
+      make_exception(m, "PlanningError",
+                     "No trajectory. `status` (a Status) says which kind of no, the text why; `statistics`: see\n"
+                     "PlannerInterface.get_planning_stats.",
                      error_type, nullptr);
   nb::register_exception_translator(translate);
 }

@@ -50,35 +50,35 @@ void bind_goal(nb::module_& m) {
       .value("POSE", GoalType::pose, "Position and orientation of the end effector, world frame.")
       .value("POSITION", GoalType::position, "Position of the end effector, world frame; any orientation.");
 
-  nb::class_<GoalConstraint>(
+  nb::class_<GoalConstraint> cls(
       m, "GoalConstraint",
       "What a plan must reach: any one of several targets of one type.\n\n"
       "Joint targets are met exactly; for poses and positions inverse kinematics supplies configurations,\n"
-      "to 1e-5 m and 1e-4 rad where it can and within the tolerances at worst.")
-      .def(
-          "__init__",
-          [](GoalConstraint* self, GoalType type, nb::object targets, const ArrayLike& position_tolerance,
-             const ArrayLike& rotation_tolerance) {
-            GoalConstraint goal{type, to_targets(type, targets), to_tolerance(position_tolerance, "position_tolerance"),
-                                to_tolerance(rotation_tolerance, "rotation_tolerance")};
-            goal.validate();
-            new (self) GoalConstraint(std::move(goal));
-          },
-          nb::arg("type"), nb::arg("targets"), nb::arg("position_tolerance") = 1e-3,
-          nb::arg("rotation_tolerance") = 1e-2,
-          nb::sig("def __init__(self, type: GoalType, targets: Pose | numpy.typing.ArrayLike | "
-                  "collections.abc.Sequence[Pose], "
-                  "position_tolerance: numpy.typing.ArrayLike = 0.001, rotation_tolerance: numpy.typing.ArrayLike = "
-                  "0.01) -> None"),
-          "targets: JOINTS dof numbers [rad or m]; POSE x, y, z, qx, qy, qz, qw or a Pose; POSITION x, y, z [m]; or a "
-          "list of\n"
-          "such targets, any of which will do. Tolerances [m] and [rad]: one number, or three, for x, y and z of the "
-          "target's own frame\n"
-          "(POSITION: of the world); infinity: that axis is free.\n\n"
-          "Raises InvalidArgument for no target, a wrong number of entries, NaN, a zero quaternion, a tolerance that "
-          "is "
-          "not above 0,\n"
-          "and when every axis is free.")
+      "to 1e-5 m and 1e-4 rad where it can and within the tolerances at worst.");
+  cls.def(
+         "__init__",
+         [](GoalConstraint* self, GoalType type, nb::object targets, const ArrayLike& position_tolerance,
+            const ArrayLike& rotation_tolerance) {
+           GoalConstraint goal{type, to_targets(type, targets), to_tolerance(position_tolerance, "position_tolerance"),
+                               to_tolerance(rotation_tolerance, "rotation_tolerance")};
+           goal.validate();
+           new (self) GoalConstraint(std::move(goal));
+         },
+         nb::arg("type"), nb::arg("targets"), nb::arg("position_tolerance") = 1e-3,
+         nb::arg("rotation_tolerance") = 1e-2,
+         nb::sig("def __init__(self, type: GoalType, targets: Pose | numpy.typing.ArrayLike | "
+                 "collections.abc.Sequence[Pose], "
+                 "position_tolerance: numpy.typing.ArrayLike = 0.001, rotation_tolerance: numpy.typing.ArrayLike = "
+                 "0.01) -> None"),
+         "targets: JOINTS dof numbers [rad or m]; POSE x, y, z, qx, qy, qz, qw or a Pose; POSITION x, y, z [m]; or a "
+         "list of\n"
+         "such targets, any of which will do. Tolerances [m] and [rad]: one number, or three, for x, y and z of the "
+         "target's own frame\n"
+         "(POSITION: of the world); infinity: that axis is free.\n\n"
+         "Raises InvalidArgument for no target, a wrong number of entries, NaN, a zero quaternion, a tolerance that "
+         "is "
+         "not above 0,\n"
+         "and when every axis is free.")
       .def_ro("type", &GoalConstraint::type, "What the targets are.")
       .def_prop_ro(
           "position_tolerance", [](const GoalConstraint& goal) { return to_numpy(goal.position_tolerance.axes); },
@@ -93,21 +93,22 @@ void bind_goal(nb::module_& m) {
                                  goal.targets.empty() ? 0 : static_cast<std::size_t>(goal.targets[0].size()));
           },
           "(n, k), one target a row: k = dof for JOINTS, 7 for POSE, 3 for POSITION.")
-      .def("__repr__", &text)
-      .def("__getstate__",
-           [](const GoalConstraint& goal) {
-             std::vector<std::vector<double>> targets;
-             for (const auto& t : goal.targets) targets.emplace_back(t.begin(), t.end());
-             const auto &p = goal.position_tolerance.axes, &r = goal.rotation_tolerance.axes;
-             return nb::make_tuple(goal.type, targets, std::array{p[0], p[1], p[2]}, std::array{r[0], r[1], r[2]});
-           })
-      .def("__setstate__", [](GoalConstraint& self, const nb::tuple& state) {
+      .def("__repr__", &text);
+  make_value(
+      cls,
+      [](const GoalConstraint& goal) {
+        std::vector<std::vector<double>> targets;
+        for (const auto& t : goal.targets) targets.emplace_back(t.begin(), t.end());
+        const auto &p = goal.position_tolerance.axes, &r = goal.rotation_tolerance.axes;
+        return nb::make_tuple(goal.type, targets, std::array{p[0], p[1], p[2]}, std::array{r[0], r[1], r[2]});
+      },
+      [](const nb::tuple& state) {
         std::vector<Eigen::VectorXd> targets;
         for (const auto& t : nb::cast<std::vector<std::vector<double>>>(state[1]))
           targets.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.data(), static_cast<Eigen::Index>(t.size())));
         const auto p = nb::cast<std::array<double, 3>>(state[2]), r = nb::cast<std::array<double, 3>>(state[3]);
-        new (&self) GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), Eigen::Vector3d(p.data()),
-                                   Eigen::Vector3d(r.data())};
+        return GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), Eigen::Vector3d(p.data()),
+                              Eigen::Vector3d(r.data())};
       });
 }
 

@@ -11,6 +11,7 @@ NB_MODULE(_srmp, m) {
   bind_options(m);
   bind_trajectory(m);
   bind_io(m);
+  bind_plan_many(m);
   bind_planner_interface(m);
   bind_collision_checker(m);
   bind_cover(m);

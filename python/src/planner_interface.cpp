@@ -37,15 +37,36 @@ bool python_interrupted() {
   return PyErr_CheckSignals() != 0;
 }
 
+/// `plan` without the GIL. A Ctrl-C that ended it is raised.
 template <class Plan>
-Trajectory run_interruptible(Plan&& plan) {
-  try {
+auto run_interruptible(Plan&& plan) {
+  auto result = [&] {
     const nb::gil_scoped_release no_gil;
     return plan();
+  }();
+  if (PyErr_Occurred()) throw nb::python_error();
+  return result;
+}
+
+Trajectory plan_one(PlannerInterface& planner, const std::string& robot, const Eigen::VectorXd& start,
+                    const std::vector<GoalConstraint>& goals) {
+  try {
+    return run_interruptible([&] { return planner.plan(robot, start, goals, python_interrupted); });
   } catch (const PlanningError& error) {
     if (error.status() == Status::cancelled && PyErr_Occurred()) throw nb::python_error();
-    throw;
+    raise(error, to_dict(planner.get_planning_stats()));
   }
+}
+
+std::vector<PlanResult> plan_many(PlannerInterface& planner, const std::vector<PlanRequest>& requests,
+                                  std::optional<int> threads, const std::optional<nb::callable>& progress) {
+  PlannerInterface::Progress report;
+  if (progress)
+    report = [&progress](std::size_t done, std::size_t total) {
+      const nb::gil_scoped_acquire gil;
+      (*progress)(done, total);
+    };
+  return run_interruptible([&] { return planner.plan_many(requests, threads, python_interrupted, report); });
 }
 
 std::string only_robot(nb::handle robots) {
@@ -65,32 +86,6 @@ std::array<int, 3> to_triangle(const Eigen::Vector3d& row, const std::string& me
     triangle[static_cast<std::size_t>(i)] = static_cast<int>(row[i]);
   }
   return triangle;
-}
-
-nb::dict to_dict(const PlanStatistics& s) {
-  nb::dict d;
-  d["status"] = s.status;
-  d["reason"] = s.reason;
-  d["note"] = s.note;
-  d["plan_time_s"] = s.plan_time_s;
-  d["total_time_s"] = s.total_time_s;
-  d["ik_time_s"] = s.ik_time_s;
-  d["heuristic_time_s"] = s.heuristic_time_s;
-  d["search_time_s"] = s.search_time_s;
-  d["shortcut_time_s"] = s.shortcut_time_s;
-  d["timing_time_s"] = s.timing_time_s;
-  d["verification_time_s"] = s.verification_time_s;
-  d["expansions"] = s.expansions;
-  d["generated"] = s.generated;
-  d["edge_checks"] = s.edge_checks;
-  d["configurations"] = s.configurations;
-  d["narrow_phase"] = s.narrow_phase;
-  d["states"] = s.states;
-  d["search_cost_rad"] = s.search_cost_rad;
-  d["path_cost_rad"] = s.path_cost_rad;
-  d["bound"] = s.bound;
-  d["goal_index"] = s.goal_index;
-  return d;
 }
 
 void bind_robots(nb::class_<Self>& cls) {
@@ -531,9 +526,7 @@ void bind_planning(nb::class_<Self>& cls) {
             const std::string name = only_robot(robot);
             const Eigen::VectorXd q = start.vector("start of '" + name + "'");
             const std::vector<GoalConstraint> goals = to_goals(goal);
-            return self.use([&](PlannerInterface& p) {
-              return run_interruptible([&] { return p.plan(name, q, goals, python_interrupted); });
-            });
+            return self.use([&](PlannerInterface& p) { return plan_one(p, name, q, goals); });
           },
           nb::arg("name"), nb::arg("start"), nb::arg("goal"),
           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
@@ -544,7 +537,30 @@ void bind_planning(nb::class_<Self>& cls) {
           "the plan.\n\n"
           "Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or "
           "cancelled, its text\n"
-          "says why. Raises InvalidArgument for a wrong question: unknown robot, no make_planner, wrong size, NaN.")
+          "says why, its statistics are those of get_planning_stats. Raises InvalidArgument for a wrong question: "
+          "unknown robot, no make_planner, wrong size, NaN.")
+      .def(
+          "plan_many",
+          [](Self& self, const std::vector<PlanRequest>& requests, std::optional<int> threads,
+             const std::optional<nb::callable>& progress) {
+            return self.use([&](PlannerInterface& p) { return plan_many(p, requests, threads, progress); });
+          },
+          nb::arg("requests"), nb::arg("threads") = nb::none(), nb::arg("progress") = nb::none(),
+          nb::sig("def plan_many(self, requests: collections.abc.Sequence[PlanRequest], threads: int | None = None, "
+                  "progress: collections.abc.Callable[[int, int], object] | None = None) -> list[PlanResult]"),
+          "Many plans at once in the scene as it is, each by itself; `threads` (> 0; default: one a core) share them "
+          "out.\n\n"
+          "Results are in the order of the requests, and each is what plan alone would have found, bit for bit, for "
+          "any number of\n"
+          "threads. A request that has no trajectory does not disturb the others: its PlanResult says why. Every "
+          "request has its own\n"
+          "time limit, which begins with its own plan; only a limit that cuts a plan short can make a difference, the "
+          "sooner the more\n"
+          "threads share a core. `progress` is called with (requests done, requests in all). The GIL is released; "
+          "Ctrl-C, or an\n"
+          "exception of `progress`, stops all plans and is raised. get_planning_stats stays as it was.\n\n"
+          "Raises InvalidArgument for a wrong request, as plan does, with its number; before anything is planned where "
+          "it can.")
       .def(
           "plan_multi",
           [](Self& self, const std::map<std::string, ArrayLike>& starts,
@@ -565,7 +581,10 @@ void bind_planning(nb::class_<Self>& cls) {
           "heuristic_time_s,\n"
           "search_time_s, shortcut_time_s, timing_time_s, verification_time_s [s]; expansions, generated, states, "
           "edge_checks,\n"
-          "configurations, narrow_phase (counts); search_cost_rad and path_cost_rad, before and after the shortcut "
+          "edges_free_by_balls, edges_colliding_by_balls, edges_free_by_coal, edges_colliding_by_coal (their sum is "
+          "edge_checks),\n"
+          "configurations, narrow_phase (counts); memory_bytes; search_cost_rad and path_cost_rad, before and after "
+          "the shortcut "
           "[rad, prismatic\n"
           "joints m]; bound (search_cost_rad is at most this times the lattice's optimum; inf: none proven); "
           "goal_index (which target\n"
@@ -583,8 +602,8 @@ void bind_planning(nb::class_<Self>& cls) {
 }  // namespace
 
 void bind_planner_interface(nb::module_& m) {
-  nb::class_<Contact>(m, "Contact", "Two bodies in contact, or the nearest two.")
-      .def_ro("body_a", &Contact::body_a, "Link (or attached object) of the robot asked about.")
+  nb::class_<Contact> contact(m, "Contact", "Two bodies in contact, or the nearest two.");
+  contact.def_ro("body_a", &Contact::body_a, "Link (or attached object) of the robot asked about.")
       .def_ro("body_b", &Contact::body_b, "Object, link of the same robot, or 'robot/link' of another.")
       .def_ro("distance", &Contact::distance, "[m], less the padding; negative: how deep the two overlap.")
       .def_prop_ro(
@@ -592,6 +611,25 @@ void bind_planner_interface(nb::module_& m) {
       .def_prop_ro(
           "point_b", [](const Contact& c) { return to_numpy(c.point_b); }, "On body_b, world frame [m].")
       .def("__repr__", &Contact::describe);
+  using Point = std::array<double, 3>;
+  make_value(
+      contact,
+      [](const Contact& c) {
+        const Point a{c.point_a[0], c.point_a[1], c.point_a[2]}, b{c.point_b[0], c.point_b[1], c.point_b[2]};
+        return nb::make_tuple(c.body_a, c.body_b, c.distance, a, b, c.padding, static_cast<int>(c.kind_a),
+                              static_cast<int>(c.kind_b));
+      },
+      [](const nb::tuple& s) {
+        const auto a = nb::cast<Point>(s[3]), b = nb::cast<Point>(s[4]);
+        return Contact{nb::cast<std::string>(s[0]),
+                       nb::cast<std::string>(s[1]),
+                       nb::cast<double>(s[2]),
+                       {a[0], a[1], a[2]},
+                       {b[0], b[1], b[2]},
+                       nb::cast<double>(s[5]),
+                       static_cast<BodyKind>(nb::cast<int>(s[6])),
+                       static_cast<BodyKind>(nb::cast<int>(s[7]))};
+      });
 
   nb::class_<MoveItProblem>(m, "MoveItProblem", "A MoveIt motion request in the terms of one robot.")
       .def_prop_ro(

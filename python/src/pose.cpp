@@ -20,20 +20,20 @@ std::string text(const Pose& pose) {
 }  // namespace
 
 void bind_pose(nb::module_& m) {
-  nb::class_<Pose>(
+  nb::class_<Pose> cls(
       m, "Pose",
       "A rigid transform: position p [m] and unit quaternion q = [x, y, z, w], in the world frame unless said "
       "otherwise.\n\n"
-      "Iterates over its seven numbers x, y, z, qx, qy, qz, qw; `pose @ point` and `pose @ pose` transform.")
-      .def(
-          "__init__",
-          [](Pose* self, const std::optional<ArrayLike>& p, const std::optional<ArrayLike>& q) {
-            new (self) Pose(Pose::from_xyzw(p ? p->vector3("pose position") : Eigen::Vector3d(Eigen::Vector3d::Zero()),
-                                            q ? four(*q, "pose quaternion") : std::array<double, 4>{0, 0, 0, 1}));
-          },
-          nb::arg("p") = nb::none(), nb::arg("q") = nb::none(),
-          "Position [m] (default: origin) and quaternion [x, y, z, w] (default: identity; normalised).\n\n"
-          "Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.")
+      "Iterates over its seven numbers x, y, z, qx, qy, qz, qw; `pose @ point` and `pose @ pose` transform.");
+  cls.def(
+         "__init__",
+         [](Pose* self, const std::optional<ArrayLike>& p, const std::optional<ArrayLike>& q) {
+           new (self) Pose(Pose::from_xyzw(p ? p->vector3("pose position") : Eigen::Vector3d(Eigen::Vector3d::Zero()),
+                                           q ? four(*q, "pose quaternion") : std::array<double, 4>{0, 0, 0, 1}));
+         },
+         nb::arg("p") = nb::none(), nb::arg("q") = nb::none(),
+         "Position [m] (default: origin) and quaternion [x, y, z, w] (default: identity; normalised).\n\n"
+         "Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.")
       .def_static(
           "from_xyzw",
           [](const ArrayLike& p, const ArrayLike& q) {
@@ -83,15 +83,12 @@ void bind_pose(nb::module_& m) {
           "__iter__", [](const Pose& pose) { return nb::iter(nb::cast(pose.to_list())); },
           nb::sig("def __iter__(self) -> collections.abc.Iterator[float]"))
       .def("__len__", [](const Pose&) { return 7; })
-      .def("__eq__",
-           [](const Pose& a, nb::handle other) {
-             Pose b;
-             return nb::try_cast(other, b) && a.to_list() == b.to_list();
-           })
-      .def("__repr__", &text)
-      .def("__getstate__", &Pose::to_list)
-      .def("__setstate__", [](Pose& self, const std::array<double, 7>& v) {
-        new (&self) Pose{{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
+      .def("__repr__", &text);
+  make_value(
+      cls, [](const Pose& pose) { return nb::tuple(nb::cast(pose.to_list())); },
+      [](const nb::tuple& state) {
+        const auto v = nb::cast<std::array<double, 7>>(state);
+        return Pose{{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
       });
 }
 

@@ -26,14 +26,25 @@ RowMatrix to_matrix(nb::handle array) {
                                      static_cast<Eigen::Index>(numbers.shape(1)));
 }
 
+template <class Matrix>
+bool same(const Matrix& a, const Matrix& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
+bool same(const Trajectory& a, const Trajectory& b) {
+  return a.joint_names == b.joint_names && same(a.positions, b.positions) && same(a.velocities, b.velocities) &&
+         same(a.accelerations, b.accelerations) && same(a.times, b.times) && same(a.waypoints, b.waypoints);
+}
+
 }  // namespace
 
 void bind_trajectory(nb::module_& m) {
-  nb::class_<Trajectory>(m, "Trajectory",
-                         "A motion: n samples of dof joints. Revolute joints in rad, prismatic ones in m; values of "
-                         "continuous joints do not\n"
-                         "jump at ±pi. Arrays are read-only views without a copy.")
-      .def_ro("joint_names", &Trajectory::joint_names, "The dof joint names, in column order.")
+  nb::class_<Trajectory> cls(
+      m, "Trajectory",
+      "A motion: n samples of dof joints. Revolute joints in rad, prismatic ones in m; values of "
+      "continuous joints do not\n"
+      "jump at ±pi. Arrays are read-only views without a copy.");
+  cls.def_ro("joint_names", &Trajectory::joint_names, "The dof joint names, in column order.")
       .def_prop_ro("positions", &view<&Trajectory::positions>, "(n, dof) [rad or m]")
       .def_prop_ro("velocities", &view<&Trajectory::velocities>, "(n, dof) [rad/s or m/s]")
       .def_prop_ro("accelerations", &view<&Trajectory::accelerations>, "(n, dof) [rad/s^2 or m/s^2]")
@@ -52,6 +63,10 @@ void bind_trajectory(nb::module_& m) {
              return "Trajectory(" + std::to_string(t.dof()) + " joints, " + std::to_string(t.size()) + " samples, " +
                     to_text(t.duration()) + " s)";
            })
+      .def("__eq__",
+           [](const Trajectory& a, nb::handle other) {
+             return nb::isinstance<Trajectory>(other) && same(a, nb::cast<const Trajectory&>(other));
+           })
       .def("__getstate__",
            [](nb::handle_t<Trajectory> self) {
              return nb::make_tuple(self.attr("joint_names"), self.attr("positions"), self.attr("velocities"),
@@ -66,6 +81,7 @@ void bind_trajectory(nb::module_& m) {
                                times.vector("times"),
                                to_matrix(state[5])};
       });
+  cls.attr("__hash__") = nb::none();
 }
 
 }  // namespace srmp::python

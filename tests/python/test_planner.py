@@ -89,6 +89,51 @@ def test_the_same_question_has_the_same_answer(arm, ready):
     assert len(answers) == len(parallel) == 1
 
 
+LAYERS = ("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal")
+
+
+def counts(stats):
+    return {key: value for key, value in stats.items() if not key.endswith("time_s")}
+
+
+@pytest.mark.parametrize("planner_id", ["wAstar", "ARAstar", "MHAstar", "wPASE", "auto"])
+def test_statistics_tell_layers_and_memory_and_are_the_same_every_time(arm, ready, planner_id):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    seen = []
+    for threads in (1, 2):
+        options = {"num_threads": threads} if planner_id == "wPASE" else {}
+        if planner_id == "ARAstar":
+            options["final_weight"] = 20  # reached long before the time limit
+        arm.make_planner("arm", {"planner_id": planner_id, "time_limit": 20, **options})
+        arm.plan("arm", ready, goal)
+        seen.append(counts(arm.get_planning_stats()))
+    stats = seen[0]
+    assert seen[1] == stats
+    assert sum(stats[layer] for layer in LAYERS) == stats["edge_checks"] > 0
+    assert stats["edges_free_by_balls"] + stats["edges_free_by_coal"] >= 2  # the path is no straight line
+    assert stats["edges_colliding_by_balls"] + stats["edges_colliding_by_coal"] >= 1
+    assert stats["memory_bytes"] > 32 * stats["states"]  # dof + 1 coordinates each
+
+
+def test_a_finer_lattice_and_a_grid_take_more_memory(arm, ready):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    memory = {}
+    for name, options in {
+        "coarse": srmp.AStar(resolution=40),
+        "fine": srmp.AStar(resolution=15, time_limit=1),
+        "grid": srmp.WAStar(heuristic="bfs", bfs_resolution=0.02),
+        "no grid": srmp.WAStar(),
+    }.items():
+        arm.make_planner("arm", options)
+        try:
+            arm.plan("arm", ready, goal)
+        except srmp.PlanningError as error:
+            assert error.status == srmp.Status.timed_out  # counted all the same
+        memory[name] = arm.get_planning_stats()["memory_bytes"]
+    assert memory["coarse"] < memory["fine"]
+    assert memory["no grid"] + 100**3 < memory["grid"]
+
+
 def test_start_in_collision_names_the_pair(arm, ready):
     arm.add_sphere("ball", radius=0.1, pose=srmp.Pose(p=arm.compute_fk("arm", ready, "arm7_hand").p))
     with pytest.raises(srmp.PlanningError, match=r"'arm7_.*'ball'.*mm") as error:

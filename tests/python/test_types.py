@@ -38,6 +38,9 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     solutions: NDArray[np.float64] = planner.compute_ik("arm", planner.compute_fk("arm", positions[-1]))
     numbers: list[float] = [x for x in srmp.Pose() @ srmp.Pose()]
     assert len(solutions) + len(numbers) + planner.get_planning_stats()["expansions"]
+    for result in planner.plan_many([srmp.PlanRequest("arm", q, goal, srmp.Auto())], threads=2, progress=print):
+        length: float = result.trajectory.length if result.solved else result.statistics["search_time_s"]
+        print(length, result.status.name, result.reason)
     for contact in planner.contacts("arm", q):
         print(contact.body_a, contact.distance, contact.point_a[0], srmp.Status.solved, srmp.__version__)
     return trajectory
@@ -64,7 +67,8 @@ def test_stubs_know_every_public_name():
 
 
 def test_every_public_method_has_a_docstring():
-    for cls in (srmp.Pose, srmp.GoalConstraint, srmp.Trajectory, srmp.PlannerInterface, srmp.Contact):
+    named = ("Pose", "GoalConstraint", "Trajectory", "PlannerInterface", "Contact", "PlanRequest", "PlanResult")
+    for cls in (getattr(srmp, name) for name in named):
         assert cls.__doc__
         for name, member in vars(cls).items():
             if not name.startswith("_"):

@@ -127,6 +127,17 @@ BOOST_AUTO_TEST_CASE(every_planner_repeats_itself) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(memory_is_at_least_that_of_the_states_expanded) {
+  for (const Planner& planner : all_planners()) {
+    BOOST_TEST_CONTEXT(planner.name) {
+      Problem problem = random_problem(3);
+      const Statistics statistics = planner(problem).statistics;
+      BOOST_TEST(statistics.memory >= statistics.expansions * sizeof(CandidateTable::State));
+      BOOST_TEST(statistics.memory < 1'000'000u);
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(every_planner_walks_the_corridor) {
   for (const Planner& planner : all_planners()) {
     Problem problem = corridor();

@@ -261,6 +261,7 @@ inline void check_same(const Result& a, const Result& b) {
   BOOST_REQUIRE_EQUAL(a.statistics.expansions, b.statistics.expansions);
   BOOST_REQUIRE_EQUAL(a.statistics.generated, b.statistics.generated);
   BOOST_REQUIRE_EQUAL(a.statistics.evaluations, b.statistics.evaluations);
+  BOOST_REQUIRE_EQUAL(a.statistics.memory, b.statistics.memory);
 }
 
 }  // namespace srmp::search::test

@@ -21,7 +21,7 @@ inline std::string bar(const std::string& name) {
 }
 
 /// Two bars of 1 m in the plane, turning about z:   base ──a── upper ──b── lower ── tip
-inline std::shared_ptr<const srmp::RobotModel> planar(const std::string& first_joint = "revolute") {
+inline srmp::RobotDescription planar_description(const std::string& first_joint = "revolute") {
   const std::string limit = "<limit lower='-3' upper='3' velocity='2' effort='1'/>";
   srmp::RobotDescription description;
   description.urdf_text = "<robot name='planar'><link name='base'/>" + bar("upper") + bar("lower") +
@@ -29,7 +29,11 @@ inline std::shared_ptr<const srmp::RobotModel> planar(const std::string& first_j
                           joint("b", "revolute", "upper", "lower", "1 0 0", "0 0 1", limit) +
                           joint("t", "fixed", "lower", "tip", "1 0 0", "0 0 1", "") + "</robot>";
   description.end_effector = "tip";
-  return srmp::RobotModel::load(description);
+  return description;
+}
+
+inline std::shared_ptr<const srmp::RobotModel> planar(const std::string& first_joint = "revolute") {
+  return srmp::RobotModel::load(planar_description(first_joint));
 }
 
 }  // namespace robots

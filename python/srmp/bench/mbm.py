@@ -31,6 +31,10 @@ from srmp._table import format_seconds, format_table
 # The link whose path length is reported; other robots: the tip of the planning group.
 END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
 _MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
+_STATISTICS = (
+    *("plan_time_s", "total_time_s", "search_time_s", "expansions", "memory_bytes", "edge_checks"),
+    *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
+)
 _FK_STEP = 0.01  # [rad or m] between samples of the end effector's path
 
 
@@ -188,25 +192,28 @@ class Runner:
             self._planner.remove_object(name)
         return self._planner
 
-    def run(self, problem: Problem) -> dict[str, Any]:
-        """One row of the result file. Only problems that cannot even be posed raise."""
+    def pose(self, problem: Problem) -> tuple[srmp.PlannerInterface, srmp.MoveItProblem]:
+        """The problem's scene, and its start and goals for the robot (whose name is that of the files)."""
         request = srmp.load_moveit_request(str(problem.request))
         planner = self._planner_for(request.group_name)
         planner.load_moveit_scene(str(problem.scene))
-        joint_names = list(planner.get_joint_names(self._files.name))
+        joint_names = planner.get_joint_names(self._files.name)
         missing = [joint for joint in joint_names if joint not in request.start_joints]
         if missing:
             raise srmp.InvalidArgument(f"{problem.request}: the start has no position for joint '{missing[0]}'.")
         # The requests also place joints that these URDFs hold fixed (fingers, wheels): those are left out.
-        posed = planner.apply_moveit_request(self._files.name, request)
+        return planner, planner.apply_moveit_request(self._files.name, request)
 
+    def run(self, problem: Problem) -> dict[str, Any]:
+        """One row of the result file. Only problems that cannot even be posed raise."""
+        planner, posed = self.pose(problem)
         trajectory, reason = None, ""
         try:
             trajectory = planner.plan(self._files.name, posed.start, posed.goals)
             status = "solved"
         except srmp.PlanningError as error:
             status, reason = status_name(error.status), str(error)
-        return self._row(problem, planner, status, reason, joint_names, trajectory)
+        return self._row(problem, planner, status, reason, trajectory)
 
     def _row(
         self,
@@ -214,33 +221,33 @@ class Runner:
         planner: srmp.PlannerInterface,
         status: str,
         reason: str,
-        joint_names: list[str],
         trajectory: srmp.Trajectory | None,
     ) -> dict[str, Any]:
         stats = planner.get_planning_stats()
         row: dict[str, Any] = {"problem": problem.name, "status": status, "reason": reason}
-        for key in ("plan_time_s", "total_time_s", "search_time_s", "expansions", "edge_checks"):
-            row[key] = stats[key]
-        row["joint_names"] = joint_names
+        row.update((key, stats[key]) for key in _STATISTICS)
+        row["joint_names"] = planner.get_joint_names(self._files.name)
         if trajectory is None:
             row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "times", "positions")))
             return row
         row["path"] = trajectory.waypoints
         row["path_cost_rad"] = stats["path_cost_rad"]
-        row["ee_cost_m"] = self._end_effector_length(planner, np.asarray(trajectory.waypoints))
+        row["ee_cost_m"] = end_effector_length(planner, self._files.name, trajectory.waypoints)
         row["bound"] = stats["bound"]
         row["times"] = trajectory.times
         row["positions"] = trajectory.positions
         return row
 
-    def _end_effector_length(self, planner: srmp.PlannerInterface, path: np.ndarray) -> float:
-        samples = [path[0]]
-        for a, b in itertools.pairwise(path):
-            step = b - a
-            count = max(1, math.ceil(np.abs(step).max() / _FK_STEP))
-            samples.extend(a + step * (k / count) for k in range(1, count + 1))
-        points = np.array([planner.compute_fk(self._files.name, q).p for q in samples])
-        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+def end_effector_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
+    """How far the end effector travels along the waypoints [m]."""
+    samples = [path[0]]
+    for a, b in itertools.pairwise(path):
+        step = b - a
+        count = max(1, math.ceil(np.abs(step).max() / _FK_STEP))
+        samples.extend(a + step * (k / count) for k in range(1, count + 1))
+    points = np.array([planner.compute_fk(robot, q).p for q in samples])
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def run(

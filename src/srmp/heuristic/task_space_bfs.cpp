@@ -19,6 +19,18 @@ constexpr std::size_t most_cells = 50'000'000;
 
 coal::Transform3s to_coal(const Pose& pose) { return {pose.q.toRotationMatrix(), pose.p}; }
 
+/// Fills a grid piece by piece, since a large one takes long; false when time was up.
+template <class T>
+bool fill(std::vector<T>& cells, std::size_t count, T value, const Deadline& deadline) {
+  constexpr std::size_t piece = 1 << 18;
+  cells.reserve(count);
+  while (cells.size() < count) {
+    if (deadline.stop_requested()) return false;
+    cells.resize(std::min(count, cells.size() + piece), value);
+  }
+  return true;
+}
+
 }  // namespace
 
 TaskSpaceBfs::TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
@@ -39,9 +51,13 @@ TaskSpaceBfs::TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const
   if (cells > static_cast<double>(most_cells))
     throw InvalidArgument("bfs_resolution " + to_text(resolution_) +
                           " m makes a grid of more than 50 million cells; use a larger one");
-  occupied_.assign(static_cast<std::size_t>(cells), 0);
+  const auto count = static_cast<std::size_t>(cells);
+  if (!fill<std::uint8_t>(occupied_, count, 0, deadline)) return;
   mark_obstacles(scene, options.radius, deadline);
-  flood(goals, deadline);
+  if (fill(distance_, count, unreached, deadline))
+    flood(goals, deadline);
+  else
+    distance_.clear();
 }
 
 std::size_t TaskSpaceBfs::index(const Cell& c) const {
@@ -78,9 +94,9 @@ void TaskSpaceBfs::mark_obstacles(const Scene& scene, double radius, const Deadl
     const Cell from = cell_of((low.array() - reach - resolution_).matrix()),
                to = cell_of((high.array() + reach + resolution_).matrix());
     Cell c;
-    for (c[2] = from[2]; c[2] <= to[2]; ++c[2]) {
-      if (deadline.stop_requested()) return;
-      for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
+    for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
+      for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
+        if (deadline.stop_requested()) return;
         for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
           if (occupied_[index(c)]) continue;
           const Eigen::Vector3d center = low_ + resolution_ * Eigen::Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
@@ -88,12 +104,11 @@ void TaskSpaceBfs::mark_obstacles(const Scene& scene, double radius, const Deadl
           collide(coal::Transform3s(center), object_pose, request, result);
           if (result.isCollision()) occupied_[index(c)] = 1;
         }
-    }
+      }
   }
 }
 
 void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline& deadline) {
-  distance_.assign(occupied_.size(), unreached);
   using Entry = std::pair<float, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   for (const Eigen::Vector3d& goal : goals) {
@@ -102,7 +117,7 @@ void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline&
     open.emplace(0.0f, i);
   }
   for (std::size_t steps = 0; !open.empty(); ++steps) {
-    if (steps % 4096 == 0 && deadline.stop_requested()) return;
+    if (steps % 1024 == 0 && deadline.stop_requested()) return;
     const auto [d, i] = open.top();
     open.pop();
     if (d > distance_[i]) continue;
@@ -126,6 +141,7 @@ void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline&
 }
 
 double TaskSpaceBfs::distance(const Eigen::Vector3d& point) const {
+  if (distance_.empty()) return 0.0;
   const Cell c = cell_of(point);
   float least = distance_[index(c)];
   if (least < unreached) return least;

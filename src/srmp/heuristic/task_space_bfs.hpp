@@ -23,13 +23,14 @@ class TaskSpaceBfs {
   };
 
   /// The grid is the box `low`..`high` (world frame), grown where needed to hold the goals. Objects of the scene that
-  /// are not attached to a robot are obstacles.
+  /// are not attached to a robot are obstacles. Once the deadline has passed, the rest of the grid stays undone.
   TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                std::span<const Eigen::Vector3d> goals, const Options& options, const Deadline& deadline = {});
 
   /// Travelled distance [m] from `point` to the nearest goal; 0 in a goal's cell; infinity where walls leave no way.
   /// Points outside the grid count from the nearest cell; points inside obstacles from the nearest free neighbour.
   double distance(const Eigen::Vector3d& point) const;
+  std::size_t memory() const { return occupied_.capacity() + distance_.capacity() * sizeof(float); }
 
  private:
   using Cell = std::array<int, 3>;

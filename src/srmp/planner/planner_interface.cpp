@@ -1,9 +1,11 @@
 #include "srmp/planner/planner_interface.hpp"
 
 #include <algorithm>
+#include <thread>
 
 #include "srmp/collision/self_filter.hpp"
 #include "srmp/io/moveit.hpp"
+#include "srmp/planner/plan_many.hpp"
 #include "srmp/planner/single_robot.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
@@ -49,6 +51,27 @@ struct PlannerInterface::Impl {
 
   void require_state(const std::string& robot, ConstVector q) const {
     model(robot).require_configuration(q, "q of '" + robot + "'");
+  }
+
+  const PlannerOptions& planner_options(const std::vector<std::string>& robots) const {
+    const auto it = planners.find(sorted_robots(robots));
+    if (it == planners.end())
+      throw InvalidArgument("there is no planner for " + quoted_list(robots) + " yet; call make_planner first");
+    return it->second;
+  }
+
+  /// A question about the scene as it is now, looked over; all that it names must outlive it.
+  SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
+                                  const PlannerOptions& options) const {
+    if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
+    for (const GoalConstraint& goal : goals) {
+      goal.validate();
+      if (goal.type == GoalType::joints)
+        for (const Eigen::VectorXd& target : goal.targets)
+          model(robot).require_configuration(target, "goal of '" + robot + "'");
+    }
+    model(robot).require_configuration(start, "start of '" + robot + "'");
+    return {scene, robot, checker(robot, CheckMode::exact), start, goals, options};
   }
 };
 
@@ -279,10 +302,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
 }
 
 const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::string>& robots) const {
-  const auto it = impl_->planners.find(impl_->sorted_robots(robots));
-  if (it == impl_->planners.end())
-    throw InvalidArgument("there is no planner for " + quoted_list(robots) + " yet; call make_planner first");
-  return it->second;
+  return impl_->planner_options(robots);
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
@@ -290,22 +310,29 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   const PlannerOptions& options = planner_options({robot});
   impl_->cover_robots();  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
-  const RobotModel& model = impl_->model(robot);
-  if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
-  for (const GoalConstraint& goal : goals) {
-    goal.validate();
-    if (goal.type == GoalType::joints)
-      for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
-  }
-  model.require_configuration(start, "start of '" + robot + "'");
+  const SingleRobotProblem problem = impl_->pose_problem(robot, start, goals, options);
   impl_->statistics = {};
-  return plan_single_robot({impl_->scene, robot, impl_->checker(robot, CheckMode::exact), start, goals, options},
-                           deadline, impl_->statistics);
+  return plan_single_robot(problem, deadline, impl_->statistics);
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
                                   const Interrupt& interrupt) {
   return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt);
+}
+
+std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanRequest>& requests,
+                                                    std::optional<int> threads, const Interrupt& interrupt,
+                                                    const Progress& progress) {
+  if (threads.value_or(1) < 1)
+    throw InvalidArgument("threads is " + std::to_string(*threads) + "; it must be at least 1");
+  const auto pose = [this](const PlanRequest& request) {
+    if (request.options) validate(*request.options);
+    const PlannerOptions& options = request.options ? *request.options : planner_options({request.robot});
+    return impl_->pose_problem(request.robot, request.start, request.goals, options);
+  };
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  return srmp::plan_many(requests, pose, static_cast<std::size_t>(threads.value_or(static_cast<int>(cores))), interrupt,
+                         progress);
 }
 
 Trajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,

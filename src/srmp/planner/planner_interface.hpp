@@ -36,14 +36,46 @@ struct PlanStatistics {
   double verification_time_s{};
   std::uint64_t expansions{};
   std::uint64_t generated{};
-  std::uint64_t edge_checks{};     ///< motions checked, shortcut included
-  std::uint64_t configurations{};  ///< kinematics computed for them
-  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
-  std::uint64_t states{};          ///< states of the lattice
-  double search_cost_rad{};        ///< joint-space length of the search's path, before the shortcut
-  double path_cost_rad{};          ///< joint-space length of the returned path
-  double bound{};                  ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
-  int goal_index{-1};              ///< which of the goals (all targets of all constraints, in order) was reached
+  std::uint64_t edge_checks{};  ///< motions checked, shortcut included; the sum of the next four
+  std::uint64_t edges_free_by_balls{};
+  std::uint64_t edges_colliding_by_balls{};
+  std::uint64_t edges_free_by_coal{};       ///< for the parts of them that balls left open, if there were balls
+  std::uint64_t edges_colliding_by_coal{};  ///< the same
+  std::uint64_t configurations{};           ///< kinematics computed for them
+  std::uint64_t narrow_phase{};             ///< pairs that Coal decided
+  std::uint64_t states{};                   ///< states of the lattice
+  std::uint64_t memory_bytes{};  ///< the most that states, OPEN, search tree and heuristic grids took together
+  double search_cost_rad{};      ///< joint-space length of the search's path, before the shortcut
+  double path_cost_rad{};        ///< joint-space length of the returned path
+  double bound{};                ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
+  int goal_index{-1};            ///< which of the goals (all targets of all constraints, in order) was reached
+};
+
+/// One plan of many.
+struct PlanRequest {
+  std::string robot;
+  Eigen::VectorXd start;  ///< dof [rad or m]
+  std::vector<GoalConstraint> goals;
+  std::optional<PlannerOptions> options{};  ///< none: those of make_planner
+};
+
+/// What became of a request.
+class PlanResult {
+ public:
+  PlanResult() = default;
+  explicit PlanResult(PlanStatistics statistics, std::optional<Trajectory> trajectory = {})
+      : statistics_(std::move(statistics)), trajectory_(std::move(trajectory)) {}
+
+  bool solved() const { return trajectory_.has_value(); }
+  Status status() const { return statistics_.status; }
+  const std::string& reason() const { return statistics_.reason; }  ///< why there is no trajectory; "" when solved
+  const PlanStatistics& statistics() const { return statistics_; }
+  /// Throws PlanningError with status and reason unless solved.
+  const Trajectory& trajectory() const;
+
+ private:
+  PlanStatistics statistics_;
+  std::optional<Trajectory> trajectory_;
 };
 
 /// The door to everything: a world of robots and objects, and planners for them. The Python class has the same words.
@@ -132,6 +164,21 @@ class PlannerInterface {
                   const Interrupt& interrupt = {});
   Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
                   const Interrupt& interrupt = {});
+  /// Called with (requests done, requests in all).
+  using Progress = std::function<void(std::size_t, std::size_t)>;
+
+  /// Many plans at once in the scene as it is, each by itself; `threads` (> 0; default: one a core) share them out.
+  ///
+  /// Results are in the order of the requests, and each is what plan alone would have found, bit for bit, for any
+  /// number of threads. A request that has no trajectory does not disturb the others. Every request has its own time
+  /// limit, which begins with its own plan; only a limit that cuts a plan short can make a difference, the sooner the
+  /// more threads share a core. Once `interrupt` says so, all that is not finished ends with Status::cancelled.
+  /// `progress` and `interrupt` are called in the caller's thread; what they throw ends the call. Throws
+  /// InvalidArgument, before anything is planned where it can, for wrong requests (with their number).
+  /// get_planning_stats stays as it was.
+  std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, std::optional<int> threads = {},
+                                    const Interrupt& interrupt = {}, const Progress& progress = {});
+
   /// Many arms at once. Not yet: throws NotSupported.
   Trajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
                         const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});

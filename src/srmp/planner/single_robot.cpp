@@ -52,7 +52,7 @@ class SingleRobotPlan {
         statistics_(statistics) {
     const auto* parallel = std::get_if<WPASE>(&problem.options);
     for (int i = 0; i < (parallel ? parallel->num_threads : 1); ++i)
-      workspaces_.push_back(problem.checker.make_workspace());
+      workers_.push_back({problem.checker.make_workspace()});
   }
 
   Trajectory run() {
@@ -72,16 +72,41 @@ class SingleRobotPlan {
   /// Sums what the workers' checks did; also called when a plan fails half-way.
   void collect_check_statistics() {
     statistics_.edge_checks = statistics_.configurations = statistics_.narrow_phase = 0;
-    for (const auto& workspace : workspaces_) {
-      const CheckStatistics& checks = problem_.checker.statistics(*workspace);
+    statistics_.edges_free_by_balls = statistics_.edges_colliding_by_balls = 0;
+    statistics_.edges_free_by_coal = statistics_.edges_colliding_by_coal = 0;
+    for (const Worker& worker : workers_) {
+      const CheckStatistics& checks = problem_.checker.statistics(*worker.workspace);
+      const std::uint64_t colliding_by_balls = checks.motions_by_balls - worker.free_by_balls;
       statistics_.edge_checks += checks.motions;
+      statistics_.edges_free_by_balls += worker.free_by_balls;
+      statistics_.edges_colliding_by_balls += colliding_by_balls;
+      statistics_.edges_free_by_coal += worker.free - worker.free_by_balls;
+      statistics_.edges_colliding_by_coal += checks.motions - worker.free - colliding_by_balls;
       statistics_.configurations += checks.configurations;
       statistics_.narrow_phase += checks.narrow_phase;
     }
   }
 
  private:
-  Checker::Workspace& workspace(std::size_t worker = 0) { return *workspaces_[worker]; }
+  /// A thread's scratch memory, and how many of the motions that it checked were free.
+  struct Worker {
+    Checker::WorkspacePtr workspace;
+    std::uint64_t free{};
+    std::uint64_t free_by_balls{};
+  };
+
+  Checker::Workspace& workspace(std::size_t worker = 0) { return *workers_[worker].workspace; }
+
+  /// `a` is known to be free.
+  bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0) {
+    Worker& w = workers_[worker];
+    const CheckStatistics& checks = problem_.checker.statistics(*w.workspace);
+    const std::uint64_t by_balls = checks.motions_by_balls;
+    if (!problem_.checker.is_motion_free(a, b, *w.workspace, true)) return false;
+    ++w.free;
+    w.free_by_balls += checks.motions_by_balls - by_balls;
+    return true;
+  }
 
   [[noreturn]] void fail(Status status, const std::string& reason) const { throw PlanningError(status, reason); }
 
@@ -121,6 +146,7 @@ class SingleRobotPlan {
             targets_.push_back({std::move(q), index});
           else if (why.empty())
             why = invalid;
+          stop_if_late("the search for goal configurations");
         }
         if (first_reason.empty()) first_reason = why;
         ++index;
@@ -184,9 +210,9 @@ class SingleRobotPlan {
     return Lattice(
         robot_, std::move(anchors), std::move(goals), std::move(options),
         [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-          return problem_.checker.is_motion_free(a, b, workspace(worker), true);
+          return is_motion_free(a, b, worker);
         },
-        workspaces_.size());
+        workers_.size());
   }
 
   /// A search out of a narrow place is easier than one into it: "auto" starts at the end with less clearance.
@@ -199,6 +225,7 @@ class SingleRobotPlan {
   }
 
   double clearance(const Eigen::VectorXd& q) {
+    stop_if_late("the choice of a direction");
     const auto pair = problem_.checker.nearest(q, workspace());
     return pair ? pair->distance : search::infinity;
   }
@@ -224,6 +251,7 @@ class SingleRobotPlan {
     const auto grid = std::make_shared<const TaskSpaceBfs>(
         problem_.scene, base.p - half, base.p + half, goals,
         TaskSpaceBfs::Options{common_.bfs_resolution, common_.bfs_radius}, deadline_);
+    statistics_.memory_bytes += grid->memory();
     // One radian moves the tip by at most about `reach`; places that walls cut off count as far away, not as hopeless,
     // because the grid knows only the tip.
     return [&lattice, tip, grid, reach](search::StateId state) {
@@ -300,6 +328,7 @@ class SingleRobotPlan {
     Lattice lattice = make_lattice(backward_);
     const search::Result result = search(lattice);
     statistics_.states = lattice.size();
+    statistics_.memory_bytes += lattice.memory();
     return path_of(result, lattice);
   }
 
@@ -327,7 +356,10 @@ class SingleRobotPlan {
       found = search::portfolio<Lattice, StateHeuristic>(members, {.weight = options.weight}, deadline_);
     }
     if (common_.heuristic != "joint_euclidean") found.result.bound = search::infinity;
-    for (const auto& lattice : lattices) statistics_.states += lattice->size();
+    for (const auto& lattice : lattices) {
+      statistics_.states += lattice->size();
+      statistics_.memory_bytes += lattice->memory();
+    }
     backward_ = backward[found.winner];
     return path_of(found.result, *lattices[found.winner]);
   }
@@ -336,6 +368,7 @@ class SingleRobotPlan {
   std::vector<Eigen::VectorXd> path_of(const search::Result& result, const Lattice& lattice) {
     statistics_.expansions = result.statistics.expansions;
     statistics_.generated = result.statistics.generated;
+    statistics_.memory_bytes += result.statistics.memory;
     require_solved(result);
     std::vector<Eigen::VectorXd> path = lattice.configurations(result.path);
     const search::StateId goal_state = backward_ ? result.path.front() : result.path.back();
@@ -372,9 +405,7 @@ class SingleRobotPlan {
 
   std::vector<Eigen::VectorXd> shortened(const std::vector<Eigen::VectorXd>& path) {
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
-    const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-      return problem_.checker.is_motion_free(a, b, workspace(), true);
-    };
+    const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(a, b); };
     ShortcutOptions options;
     options.continuous = continuous_joints();
     const RowMatrix shorter = shortcut(to_rows(path), is_free, deadline_, options).waypoints;
@@ -430,7 +461,7 @@ class SingleRobotPlan {
   const RobotModel& robot_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
-  std::vector<Checker::WorkspacePtr> workspaces_;
+  std::vector<Worker> workers_;
   Eigen::VectorXd start_;
   std::vector<Target> targets_;
   bool backward_{false};

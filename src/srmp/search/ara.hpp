@@ -45,7 +45,7 @@ Result ara_star(G& graph, std::span<const StateId> starts, H& heuristic, const A
   while (true) {
     const std::optional<Status> stop = search.improve(deadline);
     if (stop && best.status == Status::solved) {
-      best.statistics = search.tree().statistics;
+      best.statistics = search.statistics();
       return best;
     }
     Result now = search.result(weight, stop);

@@ -52,6 +52,7 @@ struct Statistics {
   std::uint64_t expansions{};
   std::uint64_t generated{};    ///< successors handed out
   std::uint64_t evaluations{};  ///< edges evaluated
+  std::uint64_t memory{};       ///< bytes of the search's tables and queues, which only grow: the most it held
 };
 
 struct Result {

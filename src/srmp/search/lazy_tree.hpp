@@ -114,6 +114,8 @@ class CandidateTable {
     return cost;
   }
 
+  std::size_t memory() const { return states_.capacity() * sizeof(State) + edges_.capacity() * sizeof(Candidate); }
+
  private:
   struct Candidate {
     double g{infinity};  ///< cost to come over this edge while it is in its state's list, infinity otherwise

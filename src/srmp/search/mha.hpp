@@ -120,6 +120,9 @@ class MultiHeuristicSearch {
     Result result;
     result.status = status;
     result.statistics = tree_.statistics;
+    result.statistics.memory =
+        table().memory() + asked_.capacity() * sizeof(double) + inconsistent_.capacity() * sizeof(StateId);
+    for (const OpenList& open : queues_) result.statistics.memory += open.memory();
     return result;
   }
 

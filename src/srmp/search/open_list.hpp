@@ -28,6 +28,7 @@ class OpenList {
   bool empty() const { return heap_.empty(); }
   std::size_t size() const { return heap_.size(); }
   bool contains(StateId s) const { return s < position_.size() && position_[s] != nowhere; }
+  std::size_t memory() const { return heap_.capacity() * sizeof(Entry) + position_.capacity() * sizeof(std::uint32_t); }
   /// The first entry; OPEN must not be empty.
   const Entry& top() const { return heap_.front(); }
   /// The smallest priority; infinity when empty.

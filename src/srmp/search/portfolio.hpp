@@ -52,10 +52,11 @@ PortfolioResult portfolio(std::span<const PortfolioMember<G, H>> members, const 
     PortfolioResult answer{searches[winner]->result(options.weight, stop), winner};
     answer.result.statistics = {};
     for (const auto& search : searches) {
-      const Statistics& s = search->tree().statistics;
+      const Statistics s = search->statistics();
       answer.result.statistics.expansions += s.expansions;
       answer.result.statistics.generated += s.generated;
       answer.result.statistics.evaluations += s.evaluations;
+      answer.result.statistics.memory += s.memory;
     }
     return answer;
   };

@@ -99,10 +99,16 @@ class WeightedSearch {
 
   bool solved() const { return !goal_path_.empty(); }
 
+  Statistics statistics() const {
+    Statistics statistics = tree_.statistics;
+    statistics.memory = table().memory() + open_.memory() + inconsistent_.capacity() * sizeof(StateId);
+    return statistics;
+  }
+
   /// The path to the best goal, its cost and its bound, if any.
   Result result(double guaranteed_bound, std::optional<Status> stop) const {
     Result result;
-    result.statistics = tree_.statistics;
+    result.statistics = statistics();
     result.status = solved() ? Status::solved : stop.value_or(Status::exhausted);
     if (!solved()) return result;
     result.path = goal_path_;

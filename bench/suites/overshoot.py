@@ -1,0 +1,147 @@
+"""How far do plans overshoot their time limit?
+
+    python bench/suites/overshoot.py --data DIR [--plans 1000] [--out overshoot.json]
+
+Plans hard problems of MotionBenchMaker (cage, table_under_pick) with limits from 1 ms to 1 s, evenly spread over their
+logarithm, with every planner in turn, and prints percentiles of total_time_s - time_limit; a plan that returns in time
+counts as 0. On a machine that others use, the scheduler's pauses count too: plans that overshoot by more than --doubt
+are run again, up to --reruns times, and count with their least overshoot; the file holds all of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import srmp
+from srmp._files import write_json
+from srmp._table import format_seconds, format_table
+from srmp.bench import mbm
+
+SCENARIOS = ("cage", "table_under_pick")
+PLANNERS: dict[str, dict[str, Any]] = {
+    "wAstar": {"planner_id": "wAstar"},
+    "ARAstar": {"planner_id": "ARAstar"},
+    "MHAstar, bfs": {"planner_id": "MHAstar"},
+    "wPASE": {"planner_id": "wPASE", "num_threads": 2},
+    "auto": {"planner_id": "auto"},
+    "wAstar, fine bfs": {"planner_id": "wAstar", "heuristic": "bfs", "bfs_resolution": 0.01},
+    "auto, pose goal": {"planner_id": "auto"},
+}
+PERCENTILES = (50, 90, 99, 99.9, 100)
+
+
+def phases(stats: dict[str, Any]) -> dict[str, float]:
+    return {key: value for key, value in stats.items() if key.endswith("time_s") and value > 1e-3}
+
+
+def overshoot(planner: srmp.PlannerInterface, request: srmp.PlanRequest, limit: float) -> dict[str, Any]:
+    with contextlib.suppress(srmp.PlanningError):
+        planner.plan(request.robot, request.start, request.goals)
+    stats = planner.get_planning_stats()
+    return {
+        "status": stats["status"].name,
+        "overshoot_s": max(0.0, stats["total_time_s"] - limit),
+        "phases": phases(stats),
+    }
+
+
+def measure(
+    data: str, robot: str, geometry: str, plans: int, problems: str, doubt: float, reruns: int
+) -> Iterator[dict[str, Any]]:
+    """One row a plan. Consecutive plans have the same scene and neighbouring limits, each planner in turn."""
+    files = mbm.robot_files(data, robot, geometry)
+    runner = mbm.Runner(files, "wAstar", {}, 1.0)
+    with mbm.open_problems(files.folder, robot, SCENARIOS, mbm.parse_numbers(problems)) as chosen:
+        limits = np.geomspace(1e-3, 1.0, plans).tolist()
+        names = list(PLANNERS)
+        for at, problem in enumerate(chosen):
+            planner, posed = runner.pose(problem)
+            target = planner.compute_fk(robot, posed.goals[0].targets[0])
+            pose = srmp.GoalConstraint(srmp.GoalType.POSE, target)
+            for i in range(at, plans, len(chosen)):
+                name = names[(i // len(chosen)) % len(names)]
+                planner.make_planner(robot, {**PLANNERS[name], "time_limit": limits[i]})
+                goals = [pose] if name.endswith("pose goal") else posed.goals
+                request = srmp.PlanRequest(robot, posed.start, goals)
+                tries = [overshoot(planner, request, limits[i])]
+                while tries[-1]["overshoot_s"] > doubt and len(tries) <= reruns:
+                    tries.append(overshoot(planner, request, limits[i]))
+                least = min(tries, key=lambda row: row["overshoot_s"])
+                yield {
+                    "problem": problem.name,
+                    "planner": name,
+                    "limit_s": limits[i],
+                    **least,
+                    "tries_s": [row["overshoot_s"] for row in tries],
+                }
+
+
+def percentiles(rows: list[dict[str, Any]], first: bool = False) -> dict[str, float]:
+    values = [row["tries_s"][0] if first else row["overshoot_s"] for row in rows]
+    return {str(p): float(np.percentile(values, p)) for p in PERCENTILES}
+
+
+def run(data: str, robot: str, geometry: str, plans: int, problems: str, doubt: float, reruns: int) -> dict[str, Any]:
+    rows = list(measure(data, robot, geometry, plans, problems, doubt, reruns))
+    groups = {name: [row for row in rows if row["planner"] == name] for name in PLANNERS}
+    return {
+        "header": {
+            "benchmark": "overshoot",
+            "versions": mbm.versions(),
+            "cpu": mbm.cpu_name(),
+            "options": {
+                "robot": robot,
+                "geometry": geometry,
+                "plans": plans,
+                "problems": problems,
+                "doubt_s": doubt,
+                "reruns": reruns,
+            },
+            "planners": PLANNERS,
+        },
+        "percentiles_s": percentiles(rows),
+        "percentiles_of_first_tries_s": percentiles(rows, first=True),
+        "percentiles_by_planner_s": {name: percentiles(group) for name, group in groups.items() if group},
+        "rows": rows,
+    }
+
+
+def table(result: dict[str, Any]) -> str:
+    lines = [
+        *((name, values) for name, values in result["percentiles_by_planner_s"].items()),
+        ("all, first tries", result["percentiles_of_first_tries_s"]),
+        ("all", result["percentiles_s"]),
+    ]
+    header = ["overshoot", *(f"{p} %" for p in PERCENTILES)]
+    return format_table(header, [[name, *map(format_seconds, values.values())] for name, values in lines])
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
+    parser.add_argument("--data", required=True, help="the folder given to srmp bench mbm")
+    parser.add_argument("--robot", default="panda")
+    parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
+    parser.add_argument("--plans", type=int, default=1000)
+    parser.add_argument("--problems", default="1-10", help="numbers in each scenario")
+    parser.add_argument("--doubt", type=float, default=0.01, help="plans that overshoot by more are run again [s]")
+    parser.add_argument("--reruns", type=int, default=4)
+    parser.add_argument("--out", type=Path, help="result file (JSON)")
+    options = vars(parser.parse_args())
+    out = options.pop("out")
+    result = run(**options)
+    print(table(result))
+    if out:
+        write_json(out, result)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

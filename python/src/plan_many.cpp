@@ -1,0 +1,133 @@
+#include "bind.hpp"
+#include "srmp/planner/planner_interface.hpp"
+
+namespace srmp::python {
+
+namespace {
+
+/// Calls f(name, field) for every field of the statistics.
+template <class Statistics, class F>
+void for_each_field(Statistics& s, F&& f) {
+  f("status", s.status);
+  f("reason", s.reason);
+  f("note", s.note);
+  f("plan_time_s", s.plan_time_s);
+  f("total_time_s", s.total_time_s);
+  f("ik_time_s", s.ik_time_s);
+  f("heuristic_time_s", s.heuristic_time_s);
+  f("search_time_s", s.search_time_s);
+  f("shortcut_time_s", s.shortcut_time_s);
+  f("timing_time_s", s.timing_time_s);
+  f("verification_time_s", s.verification_time_s);
+  f("expansions", s.expansions);
+  f("generated", s.generated);
+  f("edge_checks", s.edge_checks);
+  f("edges_free_by_balls", s.edges_free_by_balls);
+  f("edges_colliding_by_balls", s.edges_colliding_by_balls);
+  f("edges_free_by_coal", s.edges_free_by_coal);
+  f("edges_colliding_by_coal", s.edges_colliding_by_coal);
+  f("configurations", s.configurations);
+  f("narrow_phase", s.narrow_phase);
+  f("states", s.states);
+  f("memory_bytes", s.memory_bytes);
+  f("search_cost_rad", s.search_cost_rad);
+  f("path_cost_rad", s.path_cost_rad);
+  f("bound", s.bound);
+  f("goal_index", s.goal_index);
+}
+
+PlanStatistics to_statistics(const nb::dict& d) {
+  PlanStatistics statistics;
+  for_each_field(statistics, [&](const char* name, auto& field) {
+    field = nb::cast<std::remove_reference_t<decltype(field)>>(d[name]);
+  });
+  return statistics;
+}
+
+nb::object own_options(const PlanRequest& request) {
+  return request.options ? nb::object(to_dict(to_map(*request.options))) : nb::object(nb::none());
+}
+
+}  // namespace
+
+nb::dict to_dict(const PlanStatistics& statistics) {
+  nb::dict d;
+  for_each_field(statistics, [&](const char* name, const auto& field) { d[name] = field; });
+  return d;
+}
+
+void bind_plan_many(nb::module_& m) {
+  nb::class_<PlanRequest> request(m, "PlanRequest", "One plan of PlannerInterface.plan_many.");
+  request
+      .def(
+          "__init__",
+          [](PlanRequest* self, const std::string& robot, const ArrayLike& start, nb::handle goals,
+             nb::handle options) {
+            PlanRequest request{robot, start.vector("start of '" + robot + "'"), to_goals(goals)};
+            if (!options.is_none()) request.options = parse_options(to_option_map(options));
+            new (self) PlanRequest(std::move(request));
+          },
+          nb::arg("robot"), nb::arg("start"), nb::arg("goals"), nb::arg("options") = nb::none(),
+          nb::sig("def __init__(self, robot: str, start: numpy.typing.ArrayLike, "
+                  "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint], "
+                  "options: dict | object | None = None) -> None"),
+          "The robot's name; where it starts, (dof,) [rad or m]; the goal, or several of which any one will do; and a "
+          "planner of its\n"
+          "own, as for make_planner (default: that of make_planner).\n\n"
+          "Raises InvalidArgument for something that is no numbers, goal or planner options.")
+      .def_ro("robot", &PlanRequest::robot, "Its name.")
+      .def_prop_ro(
+          "start", [](const PlanRequest& r) { return to_numpy(r.start); }, "(dof,) [rad or m]")
+      .def_ro("goals", &PlanRequest::goals, "Any one will do.")
+      .def_prop_ro("options", &own_options, nb::sig("def options(self) -> dict[str, typing.Any] | None"),
+                   "Of its own planner, as srmp.planner_options gives them; None: those of make_planner.")
+      .def("__repr__", [](const PlanRequest& r) {
+        return "PlanRequest('" + r.robot + "', " + std::to_string(r.goals.size()) +
+               (r.goals.size() == 1 ? " goal)" : " goals)");
+      });
+  make_value(
+      request,
+      [](const PlanRequest& r) {
+        return nb::make_tuple(r.robot, std::vector<double>(r.start.begin(), r.start.end()), r.goals, own_options(r));
+      },
+      [](const nb::tuple& state) {
+        const ArrayLike start{nb::borrow<nb::object>(state[1])};
+        PlanRequest r{nb::cast<std::string>(state[0]), start.vector("start"),
+                      nb::cast<std::vector<GoalConstraint>>(state[2])};
+        if (!state[3].is_none()) r.options = parse_options(to_option_map(state[3]));
+        return r;
+      });
+
+  nb::class_<PlanResult> result(m, "PlanResult", "What became of one request of PlannerInterface.plan_many.");
+  result.def_prop_ro("solved", &PlanResult::solved, "Is there a trajectory?")
+      .def_prop_ro("status", &PlanResult::status, "How the plan ended.")
+      .def_prop_ro("reason", &PlanResult::reason, "Why there is no trajectory; '' when solved.")
+      .def_prop_ro(
+          "statistics", [](const PlanResult& r) { return to_dict(r.statistics()); },
+          nb::sig("def statistics(self) -> dict[str, typing.Any]"),
+          "What the plan did, solved or not: see PlannerInterface.get_planning_stats.")
+      .def_prop_ro(
+          "trajectory",
+          [](const PlanResult& r) -> const Trajectory& {
+            if (!r.solved()) raise({r.status(), r.reason()}, to_dict(r.statistics()));
+            return r.trajectory();
+          },
+          nb::rv_policy::reference_internal,
+          "The Trajectory. Raises PlanningError with status and reason unless solved.")
+      .def("__repr__", [](const PlanResult& r) {
+        return r.solved() ? "PlanResult(solved)"
+                          : "PlanResult(" + std::string(to_string(r.status())) + ": " + r.reason() + ")";
+      });
+  make_value(
+      result,
+      [](const PlanResult& r) {
+        return nb::make_tuple(to_dict(r.statistics()), r.solved() ? nb::cast(r.trajectory()) : nb::none());
+      },
+      [](const nb::tuple& state) {
+        std::optional<Trajectory> trajectory;
+        if (!state[1].is_none()) trajectory = nb::cast<const Trajectory&>(state[1]);
+        return PlanResult(to_statistics(nb::cast<nb::dict>(state[0])), std::move(trajectory));
+      });
+}
+
+}  // namespace srmp::python
