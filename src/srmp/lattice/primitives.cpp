@@ -28,4 +28,11 @@ PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::V
   return {{std::move(whole), std::move(third)}};
 }
 
+PrimitiveSet plain_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
+  PrimitiveFamily alone = default_primitives(joints, step).families.front();
+  PrimitiveFamily together{"towards", PrimitiveUse::towards, {Eigen::VectorXd::Zero(step.size())}};
+  for (const Eigen::VectorXd& move : alone.moves) together.moves.front() += move.cwiseMax(0.0);
+  return {{std::move(together), std::move(alone)}};
+}
+
 }  // namespace srmp

@@ -13,6 +13,9 @@ enum class PrimitiveUse {
   always,
   far,   ///< only from states farther than PrimitiveSet::near_distance from both ends of the path
   near,  ///< only from the others
+  /// Everywhere, but the signs say nothing: each joint turns by its entry towards the target, those nearer to it than
+  /// half of that stay. Where fewer than two are left to turn there is no such move.
+  towards,
 };
 
 /// Moves that belong together. A move is a joint displacement [rad or m], one entry a planned joint.
@@ -36,5 +39,9 @@ double grid_unit(const Joint& joint);
 /// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce
 /// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
+
+/// For several lattices side by side: every planned joint alone by one step, both ways, and all of them at once by one
+/// step towards the other end. Short moves would only crowd them.
+PrimitiveSet plain_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
 }  // namespace srmp

@@ -286,7 +286,7 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
-                                  const Interrupt& interrupt) {
+                                  const Interrupt& interrupt, const OnSolution& on_solution) {
   const PlannerOptions& options = planner_options({robot});
   impl_->cover_robots();  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
@@ -299,13 +299,14 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   }
   model.require_configuration(start, "start of '" + robot + "'");
   impl_->statistics = {};
-  return plan_single_robot({impl_->scene, robot, impl_->checker(robot, CheckMode::exact), start, goals, options},
+  return plan_single_robot({impl_->scene, robot, impl_->checker(robot, CheckMode::exact), start, goals, options,
+                            on_solution},
                            deadline, impl_->statistics);
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
-                                  const Interrupt& interrupt) {
-  return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt);
+                                  const Interrupt& interrupt, const OnSolution& on_solution) {
+  return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt, on_solution);
 }
 
 Trajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
