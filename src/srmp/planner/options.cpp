@@ -78,6 +78,8 @@ template <class V>
 void visit_fields(Auto& o, V&& field) {
   visit_fields(o.common, field);
   field("weight", o.weight, from_one);
+  field("improve_time", o.improve_time, from_zero);
+  field("final_weight", o.final_weight, from_one);
 }
 template <class V>
 void visit_fields(XECBS& o, V&& field) {
@@ -218,7 +220,7 @@ const std::vector<Planner>& registry() {
       {{"wPASE", "parallel weighted search; the same path for every number of threads", false},
        WPASE{},
        {"wpa*se", "wpastarse", "epa*se", "epase"}},
-      {{"auto", "six weighted A* in turns: both directions, three resolutions; seldom without a path", false},
+      {{"auto", "the quickest: guided searches in turns, both directions, three resolutions; anytime if asked", false},
        Auto{},
        {}},
       {{"xECBS", "many arms at once (not yet: plan_multi says so)", true}, XECBS{}, {}},

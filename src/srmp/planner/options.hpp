@@ -69,11 +69,14 @@ struct XECBS {
   double low_level_focal_suboptimality{1.3};   ///< >= 1
 };
 
-/// Six weighted A* searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at
-/// 1.5, 0.75 and 0.4 of `resolution`. cost <= weight * optimal on the lattice of the one that finishes first.
+/// Six greedy searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 1.5,
+/// 0.75 and 0.4 of `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of the one
+/// that finishes first; then anytime, for as long as asked.
 struct Auto {
   CommonOptions common{};
-  double weight{50.0};  ///< >= 1
+  double weight{50.0};       ///< of the first path, >= 1
+  double improve_time{0.0};  ///< [s] for better paths after the first, within the time limit; 0 = the first will do
+  double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as there is time
 };
 
 using PlannerOptions = std::variant<WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, Auto>;

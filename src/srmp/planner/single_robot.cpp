@@ -360,7 +360,7 @@ class SingleRobotPlan {
       statistics_.bound_graph = graph;
     }
     const double cost = std::min(statistics_.path_cost_rad, statistics_.search_cost_rad);
-    statistics_.bound = lower_ > 0.0 ? std::max(1.0, cost / lower_) : search::infinity;
+    statistics_.bound = cost <= lower_ ? 1.0 : lower_ > 0.0 ? cost / lower_ : search::infinity;
     const Solution now{deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph};
     std::vector<Solution>& known = statistics_.solutions;
     if (!known.empty() && now.cost_rad >= known.back().cost_rad && now.bound >= known.back().bound) return true;
@@ -390,15 +390,57 @@ class SingleRobotPlan {
       direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
     lower_ = direct_;
     statistics_.bound_graph = "every path";
-    search::PortfolioResult found = search_in_turns(search::infinity, 1.0, {.weight = options.weight});
+    search::PortfolioResult found = search_in_turns(search::infinity, 1.0, {.weight = options.weight}, deadline_);
     require_solved(found.result);
-    Found first = found_in(found.result, *members_[found.winner].lattice, members_[found.winner].backward);
-    first.graph = describe(members_[found.winner].backward, members_[found.winner].scale);
-    take(std::move(first), quick());
+    Found first = found_by(found);
+    if (take(first, quick()) && options.improve_time > 0.0) improve(std::move(first), options);
+    improving_until_ = nullptr;
+  }
+
+  Found found_by(const search::PortfolioResult& found) const {
+    const Member& winner = members_[found.winner];
+    Found answer = found_in(found.result, *winner.lattice, winner.backward);
+    answer.graph = describe(winner.backward, winner.scale);
+    return answer;
+  }
+
+  /// Better and better paths. Each round searches only where a path could be shorter than the best by a good part of
+  /// what it is longer than the straight line (Gammell, Srinivasa, Barfoot 2014, "Informed RRT*"); a lattice exhausted
+  /// there proves its optimum longer. When no round finds any, the next rounds have more time, in finer lattices.
+  void improve(Found first, const Auto& options) {
+    const Deadline until(std::min(options.improve_time, deadline_.remaining()),
+                         [this] { return deadline_.cancelled(); });
+    improving_until_ = &until;
+    if (!take(std::move(first))) return;  // now with all the care that shortening can take
+    double finer = 1.0;
+    for (std::uint64_t expansions = 64;; expansions *= 4, finer *= 0.87)
+      for (const double share : {0.5, 0.75, 0.9, 1.0})
+        while (true) {
+          if (good_enough(options) || until.stop_requested()) return;
+          const double before = statistics_.path_cost_rad, limit = direct_ + share * (before - direct_);
+          const auto found = search_in_turns(limit, finer, {.max_expansions = expansions}, until);
+          if (!prove_exhausted(found, limit)) return;
+          if (found.result.status == Status::solved && !take(found_by(found))) return;
+          if (statistics_.path_cost_rad >= before) break;
+        }
+  }
+
+  /// A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
+  bool good_enough(const Auto& options) const {
+    if (options.final_weight > 1.0 && statistics_.bound <= options.final_weight) return true;
+    return statistics_.path_cost_rad <= direct_ * (1.0 + 1e-9);
+  }
+
+  /// False: the user wants no better path.
+  bool prove_exhausted(const search::PortfolioResult& found, double limit) {
+    for (std::size_t i = 0; i < members_.size(); ++i)
+      if (found.exhausted[i] && !prove(limit, describe(members_[i].backward, members_[i].scale))) return false;
+    return true;
   }
 
   /// Searches whose states lie on paths no longer than `limit`, all lattices `finer` times the usual scale.
-  search::PortfolioResult search_in_turns(double limit, double finer, const search::PortfolioOptions& options) {
+  search::PortfolioResult search_in_turns(double limit, double finer, const search::PortfolioOptions& options,
+                                          const Deadline& deadline) {
     members_.clear();
     const std::vector<double> all{std::begin(scales), std::end(scales)};
     for (const double scale : own_primitives() ? std::vector<double>{1.0} : all)
@@ -407,7 +449,7 @@ class SingleRobotPlan {
           members_.push_back({nullptr, {}, back, finer * scale});
     const auto make = [&](std::size_t i) { return make_member(members_[i], limit); };
     const PhaseTimer timer(deadline_, statistics_.search_time_s);
-    auto found = search::portfolio<Lattice, StateHeuristic>(members_.size(), make, options, deadline_);
+    auto found = search::portfolio<Lattice, StateHeuristic>(members_.size(), make, options, deadline);
     count(found.result.statistics);
     for (const Member& member : members_)
       if (member.lattice) statistics_.states += member.lattice->size();
@@ -421,7 +463,7 @@ class SingleRobotPlan {
     Lattice& lattice = *member.lattice;
     member.anchor = [&lattice, limit](search::StateId s) {
       const double ahead = lattice.distance_to_targets(s);
-      if (limit == search::infinity || ahead + lattice.distance_from_anchors(s) <= limit) return ahead;
+      if (limit == search::infinity || ahead + lattice.distance_from_anchors(s) < limit + 1e-9) return ahead;
       return search::infinity;
     };
     return {&lattice, lattice.starts(), &member.anchor, make_guides(lattice)};
@@ -437,8 +479,14 @@ class SingleRobotPlan {
       weights(1, j) = 2.0 - 1.9 * along;
       weights(2, j) = 0.5 + 0.7 * along;
     }
-    return {4, [&lattice, weights](search::StateId s, std::span<double> out) {
-              lattice.measure_to_targets(s, weights, out);
+    if (common_.heuristic == "joint_euclidean")
+      return {4, [&lattice, weights](search::StateId s, std::span<double> out) {
+                lattice.measure_to_targets(s, weights, out);
+              }};
+    return {5, [&lattice, weights, other = make_heuristic(common_.heuristic, lattice)](search::StateId s,
+                                                                                       std::span<double> out) {
+              lattice.measure_to_targets(s, weights, out.first(4));
+              out[4] = other(s);
             }};
   }
 
@@ -474,7 +522,7 @@ class SingleRobotPlan {
       return problem_.checker.is_motion_free(a, b, workspace(), true);
     };
     options.continuous = continuous_joints();
-    const RowMatrix shorter = shortcut(to_rows(path), is_free, deadline_, options).waypoints;
+    const RowMatrix shorter = shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
     std::vector<Eigen::VectorXd> result;
     for (Eigen::Index i = 0; i < shorter.rows(); ++i) result.emplace_back(shorter.row(i).transpose());
     return result;
@@ -533,6 +581,7 @@ class SingleRobotPlan {
   bool backward_{false};
   std::vector<Eigen::VectorXd> best_;  // path so far
   double lower_{0.0};                  // no path of statistics_.bound_graph costs less
+  const Deadline* improving_until_{nullptr};
   double direct_{0.0};                 // straight to the nearest goal: no path at all is shorter
   std::vector<Member> members_;
 };
