@@ -22,8 +22,7 @@ Guides guides(const Problem& problem) {
 Member member(Problem& problem) { return {&problem.graph, problem.starts, &problem, guides(problem)}; }
 
 PortfolioResult run(const std::vector<Member>& members, const PortfolioOptions& options = {1.5, 2}) {
-  return portfolio<TestGraph, Problem>(
-      members.size(), [&](std::size_t i) { return members[i]; }, options, Deadline());
+  return portfolio<TestGraph, Problem>(members.size(), [&](std::size_t i) { return members[i]; }, options, Deadline());
 }
 
 }  // namespace

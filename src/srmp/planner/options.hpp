@@ -79,14 +79,14 @@ struct Auto {
   double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as there is time
 };
 
-using PlannerOptions = std::variant<WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, Auto>;
+using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS>;
 
 /// A value as dictionaries bring it; strings hold numbers too ("5", "true").
 using OptionValue = std::variant<bool, double, std::string, std::vector<std::string>>;
 using OptionMap = std::map<std::string, OptionValue>;
 
-/// Reads the paper's dictionary: "planner_id" chooses, every other key must be an option of that planner. Throws
-/// InvalidArgument with the nearest known id, key or the allowed range.
+/// Reads the paper's dictionary: "planner_id" chooses (default: auto), every other key must be an option of that
+/// planner. Throws InvalidArgument with the nearest known id, key or the allowed range.
 PlannerOptions parse_options(const OptionMap& options);
 /// Throws InvalidArgument when a value is out of its range.
 void validate(const PlannerOptions& options);

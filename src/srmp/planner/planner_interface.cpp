@@ -299,9 +299,9 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   }
   model.require_configuration(start, "start of '" + robot + "'");
   impl_->statistics = {};
-  return plan_single_robot({impl_->scene, robot, impl_->checker(robot, CheckMode::exact), start, goals, options,
-                            on_solution},
-                           deadline, impl_->statistics);
+  return plan_single_robot(
+      {impl_->scene, robot, impl_->checker(robot, CheckMode::exact), start, goals, options, on_solution}, deadline,
+      impl_->statistics);
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,

@@ -47,16 +47,16 @@ struct PlanStatistics {
   double verification_time_s{};
   std::uint64_t expansions{};
   std::uint64_t generated{};
-  std::uint64_t edge_checks{};     ///< motions checked, shortcut included
-  std::uint64_t configurations{};  ///< kinematics computed for them
-  std::uint64_t narrow_phase{};    ///< pairs that Coal decided
-  std::uint64_t states{};          ///< states of the lattice
-  double search_cost_rad{};        ///< joint-space length of the search's cheapest path, before the shortcut
-  double path_cost_rad{};          ///< joint-space length of the returned path
-  double bound{};                  ///< path_cost_rad <= bound * the optimum of bound_graph; infinity = none proven
-  std::string bound_graph;         ///< as Solution::graph
-  std::vector<Solution> solutions; ///< every path that was returned or improved on; costs and bounds never rise
-  int goal_index{-1};              ///< which of the goals (all targets of all constraints, in order) was reached
+  std::uint64_t edge_checks{};      ///< motions checked, shortcut included
+  std::uint64_t configurations{};   ///< kinematics computed for them
+  std::uint64_t narrow_phase{};     ///< pairs that Coal decided
+  std::uint64_t states{};           ///< states of the lattice
+  double search_cost_rad{};         ///< joint-space length of the search's cheapest path, before the shortcut
+  double path_cost_rad{};           ///< joint-space length of the returned path
+  double bound{};                   ///< path_cost_rad <= bound * the optimum of bound_graph; infinity = none proven
+  std::string bound_graph;          ///< as Solution::graph
+  std::vector<Solution> solutions;  ///< every path that was returned or improved on; costs and bounds never rise
+  int goal_index{-1};               ///< which of the goals (all targets of all constraints, in order) was reached
 };
 
 /// The door to everything: a world of robots and objects, and planners for them. The Python class has the same words.

@@ -386,8 +386,7 @@ class SingleRobotPlan {
 
   void find_path_in_turns(const Auto& options) {
     direct_ = search::infinity;
-    for (const Target& target : targets_)
-      direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
+    for (const Target& target : targets_) direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
     lower_ = direct_;
     statistics_.bound_graph = "every path";
     search::PortfolioResult found = search_in_turns(search::infinity, 1.0, {.weight = options.weight}, deadline_);
@@ -522,7 +521,8 @@ class SingleRobotPlan {
       return problem_.checker.is_motion_free(a, b, workspace(), true);
     };
     options.continuous = continuous_joints();
-    const RowMatrix shorter = shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
+    const RowMatrix shorter =
+        shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
     std::vector<Eigen::VectorXd> result;
     for (Eigen::Index i = 0; i < shorter.rows(); ++i) result.emplace_back(shorter.row(i).transpose());
     return result;
@@ -582,7 +582,7 @@ class SingleRobotPlan {
   std::vector<Eigen::VectorXd> best_;  // path so far
   double lower_{0.0};                  // no path of statistics_.bound_graph costs less
   const Deadline* improving_until_{nullptr};
-  double direct_{0.0};                 // straight to the nearest goal: no path at all is shorter
+  double direct_{0.0};  // straight to the nearest goal: no path at all is shorter
   std::vector<Member> members_;
 };
 

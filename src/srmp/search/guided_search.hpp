@@ -26,8 +26,8 @@ struct Guides {
 /// The anchor holds all open states in the order of g + h, so no path costs less than its smallest. Until there is a
 /// path the guides expand; then, as long as it costs more than weight times that, the anchor does, as A* would.
 /// Guarantee: cost <= bound * optimal cost, bound <= weight unless the deadline came first; no edge evaluated twice.
-/// Needs: a Graph, and a consistent heuristic for the anchor as weighted A* (astar.hpp); guides may be anything. Without
-/// guides it is A*.
+/// Needs: a Graph, and a consistent heuristic for the anchor as weighted A* (astar.hpp); guides may be anything.
+/// Without guides it is A*.
 template <Graph G, Heuristic H>
 class GuidedSearch {
  public:
