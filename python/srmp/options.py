@@ -106,7 +106,7 @@ class WPASE(_Options):
 
 @dataclasses.dataclass(kw_only=True)
 class Auto(_Options):
-    """Guided searches in turns (Huberman, Lukose, Hogg 1997): two directions, three resolutions; anytime if asked."""
+    """Guided searches in turns (Huberman, Lukose, Hogg 1997): two directions, four resolutions; anytime if asked."""
 
     planner_id: ClassVar[str] = "auto"
     weight: float = 50.0

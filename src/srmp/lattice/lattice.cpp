@@ -182,7 +182,7 @@ void Lattice::add_moves_towards(search::StateId state, const Move& steps, std::v
       if ((left < 0.0) != (step < 0)) step = -step;
       turning += step != 0;
     }
-    if (turning < 2 || !apply(state, scratch_move_)) continue;
+    if (turning < 3 || !apply(state, scratch_move_)) continue;
     const search::StateId next = table_.insert(scratch_key_);
     if (std::none_of(out.begin() + first, out.end(), [&](const search::Successor& s) { return s.state == next; }))
       out.push_back({next, move_cost(scratch_move_)});

@@ -28,11 +28,20 @@ PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::V
   return {{std::move(whole), std::move(third)}};
 }
 
-PrimitiveSet plain_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
+PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
   PrimitiveFamily alone = default_primitives(joints, step).families.front();
-  PrimitiveFamily together{"towards", PrimitiveUse::towards, {Eigen::VectorXd::Zero(step.size())}};
-  for (const Eigen::VectorXd& move : alone.moves) together.moves.front() += move.cwiseMax(0.0);
-  return {{std::move(together), std::move(alone)}};
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(step.size());
+  for (const Eigen::VectorXd& move : alone.moves) all += move.cwiseMax(0.0);
+  PrimitiveFamily towards{"towards", PrimitiveUse::towards, {all}}, pairs{"pairs", PrimitiveUse::always, {}};
+  for (const Eigen::Index gap : {1, 2})
+    for (Eigen::Index j = 0; j + gap < step.size(); ++j)
+      for (const double first : {-1.0, 1.0})
+        for (const double second : {-1.0, 1.0}) {
+          Eigen::VectorXd& move = pairs.moves.emplace_back(Eigen::VectorXd::Zero(step.size()));
+          move[j] = first * all[j];
+          move[j + gap] = second * all[j + gap];
+        }
+  return {{std::move(towards), std::move(alone), std::move(pairs)}};
 }
 
 }  // namespace srmp

@@ -14,7 +14,7 @@ enum class PrimitiveUse {
   far,   ///< only from states farther than PrimitiveSet::near_distance from both ends of the path
   near,  ///< only from the others
   /// Everywhere, but the signs say nothing: each joint turns by its entry towards the target, those nearer to it than
-  /// half of that stay. Where fewer than two are left to turn there is no such move.
+  /// half of that stay. Where fewer than three are left to turn there is no such move.
   towards,
 };
 
@@ -40,8 +40,8 @@ double grid_unit(const Joint& joint);
 /// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
-/// For several lattices side by side: every planned joint alone by one step, both ways, and all of them at once by one
-/// step towards the other end. Short moves would only crowd them.
-PrimitiveSet plain_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
+/// For several lattices side by side: by one step, all planned joints at once towards the other end, every joint alone,
+/// and every two that are neighbours or have one joint between them, all four ways. Short moves would only crowd them.
+PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
 }  // namespace srmp

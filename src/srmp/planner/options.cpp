@@ -211,7 +211,7 @@ struct Planner {
 
 const std::vector<Planner>& registry() {
   static const std::vector<Planner> planners{
-      {{"auto", "the quickest: guided searches in turns, both directions, three resolutions; anytime if asked", false},
+      {{"auto", "the quickest: guided searches in turns, both directions, four resolutions; anytime if asked", false},
        Auto{},
        {}},
       {{"Astar", "A*: the shortest path on the lattice", false}, AStar{}, {"a*"}},

@@ -163,9 +163,14 @@ class SingleRobotPlan {
     Eigen::VectorXd step(static_cast<Eigen::Index>(robot_.dof()));
     for (std::size_t j = 0; j < robot_.dof(); ++j)
       step[static_cast<Eigen::Index>(j)] = robot_.joints()[j].kind == JointKind::prismatic
-                                               ? common_.prismatic_resolution
-                                               : common_.resolution * M_PI / 180.0;
-    return step * scale;
+                                               ? scale * common_.prismatic_resolution
+                                               : scaled_resolution(scale) * M_PI / 180.0;
+    return step;
+  }
+
+  /// [degrees]; coarser than asked for, but no more than a quarter turn: no step may take the other way round.
+  double scaled_resolution(double scale) const {
+    return std::min(scale * common_.resolution, std::max(common_.resolution, 90.0));
   }
 
   bool own_primitives() const { return !common_.mprim_path.empty(); }
@@ -331,7 +336,7 @@ class SingleRobotPlan {
   std::string describe(bool backward, double scale = 1.0) const {
     const std::string end = backward ? "the goals" : "the start";
     if (own_primitives()) return "the lattice of '" + common_.mprim_path + "' from " + end;
-    return "the lattice of " + to_text(scale * common_.resolution) + " degrees from " + end;
+    return "the lattice of " + to_text(scaled_resolution(scale)) + " degrees from " + end;
   }
 
   void count(const search::Statistics& work) {
@@ -370,7 +375,7 @@ class SingleRobotPlan {
 
   // --- the planner `auto`
 
-  static constexpr double scales[] = {1.5, 0.75, 0.4};  // of the resolution asked for
+  static constexpr double scales[] = {3.0, 1.5, 0.75, 0.4};  // of the resolution asked for
   /// The first path is wanted soon: what a tenth of the checks can save.
   static ShortcutOptions quick() {
     return {.min_gain = 1e-2, .max_rounds = 1, .halvings = 3, .pull_gain = 5e-2, .cut_gain = 1.0, .continuous = {}};
@@ -458,7 +463,7 @@ class SingleRobotPlan {
   search::PortfolioMember<Lattice, StateHeuristic> make_member(Member& member, double limit) {
     member.lattice.reset(new Lattice(make_lattice(
         member.backward,
-        own_primitives() ? make_primitives() : plain_primitives(robot_.joints(), lattice_step(member.scale)))));
+        own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale)))));
     Lattice& lattice = *member.lattice;
     member.anchor = [&lattice, limit](search::StateId s) {
       const double ahead = lattice.distance_to_targets(s);
