@@ -378,7 +378,7 @@ class SingleRobotPlan {
   static constexpr double scales[] = {3.0, 1.5, 0.75, 0.4};  // of the resolution asked for
   /// The first path is wanted soon: what a tenth of the checks can save.
   static ShortcutOptions quick() {
-    return {.min_gain = 1e-2, .max_rounds = 1, .halvings = 3, .pull_gain = 5e-2, .cut_gain = 1.0, .continuous = {}};
+    return {.min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
   }
 
   /// One search of the portfolio and what it needs to live.
