@@ -46,17 +46,19 @@ def test_every_planner_goes_round_the_post(arm, ready, planner_id):
     assert trajectory.length == pytest.approx(stats["path_cost_rad"])
 
 
-@pytest.mark.parametrize("options", [srmp.Auto(improve_time=0.5), srmp.ARAStar(time_limit=2), srmp.WAStar()])
+@pytest.mark.parametrize(
+    "options", [srmp.Auto(improve_time=60, time_limit=60), srmp.ARAStar(time_limit=60), srmp.WAStar()]
+)
 def test_solutions_get_better_and_never_worse(arm, ready, options):
     goal = mirrored(ready)
     arm.make_planner("arm", options)
     seen = []
-    trajectory = arm.plan(
-        "arm",
-        ready,
-        srmp.GoalConstraint(srmp.GoalType.JOINTS, goal),
-        on_solution=lambda solution, waypoints: seen.append((solution, waypoints)),
-    )
+
+    def on_solution(solution, waypoints):
+        seen.append((solution, waypoints))
+        return len(seen) < 2
+
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal), on_solution=on_solution)
     check_trajectory(arm, trajectory, ready, goal)
     stats = arm.get_planning_stats()
     assert [solution for solution, _ in seen] == stats["solutions"]
@@ -73,8 +75,7 @@ def test_solutions_get_better_and_never_worse(arm, ready, options):
         assert b["bound"] <= a["bound"]
         assert b["cost_rad"] < a["cost_rad"] or b["bound"] < a["bound"]
     if not isinstance(options, srmp.WAStar):
-        assert len(seen) > 1
-        assert seen[-1][0]["cost_rad"] < seen[0][0]["cost_rad"]
+        assert len(seen) == 2
 
 
 def test_bounds_are_true_of_the_lattice_they_name(arm, ready, tmp_path):

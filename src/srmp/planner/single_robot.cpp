@@ -510,9 +510,11 @@ class SingleRobotPlan {
     switch (result.status) {
       case Status::solved: return;
       case Status::exhausted:
-        fail(result.status, "the lattice of " + to_text(common_.resolution) +
-                                " degrees holds no path: every state that can be reached was expanded (" + work +
-                                "); a finer resolution or other motion primitives may hold one");
+        fail(result.status,
+             (members_.size() > 1 ? "none of the " + std::to_string(members_.size()) + " lattices holds a"
+                                  : describe(backward_) + " holds no") +
+                 " path: every state that can be reached was expanded (" + work +
+                 "); a finer resolution or other motion primitives may hold one");
       case Status::cancelled: fail(result.status, "the plan was cancelled during the search (" + work + ")");
       default:
         fail(Status::timed_out,
