@@ -126,7 +126,8 @@ BOOST_AUTO_TEST_CASE(all_joints_at_once_move_towards_each_target) {
   const Eigen::Vector3d start(3.0, 0.0, 0.0), step = Eigen::Vector3d::Constant(10 * degree);
   const std::vector<Eigen::VectorXd> goals{Eigen::Vector3d(-3.0, 1.0, -1.0), Eigen::Vector3d(2.0, 1.0, 0.01),
                                            Eigen::Vector3d(-2.0, 2.0, -2.0)};
-  Lattice lattice(*robot, {start}, goals, {rich_primitives(robot->joints(), step), 0.0}, always_free);
+  Lattice lattice(*robot, {start}, goals, {rich_primitives(robot->joints(), step, parallel_pairs(*robot)), 0.0},
+                  always_free);
   const auto next = successors(lattice, 0);
   // The first and the last target ask for the same; the second leaves two joints to turn, which is a pair's matter.
   BOOST_REQUIRE(next.size() == 1 + 6 + 3 * 4);
@@ -136,11 +137,18 @@ BOOST_AUTO_TEST_CASE(all_joints_at_once_move_towards_each_target) {
   BOOST_TEST(std::abs(next[0].cost - lattice.distance(start, there)) < 1e-9);
 }
 
+BOOST_AUTO_TEST_CASE(pairs_are_joints_with_parallel_axes) {
+  const auto pairs = parallel_pairs(*robots::planar3());
+  BOOST_TEST((pairs == std::vector<JointPair>{{0, 1}, {0, 2}, {1, 2}}));
+  BOOST_TEST((parallel_pairs(*robots::planar3("prismatic")) == std::vector<JointPair>{{1, 2}}));
+}
+
 BOOST_AUTO_TEST_CASE(rich_lattices_keep_the_laws) {
   const auto robot = robots::planar3("continuous");
   const Eigen::Vector3d start(3.0, 0.5, 0.1);
   Lattice lattice(*robot, {start}, {Eigen::Vector3d(-2.5, -1, 0.3), Eigen::Vector3d(1, 2, -1)},
-                  {rich_primitives(robot->joints(), Eigen::Vector3d::Constant(7 * degree))}, always_free);
+                  {rich_primitives(robot->joints(), Eigen::Vector3d::Constant(7 * degree), parallel_pairs(*robot))},
+                  always_free);
   for (search::StateId state = 0; state < 500; ++state) {
     const auto next = successors(lattice, state);
     BOOST_TEST(std::abs(lattice.distance_from_anchors(state) - lattice.distance(start, lattice.configuration(state))) <

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "srmp/robot/robot_model.hpp"
@@ -40,8 +41,14 @@ double grid_unit(const Joint& joint);
 /// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
+/// Two planned joints that turn about parallel axes when all stand at 0, neighbours or with one joint between them:
+/// turned against each other they shift what they carry, and keep its orientation.
+using JointPair = std::pair<Eigen::Index, Eigen::Index>;
+std::vector<JointPair> parallel_pairs(const RobotModel& robot);
+
 /// For several lattices side by side: by one step, all planned joints at once towards the other end, every joint alone,
-/// and every two that are neighbours or have one joint between them, all four ways. Short moves would only crowd them.
-PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
+/// and the two of each pair, all four ways. Short moves would only crowd them.
+PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
+                             const std::vector<JointPair>& pairs);
 
 }  // namespace srmp

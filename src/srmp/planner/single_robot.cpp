@@ -378,7 +378,7 @@ class SingleRobotPlan {
   static constexpr double scales[] = {3.0, 1.5, 0.75, 0.4};  // of the resolution asked for
   /// The first path is wanted soon: what a tenth of the checks can save.
   static ShortcutOptions quick() {
-    return {.min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
+    return {.min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 1e-2, .cut_gain = 1.0, .continuous = {}};
   }
 
   /// One search of the portfolio and what it needs to live.
@@ -390,6 +390,7 @@ class SingleRobotPlan {
   };
 
   void find_path_in_turns(const Auto& options) {
+    pairs_ = parallel_pairs(robot_);
     direct_ = search::infinity;
     for (const Target& target : targets_) direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
     lower_ = direct_;
@@ -463,7 +464,7 @@ class SingleRobotPlan {
   search::PortfolioMember<Lattice, StateHeuristic> make_member(Member& member, double limit) {
     member.lattice.reset(new Lattice(make_lattice(
         member.backward,
-        own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale)))));
+        own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale), pairs_))));
     Lattice& lattice = *member.lattice;
     member.anchor = [&lattice, limit](search::StateId s) {
       const double ahead = lattice.distance_to_targets(s);
@@ -591,6 +592,7 @@ class SingleRobotPlan {
   const Deadline* improving_until_{nullptr};
   double direct_{0.0};  // straight to the nearest goal: no path at all is shorter
   std::vector<Member> members_;
+  std::vector<JointPair> pairs_;
 };
 
 }  // namespace
