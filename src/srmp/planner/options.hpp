@@ -70,8 +70,8 @@ struct XECBS {
 };
 
 /// Eight greedy searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 3,
-/// 1.5, 0.75 and 0.4 times `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of the one
-/// that finishes first; then anytime, for as long as asked.
+/// 1.5, 0.75 and 0.4 times `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of
+/// the one that finishes first; then anytime, for as long as asked.
 struct Auto {
   CommonOptions common{};
   double weight{50.0};       ///< of the first path, >= 1

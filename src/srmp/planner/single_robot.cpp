@@ -426,6 +426,9 @@ class SingleRobotPlan {
           const auto found = search_in_turns(limit, finer, {.max_expansions = expansions}, until);
           if (!prove_exhausted(found, limit)) return;
           if (found.result.status == Status::solved && !take(found_by(found))) return;
+          const auto& exhausted = found.exhausted;
+          if (own_primitives() && share == 1.0 && std::count(exhausted.begin(), exhausted.end(), 0) == 0)
+            return;  // there is no finer lattice to turn to
           if (statistics_.path_cost_rad >= before) break;
         }
   }
