@@ -56,6 +56,7 @@ std::vector<GoalConstraint> to_goals(nb::handle goal);
 std::vector<std::string> to_names(nb::handle names);
 
 nb::dict to_dict(const PlanStatistics& statistics);
+nb::dict to_dict(const Solution& solution);
 
 /// Raises PlanningError with these attributes.
 [[noreturn]] void raise(const PlanningError& error, const nb::dict& statistics);

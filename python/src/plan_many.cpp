@@ -33,14 +33,36 @@ void for_each_field(Statistics& s, F&& f) {
   f("search_cost_rad", s.search_cost_rad);
   f("path_cost_rad", s.path_cost_rad);
   f("bound", s.bound);
+  f("bound_graph", s.bound_graph);
+  f("solutions", s.solutions);
   f("goal_index", s.goal_index);
+}
+
+// Fields as Python has them, both ways.
+template <class T>
+nb::object to_python(const T& value) {
+  return nb::cast(value);
+}
+nb::object to_python(const std::vector<Solution>& solutions) {
+  nb::list list;
+  for (const Solution& solution : solutions) list.append(to_dict(solution));
+  return list;
+}
+template <class T>
+void from_python(nb::handle value, T& field) {
+  field = nb::cast<T>(value);
+}
+void from_python(nb::handle value, std::vector<Solution>& solutions) {
+  for (nb::handle item : nb::cast<nb::list>(value)) {
+    const auto d = nb::cast<nb::dict>(item);
+    solutions.push_back({nb::cast<double>(d["time_s"]), nb::cast<double>(d["cost_rad"]), nb::cast<double>(d["bound"]),
+                         nb::cast<std::string>(d["graph"])});
+  }
 }
 
 PlanStatistics to_statistics(const nb::dict& d) {
   PlanStatistics statistics;
-  for_each_field(statistics, [&](const char* name, auto& field) {
-    field = nb::cast<std::remove_reference_t<decltype(field)>>(d[name]);
-  });
+  for_each_field(statistics, [&](const char* name, auto& field) { from_python(d[name], field); });
   return statistics;
 }
 
@@ -50,9 +72,18 @@ nb::object own_options(const PlanRequest& request) {
 
 }  // namespace
 
+nb::dict to_dict(const Solution& s) {
+  nb::dict d;
+  d["time_s"] = s.time_s;
+  d["cost_rad"] = s.cost_rad;
+  d["bound"] = s.bound;
+  d["graph"] = s.graph;
+  return d;
+}
+
 nb::dict to_dict(const PlanStatistics& statistics) {
   nb::dict d;
-  for_each_field(statistics, [&](const char* name, const auto& field) { d[name] = field; });
+  for_each_field(statistics, [&](const char* name, const auto& field) { d[name] = to_python(field); });
   return d;
 }
 

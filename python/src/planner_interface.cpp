@@ -49,9 +49,9 @@ auto run_interruptible(Plan&& plan) {
 }
 
 Trajectory plan_one(PlannerInterface& planner, const std::string& robot, const Eigen::VectorXd& start,
-                    const std::vector<GoalConstraint>& goals) {
+                    const std::vector<GoalConstraint>& goals, const OnSolution& on_solution) {
   try {
-    return run_interruptible([&] { return planner.plan(robot, start, goals, python_interrupted); });
+    return run_interruptible([&] { return planner.plan(robot, start, goals, python_interrupted, on_solution); });
   } catch (const PlanningError& error) {
     if (error.status() == Status::cancelled && PyErr_Occurred()) throw nb::python_error();
     raise(error, to_dict(planner.get_planning_stats()));
@@ -86,6 +86,21 @@ std::array<int, 3> to_triangle(const Eigen::Vector3d& row, const std::string& me
     triangle[static_cast<std::size_t>(i)] = static_cast<int>(row[i]);
   }
   return triangle;
+}
+
+/// The callback keeps what it was given; only False stops the search.
+OnSolution to_on_solution(const nb::object& callback) {
+  if (callback.is_none()) return {};
+  if (!PyCallable_Check(callback.ptr()))
+    throw InvalidArgument("on_solution must be a function of a dict and an array, or None");
+  return [&callback](const Solution& solution, ConstRows waypoints) {
+    const nb::gil_scoped_acquire gil;
+    std::vector<Eigen::VectorXd> rows;
+    for (Eigen::Index i = 0; i < waypoints.rows(); ++i) rows.emplace_back(waypoints.row(i).transpose());
+    const nb::object answer =
+        callback(to_dict(solution), to_numpy_rows(rows, static_cast<std::size_t>(waypoints.cols())));
+    return answer.ptr() != Py_False;
+  };
 }
 
 void bind_robots(nb::class_<Self>& cls) {
@@ -522,19 +537,27 @@ void bind_planning(nb::class_<Self>& cls) {
          "range.")
       .def(
           "plan",
-          [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal) {
+          [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
             const std::string name = only_robot(robot);
+            const OnSolution tell = to_on_solution(on_solution);
             const Eigen::VectorXd q = start.vector("start of '" + name + "'");
             const std::vector<GoalConstraint> goals = to_goals(goal);
-            return self.use([&](PlannerInterface& p) { return plan_one(p, name, q, goals); });
+            return self.use([&](PlannerInterface& p) { return plan_one(p, name, q, goals, tell); });
           },
-          nb::arg("name"), nb::arg("start"), nb::arg("goal"),
+          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(),
           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
-                  "goal: GoalConstraint | collections.abc.Sequence[GoalConstraint]) -> Trajectory"),
+                  "goal: GoalConstraint | collections.abc.Sequence[GoalConstraint], "
+                  "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
+                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
           "A timed, collision-free Trajectory of one robot from `start` (dof,) [rad or m] to the goal (any one of "
           "several). The same\n"
           "question gives the same answer, bit for bit. Other robots stand still. The GIL is released; Ctrl-C stops "
           "the plan.\n\n"
+          "on_solution(solution, waypoints) sees every path that is better than those before, while planners that "
+          "improve theirs run:\n"
+          "solution has time_s, cost_rad, bound and graph (see get_planning_stats), waypoints (n, dof) [rad or m]. "
+          "When it returns\n"
+          "False, that path is good enough. It must not use this planner; what it raises ends the plan.\n\n"
           "Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or "
           "cancelled, its text\n"
           "says why, its statistics are those of get_planning_stats. Raises InvalidArgument for a wrong question: "
@@ -586,9 +609,11 @@ void bind_planning(nb::class_<Self>& cls) {
           "configurations, narrow_phase (counts); memory_bytes; search_cost_rad and path_cost_rad, before and after "
           "the shortcut "
           "[rad, prismatic\n"
-          "joints m]; bound (search_cost_rad is at most this times the lattice's optimum; inf: none proven); "
-          "goal_index (which target\n"
-          "was reached, counted over all goals; -1: none).")
+          "joints m]; bound (path_cost_rad is at most this times the optimum of bound_graph; inf: none proven); "
+          "solutions (a list:\n"
+          "the time_s, cost_rad, bound and graph of every path that was better than those before); goal_index (which "
+          "target was\n"
+          "reached, counted over all goals; -1: none).")
       .def(
           "print_available_planners",
           [](Self&) {

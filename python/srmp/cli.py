@@ -46,7 +46,7 @@ def main() -> None:
 def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
     def decorate(command: Any) -> Any:
         decorators = [
-            click.option("--planner", default="wAstar", show_default=True, help="Planner id."),
+            click.option("--planner", default="auto", show_default=True, help="Planner id."),
             click.option(
                 "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
             ),

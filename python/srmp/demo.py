@@ -109,7 +109,7 @@ class DemoResult:
 def run(options: Mapping[str, Any] | None = None) -> DemoResult:
     """Plans the demonstration; `options` as for PlannerInterface.make_planner. Raises PlanningError like plan."""
     planner = make_world()
-    planner.make_planner([ROBOT], {"planner_id": "wAstar", "time_limit": 10, **(options or {})})
+    planner.make_planner([ROBOT], {"planner_id": "auto", "time_limit": 10, **(options or {})})
     goal = srmp.GoalConstraint(srmp.GoalType.POSE, GOAL)
     trajectory = planner.plan(ROBOT, start_configuration(planner), goal)
     return DemoResult(planner, trajectory, planner.get_planning_stats())

@@ -106,11 +106,15 @@ class WPASE(_Options):
 
 @dataclasses.dataclass(kw_only=True)
 class Auto(_Options):
-    """Six weighted A* searches in turns (Huberman, Lukose, Hogg 1997): both directions, three resolutions."""
+    """Guided searches in turns (Huberman, Lukose, Hogg 1997): two directions, four resolutions; anytime if asked."""
 
     planner_id: ClassVar[str] = "auto"
     weight: float = 50.0
-    """>= 1."""
+    """Of the first path, >= 1."""
+    improve_time: float = 0.0
+    """[s] for better paths after the first, within the time limit; 0 = the first will do."""
+    final_weight: float = 1.0
+    """Stop improving once this bound is proven, >= 1; 1 = go on as long as there is time."""
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -1,5 +1,6 @@
 #include "srmp/lattice/lattice.hpp"
 
+#include <array>
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <numbers>
@@ -118,4 +119,60 @@ BOOST_AUTO_TEST_CASE(primitives_are_checked) {
   PrimitiveSet zero{{{"stay", PrimitiveUse::always, {Vector2d(0, 0)}}}};
   check_throws<InvalidArgument>([&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); },
                                 "'stay' has a move of zero length");
+}
+
+BOOST_AUTO_TEST_CASE(all_joints_at_once_move_towards_each_target) {
+  const auto robot = robots::planar3("continuous");
+  const Eigen::Vector3d start(3.0, 0.0, 0.0), step = Eigen::Vector3d::Constant(10 * degree);
+  const std::vector<Eigen::VectorXd> goals{Eigen::Vector3d(-3.0, 1.0, -1.0), Eigen::Vector3d(2.0, 1.0, 0.01),
+                                           Eigen::Vector3d(-2.0, 2.0, -2.0)};
+  Lattice lattice(*robot, {start}, goals, {rich_primitives(robot->joints(), step, parallel_pairs(*robot)), 0.0},
+                  always_free);
+  const auto next = successors(lattice, 0);
+  // The first and the last target ask for the same; the second leaves two joints to turn, which is a pair's matter.
+  BOOST_REQUIRE(next.size() == 1 + 6 + 3 * 4);
+  const Eigen::VectorXd there = lattice.configuration(next[0].state);
+  BOOST_TEST(std::abs(std::remainder(there[0] - 3.0 - step[0], 2 * std::numbers::pi)) < 1e-5);  // over the seam
+  BOOST_TEST((there - start - Eigen::Vector3d(0, step[1], -step[2])).tail(2).norm() < 1e-5);
+  BOOST_TEST(std::abs(next[0].cost - lattice.distance(start, there)) < 1e-9);
+}
+
+BOOST_AUTO_TEST_CASE(pairs_are_joints_with_parallel_axes) {
+  const auto pairs = parallel_pairs(*robots::planar3());
+  BOOST_TEST((pairs == std::vector<JointPair>{{0, 1}, {0, 2}, {1, 2}}));
+  BOOST_TEST((parallel_pairs(*robots::planar3("prismatic")) == std::vector<JointPair>{{1, 2}}));
+}
+
+BOOST_AUTO_TEST_CASE(rich_lattices_keep_the_laws) {
+  const auto robot = robots::planar3("continuous");
+  const Eigen::Vector3d start(3.0, 0.5, 0.1);
+  Lattice lattice(*robot, {start}, {Eigen::Vector3d(-2.5, -1, 0.3), Eigen::Vector3d(1, 2, -1)},
+                  {rich_primitives(robot->joints(), Eigen::Vector3d::Constant(7 * degree), parallel_pairs(*robot))},
+                  always_free);
+  for (search::StateId state = 0; state < 500; ++state) {
+    const auto next = successors(lattice, state);
+    BOOST_TEST(std::abs(lattice.distance_from_anchors(state) - lattice.distance(start, lattice.configuration(state))) <
+               1e-9);
+    for (std::size_t i = 0; i < next.size(); ++i) {
+      const double length = lattice.distance(lattice.configuration(state), lattice.configuration(next[i].state));
+      BOOST_TEST(std::abs(length - next[i].cost) < 1e-9);
+      BOOST_TEST(lattice.distance_to_targets(state) <= length + lattice.distance_to_targets(next[i].state) + 1e-9);
+      BOOST_TEST(next[i].state != state);
+      for (std::size_t k = 0; k < i; ++k) BOOST_TEST(next[k].state != next[i].state);
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(ways_to_the_targets_by_several_measures) {
+  const auto robot = robots::planar();
+  Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 1), Vector2d(0, -2)});
+  RowMatrix weights(2, 2);
+  weights << 1.0, 1.0, 0.5, 2.0;
+  std::array<double, 3> out{};
+  lattice.measure_to_targets(0, weights, out);
+  BOOST_TEST(std::abs(out[0] - 2.0) < 1e-12);
+  BOOST_TEST(std::abs(out[1] - std::sqrt(5.0)) < 1e-12);
+  BOOST_TEST(std::abs(out[2] - 2.0) < 1e-12);
+  lattice.measure_to_targets(1, weights, out);  // a target
+  BOOST_TEST((out == std::array<double, 3>{}));
 }

@@ -1,5 +1,6 @@
 """What PlannerInterface promises, on the package's own arm."""
 
+import itertools
 import pickle
 import signal
 import threading
@@ -43,6 +44,94 @@ def test_every_planner_goes_round_the_post(arm, ready, planner_id):
     assert 1 <= stats["bound"] <= 100
     assert stats["path_cost_rad"] <= stats["search_cost_rad"] + 1e-9
     assert trajectory.length == pytest.approx(stats["path_cost_rad"])
+
+
+@pytest.mark.parametrize(
+    "options", [srmp.Auto(improve_time=60, time_limit=60), srmp.ARAStar(time_limit=60), srmp.WAStar()]
+)
+def test_solutions_get_better_and_never_worse(arm, ready, options):
+    goal = mirrored(ready)
+    arm.make_planner("arm", options)
+    seen = []
+
+    def on_solution(solution, waypoints):
+        seen.append((solution, waypoints))
+        return len(seen) < 2
+
+    trajectory = arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal), on_solution=on_solution)
+    check_trajectory(arm, trajectory, ready, goal)
+    stats = arm.get_planning_stats()
+    assert [solution for solution, _ in seen] == stats["solutions"]
+    assert stats["solutions"][-1]["cost_rad"] == stats["path_cost_rad"]
+    assert stats["solutions"][-1]["bound"] == stats["bound"]
+    assert stats["solutions"][-1]["graph"] == stats["bound_graph"] != ""
+    for solution, waypoints in seen:
+        assert 0 < solution["time_s"] <= stats["plan_time_s"]
+        steps = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
+        assert steps.sum() == pytest.approx(solution["cost_rad"])
+        np.testing.assert_array_equal(waypoints[[0, -1]], [ready, goal])
+    for (a, _), (b, _) in itertools.pairwise(seen):
+        assert b["cost_rad"] <= a["cost_rad"]
+        assert b["bound"] <= a["bound"]
+        assert b["cost_rad"] < a["cost_rad"] or b["bound"] < a["bound"]
+    if not isinstance(options, srmp.WAStar):
+        assert len(seen) == 2
+
+
+def test_bounds_are_true_of_the_lattice_they_name(arm, ready, tmp_path):
+    primitives = tmp_path / "three_joints.yaml"
+    primitives.write_text(
+        "units: degrees\nfamilies:\n"
+        + "".join(f"  - {{name: j{j}, joints: [arm7_joint{j}], by: 20}}\n" for j in (1, 2, 4))
+    )
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    lattice = {"mprim_path": str(primitives), "direction": "forward", "time_limit": 60}
+    arm.make_planner("arm", srmp.AStar(**lattice))
+    arm.plan("arm", ready, goal)
+    optimum = arm.get_planning_stats()["search_cost_rad"]
+    direct = np.linalg.norm(mirrored(ready) - ready)
+    arm.make_planner("arm", srmp.Auto(improve_time=0.5, **lattice))
+    arm.plan("arm", ready, goal)
+    solutions = arm.get_planning_stats()["solutions"]
+    for solution in solutions:
+        lower = direct if solution["graph"] == "every path" else optimum
+        assert solution["cost_rad"] <= solution["bound"] * lower * (1 + 1e-9)
+        if solution["bound"] > 1:
+            assert solution["cost_rad"] / solution["bound"] <= lower * (1 + 1e-9)
+    assert any(str(primitives) in solution["graph"] for solution in solutions)
+
+
+def test_a_solution_that_is_good_enough_ends_the_plan(arm, ready):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    for options in (srmp.Auto(improve_time=60, time_limit=60), srmp.ARAStar(time_limit=60)):
+        arm.make_planner("arm", options)
+        arm.plan("arm", ready, goal, on_solution=lambda solution, waypoints: False)
+        stats = arm.get_planning_stats()
+        assert len(stats["solutions"]) == 1
+        assert stats["plan_time_s"] < 30
+
+
+def test_auto_stops_at_the_bound_asked_for(arm, ready):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    arm.make_planner("arm", srmp.Auto(improve_time=60, time_limit=60, final_weight=20))
+    arm.plan("arm", ready, goal)
+    stats = arm.get_planning_stats()
+    assert stats["bound"] <= 20
+    assert stats["plan_time_s"] < 30
+
+
+def test_a_callback_that_raises_ends_the_plan(arm, ready):
+    def fail(solution, waypoints):
+        raise ZeroDivisionError("mine")
+
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)), on_solution=fail)
+    with pytest.raises(srmp.InvalidArgument, match="on_solution must be a function"):
+        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)), on_solution=3)
+
+
+def test_auto_is_the_default():
+    assert srmp.planner_options({})["planner_id"] == "auto"
 
 
 @pytest.mark.parametrize("heuristic", ["joint_euclidean", "bfs"])
@@ -93,7 +182,9 @@ LAYERS = ("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal
 
 
 def counts(stats):
-    return {key: value for key, value in stats.items() if not key.endswith("time_s")}
+    """What a plan did, without the clock."""
+    kept = {key: value for key, value in stats.items() if not key.endswith("time_s")}
+    return kept | {"solutions": [counts(solution) for solution in stats.get("solutions", [])]}
 
 
 @pytest.mark.parametrize("planner_id", ["wAstar", "ARAstar", "MHAstar", "wPASE", "auto"])

@@ -61,11 +61,18 @@ Planner mha_with(double w1, double w2, std::vector<InadmissibleHeuristic> others
           }};
 }
 
-Planner portfolio_of_one(double weight, std::uint64_t turn) {
-  return {"portfolio " + to_text(weight), weight, [=](auto& graph, auto starts, auto& h, auto& deadline) {
-            using Member = PortfolioMember<AnyGraph, AnyHeuristic>;
-            const std::vector<Member> members{{&graph, {starts.begin(), starts.end()}, &h}};
-            return portfolio<AnyGraph, AnyHeuristic>(members, {weight, turn}, deadline).result;
+/// `guides` of them: each a number from the state's, the first none at all.
+Planner portfolio_of_one(double weight, std::uint64_t turn, std::size_t guides) {
+  return {"portfolio " + to_text(weight) + " with " + std::to_string(guides), weight,
+          [=](auto& graph, auto starts, auto& h, auto& deadline) {
+            const Guides values{guides, [](StateId s, std::span<double> out) {
+                                  for (std::size_t i = 0; i < out.size(); ++i)
+                                    out[i] = static_cast<double>((i * s * 2654435761u) % 97u);
+                                }};
+            const auto make = [&](std::size_t) {
+              return PortfolioMember<AnyGraph, AnyHeuristic>{&graph, {starts.begin(), starts.end()}, &h, values};
+            };
+            return portfolio<AnyGraph, AnyHeuristic>(1, make, {weight, turn}, deadline).result;
           }};
 }
 
@@ -83,7 +90,9 @@ const std::vector<Planner>& all_planners() {
   static const std::vector<Planner> planners{astar_with(1.0),
                                              astar_with(1.7),
                                              astar_with(20.0),
-                                             portfolio_of_one(1.7, 2),
+                                             portfolio_of_one(1.0, 2, 0),
+                                             portfolio_of_one(1.0, 3, 2),
+                                             portfolio_of_one(1.7, 2, 3),
                                              ara_with(50.0, 10.0, 1.0),
                                              ara_with(4.0, 0.7, 1.0),
                                              ara_with(10.0, 5.0, 2.5),

@@ -11,10 +11,18 @@ namespace {
 
 using Member = PortfolioMember<TestGraph, Problem>;
 
-Member member(Problem& problem) { return {&problem.graph, problem.starts, &problem}; }
+/// Two guides: the problem's own heuristic, and one that knows nothing.
+Guides guides(const Problem& problem) {
+  return {2, [&problem](StateId s, std::span<double> out) {
+            out[0] = problem.h[s] < infinity ? problem.h[s] : 0.0;
+            out[1] = static_cast<double>((s * 2654435761u) % 97u);
+          }};
+}
 
-PortfolioResult run(std::vector<Member> members, double weight = 1.5, std::uint64_t turn = 2) {
-  return portfolio<TestGraph, Problem>(members, {weight, turn}, Deadline());
+Member member(Problem& problem) { return {&problem.graph, problem.starts, &problem, guides(problem)}; }
+
+PortfolioResult run(const std::vector<Member>& members, const PortfolioOptions& options = {1.5, 2}) {
+  return portfolio<TestGraph, Problem>(members.size(), [&](std::size_t i) { return members[i]; }, options, Deadline());
 }
 
 }  // namespace
@@ -46,6 +54,65 @@ BOOST_AUTO_TEST_CASE(a_portfolio_keeps_the_bound_of_its_winner_and_fails_only_wh
 BOOST_AUTO_TEST_CASE(a_portfolio_refuses_nonsense) {
   Problem problem = random_problem(0);
   check_throws<InvalidArgument>([&] { run({}); }, "at least one search");
-  check_throws<InvalidArgument>([&] { run({member(problem)}, 0.5); }, "weight");
-  check_throws<InvalidArgument>([&] { run({member(problem)}, 2.0, 0); }, "at least one expansion");
+  check_throws<InvalidArgument>([&] { run({member(problem)}, {0.5}); }, "weight");
+  check_throws<InvalidArgument>([&] { run({member(problem)}, {2.0, 0}); }, "at least one expansion");
+}
+
+BOOST_AUTO_TEST_CASE(a_portfolio_says_which_graphs_hold_no_path) {
+  Problem open = corridor(), broken = broken_bridge();
+  const PortfolioResult found = run({member(broken), member(open)}, {1.0, 1});
+  BOOST_TEST(found.winner == 1u);
+  BOOST_TEST((found.exhausted == std::vector<char>{1, 0}));
+  Problem alone = broken_bridge();
+  const PortfolioResult none = run({member(alone)});
+  BOOST_TEST((none.result.status == Status::exhausted));
+  BOOST_TEST((none.exhausted == std::vector<char>{1}));
+}
+
+BOOST_AUTO_TEST_CASE(a_portfolio_gives_up_after_as_many_expansions_as_it_may) {
+  Problem problem = corridor();
+  const PortfolioResult found = run({member(problem)}, {1.0, 1, 2});
+  BOOST_TEST((found.result.status == Status::timed_out));
+  BOOST_TEST((found.exhausted == std::vector<char>{0}));
+  BOOST_TEST(found.result.statistics.expansions == 2u);
+}
+
+BOOST_AUTO_TEST_CASE(a_member_is_made_when_its_turn_comes) {
+  Problem problem = corridor();
+  std::size_t made = 0;
+  const auto make = [&](std::size_t) {
+    ++made;
+    return member(problem);
+  };
+  BOOST_TEST((portfolio<TestGraph, Problem>(3, make, {1.0, 8}, Deadline()).result.status == Status::solved));
+  BOOST_TEST(made == 1u);
+}
+
+/// The heuristic may say that no path through a state is short enough; when nothing is left, none is.
+BOOST_AUTO_TEST_CASE(a_graph_exhausted_within_a_limit_holds_no_path_below_it) {
+  int proven = 0, solved = 0;
+  for (unsigned seed = 0; seed < random_problems; ++seed) {
+    BOOST_TEST_CONTEXT("seed " << seed) {
+      Problem problem = random_problem(seed);
+      const double optimum = problem.optimum();
+      if (optimum == infinity) continue;
+      const std::vector<double> from_start = dijkstra(problem.graph, problem.starts, lower_of);
+      for (const double share : {0.8, 0.999, 1.001, 1.5}) {
+        const double limit = share * optimum;
+        Problem within = problem;
+        for (StateId s = 0; s < within.h.size(); ++s)
+          if (from_start[s] + within.h[s] > limit) within.h[s] = infinity;
+        const PortfolioResult found = run({member(within)});
+        if (found.exhausted[0]) {
+          BOOST_REQUIRE_GE(optimum, limit);
+          ++proven;
+        } else {
+          BOOST_REQUIRE(found.result.status == Status::solved);
+          ++solved;
+        }
+      }
+    }
+  }
+  BOOST_TEST(proven > 100);
+  BOOST_TEST(solved > 100);
 }

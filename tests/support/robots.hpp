@@ -36,4 +36,17 @@ inline std::shared_ptr<const srmp::RobotModel> planar(const std::string& first_j
   return srmp::RobotModel::load(planar_description(first_joint));
 }
 
+/// Three bars, the first joint of the kind given:   base ──a── upper ──b── middle ──c── lower ── tip
+inline std::shared_ptr<const srmp::RobotModel> planar3(const std::string& first_joint = "revolute") {
+  const std::string limit = "<limit lower='-3' upper='3' velocity='2' effort='1'/>";
+  srmp::RobotDescription description;
+  description.urdf_text = "<robot name='planar3'><link name='base'/>" + bar("upper") + bar("middle") + bar("lower") +
+                          "<link name='tip'/>" + joint("a", first_joint, "base", "upper", "0 0 0", "0 0 1", limit) +
+                          joint("b", "revolute", "upper", "middle", "1 0 0", "0 0 1", limit) +
+                          joint("c", "revolute", "middle", "lower", "1 0 0", "0 0 1", limit) +
+                          joint("t", "fixed", "lower", "tip", "1 0 0", "0 0 1", "") + "</robot>";
+  description.end_effector = "tip";
+  return srmp::RobotModel::load(description);
+}
+
 }  // namespace robots

@@ -256,7 +256,7 @@ def run(
     *,
     scenarios: Sequence[str] = (),
     problems: str = "",
-    planner_id: str = "wAstar",
+    planner_id: str = "auto",
     options: Mapping[str, str] | None = None,
     geometry: str = "urdf",
     time_limit: float = 10.0,

@@ -38,9 +38,8 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
       Move move{{}, 0.0};
       for (std::size_t j = 0; j < joints_.size(); ++j) {
         move.steps.push_back(static_cast<std::int32_t>(std::lround(delta[static_cast<Eigen::Index>(j)] / unit_[j])));
-        move.cost += std::pow(move.steps[j] * unit_[j], 2);
       }
-      move.cost = std::sqrt(move.cost);
+      move.cost = move_cost(move);
       if (move.cost == 0.0)
         throw InvalidArgument("motion primitive family '" + family.name + "' has a move of zero length");
       added.moves.push_back(std::move(move));
@@ -84,10 +83,19 @@ double Lattice::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) con
   double squared = 0.0;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
-    const double difference = b[i] - a[i];
-    const double d = joints_[j].kind == JointKind::continuous ? shortest(difference) : difference;
+    const double d = way(j, a[i], b[i]);
     squared += d * d;
   }
+  return std::sqrt(squared);
+}
+
+double Lattice::way(std::size_t joint, double from, double to) const {
+  return joints_[joint].kind == JointKind::continuous ? shortest(to - from) : to - from;
+}
+
+double Lattice::move_cost(const Move& move) const {
+  double squared = 0.0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) squared += std::pow(move.steps[j] * unit_[j], 2);
   return std::sqrt(squared);
 }
 
@@ -97,6 +105,36 @@ double Lattice::distance_to_targets(search::StateId state) const {
   double least = search::infinity;
   for (const Eigen::VectorXd& target : targets_) least = std::min(least, distance(q_, target));
   return least;
+}
+
+double Lattice::distance_from_anchors(search::StateId state) const {
+  read_configuration(state, q_);
+  double least = search::infinity;
+  for (const Eigen::VectorXd& anchor : anchors_) least = std::min(least, distance(anchor, q_));
+  return least;
+}
+
+void Lattice::measure_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const {
+  std::fill(out.begin(), out.end(), is_goal(state) ? 0.0 : search::infinity);
+  if (is_goal(state)) return;
+  read_configuration(state, q_);
+  for (const Eigen::VectorXd& target : targets_) {
+    for (Eigen::Index row = 0; row < weights.rows(); ++row) {
+      double squared = 0.0;
+      for (std::size_t j = 0; j < joints_.size(); ++j) {
+        const auto i = static_cast<Eigen::Index>(j);
+        squared += std::pow(weights(row, i) * way(j, q_[i], target[i]), 2);
+      }
+      double& least = out[static_cast<std::size_t>(row)];
+      least = std::min(least, std::sqrt(squared));
+    }
+    double sum = 0.0;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const auto i = static_cast<Eigen::Index>(j);
+      sum += std::abs(way(j, q_[i], target[i]));
+    }
+    out.back() = std::min(out.back(), sum);
+  }
 }
 
 bool Lattice::apply(search::StateId state, const Move& move) {
@@ -118,10 +156,37 @@ bool Lattice::apply(search::StateId state, const Move& move) {
 
 void Lattice::add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out) {
   for (const Move& move : family.moves)
-    if (apply(state, move)) {
-      const search::StateId next = table_.insert(scratch_key_);
-      if (next != state) out.push_back({next, move.cost});
+    if (family.use == PrimitiveUse::towards)
+      add_moves_towards(state, move, out);
+    else
+      add_move(state, move, out);
+}
+
+void Lattice::add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out) {
+  if (!apply(state, move)) return;
+  const search::StateId next = table_.insert(scratch_key_);
+  if (next != state) out.push_back({next, move.cost});
+}
+
+/// Of the state at q_. Several targets may ask for the same move; parallel edges are not handed out.
+void Lattice::add_moves_towards(search::StateId state, const Move& steps, std::vector<search::Successor>& out) {
+  const auto first = static_cast<std::ptrdiff_t>(out.size());
+  for (const Eigen::VectorXd& target : targets_) {
+    scratch_move_ = steps;
+    std::size_t turning = 0;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const auto i = static_cast<Eigen::Index>(j);
+      const double left = way(j, q_[i], target[i]);
+      std::int32_t& step = scratch_move_.steps[j];
+      if (std::abs(left) < 0.5 * std::abs(step) * unit_[j]) step = 0;
+      if ((left < 0.0) != (step < 0)) step = -step;
+      turning += step != 0;
     }
+    if (turning < 3 || !apply(state, scratch_move_)) continue;
+    const search::StateId next = table_.insert(scratch_key_);
+    if (std::none_of(out.begin() + first, out.end(), [&](const search::Successor& s) { return s.state == next; }))
+      out.push_back({next, move_cost(scratch_move_)});
+  }
 }
 
 void Lattice::successors(search::StateId state, std::vector<search::Successor>& out) {
@@ -134,7 +199,9 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
   }
   const bool near = near_an_end(q_);
   for (const Family& family : families_)
-    if (family.use == PrimitiveUse::always || (family.use == PrimitiveUse::near) == near) add_moves(state, family, out);
+    if (family.use == PrimitiveUse::always || family.use == PrimitiveUse::towards ||
+        (family.use == PrimitiveUse::near) == near)
+      add_moves(state, family, out);
 }
 
 bool Lattice::near_an_end(const Eigen::VectorXd& q) const {

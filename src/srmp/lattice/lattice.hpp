@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "srmp/core/matrix.hpp"
 #include "srmp/core/worker_pool.hpp"
 #include "srmp/lattice/primitives.hpp"
 #include "srmp/lattice/state_table.hpp"
@@ -48,6 +49,11 @@ class Lattice {
   const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
   /// Joint-space distance from a state to its nearest target: a consistent heuristic.
   double distance_to_targets(search::StateId state) const;
+  /// Joint-space distance from the nearest anchor: no path to the state is shorter.
+  double distance_from_anchors(search::StateId state) const;
+  /// The way to the nearest target by several measures: Euclidean with each row of `weights` (n, dof), then the plain
+  /// sum over the joints; `out` has n + 1 entries.
+  void measure_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const;
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// The configurations of a path, continuous joints unwrapped so that neighbours differ by the short way.
   std::vector<Eigen::VectorXd> configurations(std::span<const search::StateId> path) const;
@@ -65,6 +71,10 @@ class Lattice {
   };
 
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
+  void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
+  void add_moves_towards(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
+  double way(std::size_t joint, double from, double to) const;
+  double move_cost(const Move& move) const;
   bool near_an_end(const Eigen::VectorXd& q) const;
   bool apply(search::StateId state, const Move& move);  // into scratch_key_; false when a limit is broken
   void read_configuration(search::StateId state, Eigen::VectorXd& q) const;
@@ -79,6 +89,7 @@ class Lattice {
   std::vector<double> unit_;  // of the grid, one entry a joint [rad or m]
   StateTable table_;          // key: anchor number, then grid coordinates
   std::vector<std::int32_t> scratch_key_;
+  Move scratch_move_;
   mutable Eigen::VectorXd q_;
   std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ends_;  // of the motion a worker is at
   WorkerPool workers_;

@@ -28,4 +28,35 @@ PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::V
   return {{std::move(whole), std::move(third)}};
 }
 
+std::vector<JointPair> parallel_pairs(const RobotModel& robot) {
+  const auto dof = static_cast<Eigen::Index>(robot.dof());
+  const RobotDataPtr data = robot.make_data();
+  robot.forward(*data, Eigen::VectorXd::Zero(dof));
+  std::vector<Eigen::Vector3d> axes(robot.dof(), Eigen::Vector3d::Zero());  // of joints that turn
+  for (std::size_t k = robot.drives().size(); k-- > 0;)
+    if (const Drive& drive = robot.drives()[k]; !drive.prismatic) axes[drive.joint] = robot.drive_axis(*data, k).second;
+  std::vector<JointPair> pairs;
+  for (Eigen::Index j = 0; j < dof; ++j)
+    for (Eigen::Index k = j + 1; k < std::min(j + 3, dof); ++k)
+      if (std::abs(axes[static_cast<std::size_t>(j)].dot(axes[static_cast<std::size_t>(k)])) > 0.99)
+        pairs.emplace_back(j, k);
+  return pairs;
+}
+
+PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
+                             const std::vector<JointPair>& pairs) {
+  PrimitiveFamily alone = default_primitives(joints, step).families.front();
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(step.size());
+  for (const Eigen::VectorXd& move : alone.moves) all += move.cwiseMax(0.0);
+  PrimitiveFamily towards{"towards", PrimitiveUse::towards, {all}}, together{"pairs", PrimitiveUse::always, {}};
+  for (const auto& [j, k] : pairs)
+    for (const double first : {-1.0, 1.0})
+      for (const double second : {-1.0, 1.0}) {
+        Eigen::VectorXd& move = together.moves.emplace_back(Eigen::VectorXd::Zero(step.size()));
+        move[j] = first * all[j];
+        move[k] = second * all[k];
+      }
+  return {{std::move(towards), std::move(alone), std::move(together)}};
+}
+
 }  // namespace srmp

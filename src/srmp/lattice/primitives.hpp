@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "srmp/robot/robot_model.hpp"
@@ -13,6 +14,9 @@ enum class PrimitiveUse {
   always,
   far,   ///< only from states farther than PrimitiveSet::near_distance from both ends of the path
   near,  ///< only from the others
+  /// Everywhere, but the signs say nothing: each joint turns by its entry towards the target, those nearer to it than
+  /// half of that stay. Where fewer than three are left to turn there is no such move.
+  towards,
 };
 
 /// Moves that belong together. A move is a joint displacement [rad or m], one entry a planned joint.
@@ -36,5 +40,15 @@ double grid_unit(const Joint& joint);
 /// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce
 /// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
+
+/// Two planned joints that turn about parallel axes when all stand at 0, neighbours or with one joint between them:
+/// turned against each other they shift what they carry, and keep its orientation.
+using JointPair = std::pair<Eigen::Index, Eigen::Index>;
+std::vector<JointPair> parallel_pairs(const RobotModel& robot);
+
+/// For several lattices side by side: by one step, all planned joints at once towards the other end, every joint alone,
+/// and the two of each pair, all four ways. Short moves would only crowd them.
+PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
+                             const std::vector<JointPair>& pairs);
 
 }  // namespace srmp

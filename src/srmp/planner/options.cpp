@@ -78,6 +78,8 @@ template <class V>
 void visit_fields(Auto& o, V&& field) {
   visit_fields(o.common, field);
   field("weight", o.weight, from_one);
+  field("improve_time", o.improve_time, from_zero);
+  field("final_weight", o.final_weight, from_one);
 }
 template <class V>
 void visit_fields(XECBS& o, V&& field) {
@@ -209,6 +211,9 @@ struct Planner {
 
 const std::vector<Planner>& registry() {
   static const std::vector<Planner> planners{
+      {{"auto", "the quickest: guided searches in turns, both directions, four resolutions; anytime if asked", false},
+       Auto{},
+       {}},
       {{"Astar", "A*: the shortest path on the lattice", false}, AStar{}, {"a*"}},
       {{"wAstar", "weighted A*: cost at most weight times the shortest; quick", false},
        WAStar{},
@@ -218,9 +223,6 @@ const std::vector<Planner>& registry() {
       {{"wPASE", "parallel weighted search; the same path for every number of threads", false},
        WPASE{},
        {"wpa*se", "wpastarse", "epa*se", "epase"}},
-      {{"auto", "six weighted A* in turns: both directions, three resolutions; seldom without a path", false},
-       Auto{},
-       {}},
       {{"xECBS", "many arms at once (not yet: plan_multi says so)", true}, XECBS{}, {}},
   };
   return planners;
@@ -261,8 +263,8 @@ void require_known_keys(const OptionMap& map, const std::vector<std::string>& kn
 PlannerOptions parse_options(const OptionMap& map) {
   const auto id = map.find("planner_id");
   const auto* name = id == map.end() ? nullptr : std::get_if<std::string>(&id->second);
-  if (id != map.end() && !name) throw InvalidArgument("option 'planner_id' must be a word, such as 'wAstar'");
-  const Planner& planner = name ? find_planner(*name) : registry()[1];
+  if (id != map.end() && !name) throw InvalidArgument("option 'planner_id' must be a word, such as 'auto'");
+  const Planner& planner = name ? find_planner(*name) : registry().front();
   PlannerOptions options = planner.defaults;
   std::visit(
       [&](auto& typed) {

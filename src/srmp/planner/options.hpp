@@ -69,21 +69,24 @@ struct XECBS {
   double low_level_focal_suboptimality{1.3};   ///< >= 1
 };
 
-/// Six weighted A* searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at
-/// 1.5, 0.75 and 0.4 of `resolution`. cost <= weight * optimal on the lattice of the one that finishes first.
+/// Eight greedy searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 3,
+/// 1.5, 0.75 and 0.4 times `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of
+/// the one that finishes first; then anytime, for as long as asked.
 struct Auto {
   CommonOptions common{};
-  double weight{50.0};  ///< >= 1
+  double weight{50.0};       ///< of the first path, >= 1
+  double improve_time{0.0};  ///< [s] for better paths after the first, within the time limit; 0 = the first will do
+  double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as there is time
 };
 
-using PlannerOptions = std::variant<WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, Auto>;
+using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS>;
 
 /// A value as dictionaries bring it; strings hold numbers too ("5", "true").
 using OptionValue = std::variant<bool, double, std::string, std::vector<std::string>>;
 using OptionMap = std::map<std::string, OptionValue>;
 
-/// Reads the paper's dictionary: "planner_id" chooses, every other key must be an option of that planner. Throws
-/// InvalidArgument with the nearest known id, key or the allowed range.
+/// Reads the paper's dictionary: "planner_id" chooses (default: auto), every other key must be an option of that
+/// planner. Throws InvalidArgument with the nearest known id, key or the allowed range.
 PlannerOptions parse_options(const OptionMap& options);
 /// Throws InvalidArgument when a value is out of its range.
 void validate(const PlannerOptions& options);

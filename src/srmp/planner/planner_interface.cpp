@@ -62,7 +62,7 @@ struct PlannerInterface::Impl {
 
   /// A question about the scene as it is now, looked over; all that it names must outlive it.
   SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
-                                  const PlannerOptions& options) const {
+                                  const PlannerOptions& options, const OnSolution& on_solution = {}) const {
     if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
     for (const GoalConstraint& goal : goals) {
       goal.validate();
@@ -71,7 +71,7 @@ struct PlannerInterface::Impl {
           model(robot).require_configuration(target, "goal of '" + robot + "'");
     }
     model(robot).require_configuration(start, "start of '" + robot + "'");
-    return {scene, robot, checker(robot, CheckMode::exact), start, goals, options};
+    return {scene, robot, checker(robot, CheckMode::exact), start, goals, options, on_solution};
   }
 };
 
@@ -306,18 +306,18 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
-                                  const Interrupt& interrupt) {
+                                  const Interrupt& interrupt, const OnSolution& on_solution) {
   const PlannerOptions& options = planner_options({robot});
   impl_->cover_robots();  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
-  const SingleRobotProblem problem = impl_->pose_problem(robot, start, goals, options);
+  const SingleRobotProblem problem = impl_->pose_problem(robot, start, goals, options, on_solution);
   impl_->statistics = {};
   return plan_single_robot(problem, deadline, impl_->statistics);
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
-                                  const Interrupt& interrupt) {
-  return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt);
+                                  const Interrupt& interrupt, const OnSolution& on_solution) {
+  return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt, on_solution);
 }
 
 std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanRequest>& requests,

@@ -21,6 +21,17 @@ namespace io {
 struct RequestFile;
 }
 
+/// A path that was better, or proved to be better, than what was known before.
+struct Solution {
+  double time_s{};    ///< since the call of plan
+  double cost_rad{};  ///< joint-space length of the path as it would be returned
+  double bound{};     ///< cost_rad <= bound * the optimum of `graph`; infinity = none proven
+  std::string graph;  ///< "the lattice of 22.5 degrees from the start"; "every path": of all there are in joint space
+};
+
+/// Sees each solution, with its waypoints (n, dof), while the plan runs; false: it is good enough.
+using OnSolution = std::function<bool(const Solution&, ConstRows waypoints)>;
+
 /// What the last plan did, and how long each phase took.
 struct PlanStatistics {
   Status status{Status::exhausted};
@@ -44,11 +55,13 @@ struct PlanStatistics {
   std::uint64_t configurations{};           ///< kinematics computed for them
   std::uint64_t narrow_phase{};             ///< pairs that Coal decided
   std::uint64_t states{};                   ///< states of the lattice
-  std::uint64_t memory_bytes{};  ///< the most that states, OPEN, search tree and heuristic grids took together
-  double search_cost_rad{};      ///< joint-space length of the search's path, before the shortcut
-  double path_cost_rad{};        ///< joint-space length of the returned path
-  double bound{};                ///< search_cost_rad <= bound * the optimum of the lattice; infinity = none proven
-  int goal_index{-1};            ///< which of the goals (all targets of all constraints, in order) was reached
+  std::uint64_t memory_bytes{};     ///< the most that states, OPEN, search tree and heuristic grids took together
+  double search_cost_rad{};         ///< joint-space length of the search's cheapest path, before the shortcut
+  double path_cost_rad{};           ///< joint-space length of the returned path
+  double bound{};                   ///< path_cost_rad <= bound * the optimum of bound_graph; infinity = none proven
+  std::string bound_graph;          ///< as Solution::graph
+  std::vector<Solution> solutions;  ///< every path that was returned or improved on; costs and bounds never rise
+  int goal_index{-1};               ///< which of the goals (all targets of all constraints, in order) was reached
 };
 
 /// One plan of many.
@@ -161,9 +174,9 @@ class PlannerInterface {
   /// A timed, collision-free trajectory of one robot from `start` to any of `goals`; other robots stand still. Throws
   /// PlanningError with a typed status and a sentence when there is none.
   Trajectory plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
-                  const Interrupt& interrupt = {});
+                  const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
   Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
-                  const Interrupt& interrupt = {});
+                  const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
   /// Called with (requests done, requests in all).
   using Progress = std::function<void(std::size_t, std::size_t)>;
 

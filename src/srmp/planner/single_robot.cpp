@@ -58,14 +58,11 @@ class SingleRobotPlan {
   Trajectory run() {
     check_start();
     find_targets();
-    choose_direction();
-    std::vector<Eigen::VectorXd> path = find_path();
-    if (common_.shortcut) path = shortened(path);
-    statistics_.path_cost_rad = length(path);
+    find_path();
     collect_check_statistics();
     statistics_.plan_time_s = deadline_.elapsed();
-    Trajectory trajectory = timed(path);
-    verify(path);
+    Trajectory trajectory = timed(best_);
+    verify(best_);
     return trajectory;
   }
 
@@ -188,27 +185,34 @@ class SingleRobotPlan {
     return sum;
   }
 
-  /// `scale`: of the resolution asked for. Short moves near the ends help a lattice that is alone; beside finer
-  /// lattices they only crowd it.
-  Lattice make_lattice(bool backward, double scale = 1.0, bool alone = true) {
+  Eigen::VectorXd lattice_step(double scale = 1.0) const {
     Eigen::VectorXd step(static_cast<Eigen::Index>(robot_.dof()));
     for (std::size_t j = 0; j < robot_.dof(); ++j)
       step[static_cast<Eigen::Index>(j)] = robot_.joints()[j].kind == JointKind::prismatic
-                                               ? common_.prismatic_resolution
-                                               : common_.resolution * M_PI / 180.0;
-    step *= scale;
-    Lattice::Options options;
-    options.primitives = common_.mprim_path.empty() ? default_primitives(robot_.joints(), step)
-                                                    : io::read_primitives(common_.mprim_path, robot_.joints());
-    if (!alone)
-      std::erase_if(options.primitives.families,
-                    [](const PrimitiveFamily& family) { return family.use == PrimitiveUse::near; });
+                                               ? scale * common_.prismatic_resolution
+                                               : scaled_resolution(scale) * M_PI / 180.0;
+    return step;
+  }
+
+  /// [degrees]; coarser than asked for, but no more than a quarter turn: no step may take the other way round.
+  double scaled_resolution(double scale) const {
+    return std::min(scale * common_.resolution, std::max(common_.resolution, 90.0));
+  }
+
+  bool own_primitives() const { return !common_.mprim_path.empty(); }
+
+  PrimitiveSet make_primitives() const {
+    return own_primitives() ? io::read_primitives(common_.mprim_path, robot_.joints())
+                            : default_primitives(robot_.joints(), lattice_step());
+  }
+
+  Lattice make_lattice(bool backward, PrimitiveSet primitives) {
     std::vector<Eigen::VectorXd> goals;
     for (const Target& target : targets_) goals.push_back(target.q);
     std::vector<Eigen::VectorXd> anchors{start_};
     if (backward) anchors.swap(goals);
     return Lattice(
-        robot_, std::move(anchors), std::move(goals), std::move(options),
+        robot_, std::move(anchors), std::move(goals), {.primitives = std::move(primitives)},
         [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
           return is_motion_free(a, b, worker);
         },
@@ -280,12 +284,15 @@ class SingleRobotPlan {
   search::Result search(Lattice& lattice) {
     const StateHeuristic anchor = make_heuristic(common_.heuristic, lattice);
     stop_if_late("the construction of the heuristic");
-    const PhaseTimer timer(deadline_, statistics_.search_time_s);
-    const auto starts = lattice.starts();
-    search::Result result =
-        std::visit([&](const auto& options) { return run_search(lattice, starts, anchor, options); }, problem_.options);
-    if (common_.heuristic != "joint_euclidean")
-      result.bound = search::infinity;  // only a consistent one proves anything
+    const double shortening = statistics_.shortcut_time_s;
+    search::Result result;
+    {
+      const PhaseTimer timer(deadline_, statistics_.search_time_s);
+      const auto starts = lattice.starts();
+      result = std::visit([&](const auto& options) { return run_search(lattice, starts, anchor, options); },
+                          problem_.options);
+    }
+    statistics_.search_time_s -= statistics_.shortcut_time_s - shortening;  // ARA* shortens each path as it comes
     return result;
   }
 
@@ -302,6 +309,7 @@ class SingleRobotPlan {
     ara.initial_weight = std::max(options.weight, options.final_weight);
     ara.weight_delta = options.weight_delta;
     ara.final_weight = options.final_weight;
+    ara.on_solution = [&](const search::Result& better) { return take(found_in(better, lattice, backward_)); };
     return search::ara_star(lattice, starts, h, ara, deadline_);
   }
   search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const MHAStar& options) {
@@ -323,61 +331,208 @@ class SingleRobotPlan {
     throw Error("internal error: 'auto' searches more than one lattice");
   }
 
-  std::vector<Eigen::VectorXd> find_path() {
+  void find_path() {
     if (const auto* options = std::get_if<Auto>(&problem_.options)) return find_path_in_turns(*options);
-    Lattice lattice = make_lattice(backward_);
+    choose_direction();
+    Lattice lattice = make_lattice(backward_, make_primitives());
     const search::Result result = search(lattice);
     statistics_.states = lattice.size();
-    statistics_.memory_bytes += lattice.memory();
-    return path_of(result, lattice);
-  }
-
-  /// The planner `auto`. Without a say in it, both directions; a lattice of primitives from a file has one resolution.
-  std::vector<Eigen::VectorXd> find_path_in_turns(const Auto& options) {
-    using Member = search::PortfolioMember<Lattice, StateHeuristic>;
-    std::vector<std::unique_ptr<Lattice>> lattices;
-    std::vector<std::unique_ptr<StateHeuristic>> heuristics;
-    std::vector<char> backward;
-    std::vector<Member> members;
-    const bool built_in = common_.mprim_path.empty();
-    const std::vector<double> scales = built_in ? std::vector<double>{1.5, 0.75, 0.4} : std::vector<double>{1.0};
-    for (const double scale : scales)
-      for (const bool back : {backward_, !backward_}) {
-        if (back != backward_ && common_.direction != "auto") continue;
-        lattices.emplace_back(new Lattice(make_lattice(back, scale, !built_in)));  // it cannot move
-        heuristics.push_back(std::make_unique<StateHeuristic>(make_heuristic(common_.heuristic, *lattices.back())));
-        backward.push_back(back);
-        members.push_back({lattices.back().get(), lattices.back()->starts(), heuristics.back().get()});
-      }
-    stop_if_late("the construction of the heuristic");
-    search::PortfolioResult found;
-    {
-      const PhaseTimer timer(deadline_, statistics_.search_time_s);
-      found = search::portfolio<Lattice, StateHeuristic>(members, {.weight = options.weight}, deadline_);
-    }
-    if (common_.heuristic != "joint_euclidean") found.result.bound = search::infinity;
-    for (const auto& lattice : lattices) {
-      statistics_.states += lattice->size();
-      statistics_.memory_bytes += lattice->memory();
-    }
-    backward_ = backward[found.winner];
-    return path_of(found.result, *lattices[found.winner]);
-  }
-
-  /// Of a search in a lattice that is backward_ or not.
-  std::vector<Eigen::VectorXd> path_of(const search::Result& result, const Lattice& lattice) {
-    statistics_.expansions = result.statistics.expansions;
-    statistics_.generated = result.statistics.generated;
-    statistics_.memory_bytes += result.statistics.memory;
+    statistics_.memory_bytes += lattice.memory() + result.statistics.memory;
+    count(result.statistics);
     require_solved(result);
-    std::vector<Eigen::VectorXd> path = lattice.configurations(result.path);
-    const search::StateId goal_state = backward_ ? result.path.front() : result.path.back();
-    statistics_.goal_index = targets_[backward_ ? goal_state : goal_state - lattice.anchor_count()].goal_index;
-    statistics_.bound = result.bound;
-    statistics_.search_cost_rad = result.cost;
-    if (backward_) path = reversed(path);
-    return path;
+    if (best_.empty()) take(found_in(result, lattice, backward_));  // ARA* has handed in its own
   }
+
+  /// A path as a search found it, from start to goal.
+  struct Found {
+    std::vector<Eigen::VectorXd> path;
+    int goal_index{};
+    double cost{};
+    double lower{};  // no path of the lattice costs less
+    std::string graph;
+  };
+
+  Found found_in(const search::Result& result, const Lattice& lattice, bool backward) const {
+    Found found{lattice.configurations(result.path), 0, result.cost, 0.0, describe(backward)};
+    if (common_.heuristic == "joint_euclidean" || std::holds_alternative<Auto>(problem_.options))
+      found.lower = result.cost / result.bound;
+    const search::StateId goal_state = backward ? result.path.front() : result.path.back();
+    found.goal_index = targets_[backward ? goal_state : goal_state - lattice.anchor_count()].goal_index;
+    if (backward) found.path = reversed(found.path);
+    return found;
+  }
+
+  std::string describe(bool backward, double scale = 1.0) const {
+    const std::string end = backward ? "the goals" : "the start";
+    if (own_primitives()) return "the lattice of '" + common_.mprim_path + "' from " + end;
+    return "the lattice of " + to_text(scaled_resolution(scale)) + " degrees from " + end;
+  }
+
+  void count(const search::Statistics& work) {
+    statistics_.expansions += work.expansions;
+    statistics_.generated += work.generated;
+  }
+
+  /// Shortens a path and keeps it when it is the shortest so far. False: the user wants no better one.
+  bool take(Found found, const ShortcutOptions& effort = {}) {
+    if (common_.shortcut) found.path = shortened(found.path, effort);
+    const double cost = length(found.path);
+    if (best_.empty() || cost < statistics_.path_cost_rad) {
+      best_ = std::move(found.path);
+      statistics_.path_cost_rad = cost;
+      statistics_.goal_index = found.goal_index;
+    }
+    statistics_.search_cost_rad =
+        statistics_.solutions.empty() ? found.cost : std::min(statistics_.search_cost_rad, found.cost);
+    return prove(found.lower, found.graph);
+  }
+
+  /// No path of `graph` costs less than `lower`. Tells of the best path if it or its bound is news.
+  bool prove(double lower, const std::string& graph) {
+    if (statistics_.bound_graph.empty() || lower > lower_ * (1.0 + 1e-9)) {
+      lower_ = lower;
+      statistics_.bound_graph = graph;
+    }
+    const double cost = std::min(statistics_.path_cost_rad, statistics_.search_cost_rad);
+    statistics_.bound = cost <= lower_ ? 1.0 : lower_ > 0.0 ? cost / lower_ : search::infinity;
+    const Solution now{deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph};
+    std::vector<Solution>& known = statistics_.solutions;
+    if (!known.empty() && now.cost_rad >= known.back().cost_rad && now.bound >= known.back().bound) return true;
+    known.push_back(now);
+    return !problem_.on_solution || problem_.on_solution(now, to_rows(best_));
+  }
+
+  // --- the planner `auto`
+
+  static constexpr double scales[] = {3.0, 1.5, 0.75, 0.4};  // of the resolution asked for
+  /// The first path is wanted soon: what a tenth of the checks can save.
+  static ShortcutOptions quick() {
+    return {.min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 1e-2, .cut_gain = 1.0, .continuous = {}};
+  }
+
+  /// One search of the portfolio and what it needs to live.
+  struct Member {
+    std::unique_ptr<Lattice> lattice;  // it cannot move
+    StateHeuristic anchor;
+    bool backward;
+    double scale;
+  };
+
+  void find_path_in_turns(const Auto& options) {
+    pairs_ = parallel_pairs(robot_);
+    direct_ = search::infinity;
+    for (const Target& target : targets_) direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
+    lower_ = direct_;
+    statistics_.bound_graph = "every path";
+    search::PortfolioResult found = search_in_turns(search::infinity, 1.0, {.weight = options.weight}, deadline_);
+    require_solved(found.result);
+    Found first = found_by(found);
+    if (take(first, quick()) && options.improve_time > 0.0) improve(std::move(first), options);
+    improving_until_ = nullptr;
+  }
+
+  Found found_by(const search::PortfolioResult& found) const {
+    const Member& winner = members_[found.winner];
+    Found answer = found_in(found.result, *winner.lattice, winner.backward);
+    answer.graph = describe(winner.backward, winner.scale);
+    return answer;
+  }
+
+  /// Better and better paths. Each round searches only where a path could be shorter than the best by a good part of
+  /// what it is longer than the straight line (Gammell, Srinivasa, Barfoot 2014, "Informed RRT*"); a lattice exhausted
+  /// there proves its optimum longer. When no round finds any, the next rounds have more time, in finer lattices.
+  void improve(Found first, const Auto& options) {
+    const Deadline until(std::min(options.improve_time, deadline_.remaining()),
+                         [this] { return deadline_.cancelled(); });
+    improving_until_ = &until;
+    if (!take(std::move(first))) return;  // now with all the care that shortening can take
+    double finer = 1.0;
+    for (std::uint64_t expansions = 64;; expansions *= 4, finer *= 0.87)
+      for (const double share : {0.5, 0.75, 0.9, 1.0})
+        while (true) {
+          if (good_enough(options) || until.stop_requested()) return;
+          const double before = statistics_.path_cost_rad, limit = direct_ + share * (before - direct_);
+          const auto found = search_in_turns(limit, finer, {.max_expansions = expansions}, until);
+          if (!prove_exhausted(found, limit)) return;
+          if (found.result.status == Status::solved && !take(found_by(found))) return;
+          const auto& exhausted = found.exhausted;
+          if (own_primitives() && share == 1.0 && std::count(exhausted.begin(), exhausted.end(), 0) == 0)
+            return;  // there is no finer lattice to turn to
+          if (statistics_.path_cost_rad >= before) break;
+        }
+  }
+
+  /// A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
+  bool good_enough(const Auto& options) const {
+    if (options.final_weight > 1.0 && statistics_.bound <= options.final_weight) return true;
+    return statistics_.path_cost_rad <= direct_ * (1.0 + 1e-9);
+  }
+
+  /// False: the user wants no better path.
+  bool prove_exhausted(const search::PortfolioResult& found, double limit) {
+    for (std::size_t i = 0; i < members_.size(); ++i)
+      if (found.exhausted[i] && !prove(limit, describe(members_[i].backward, members_[i].scale))) return false;
+    return true;
+  }
+
+  /// Searches whose states lie on paths no longer than `limit`, all lattices `finer` times the usual scale.
+  search::PortfolioResult search_in_turns(double limit, double finer, const search::PortfolioOptions& options,
+                                          const Deadline& deadline) {
+    members_.clear();
+    const std::vector<double> all{std::begin(scales), std::end(scales)};
+    for (const double scale : own_primitives() ? std::vector<double>{1.0} : all)
+      for (const bool back : {true, false})
+        if (common_.direction == "auto" || back == (common_.direction == "backward"))
+          members_.push_back({nullptr, {}, back, finer * scale});
+    const auto make = [&](std::size_t i) { return make_member(members_[i], limit); };
+    const PhaseTimer timer(deadline_, statistics_.search_time_s);
+    auto found = search::portfolio<Lattice, StateHeuristic>(members_.size(), make, options, deadline);
+    count(found.result.statistics);
+    std::uint64_t memory = found.result.statistics.memory;
+    for (const Member& member : members_)
+      if (member.lattice) {
+        statistics_.states += member.lattice->size();
+        memory += member.lattice->memory();
+      }
+    statistics_.memory_bytes = std::max(statistics_.memory_bytes, memory);
+    return found;
+  }
+
+  search::PortfolioMember<Lattice, StateHeuristic> make_member(Member& member, double limit) {
+    member.lattice.reset(new Lattice(make_lattice(
+        member.backward,
+        own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale), pairs_))));
+    Lattice& lattice = *member.lattice;
+    member.anchor = [&lattice, limit](search::StateId s) {
+      const double ahead = lattice.distance_to_targets(s);
+      if (limit == search::infinity || ahead + lattice.distance_from_anchors(s) < limit + 1e-9) return ahead;
+      return search::infinity;
+    };
+    return {&lattice, lattice.starts(), &member.anchor, make_guides(lattice)};
+  }
+
+  /// The distance to the goal by four measures: straight; with the joints near the base counting for more; with those
+  /// near the hand; and the sum over the joints. Where one of them leads into a corner, another leads out.
+  search::Guides make_guides(Lattice& lattice) {
+    const auto dof = static_cast<Eigen::Index>(robot_.dof());
+    RowMatrix weights = RowMatrix::Ones(3, dof);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      const double along = dof > 1 ? static_cast<double>(j) / static_cast<double>(dof - 1) : 0.0;
+      weights(1, j) = 2.0 - 1.9 * along;
+      weights(2, j) = 0.5 + 0.7 * along;
+    }
+    if (common_.heuristic == "joint_euclidean")
+      return {4, [&lattice, weights](search::StateId s, std::span<double> out) {
+                lattice.measure_to_targets(s, weights, out);
+              }};
+    return {5, [&lattice, weights, other = make_heuristic(common_.heuristic, lattice)](search::StateId s,
+                                                                                       std::span<double> out) {
+              lattice.measure_to_targets(s, weights, out.first(4));
+              out[4] = other(s);
+            }};
+  }
+
+  // ---
 
   /// From start to goal, continuous joints unwrapped from the start on.
   std::vector<Eigen::VectorXd> reversed(const std::vector<Eigen::VectorXd>& path) const {
@@ -393,9 +548,11 @@ class SingleRobotPlan {
     switch (result.status) {
       case Status::solved: return;
       case Status::exhausted:
-        fail(result.status, "the lattice of " + to_text(common_.resolution) +
-                                " degrees holds no path: every state that can be reached was expanded (" + work +
-                                "); a finer resolution or other motion primitives may hold one");
+        fail(result.status,
+             (members_.size() > 1 ? "none of the " + std::to_string(members_.size()) + " lattices holds a"
+                                  : describe(backward_) + " holds no") +
+                 " path: every state that can be reached was expanded (" + work +
+                 "); a finer resolution or other motion primitives may hold one");
       case Status::cancelled: fail(result.status, "the plan was cancelled during the search (" + work + ")");
       default:
         fail(Status::timed_out,
@@ -403,12 +560,12 @@ class SingleRobotPlan {
     }
   }
 
-  std::vector<Eigen::VectorXd> shortened(const std::vector<Eigen::VectorXd>& path) {
+  std::vector<Eigen::VectorXd> shortened(const std::vector<Eigen::VectorXd>& path, ShortcutOptions options) {
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
     const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(a, b); };
-    ShortcutOptions options;
     options.continuous = continuous_joints();
-    const RowMatrix shorter = shortcut(to_rows(path), is_free, deadline_, options).waypoints;
+    const RowMatrix shorter =
+        shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
     std::vector<Eigen::VectorXd> result;
     for (Eigen::Index i = 0; i < shorter.rows(); ++i) result.emplace_back(shorter.row(i).transpose());
     return result;
@@ -465,6 +622,12 @@ class SingleRobotPlan {
   Eigen::VectorXd start_;
   std::vector<Target> targets_;
   bool backward_{false};
+  std::vector<Eigen::VectorXd> best_;  // path so far
+  double lower_{0.0};                  // no path of statistics_.bound_graph costs less
+  const Deadline* improving_until_{nullptr};
+  double direct_{0.0};  // straight to the nearest goal: no path at all is shorter
+  std::vector<Member> members_;
+  std::vector<JointPair> pairs_;
 };
 
 }  // namespace

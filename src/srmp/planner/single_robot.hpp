@@ -12,6 +12,7 @@ struct SingleRobotProblem {
   Eigen::VectorXd start;
   const std::vector<GoalConstraint>& goals;
   const PlannerOptions& options;
+  OnSolution on_solution;
 };
 
 /// Answers it; throws PlanningError. `statistics` is filled either way.

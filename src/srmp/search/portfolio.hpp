@@ -1,25 +1,27 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "srmp/search/weighted_search.hpp"
+#include "srmp/search/guided_search.hpp"
 
-/// Several weighted A* searches of one question, each in a graph of its own, a few expansions at a time in turns: as
-/// quick as a few times the quickest of them, whichever that is.
+/// Several guided searches of one question, each in a graph of its own, a few expansions at a time in turns: as quick
+/// as a few times the quickest of them, whichever that is.
 ///
 /// Paper: Huberman, Lukose, Hogg 1997, "An Economics Approach to Hard Computational Problems" (portfolios); the
-/// searches are weighted_astar's. Guarantee: cost <= bound * optimal cost in the graph of the search that finished
-/// first, bound <= weight. `exhausted` means that no graph holds a path. Turns are counted in expansions, so the answer
-/// does not depend on time. Needs: of every graph and heuristic what weighted_astar needs.
+/// searches are GuidedSearch's. Guarantee: cost <= bound * optimal cost in the graph of the search that finished first,
+/// bound <= weight unless the deadline came first. `exhausted` means that no graph holds a path. Turns are counted in
+/// expansions, so the answer does not depend on time.
 namespace srmp::search {
 
 struct PortfolioOptions {
-  double weight{1.0};      ///< >= 1
-  std::uint64_t turn{32};  ///< > 0: expansions of one search before it is the next one's turn
+  double weight{1.0};     ///< >= 1
+  std::uint64_t turn{8};  ///< > 0: expansions of one search before it is the next one's turn
+  /// > 0; of one search; when all that are not exhausted have had as many, the answer is timed_out.
+  std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};
 };
 
 template <Graph G, Heuristic H>
@@ -27,49 +29,60 @@ struct PortfolioMember {
   G* graph;
   std::vector<StateId> starts;
   H* heuristic;
+  Guides guides;
 };
 
 struct PortfolioResult {
-  Result result;         ///< statistics: of all searches together
-  std::size_t winner{};  ///< member that found it
+  Result result;                ///< statistics: of all searches together
+  std::size_t winner{};         ///< member that found it
+  std::vector<char> exhausted;  ///< by member: its graph holds no path
 };
 
-/// Throws InvalidArgument for no members and as weighted_astar does.
-template <Graph G, Heuristic H>
-PortfolioResult portfolio(std::span<const PortfolioMember<G, H>> members, const PortfolioOptions& options,
-                          const Deadline& deadline) {
+/// `make(i)` is called when member i of `count` has its first turn; graph and heuristic must outlive the call. Throws
+/// InvalidArgument for no members and as GuidedSearch does.
+template <Graph G, Heuristic H, class Make>
+PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions& options, const Deadline& deadline) {
   require_weight(options.weight, "weight");
-  if (members.empty()) throw InvalidArgument("a portfolio needs at least one search");
+  if (count == 0) throw InvalidArgument("a portfolio needs at least one search");
   if (options.turn == 0) throw InvalidArgument("a portfolio's turn must be at least one expansion");
-  using Search = WeightedSearch<G, H>;
-  std::vector<std::unique_ptr<Search>> searches;
-  for (const auto& member : members) {
-    searches.push_back(
-        std::make_unique<Search>(*member.graph, *member.heuristic, options.weight, Search::Expand::once));
-    searches.back()->add_starts(member.starts);
-  }
+  using Search = GuidedSearch<G, H>;
+  std::vector<std::unique_ptr<Search>> searches(count);
   const auto finish = [&](std::size_t winner, std::optional<Status> stop) {
-    PortfolioResult answer{searches[winner]->result(options.weight, stop), winner};
+    for (std::size_t i = 0; i < count; ++i)  // stopped before the proof: the cheapest path
+      if (stop && searches[i] && searches[i]->cost() < searches[winner]->cost()) winner = i;
+    PortfolioResult answer{searches[winner]->result(stop), winner, std::vector<char>(count, 0)};
     answer.result.statistics = {};
-    for (const auto& search : searches) {
-      const Statistics s = search->statistics();
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!searches[i]) continue;
+      const Statistics s = searches[i]->statistics();
       answer.result.statistics.expansions += s.expansions;
       answer.result.statistics.generated += s.generated;
       answer.result.statistics.evaluations += s.evaluations;
       answer.result.statistics.memory += s.memory;
+      answer.exhausted[i] = searches[i]->finished() && !searches[i]->solved();
     }
     return answer;
   };
+  bool gave_up = false;
   for (bool working = true; working;) {
-    working = false;
-    for (std::size_t i = 0; i < searches.size(); ++i) {
+    working = gave_up = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!searches[i]) {
+        PortfolioMember<G, H> member = make(i);
+        searches[i] = std::make_unique<Search>(*member.graph, *member.heuristic, member.guides, options.weight);
+        searches[i]->add_starts(member.starts);
+      }
       if (searches[i]->finished()) continue;
+      if (searches[i]->expansions() >= options.max_expansions) {
+        gave_up = true;
+        continue;
+      }
       if (const auto stop = searches[i]->improve(deadline, options.turn)) return finish(i, stop);
       if (searches[i]->finished() && searches[i]->solved()) return finish(i, std::nullopt);
       working = true;
     }
   }
-  return finish(0, std::nullopt);
+  return finish(0, gave_up ? std::optional(Status::timed_out) : std::nullopt);
 }
 
 }  // namespace srmp::search

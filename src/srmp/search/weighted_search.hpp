@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -36,12 +35,9 @@ class WeightedSearch {
   /// No state in OPEN can beat the best goal within the weight.
   bool finished() const { return open_.empty() || (solved() && open_.min_priority() >= goal_cost_); }
 
-  /// Expands in the order of OPEN until finished, or as many states as `expansions` says. Says why when it had to stop
-  /// earlier.
-  std::optional<Status> improve(const Deadline& deadline,
-                                std::uint64_t expansions = std::numeric_limits<std::uint64_t>::max()) {
-    const std::uint64_t first = tree_.statistics.expansions;
-    while (!finished() && tree_.statistics.expansions - first < expansions) {
+  /// Expands in the order of OPEN until finished. Says why when it had to stop earlier.
+  std::optional<Status> improve(const Deadline& deadline) {
+    while (!finished()) {
       if (const auto stop = stop_status(deadline)) return stop;
       const StateId s = open_.top().state;
       if (table().confirmed(s)) {

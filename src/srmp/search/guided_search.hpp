@@ -1,0 +1,153 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "srmp/search/lazy_tree.hpp"
+#include "srmp/search/open_list.hpp"
+
+namespace srmp::search {
+
+/// Estimates of the cost to the nearest goal, good or bad: each finite and >= 0. values(s, out) writes all `count`.
+struct Guides {
+  std::size_t count{};
+  std::function<void(StateId, std::span<double>)> values;
+};
+
+/// The fastest way to some path, with a proof of its cost beside it: greedy best-first search in the orders of several
+/// heuristics that share their expansions.
+///
+/// Papers: Röger, Helmert 2010, "The More, the Merrier: Combining Heuristic Estimators for Satisficing Planning"
+/// (guides take turns, each expands its best state); Aine et al. 2016, "Multi-Heuristic A*" (the consistent anchor
+/// beside them, no state expanded more than twice); lazy edges as in Cohen, Phillips, Likhachev 2014.
+/// The anchor holds all open states in the order of g + h, so no path costs less than its smallest. Until there is a
+/// path the guides expand; then, as long as it costs more than weight times that, the anchor does, as A* would.
+/// Guarantee: cost <= bound * optimal cost, bound <= weight unless the deadline came first; no edge evaluated twice.
+/// Needs: a Graph, and a consistent heuristic for the anchor as weighted A* (astar.hpp); guides may be anything.
+/// Without guides it is A*.
+template <Graph G, Heuristic H>
+class GuidedSearch {
+ public:
+  GuidedSearch(G& graph, H& anchor, Guides guides, double weight)
+      : tree_(graph, anchor), guides_(std::move(guides)), weight_(weight), queues_(guides_.count) {}
+
+  void add_starts(std::span<const StateId> starts) {
+    tree_.add_starts(starts, [this](StateId s) { requeue(s); });
+  }
+
+  bool solved() const { return !goal_path_.empty(); }
+  /// Of the best path; infinity while there is none.
+  double cost() const { return goal_cost_; }
+  /// Nothing left to do: proven, or exhausted.
+  bool finished() const {
+    if (solved()) return goal_cost_ <= weight_ * anchor_.min_priority();
+    return queues_.empty() ? anchor_.empty() : queues_[0].empty();  // all guides hold the same states
+  }
+
+  /// Expands until finished, or as many states as `expansions` says. Says why when it had to stop earlier.
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) {
+    const std::uint64_t first = tree_.statistics.expansions;
+    while (!finished() && tree_.statistics.expansions - first < expansions) {
+      if (const auto stop = stop_status(deadline)) return stop;
+      const bool guided = !solved() && !queues_.empty();
+      const StateId s = (guided ? queues_[turn_ % queues_.size()] : anchor_).top().state;
+      if (!table().confirmed(s)) {
+        const EdgeId e = table().best(s);
+        tree_.evaluate({&e, 1});
+        requeue(s);
+        continue;
+      }
+      ++turn_;
+      visit(s, guided ? by_guide : by_anchor);
+    }
+    return std::nullopt;
+  }
+
+  Result result(std::optional<Status> stop) const {
+    Result result;
+    result.statistics = statistics();
+    result.status = solved() ? Status::solved : stop.value_or(Status::exhausted);
+    if (!solved()) return result;
+    result.path = goal_path_;
+    result.cost = goal_cost_;
+    result.bound = proven_bound(infinity, goal_cost_, anchor_.min_priority());
+    return result;
+  }
+
+  std::uint64_t expansions() const { return tree_.statistics.expansions; }
+  Statistics statistics() const {
+    Statistics statistics = tree_.statistics;
+    statistics.memory = table().memory() + anchor_.memory() + asked_.capacity() * sizeof(double);
+    for (const OpenList& queue : queues_) statistics.memory += queue.memory();
+    return statistics;
+  }
+
+ private:
+  static constexpr std::uint32_t by_guide = 1;
+  static constexpr std::uint32_t by_anchor = 2;
+
+  CandidateTable& table() { return tree_.table; }
+  const CandidateTable& table() const { return tree_.table; }
+
+  void visit(StateId s, std::uint32_t closed_by) {
+    dequeue(s);
+    table().commit(s);
+    table()[s].closed |= closed_by;
+    if (tree_.is_goal(s)) return note_goal(s);
+    tree_.expand(s, [this](StateId next) { requeue(next); });
+  }
+
+  void dequeue(StateId s) {
+    anchor_.erase(s);
+    for (OpenList& queue : queues_) queue.erase(s);
+  }
+
+  /// Puts `s` into the queues where its best candidate belongs. What a guide has expanded, only the anchor may again.
+  void requeue(StateId s) {
+    const CandidateTable::State& state = table()[s];
+    if (state.best == no_edge) return dequeue(s);
+    if (state.closed & by_anchor) return;  // at its optimal cost, as the heuristic is consistent
+    const double g = table().best_cost(s);
+    anchor_.set(s, g + state.heuristic, state.heuristic);
+    if (state.closed) return;
+    const std::span<const double> values = ask_guides(s);
+    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, values[i], g);
+  }
+
+  /// The guides' values of `s`, asked once.
+  std::span<const double> ask_guides(StateId s) {
+    const std::size_t count = queues_.size(), at = std::size_t{s} * count;
+    if (at + count > asked_.size()) asked_.resize(at + count, -1.0);
+    const std::span<double> values(asked_.data() + at, count);
+    if (count == 0 || values[0] >= 0.0) return values;
+    guides_.values(s, values);
+    for (std::size_t i = 0; i < count; ++i)
+      if (!(values[i] >= 0.0 && values[i] < infinity))
+        throw InvalidArgument("guide " + std::to_string(i) + " of state " + std::to_string(s) + " is " +
+                              to_text(values[i]) + ", it must be finite and at least 0");
+    return values;
+  }
+
+  void note_goal(StateId s) {
+    std::vector<StateId> path = table().path_to(s);
+    const double cost = table().path_cost(path);
+    if (cost >= goal_cost_) return;
+    goal_path_ = std::move(path);
+    goal_cost_ = cost;
+  }
+
+  LazyTree<G, H> tree_;
+  Guides guides_;
+  double weight_;
+  OpenList anchor_;
+  std::vector<OpenList> queues_;  ///< one a guide
+  std::vector<double> asked_;     ///< by state and guide; negative: not asked yet
+  std::vector<StateId> goal_path_;
+  double goal_cost_{infinity};
+  std::uint64_t turn_{};
+};
+
+}  // namespace srmp::search
