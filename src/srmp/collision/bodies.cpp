@@ -1,7 +1,8 @@
 #include "srmp/collision/bodies.hpp"
 
 #include <algorithm>
-#include <set>
+#include <map>
+#include <string_view>
 
 namespace srmp::detail {
 
@@ -36,35 +37,43 @@ Body object_body(const Object& object, BodyKind kind) {
 /// Does contact between two bodies count?
 class Rules {
  public:
-  Rules(const Scene& scene, const RobotGroup& group) : scene_(scene), group_(group), checked_(group.size()) {
-    for (std::size_t i = 0; i < group.size(); ++i) {
-      const auto& pairs = group.model(i).self_pairs();
-      checked_[i].insert(pairs.begin(), pairs.end());
-    }
+  /// Numbers the bodies by their scene names: several geometries share a link.
+  Rules(const Scene& scene, const RobotGroup& group, Bodies& bodies) : scene_(scene), group_(group) {
+    std::map<std::string_view, std::size_t> known;
+    const auto number = [&](Body& body) {
+      const auto [it, added] = known.try_emplace(body.scene_name, names_.size());
+      if (added) names_.push_back(&body.scene_name);
+      body.name_id = it->second;
+    };
+    for (Body& body : bodies.moving) number(body);
+    for (Body& body : bodies.fixed) number(body);
+    allowed_.assign(names_.size() * names_.size(), unknown);
   }
 
   bool matters(const Body& a, const Body& b) {
     if (a.member != 0 && b.member != 0) return false;
-    if (allowed(a.scene_name, b.scene_name)) return false;
+    if (allowed(a.name_id, b.name_id)) return false;
     if (a.member != b.member || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
-    const auto member = static_cast<std::size_t>(a.member);
-    const RobotModel& model = group_.model(member);
-    return checked_[member].contains(std::minmax(a.source, b.source)) ||
+    const RobotModel& model = group_.model(static_cast<std::size_t>(a.member));
+    const std::pair<std::size_t, std::size_t> pair = std::minmax(a.source, b.source);
+    return std::binary_search(model.self_pairs().begin(), model.self_pairs().end(), pair) ||
            model.allowed(model.geometries()[a.source].link, model.geometries()[b.source].link);
   }
 
  private:
-  bool allowed(const std::string& a, const std::string& b) {
-    const auto [it, added] = known_.try_emplace({a, b}, false);  // several geometries share a link
-    if (added) it->second = scene_.allowed_collision(a, b);
-    return it->second;
+  static constexpr char unknown = 2;
+
+  bool allowed(std::size_t a, std::size_t b) {
+    char& answer = allowed_[a * names_.size() + b];
+    if (answer == unknown) answer = scene_.allowed_collision(*names_[a], *names_[b]);
+    return answer;
   }
 
   const Scene& scene_;
   const RobotGroup& group_;
-  std::vector<std::set<std::pair<std::size_t, std::size_t>>> checked_;
-  std::map<std::pair<std::string, std::string>, bool> known_;
+  std::vector<const std::string*> names_;
+  std::vector<char> allowed_;  // [a * names + b]
 };
 
 }  // namespace
@@ -153,7 +162,7 @@ void Bodies::add_other_robots(const Scene& scene) {
 }
 
 void Bodies::add_pairs(const Scene& scene) {
-  Rules rules(scene, group_);
+  Rules rules(scene, group_, *this);
   fixed_pair.assign(moving.size() * fixed.size(), -1);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)

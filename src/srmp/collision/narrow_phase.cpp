@@ -4,6 +4,7 @@
 #include <coal/distance.h>
 #include <coal/narrowphase/gjk.h>
 #include <coal/narrowphase/minkowski_difference.h>
+#include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>
@@ -255,6 +256,7 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
   PieceShape shape(tree);
+  const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
   double best = infinity, limit = margin + tolerance;
   const auto gap_to = [&](std::uint32_t node) { return squared_gap(tree.nodes()[node], box); };
   open.assign(1, {gap_to(0), 0, 0});
@@ -264,7 +266,7 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
     if (next.squared_gap > limit * limit) continue;
     const PieceTree::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
-      if (solid_to_node(solid, node, to_tree, limit) == infinity) continue;
+      if (fills_its_box_badly && solid_to_node(solid, node, to_tree, limit) == infinity) continue;
       push_nearer_last({gap_to(next.a + 1), next.a + 1, 0}, {gap_to(node.right), node.right, 0}, limit);
       continue;
     }

@@ -33,7 +33,7 @@ Ball around(const std::vector<Ball>& balls) {
       if ((b.center - result.center).norm() + b.radius > (far->center - result.center).norm() + far->radius) far = &b;
     return *far;
   };
-  for (int i = 1; i <= 100; ++i) {
+  for (int i = 1; i <= 30; ++i) {
     const Ball far = farthest();
     const Eigen::Vector3d way = far.center - result.center;
     const double distance = way.norm();
@@ -147,11 +147,16 @@ class Builder {
       for (std::uint32_t& child : body.children.back()) child += first_fine;
     }
     if (!body.children.empty()) body.children.resize(body.coarse.size());
-    bounds_[&body - scene_.world.bodies.data()].push_back({pose * cover.bound.center, cover.bound.radius});
+    bounds_of(body).push_back({pose * cover.bound.center, cover.bound.radius});
+  }
+
+  std::vector<Ball>& bounds_of(const BatchBody& body) {
+    bounds_.resize(scene_.world.bodies.size());
+    return bounds_[static_cast<std::size_t>(&body - scene_.world.bodies.data())];
   }
 
   void finish(BatchBody& body) {
-    body.bound = around(bounds_[&body - scene_.world.bodies.data()]);
+    body.bound = around(bounds_of(body));
     if (body.exact) body.inner.clear();
   }
 
@@ -208,29 +213,32 @@ class Builder {
   }
 
   void add_pairs() {
-    std::map<std::pair<int, int>, std::vector<std::uint32_t>> obstacle_pairs, self_pairs;
+    const std::size_t bodies = scene_.world.bodies.size(), obstacles = scene_.world.obstacles.size();
+    std::vector<std::vector<std::uint32_t>> obstacle_pairs(bodies * obstacles), self_pairs(bodies * bodies);
     for (std::uint32_t id = 0; id < bodies_.pairs.size(); ++id) {
       const Pair& pair = bodies_.pairs[id];
-      const int a = body_of_moving_[pair.a];
-      if (!pair.b_fixed)
-        self_pairs[std::minmax(a, body_of_moving_[pair.b])].push_back(id);
-      else if (const auto& [is_obstacle, index] = fixed_[pair.b]; is_obstacle)
-        obstacle_pairs[{a, index}].push_back(id);
+      const auto a = static_cast<std::size_t>(body_of_moving_[pair.a]);
+      const auto [is_obstacle, index] =
+          pair.b_fixed ? fixed_[pair.b] : std::pair<bool, int>(false, body_of_moving_[pair.b]);
+      const auto b = static_cast<std::size_t>(index);
+      if (is_obstacle)
+        obstacle_pairs[a * obstacles + b].push_back(id);
       else
-        self_pairs[{a, index}].push_back(id);
+        self_pairs[std::min(a, b) * bodies + std::max(a, b)].push_back(id);
     }
-    std::vector<std::size_t> geometries(scene_.world.bodies.size(), 1);
-    for (std::size_t& count : geometries) count = bounds_[&count - geometries.data()].size();
-    for (auto& [key, ids] : obstacle_pairs) {
-      scene_.world.obstacle_pairs.push_back(key);
-      scene_.obstacle_pairs.push_back(std::move(ids));
+    for (std::size_t i = 0; i < obstacle_pairs.size(); ++i) {
+      if (obstacle_pairs[i].empty()) continue;
+      scene_.world.obstacle_pairs.emplace_back(i / obstacles, i % obstacles);
+      scene_.obstacle_pairs.push_back(std::move(obstacle_pairs[i]));
     }
-    for (auto& [key, ids] : self_pairs) {
+    for (std::size_t i = 0; i < self_pairs.size(); ++i) {
+      if (self_pairs[i].empty()) continue;
+      const auto a = i / bodies, b = i % bodies;
       // Where some geometries of the two may touch, a hit may be theirs.
-      const bool all = ids.size() == geometries[key.first] * geometries[key.second];
-      const double padding = bodies_.pairs[ids.front()].padding + NarrowPhase::contact_distance;
-      scene_.world.self_pairs.push_back({key.first, key.second, padding, all});
-      scene_.self_pairs.push_back(std::move(ids));
+      const bool all = self_pairs[i].size() == bounds_[a].size() * bounds_[b].size();
+      const double padding = bodies_.pairs[self_pairs[i].front()].padding + NarrowPhase::contact_distance;
+      scene_.world.self_pairs.push_back({static_cast<int>(a), static_cast<int>(b), padding, all});
+      scene_.self_pairs.push_back(std::move(self_pairs[i]));
     }
   }
 
@@ -243,7 +251,7 @@ class Builder {
   std::vector<int> body_of_moving_;
   std::vector<std::pair<bool, int>> fixed_;  // of Bodies::fixed: (obstacle?, index)
   std::map<std::tuple<std::string, bool>, int> links_;
-  std::map<std::ptrdiff_t, std::vector<Ball>> bounds_;  // of each body's geometries
+  std::vector<std::vector<Ball>> bounds_;  // of each body's geometries
 };
 
 }  // namespace
