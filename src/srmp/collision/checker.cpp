@@ -32,8 +32,12 @@ constexpr int most_cuts = 16;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// One block of 16: what it leaves open, Coal settles pair by pair in less time than more blocks would take.
-constexpr BatchChecker::MotionOptions batch_options{.step = 0.02, .refinements = 0, .max_blocks = 64};
+/// Where balls are the bodies, they may as well look closely; elsewhere they stop early, because Coal settles what they
+/// leave open, pair by pair, in less time than more blocks would take.
+BatchChecker::MotionOptions batch_options(const BatchWorld& world) {
+  const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
+  return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
+}
 
 std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
@@ -73,6 +77,7 @@ struct Checker::Impl {
     const detail::CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
     batch_scene = detail::make_batch_scene(bodies, group, cover_of);
     batch.emplace(batch_scene.world);
+    batch_options = srmp::batch_options(batch_scene.world);
     for (auto* pairs : {&batch_scene.obstacle_pairs, &batch_scene.self_pairs})
       for (auto& ids : *pairs) std::sort(ids.begin(), ids.end());
   }
@@ -102,6 +107,7 @@ struct Checker::Impl {
   CheckMode mode;
   detail::BatchScene batch_scene;
   std::optional<BatchChecker> batch;
+  BatchChecker::MotionOptions batch_options;
   std::vector<char> continuous;
 };
 
@@ -429,7 +435,7 @@ bool Checker::Workspace::settle() {
 Verdict Checker::Workspace::ask_balls() {
   const BatchChecker& batch = *impl.batch;
   const std::uint64_t blocks = batch.statistics(*batch_).blocks;
-  const Verdict verdict = batch.motion(as_span(start_), as_span(delta_), *batch_, batch_options);
+  const Verdict verdict = batch.motion(as_span(start_), as_span(delta_), *batch_, impl.batch_options);
   statistics.blocks += batch.statistics(*batch_).blocks - blocks;
   open_.clear();
   if (verdict != Verdict::undecided) return verdict;
