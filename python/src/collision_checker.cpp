@@ -176,6 +176,7 @@ nb::dict stats(PyChecker<C>& self) {
   d["blocks"] = s.blocks;
   d["undecided"] = s.undecided;
   d["configurations"] = s.configurations;
+  d["by_tables"] = s.by_tables;
   d["narrow_phase"] = s.narrow_phase;
   return d;
 }

@@ -78,7 +78,8 @@ class Rules {
 
 }  // namespace
 
-Bodies::Bodies(const Scene& scene, const RobotGroup& group) : group_(group), data_(group.make_data()) {
+Bodies::Bodies(const Scene& scene, const RobotGroup& group, std::vector<const PairTables*> tables)
+    : group_(group), tables_(std::move(tables)), data_(group.make_data()) {
   Eigen::VectorXd q(static_cast<Eigen::Index>(group.joints().size()));
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < group.size(); ++i) {
@@ -180,6 +181,16 @@ void Bodies::add_pairs(const Scene& scene) {
     }
 }
 
+const PairTable* Bodies::table_of(const Body& a, const Body& b) const {
+  if (a.member != b.member || a.member < 0 || a.kind != BodyKind::link || b.kind != BodyKind::link) return nullptr;
+  const PairTables* tables = tables_[static_cast<std::size_t>(a.member)];
+  if (!tables) return nullptr;
+  const auto found = std::find_if(tables->begin(), tables->end(), [&](const PairTable& table) {
+    return std::minmax(a.source, b.source) == std::minmax(table.geometry_a, table.geometry_b);
+  });
+  return found == tables->end() ? nullptr : &*found;
+}
+
 void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib) {
   const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
   if (a.movers == b.movers) {
@@ -196,6 +207,9 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
     return;
   }
   Pair pair{index_a, index_b, b_fixed};
+  pair.table = table_of(a, b);
+  if (pair.table && pair.table->never_meet()) return;
+  if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.member));
   pair.solid = a.is_solid() && b.is_solid();
   pair.in_pieces = !a.is_solid() && !b.is_solid();
   if (a.solid() && b.solid()) pair.formula = formulas.index(*a.solid(), *b.solid());

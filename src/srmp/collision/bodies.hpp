@@ -8,6 +8,7 @@
 #include "srmp/collision/broad_phase.hpp"
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/narrow_phase.hpp"
+#include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/robot_group.hpp"
 
 // What a checker keeps of a scene: bodies, and the pairs of them that matter. In the base frame of a group of robots,
@@ -49,9 +50,11 @@ struct Pair {
   std::uint32_t a{};  // moving body
   std::uint32_t b{};  // moving or fixed body
   bool b_fixed{};
-  bool solid{};      // both bodies are convex solids
-  bool in_pieces{};  // neither is
-  int formula{-1};   // for the distance of their solids
+  bool solid{};              // both bodies are convex solids
+  bool in_pieces{};          // neither is
+  int formula{-1};           // for the distance of their solids
+  const PairTable* table{};  // null: none; its joints are counted from first_joint
+  std::size_t first_joint{};
   double padding{};
   std::uint64_t movers_a{}, movers_b{};  // drives between the body and the nearest common frame
 };
@@ -63,7 +66,8 @@ struct RigidOverlap {
 };
 
 struct Bodies {
-  Bodies(const Scene& scene, const RobotGroup& group);
+  /// `tables`: by member of the group, may be null; they must outlive this.
+  Bodies(const Scene& scene, const RobotGroup& group, std::vector<const PairTables*> tables);
 
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
@@ -83,7 +87,10 @@ struct Bodies {
   void add_pairs(const Scene& scene);
   void add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib);
 
+  const PairTable* table_of(const Body& a, const Body& b) const;
+
   const RobotGroup& group_;
+  std::vector<const PairTables*> tables_;
   RobotGroup::Data data_;  // where set_qpos put the robots
 };
 

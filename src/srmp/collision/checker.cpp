@@ -8,6 +8,7 @@
 
 #include "srmp/collision/batch/batch_world.hpp"
 #include "srmp/collision/bodies.hpp"
+#include "srmp/collision/pair_table.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
@@ -31,6 +32,19 @@ constexpr double rough_distance = 0.3;
 constexpr int most_cuts = 16;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Between two configurations; angles may be anything.
+bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  std::array<double, 2> low{}, high{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (pair.table->joints[i] < 0) continue;
+    const auto joint = static_cast<Eigen::Index>(pair.first_joint) + pair.table->joints[i];
+    low[i] = std::min(a[joint], b[joint]) - 1e-9;
+    high[i] = std::max(a[joint], b[joint]) + 1e-9;
+    if (!(std::abs(low[i]) < 1e3 && std::abs(high[i]) < 1e3)) return false;
+  }
+  return pair.table->is_free(low, high);
+}
 
 /// Where balls are the bodies, they may as well look closely; elsewhere they stop early, because Coal settles what they
 /// leave open, pair by pair, in less time than more blocks would take.
@@ -69,7 +83,10 @@ std::string Contact::describe() const {
 
 struct Checker::Impl {
   Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options)
-      : group(scene, with_companions(robot, options.companions)), bodies(scene, group), mode(options.mode) {
+      : group(scene, with_companions(robot, options.companions)),
+        tables(tables_of(group, options)),
+        bodies(scene, group, addresses(tables)),
+        mode(options.mode) {
     for (const Joint& joint : group.joints()) continuous.push_back(joint.kind == JointKind::continuous);
     if (mode == CheckMode::coal) return;
     const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
@@ -102,7 +119,24 @@ struct Checker::Impl {
     return names;
   }
 
+  using Tables = std::vector<std::shared_ptr<const PairTables>>;
+  static Tables tables_of(const detail::RobotGroup& group, const CheckerOptions& options) {
+    Tables tables(group.size());
+    if (options.mode != CheckMode::coal && options.pair_tables)
+      for (std::size_t i = 0; i < group.size(); ++i) {
+        const RobotInstance& robot = group.instance(i);
+        tables[i] = options.pair_tables->tables(robot.model, robot.other_positions, robot.parts);
+      }
+    return tables;
+  }
+  static std::vector<const PairTables*> addresses(const Tables& tables) {
+    std::vector<const PairTables*> result;
+    for (const auto& table : tables) result.push_back(table.get());
+    return result;
+  }
+
   detail::RobotGroup group;
+  Tables tables;  // by member of the group
   Bodies bodies;
   CheckMode mode;
   detail::BatchScene batch_scene;
@@ -118,6 +152,7 @@ class Checker::Workspace {
 
   void place(ConstVector q);
   double gap(const Pair& pair) const;
+  bool table_proves(const Pair& pair, double from, double to);
   double hull_distance(const Pair& pair, double margin, double suffices);
   double distance(const Pair& pair, double margin, double enough);
   bool in_contact(const Pair& pair);
@@ -165,7 +200,8 @@ class Checker::Workspace {
   NarrowPhase narrow_;
   std::vector<Eigen::Isometry3d> poses_;  // of moving bodies
   std::vector<Eigen::Vector3d> centers_;  // of their bounding spheres
-  Eigen::VectorXd start_, delta_, q_;
+  Eigen::VectorXd start_, delta_, q_, here_;
+  bool ask_tables_{true};
   std::uint64_t active_{};                                         // drives that this motion moves
   std::vector<std::size_t> active_drives_;                         // deepest first
   std::vector<double> speed_;                                      // of each drive [rad or m over the whole motion]
@@ -193,7 +229,7 @@ Checker::Workspace::Workspace(const Impl& checker)
   poses_.resize(moving);
   centers_.resize(moving);
   const auto dof = static_cast<Eigen::Index>(impl.group.joints().size());
-  start_ = delta_ = q_ = Eigen::VectorXd::Zero(dof);
+  start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
   active_drives_.reserve(drives);
   speed_.resize(drives);
   axes_.resize(drives);
@@ -203,6 +239,7 @@ Checker::Workspace::Workspace(const Impl& checker)
 
 void Checker::Workspace::place(ConstVector q) {
   ++statistics.configurations;
+  here_ = q;
   impl.group.forward(data_, q);
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     const MovingBody& body = bodies_.moving[i];
@@ -258,9 +295,18 @@ double Checker::Workspace::distance(const Pair& pair, double margin, double enou
   return ask(pair, placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough);
 }
 
+/// Does the pair's table prove the part of the motion?
+bool Checker::Workspace::table_proves(const Pair& pair, double from, double to) {
+  if (!pair.table || !ask_tables_) return false;
+  const bool proved = is_free_by_table(pair, start_ + from * delta_, start_ + to * delta_);
+  statistics.by_tables += proved;
+  return proved;
+}
+
 /// Coal's verdict on the pair, padding counted. The hulls answer most of the time.
 bool Checker::Workspace::in_contact(const Pair& pair) {
   if (gap(pair) > pair.padding + NarrowPhase::tolerance) return false;
+  if (pair.table && ask_tables_ && is_free_by_table(pair, here_, here_)) return false;
   if (!pair.solid && hull_distance(pair, pair.padding + NarrowPhase::tolerance, infinity) == infinity) return false;
   return distance(pair, pair.padding, pair.padding + NarrowPhase::contact_distance) < infinity;
 }
@@ -372,6 +418,7 @@ Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double
 bool Checker::Workspace::take(std::uint32_t pair, double t, double half_width) {
   failed_.pair = pair;
   if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
+  if (table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
   int cuts;
   const Judgement verdict = judge(bodies_.pairs[pair], half_width, cuts);
   if (verdict == Judgement::undecided) cut(t, half_width, pair, cuts);
@@ -442,6 +489,7 @@ Verdict Checker::Workspace::ask_balls() {
   // One interval a pair, from the first to the last that is open: Coal proves a long one as readily as a short one.
   for (const UndecidedPair& u : batch.undecided(*batch_))
     for (std::uint32_t pair : impl.pairs_of(u)) {
+      if (table_proves(bodies_.pairs[pair], u.t - u.half, u.t + u.half)) continue;
       auto& [low, high] = span_of_[pair];
       if (high < low) {
         open_.push_back({0.0, 0.0, pair});
@@ -457,7 +505,7 @@ Verdict Checker::Workspace::ask_balls() {
     high = 0.0;
   }
   statistics.undecided += batch.undecided(*batch_).size();
-  return verdict;
+  return open_.empty() ? Verdict::free : verdict;
 }
 
 /// The whole motion by Coal's distances.
@@ -485,8 +533,10 @@ bool Checker::Workspace::is_motion_free(bool a_is_free) {
 
 MotionCertificate Checker::Workspace::certify_motion() {
   start_is_free_ = false;
+  ask_tables_ = false;
   MotionCertificate certificate;
   certificate.proved = settle_by_coal();
+  ask_tables_ = true;
   if (certificate.proved) return certificate;
   const Pair& pair = bodies_.pairs[failed_.pair];
   certificate.from = failed_.t - failed_.half_width;

@@ -13,6 +13,7 @@
 namespace srmp {
 
 class CoverStore;
+class PairTableStore;
 
 enum class BodyKind { link, object, attached_object };
 
@@ -42,6 +43,8 @@ struct CheckerOptions {
   CheckMode mode{CheckMode::exact};
   std::shared_ptr<CoverStore> covers;   ///< where balls are looked up; nullptr: a store of the checker's own
   std::vector<std::string> companions;  ///< other robots that move too
+  /// Where tables of pairs of links are looked up (not by CheckMode::coal); nullptr: nowhere.
+  std::shared_ptr<PairTableStore> pair_tables;
 };
 
 /// What a thread's checks did so far.
@@ -53,6 +56,7 @@ struct CheckStatistics {
   std::uint64_t motions_by_balls{};  ///< of the motions, decided by balls alone
   std::uint64_t blocks{};            ///< of 16 configurations under balls
   std::uint64_t undecided{};         ///< pairs, over a part of a motion, that balls left to Coal
+  std::uint64_t by_tables{};         ///< of those, decided by the pair's table
   std::uint64_t narrow_phase{};      ///< pairs that Coal decided
 };
 

@@ -20,6 +20,7 @@ class RobotGroup {
   const RobotInstance& instance(std::size_t member) const { return members_[member].instance; }
   const RobotModel& model(std::size_t member) const { return *members_[member].instance.model; }
   bool contains(const std::string& robot) const;
+  std::size_t first_joint(std::size_t member) const { return members_[member].first_joint; }  ///< into joints()
 
   const std::vector<Joint>& joints() const { return joints_; }
   const std::vector<Drive>& drives() const { return drives_; }

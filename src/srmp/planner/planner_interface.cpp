@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/self_filter.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/planner/plan_many.hpp"
@@ -17,6 +18,7 @@ struct PlannerInterface::Impl {
   // Of the scene as it is now. Single questions go to Coal alone, so that they do not wait for sphere covers.
   mutable std::map<std::pair<std::string, CheckMode>, std::unique_ptr<Checker>> checkers;
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
+  std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
   PlanStatistics statistics;
 
   /// Runs a change of the scene; the checkers made for the old one go.
@@ -29,13 +31,18 @@ struct PlannerInterface::Impl {
   const Checker& checker(const std::string& robot, CheckMode mode = CheckMode::coal) const {
     scene.robot(robot);  // throws with the nearest name
     std::unique_ptr<Checker>& slot = checkers[{robot, mode}];
-    if (!slot) slot = std::make_unique<Checker>(scene, robot, CheckerOptions{mode, covers});
+    if (!slot)
+      slot = std::make_unique<Checker>(
+          scene, robot, CheckerOptions{.mode = mode, .covers = covers, .companions = {}, .pair_tables = pair_tables});
     return *slot;
   }
 
   /// Slow for a robot seen for the first time, nothing otherwise.
   void cover_robots() const {
-    for (const auto& [name, robot] : scene.robots()) ensure_covered(*robot.model, *covers);
+    for (const auto& [name, robot] : scene.robots()) {
+      ensure_covered(*robot.model, *covers);
+      pair_tables->tables(robot.model, robot.other_positions, robot.parts);
+    }
   }
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
@@ -276,13 +283,17 @@ double PlannerInterface::distance_to_collision(const std::string& robot, ConstVe
 
 std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
   impl_->scene.robot(robot);  // throws with the nearest name
-  return std::make_shared<const Checker>(impl_->scene, robot, CheckerOptions{mode, impl_->covers});
+  return std::make_shared<const Checker>(
+      impl_->scene, robot,
+      CheckerOptions{.mode = mode, .covers = impl_->covers, .companions = {}, .pair_tables = impl_->pair_tables});
 }
 
 std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
     const std::string& robot, const std::map<std::string, TimedPath>& others, CheckMode mode) const {
   impl_->scene.robot(robot);  // throws with the nearest name
-  return std::make_shared<const TimedChecker>(impl_->scene, robot, others, CheckerOptions{mode, impl_->covers});
+  return std::make_shared<const TimedChecker>(
+      impl_->scene, robot, others,
+      CheckerOptions{.mode = mode, .covers = impl_->covers, .companions = {}, .pair_tables = impl_->pair_tables});
 }
 
 // --- planning

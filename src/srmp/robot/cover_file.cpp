@@ -1,20 +1,17 @@
 #include "srmp/robot/cover_file.hpp"
 
-#include <unistd.h>
-
-#include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <string_view>
+
+#include "srmp/robot/cache_file.hpp"
 
 namespace srmp {
 
 namespace {
 
-// A file is: magic, version (in this machine's byte order), key, covers, SHA-256 of all that.
-constexpr std::string_view kMagic = "SRMPCOVR";
-constexpr std::uint32_t kFileVersion = 1;
+constexpr std::string_view kExtension = ".cover";
+constexpr std::uint32_t kFileVersion = 2;   // raise when the layout changes
 constexpr std::uint32_t kCoverVersion = 2;  // raise when covers of the same geometry come out differently
 
 class Writer {
@@ -116,36 +113,6 @@ class Reader {
   std::string_view text_;
 };
 
-std::string_view as_text(const Sha256::Digest& digest) {
-  return {reinterpret_cast<const char*>(digest.data()), digest.size()};
-}
-
-Sha256::Digest digest_of(std::string_view text) {
-  Sha256 hash;
-  hash.add(text.data(), text.size());
-  return hash.digest();
-}
-
-void put_header(Writer& out, const Sha256::Digest& key) {
-  out.put(kMagic);
-  out.put(kFileVersion);
-  out.put(as_text(key));
-}
-
-std::filesystem::path file_of(const std::filesystem::path& folder, const Sha256::Digest& key) {
-  return folder / (to_hex(key) + ".cover");
-}
-
-bool write_and_close(int descriptor, std::string_view text) {
-  bool good = true;
-  while (good && !text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    good = written > 0;
-    if (good) text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return ::close(descriptor) == 0 && good;
-}
-
 }  // namespace
 
 std::filesystem::path default_cover_folder() {
@@ -160,20 +127,9 @@ std::filesystem::path default_cover_folder() {
 }
 
 std::optional<CoverSet> read_covers(const std::filesystem::path& folder, const Sha256::Digest& key) {
-  if (folder.empty()) return std::nullopt;
-  std::ifstream file(file_of(folder, key), std::ios::binary | std::ios::ate);
-  if (!file) return std::nullopt;
-  std::string text(static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())), '\0');
-  file.seekg(0);
-  if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) return std::nullopt;
-  const std::string_view all = text;
-  const std::size_t sum_size = Sha256::Digest().size();
-  Writer header;
-  put_header(header, key);
-  if (all.size() < header.text().size() + sum_size || !all.starts_with(header.text())) return std::nullopt;
-  const std::string_view body = all.substr(0, all.size() - sum_size);
-  if (as_text(digest_of(body)) != all.substr(body.size())) return std::nullopt;
-  Reader in(body.substr(header.text().size()));
+  const auto text = read_cached(folder, kExtension, key);
+  if (!text) return std::nullopt;
+  Reader in(*text);
   CoverSet covers;
   in.get(covers);
   if (!in.at_end()) return std::nullopt;
@@ -181,23 +137,9 @@ std::optional<CoverSet> read_covers(const std::filesystem::path& folder, const S
 }
 
 bool write_covers(const std::filesystem::path& folder, const Sha256::Digest& key, const CoverSet& covers) {
-  if (folder.empty()) return false;
   Writer out;
-  put_header(out, key);
   out.put(covers);
-  out.put(as_text(digest_of(out.text())));
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  std::string temporary = (folder / ".cover_XXXXXX").string();
-  const int descriptor = ::mkstemp(temporary.data());
-  if (descriptor < 0) return false;
-  bool good = write_and_close(descriptor, out.text());
-  if (good) {
-    std::filesystem::rename(temporary, file_of(folder, key), error);
-    good = !error;
-  }
-  if (!good) std::filesystem::remove(temporary, error);
-  return good;
+  return write_cached(folder, kExtension, key, out.text());
 }
 
 Sha256 cover_key(std::string_view what) {

@@ -1,0 +1,267 @@
+#include "srmp/collision/pair_table.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <optional>
+#include <thread>
+
+#include "srmp/collision/narrow_phase.hpp"
+#include "srmp/core/worker_pool.hpp"
+#include "srmp/robot/cache_file.hpp"
+#include "srmp/robot/cover_file.hpp"
+#include "srmp/robot/low_discrepancy.hpp"
+
+namespace srmp {
+
+using namespace detail;
+
+namespace {
+
+constexpr std::string_view extension = ".pairs";
+constexpr std::uint64_t table_version = 1;  // raise when the same pair gets another table, or the layout changes
+constexpr int coarsest = 32;                // cells along an edge of what is tried first
+constexpr int most_questions = 60'000;      // a pair; then the rest is not proved
+constexpr double turn = 2 * std::numbers::pi;
+
+int cell_of(double angle) { return static_cast<int>(std::floor(angle / turn * PairTable::cells)); }
+int wrapped(int cell) { return cell & (PairTable::cells - 1); }
+
+/// Joints that turn one geometry against the other, where a table can be made of them.
+struct Turning {
+  std::array<int, 2> joints{-1, -1};
+  std::vector<std::size_t> of_a, of_b;  // drives, the deepest first
+};
+
+std::optional<Turning> turning_of(const RobotModel& model, std::size_t a, std::size_t b) {
+  const std::uint64_t movers_a = model.geometries()[a].movers, movers_b = model.geometries()[b].movers;
+  Turning turning;
+  std::size_t count = 0;
+  for (std::size_t k = model.drives().size(); k-- > 0;) {
+    const bool moves_a = movers_a >> k & 1, moves_b = movers_b >> k & 1;
+    if (moves_a == moves_b) continue;
+    const Drive& drive = model.drives()[k];
+    const int joint = static_cast<int>(drive.joint);
+    if (drive.prismatic || std::abs(drive.ratio) != 1.0 || count == 2 || joint == turning.joints[0])
+      return std::nullopt;
+    turning.joints[count++] = joint;
+    (moves_a ? turning.of_a : turning.of_b).push_back(k);
+  }
+  if (count == 0) return std::nullopt;
+  return turning;
+}
+
+/// Proves boxes of angles free.
+class Prover {
+ public:
+  Prover(const RobotModel& model, ConstVector other_positions, const std::vector<GeometryParts>& parts, std::size_t a,
+         std::size_t b, const Turning& turning)
+      : model_(model),
+        turning_(turning),
+        a_(model.geometries()[a], parts[a], a),
+        b_(model.geometries()[b], parts[b], b),
+        data_(model.make_data()),
+        q_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof()))) {
+    model.set_other_positions(*data_, other_positions);
+    if (a_.solid && b_.solid) formula_ = formulas_.index(*a_.solid, *b_.solid);
+    narrow_.emplace(formulas_);
+  }
+
+  PairTable table() {
+    PairTable table{a_.index, b_.index, turning_.joints, {}};
+    rows_ = turning_.joints[1] < 0 ? 1 : PairTable::cells;
+    table.free.assign(static_cast<std::size_t>(rows_ * PairTable::cells / 64), 0);
+    const int edge = std::min(coarsest, rows_);
+    for (int second = 0; second < rows_; second += edge)
+      for (int first = 0; first < PairTable::cells; first += coarsest) prove(table, first, second, coarsest);
+    return table;
+  }
+
+ private:
+  struct Part {
+    Part(const LinkGeometry& geometry, const GeometryParts& parts, std::size_t i)
+        : index(i), shape(geometry.shape.get()), pieces(parts.pieces.get()), bounds(bounds_of(*geometry.shape)) {
+      bounds.center = geometry.center;
+      bounds.radius = geometry.radius;
+      if (is_convex_solid(*parts.hull)) solid = parts.hull.get();
+    }
+    std::size_t index;
+    const coal::CollisionGeometry *shape, *solid{};
+    const PieceTree* pieces;
+    Bounds bounds;
+  };
+
+  void prove(PairTable& table, int first, int second, int edge) {
+    if (++questions_ > most_questions) return;
+    const int rows = std::min(edge, rows_);
+    if (apart(first + 0.5 * edge, second + 0.5 * rows, 0.5 * edge)) {
+      for (int y = second; y < second + rows; ++y)
+        for (int x = first; x < first + edge; ++x) {
+          const auto bit = static_cast<std::size_t>(y * PairTable::cells + x);
+          table.free[bit / 64] |= std::uint64_t{1} << bit % 64;
+        }
+      return;
+    }
+    if (edge == 1) return;
+    const int half = edge / 2;
+    for (int y = second; y < second + rows; y += half)
+      for (int x = first; x < first + edge; x += half) prove(table, x, y, half);
+  }
+
+  /// Are the two apart while each joint is within `half` cells of these? As Checker proves a part of a motion: farther
+  /// apart in the middle than both can move.
+  bool apart(double first, double second, double half) {
+    constexpr double cell = turn / PairTable::cells;
+    q_[turning_.joints[0]] = first * cell;
+    if (turning_.joints[1] >= 0) q_[turning_.joints[1]] = second * cell;
+    model_.forward(*data_, q_);
+    const Eigen::Isometry3d &pose_a = model_.geometry_pose(*data_, a_.index),
+                            &pose_b = model_.geometry_pose(*data_, b_.index);
+    const Eigen::Vector3d center_a = pose_a * a_.bounds.center, center_b = pose_b * b_.bounds.center;
+    const double change = half * cell + 1e-9;
+    const double margin = moved(turning_.of_a, center_a, a_.bounds.radius, change) +
+                          moved(turning_.of_b, center_b, b_.bounds.radius, change) + NarrowPhase::tolerance;
+    if ((center_a - center_b).norm() - a_.bounds.radius - b_.bounds.radius > margin) return true;
+    constexpr double any = std::numeric_limits<double>::infinity();
+    if (a_.solid && b_.solid &&
+        narrow_->solids(formula_, {a_.solid, nullptr, a_.bounds, pose_a, center_a},
+                        {b_.solid, nullptr, b_.bounds, pose_b, center_b}, margin) == any)
+      return true;
+    return narrow_->pieces({a_.shape, a_.pieces, a_.bounds, pose_a, center_a},
+                           {b_.shape, b_.pieces, b_.bounds, pose_b, center_b}, margin, any) == any;
+  }
+
+  double moved(const std::vector<std::size_t>& drives, const Eigen::Vector3d& center, double radius,
+               double change) const {
+    double sum = 0;
+    for (const std::size_t k : drives) {
+      const auto [point, direction] = model_.drive_axis(*data_, k);
+      sum += change * ((center - point).cross(direction).norm() + radius + sum);
+    }
+    return sum;
+  }
+
+  const RobotModel& model_;
+  const Turning turning_;
+  Part a_, b_;
+  RobotDataPtr data_;
+  Eigen::VectorXd q_;
+  FormulaTable formulas_;
+  int formula_{-1}, rows_{}, questions_{};
+  std::optional<NarrowPhase> narrow_;
+};
+
+PairTables build(const RobotModel& model, ConstVector other_positions, const std::vector<GeometryParts>& parts) {
+  struct Job {
+    std::size_t a, b;
+    Turning turning;
+  };
+  std::vector<Job> jobs;
+  for (const auto& [a, b] : model.self_pairs())
+    if (parts[a].pieces || parts[b].pieces)
+      if (auto turning = turning_of(model, a, b)) jobs.push_back({a, b, std::move(*turning)});
+  PairTables tables(jobs.size());
+  WorkerPool pool(std::max(1u, std::thread::hardware_concurrency()));
+  pool.run(jobs.size(), [&](std::size_t, std::size_t i) {
+    tables[i] = Prover(model, other_positions, parts, jobs[i].a, jobs[i].b, jobs[i].turning).table();
+  });
+  return tables;
+}
+
+/// All that the tables depend on: shapes, and where they are at some configurations.
+Sha256::Digest key_of(const RobotModel& model, ConstVector other_positions) {
+  Sha256 hash = cover_key("pairs");
+  hash.add(table_version);
+  for (const LinkGeometry& geometry : model.geometries()) add_content(hash, *geometry.shape);
+  for (const auto& [a, b] : model.self_pairs()) hash.add(static_cast<std::uint64_t>(a * model.geometries().size() + b));
+  for (const Drive& drive : model.drives()) {
+    hash.add(static_cast<std::uint64_t>(drive.joint));
+    hash.add(drive.ratio);
+  }
+  const RobotDataPtr data = model.make_data();
+  model.set_other_positions(*data, other_positions);
+  for (std::size_t sample = 1; sample <= 4; ++sample) {
+    model.forward(*data, 6.0 * low_discrepancy_point(sample, static_cast<Eigen::Index>(model.dof())));
+    for (std::size_t i = 0; i < model.geometries().size(); ++i)
+      for (const double x : model.geometry_pose(*data, i).matrix().reshaped()) hash.add(x);
+  }
+  return hash.digest();
+}
+
+std::string to_bytes(const PairTables& tables) {
+  std::string text;
+  const auto put = [&](const auto& value) { text.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const PairTable& table : tables) {
+    put(static_cast<std::uint64_t>(table.geometry_a));
+    put(static_cast<std::uint64_t>(table.geometry_b));
+    for (const int joint : table.joints) put(static_cast<std::int32_t>(joint));
+    for (const std::uint64_t word : table.free) put(word);
+  }
+  return text;
+}
+
+std::optional<PairTables> from_bytes(std::string_view text, const RobotModel& model) {
+  PairTables tables;
+  const auto get = [&](auto& value) {
+    if (text.size() < sizeof value) return false;
+    std::memcpy(&value, text.data(), sizeof value);
+    text.remove_prefix(sizeof value);
+    return true;
+  };
+  const auto known = [&](int joint) { return joint >= -1 && joint < static_cast<int>(model.dof()); };
+  while (!text.empty()) {
+    std::uint64_t a = 0, b = 0;
+    std::array<std::int32_t, 2> joints{};
+    if (!get(a) || !get(b) || !get(joints[0]) || !get(joints[1])) return std::nullopt;
+    const std::size_t count = model.geometries().size();
+    if (a >= count || b >= count || joints[0] < 0 || !known(joints[0]) || !known(joints[1])) return std::nullopt;
+    PairTable& table = tables.emplace_back(PairTable{a, b, {joints[0], joints[1]}, {}});
+    table.free.resize((joints[1] < 0 ? 1u : unsigned{PairTable::cells}) * PairTable::cells / 64);
+    for (std::uint64_t& word : table.free)
+      if (!get(word)) return std::nullopt;
+  }
+  return tables;
+}
+
+}  // namespace
+
+bool PairTable::is_free(const std::array<double, 2>& low, const std::array<double, 2>& high) const {
+  const int rows = joints[1] < 0 ? 1 : cells;
+  const auto span = [&](std::size_t i, int& first) {
+    first = cell_of(low[i]);
+    return std::min(cell_of(high[i]) - first + 1, cells);
+  };
+  int x = 0, y = 0;
+  const int width = span(0, x), height = rows == 1 ? 1 : span(1, y);
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i) {
+      const auto bit = static_cast<std::size_t>((rows == 1 ? 0 : wrapped(y + j)) * cells + wrapped(x + i));
+      if (!(free[bit / 64] >> bit % 64 & 1)) return false;
+    }
+  return true;
+}
+
+bool PairTable::never_meet() const {
+  return std::all_of(free.begin(), free.end(), [](std::uint64_t word) { return word == ~std::uint64_t{0}; });
+}
+
+std::shared_ptr<const PairTables> PairTableStore::tables(const std::shared_ptr<const RobotModel>& model,
+                                                         ConstVector other_positions,
+                                                         const std::vector<GeometryParts>& parts) {
+  const std::lock_guard lock(mutex_);
+  for (const Known& known : known_)
+    if (known.model == model && known.other_positions == other_positions) return known.tables;
+  const Sha256::Digest key = key_of(*model, other_positions);
+  std::optional<PairTables> tables;
+  if (const auto bytes = read_cached(folder_, extension, key)) tables = from_bytes(*bytes, *model);
+  if (!tables) {
+    tables = build(*model, other_positions, parts);
+    write_cached(folder_, extension, key, to_bytes(*tables));
+  }
+  known_.push_back({model, other_positions, std::make_shared<const PairTables>(std::move(*tables))});
+  return known_.back().tables;
+}
+
+}  // namespace srmp

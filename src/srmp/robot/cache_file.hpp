@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "srmp/core/sha256.hpp"
+
+namespace srmp {
+
+// Files of what takes long to compute, named by what it was computed from. Damaged, cut or foreign ones count as
+// missing.
+
+/// What the folder holds under the key, bit for bit as written. Nothing where there is no such file, or no folder ("").
+std::optional<std::string> read_cached(const std::filesystem::path& folder, std::string_view extension,
+                                       const Sha256::Digest& key);
+
+/// Writes to a temporary file and renames it, so that readers never see half a file. False when that was impossible.
+bool write_cached(const std::filesystem::path& folder, std::string_view extension, const Sha256::Digest& key,
+                  std::string_view content);
+
+}  // namespace srmp

@@ -1,0 +1,140 @@
+#include "srmp/collision/pair_table.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+#include "collision/worlds.hpp"
+#include "support/files.hpp"
+
+using namespace srmp;
+using namespace worlds;
+
+namespace {
+
+std::string stl(const Mesh& mesh) {
+  std::string text = "solid s\n";
+  for (const auto& t : mesh.triangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int i : t) {
+      const Eigen::Vector3d& v = mesh.vertices[static_cast<std::size_t>(i)];
+      text += "vertex " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " + std::to_string(v.z()) + "\n";
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid s\n";
+}
+
+/// Three angle irons in a row, turning about z and y: the last can meet the first. And one that nothing reaches.
+std::shared_ptr<const RobotModel> irons(const TemporaryFolder& folder) {
+  const std::string file = folder.write("iron.stl", stl(angle_iron()));
+  const auto iron = [&](const std::string& name) {
+    return "<link name='" + name + "'><collision><geometry><mesh filename='" + file +
+           "'/></geometry></collision></link>";
+  };
+  const std::string limit = "<limit lower='-1' upper='1' velocity='2' effort='1'/>";
+  RobotDescription description;
+  description.urdf_text = "<robot name='irons'>" + iron("first") + iron("second") + iron("third") + iron("far") +
+                          "<link name='tip'/>" +
+                          robots::joint("a", "revolute", "first", "second", "0.15 0 0.1", "0 0 1", limit) +
+                          robots::joint("b", "revolute", "second", "third", "0.1 0 0.1", "0 1 0", limit) +
+                          robots::joint("f", "fixed", "first", "far", "-3 0 0", "0 0 1", "") +
+                          robots::joint("t", "fixed", "third", "tip", "0 0 0", "0 0 1", "") + "</robot>";
+  description.end_effector = "tip";
+  return RobotModel::load(description);
+}
+
+std::vector<GeometryParts> parts_of_all(const RobotModel& robot) {
+  std::vector<GeometryParts> parts;
+  for (const LinkGeometry& geometry : robot.geometries()) parts.push_back(parts_of(geometry.shape));
+  return parts;
+}
+
+bool same(const PairTables& a, const PairTables& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PairTable& x, const PairTable& y) {
+    return x.geometry_a == y.geometry_a && x.geometry_b == y.geometry_b && x.joints == y.joints && x.free == y.free;
+  });
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
+  const TemporaryFolder folder;
+  const auto robot = irons(folder);
+  PairTableStore store("");
+  const auto tables = store.tables(robot, robot->default_other_positions(), parts_of_all(*robot));
+  BOOST_TEST(store.tables(robot, robot->default_other_positions(), {}) == tables);  // known
+  Scene scene;
+  scene.add_robot(robot);
+  const Checker coal(scene, "irons", {.mode = CheckMode::coal});
+  const auto workspace = coal.make_workspace();
+  int meeting = 0;
+  bool far_dropped = false;
+  for (const PairTable& table : *tables) {
+    const auto link = [&](std::size_t i) { return robot->geometries()[i].link; };
+    const std::string a = link(table.geometry_a), b = link(table.geometry_b);
+    if (a == "far" || b == "far") {
+      BOOST_TEST(table.never_meet(), a << ' ' << b);
+      far_dropped = true;
+      continue;
+    }
+    BOOST_TEST(!table.never_meet());
+    Dice dice(1);
+    int proved = 0;
+    for (int i = 0; i < 4000; ++i) {  // far beyond the limits, too
+      Eigen::Vector2d q(dice.in(-7, 7), dice.in(-7, 7));
+      const std::array<double, 2> at{q[table.joints[0]], table.joints[1] < 0 ? 0 : q[table.joints[1]]};
+      bool contact = false;
+      for (const Contact& c : coal.contacts(q, *workspace))
+        contact = contact || (c.body_a == a && c.body_b == b) || (c.body_a == b && c.body_b == a);
+      const bool free = table.is_free(at, at);
+      BOOST_TEST(!(free && contact));
+      proved += free;
+      meeting += contact;
+    }
+    BOOST_TEST(proved > 1000);
+    // A range is free when all of it is.
+    BOOST_TEST(!table.is_free({-4, -4}, {4, 4}));
+  }
+  BOOST_TEST(meeting > 100);
+  BOOST_TEST(far_dropped);
+}
+
+BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_answers) {
+  const TemporaryFolder folder;
+  const auto robot = irons(folder);
+  Scene scene;
+  scene.add_robot(robot);
+  scene.add_object("post", Box{{0.05, 0.05, 0.5}}, at(0.25, 0.2, 0.2));
+  CheckerOptions with;
+  with.pair_tables = std::make_shared<PairTableStore>("");
+  const Checker tables(scene, "irons", with), plain(scene, "irons", {.mode = CheckMode::coal});
+  const auto w = tables.make_workspace(), v = plain.make_workspace();
+  Dice dice(2);
+  int free = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector2d a(dice.in(-4, 4), dice.in(-4, 4)), b = a + Eigen::Vector2d(dice.in(-1, 1), dice.in(-1, 1));
+    BOOST_TEST(tables.is_free(a, *w) == plain.is_free(a, *v));
+    const bool answer = tables.is_motion_free(a, b, *w);
+    BOOST_TEST(answer == plain.is_motion_free(a, b, *v));
+    free += answer;
+  }
+  BOOST_TEST(free > 100);
+  BOOST_TEST(free < 900);
+  BOOST_TEST(tables.statistics(*w).by_tables > 0u);
+}
+
+BOOST_AUTO_TEST_CASE(tables_are_kept_in_a_folder_and_made_again_when_damaged) {
+  const TemporaryFolder folder;
+  const auto robot = irons(folder);
+  const auto ask = [&](const Eigen::VectorXd& other) {
+    PairTableStore store(folder.path("cache"));
+    return store.tables(robot, other, parts_of_all(*robot));
+  };
+  const Eigen::VectorXd other = robot->default_other_positions();
+  const auto built = ask(other), loaded = ask(other);
+  BOOST_TEST(same(*built, *loaded));
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path("cache"))) {
+    BOOST_TEST(entry.path().extension() == ".pairs");
+    std::filesystem::resize_file(entry.path(), std::filesystem::file_size(entry.path()) / 2);
+  }
+  BOOST_TEST(same(*built, *ask(other)));
+}
