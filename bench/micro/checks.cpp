@@ -15,6 +15,7 @@
 #include "plain_coal.hpp"
 #include "srmp/collision/batch/batch_checker.hpp"
 #include "srmp/collision/checker.hpp"
+#include "srmp/collision/pair_table.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/robot/cover_store.hpp"
 
@@ -109,7 +110,9 @@ struct Exact {
   static std::unique_ptr<Checker> make(const Scene& scene, const std::string& robot,
                                        const std::shared_ptr<CoverStore>& covers, SimdBackend simd) {
     setenv("SRMP_SIMD", to_string(simd).c_str(), 1);
-    return std::make_unique<Checker>(scene, robot, CheckerOptions{.mode = CheckMode::exact, .covers = covers});
+    static const auto tables = std::make_shared<PairTableStore>(covers->folder());
+    return std::make_unique<Checker>(scene, robot,
+                                     CheckerOptions{.mode = CheckMode::exact, .covers = covers, .pair_tables = tables});
   }
 
   void time_states(const Rows& q, Stopwatch& watch, int repeats) {

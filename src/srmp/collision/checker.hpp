@@ -41,10 +41,10 @@ enum class CheckMode {
 
 struct CheckerOptions {
   CheckMode mode{CheckMode::exact};
-  std::shared_ptr<CoverStore> covers;   ///< where balls are looked up; nullptr: a store of the checker's own
-  std::vector<std::string> companions;  ///< other robots that move too
+  std::shared_ptr<CoverStore> covers{};   ///< where balls are looked up; nullptr: a store of the checker's own
+  std::vector<std::string> companions{};  ///< other robots that move too
   /// Where tables of pairs of links are looked up (not by CheckMode::coal); nullptr: nowhere.
-  std::shared_ptr<PairTableStore> pair_tables;
+  std::shared_ptr<PairTableStore> pair_tables{};
 };
 
 /// What a thread's checks did so far.

@@ -32,8 +32,8 @@ struct PlannerInterface::Impl {
     scene.robot(robot);  // throws with the nearest name
     std::unique_ptr<Checker>& slot = checkers[{robot, mode}];
     if (!slot)
-      slot = std::make_unique<Checker>(
-          scene, robot, CheckerOptions{.mode = mode, .covers = covers, .companions = {}, .pair_tables = pair_tables});
+      slot = std::make_unique<Checker>(scene, robot,
+                                       CheckerOptions{.mode = mode, .covers = covers, .pair_tables = pair_tables});
     return *slot;
   }
 
@@ -284,8 +284,7 @@ double PlannerInterface::distance_to_collision(const std::string& robot, ConstVe
 std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
   impl_->scene.robot(robot);  // throws with the nearest name
   return std::make_shared<const Checker>(
-      impl_->scene, robot,
-      CheckerOptions{.mode = mode, .covers = impl_->covers, .companions = {}, .pair_tables = impl_->pair_tables});
+      impl_->scene, robot, CheckerOptions{.mode = mode, .covers = impl_->covers, .pair_tables = impl_->pair_tables});
 }
 
 std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
@@ -293,7 +292,7 @@ std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
   impl_->scene.robot(robot);  // throws with the nearest name
   return std::make_shared<const TimedChecker>(
       impl_->scene, robot, others,
-      CheckerOptions{.mode = mode, .covers = impl_->covers, .companions = {}, .pair_tables = impl_->pair_tables});
+      CheckerOptions{.mode = mode, .covers = impl_->covers, .pair_tables = impl_->pair_tables});
 }
 
 // --- planning
