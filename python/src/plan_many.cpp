@@ -30,6 +30,8 @@ void for_each_field(Statistics& s, F&& f) {
   f("narrow_phase", s.narrow_phase);
   f("states", s.states);
   f("memory_bytes", s.memory_bytes);
+  f("escape_waypoints", s.escape_waypoints);
+  f("escape_cost_rad", s.escape_cost_rad);
   f("search_cost_rad", s.search_cost_rad);
   f("path_cost_rad", s.path_cost_rad);
   f("bound", s.bound);

@@ -76,7 +76,7 @@ def test_planners_and_options_are_listed_with_their_defaults():
     def as_text(value):
         if isinstance(value, str):
             return value or '""'
-        return str(value).replace("'", '"').replace("True", "true")
+        return str(value).replace("'", '"').replace("True", "true").replace("False", "false")
 
     shared = rows(text.split("## Options of every planner")[1].split("## ")[0])
     own = re.split(r"^\| \*\*`(\w+)`\*\* .*$", text.split("## Options of one planner")[1], flags=re.MULTILINE)

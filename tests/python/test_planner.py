@@ -250,6 +250,33 @@ def test_a_hair_outside_a_limit_is_mended_and_said(arm, ready):
     assert error.value.status == srmp.Status.start_invalid
 
 
+def test_a_start_in_collision_can_be_escaped_if_asked_for(arm, ready):
+    arm.add_sphere("ball", radius=0.1, pose=arm.compute_fk("arm", ready) @ srmp.Pose([0, 0, 0.09]))
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    depths = {(c.body_a, c.body_b): c.distance for c in arm.contacts("arm", ready)}
+    assert depths
+    arm.make_planner("arm", srmp.WAStar(escape_start=True))
+    trajectory = arm.plan("arm", ready, goal)
+    np.testing.assert_array_equal(trajectory.positions[0], ready)
+    np.testing.assert_array_equal(trajectory.positions[-1], mirrored(ready))
+    stats = arm.get_planning_stats()
+    assert "'ball'" in stats["note"]
+    end = stats["escape_waypoints"]
+    assert end >= 1
+    assert trajectory.length == pytest.approx(stats["escape_cost_rad"] + stats["path_cost_rad"])
+    for q in trajectory.positions:  # the trajectory itself: depths never grow, and once free, always free
+        now = {(c.body_a, c.body_b): c.distance for c in arm.contacts("arm", q)}
+        for pair, distance in now.items():
+            assert distance >= depths[pair] - 2e-5
+        depths = {pair: max(distance, depths[pair]) for pair, distance in now.items()}
+    assert not depths
+    for a, b in itertools.pairwise(trajectory.waypoints[end:]):
+        assert arm.is_motion_free("arm", a, b)
+    result = arm.plan_many([srmp.PlanRequest("arm", ready, goal)] * 2, threads=2)[1]
+    np.testing.assert_array_equal(result.trajectory.positions, trajectory.positions)
+    assert result.statistics["escape_cost_rad"] == stats["escape_cost_rad"]
+
+
 def test_out_of_reach_says_so(arm, ready):
     with pytest.raises(
         srmp.PlanningError, match="no configuration within the joint limits brings 'arm7_hand'"

@@ -19,6 +19,7 @@ struct CommonOptions {
   double bfs_resolution{0.05};       ///< cell of the bfs heuristic's grid [m], > 0
   double bfs_radius{0.05};           ///< obstacles are inflated by this in that grid [m], >= 0
   int ik_solutions{16};              ///< configurations tried for a pose or position goal, > 0
+  bool escape_start{false};          ///< leave a start in collision, if no pair gets deeper on the way (escape.hpp)
   bool shortcut{true};               ///< shorten the path before timing it
   double sample_period{0.02};        ///< of the returned trajectory [s], > 0
   double velocity_scaling{1.0};      ///< share of the velocity limits that may be used, in (0, 1]

@@ -21,7 +21,8 @@ namespace io {
 struct RequestFile;
 }
 
-/// A path that was better, or proved to be better, than what was known before.
+/// A path that was better, or proved to be better, than what was known before. It begins where an escape from the start
+/// ended, if there was one.
 struct Solution {
   double time_s{};    ///< since the call of plan
   double cost_rad{};  ///< joint-space length of the path as it would be returned
@@ -36,7 +37,7 @@ using OnSolution = std::function<bool(const Solution&, ConstRows waypoints)>;
 struct PlanStatistics {
   Status status{Status::exhausted};
   std::string reason;     ///< why there is no trajectory; "" when solved
-  std::string note;       ///< what was changed on the way in (a start clamped onto a limit); mostly ""
+  std::string note;       ///< what was changed on the way in (a start clamped onto a limit, or escaped from); mostly ""
   double plan_time_s{};   ///< checks of start and goal, IK, heuristics, search, shortcut: until the path is ready
   double total_time_s{};  ///< call to return, timing and re-check included
   double ik_time_s{};
@@ -56,6 +57,8 @@ struct PlanStatistics {
   std::uint64_t narrow_phase{};             ///< pairs that Coal decided
   std::uint64_t states{};                   ///< states of the lattice
   std::uint64_t memory_bytes{};     ///< the most that states, OPEN, search tree and heuristic grids took together
+  int escape_waypoints{};           ///< the path is free from this waypoint on; above 0: CommonOptions::escape_start
+  double escape_cost_rad{};         ///< joint-space length up to there, which no other cost here counts
   double search_cost_rad{};         ///< joint-space length of the search's cheapest path, before the shortcut
   double path_cost_rad{};           ///< joint-space length of the returned path
   double bound{};                   ///< path_cost_rad <= bound * the optimum of bound_graph; infinity = none proven

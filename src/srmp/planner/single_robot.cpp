@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include "srmp/heuristic/task_space_bfs.hpp"
 #include "srmp/io/primitives.hpp"
 #include "srmp/lattice/lattice.hpp"
+#include "srmp/planner/escape.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
@@ -61,8 +63,10 @@ class SingleRobotPlan {
     find_path();
     collect_check_statistics();
     statistics_.plan_time_s = deadline_.elapsed();
+    if (!escape_.empty()) best_.insert(best_.begin(), escape_.begin(), escape_.end() - 1);
     Trajectory trajectory = timed(best_);
-    verify(best_);
+    verify_escape();
+    verify(std::span(best_).subspan(escape_.empty() ? 0 : escape_.size() - 1));
     return trajectory;
   }
 
@@ -126,8 +130,25 @@ class SingleRobotPlan {
     start_ = robot_.clamped(problem_.start, start_mercy);
     if (start_ != problem_.start)
       statistics_.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
-    if (const std::string why = invalidity(start_); !why.empty())
-      fail(Status::start_invalid, "the start is invalid: " + why);
+    if (const std::string why = invalidity(start_); !why.empty()) {
+      if (!common_.escape_start || robot_.limit_violation(start_))
+        fail(Status::start_invalid, "the start is invalid: " + why);
+      escape(why);
+    }
+  }
+
+  /// From a start in collision to a free one, from which the plan is made.
+  void escape(const std::string& why) {
+    escape_ = find_escape(problem_.checker, start_, workspace(), [this] { stop_if_late("the escape from the start"); });
+    if (escape_.empty())
+      fail(Status::start_invalid, "the start is invalid: " + why +
+                                      ", and no way out was found along which no pair gets deeper into contact and no "
+                                      "other comes into contact");
+    start_ = escape_.back();
+    statistics_.escape_waypoints = static_cast<int>(escape_.size()) - 1;
+    statistics_.escape_cost_rad = length(escape_);
+    statistics_.note += (statistics_.note.empty() ? "" : "; ") +
+                        ("the start was in collision (" + why + "): the trajectory begins with the way out of it");
   }
 
   void find_targets() {
@@ -596,9 +617,18 @@ class SingleRobotPlan {
     return time_parameterize(to_rows(path), robot_.joint_names(), limits, common_.sample_period);
   }
 
+  void verify_escape() {
+    if (escape_.empty()) return;
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    const std::string why = escape_violation(problem_.checker, escape_, *problem_.checker.make_workspace());
+    if (!why.empty())
+      throw Error("internal error: the way out of the start does not lead out (" + why +
+                  "); nothing is returned. Please report this");
+  }
+
   /// The last word, by other code than the search's: every sample of the path, at most verification_step apart, is
   /// checked as a single state in a fresh workspace.
-  void verify(const std::vector<Eigen::VectorXd>& path) {
+  void verify(std::span<const Eigen::VectorXd> path) {
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
     const auto fresh = problem_.checker.make_workspace();
     for (std::size_t i = 1; i < path.size(); ++i) {
@@ -619,7 +649,8 @@ class SingleRobotPlan {
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::vector<Worker> workers_;
-  Eigen::VectorXd start_;
+  Eigen::VectorXd start_;                // free: the end of escape_, if there is one
+  std::vector<Eigen::VectorXd> escape_;  // from a start in collision; empty: the start is free
   std::vector<Target> targets_;
   bool backward_{false};
   std::vector<Eigen::VectorXd> best_;  // path so far
