@@ -4,9 +4,14 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "srmp/core/error.hpp"
+#include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
+#include "srmp/search/guided_search.hpp"
+#include "srmp/search/mha.hpp"
+#include "srmp/search/wpase.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
 
@@ -22,7 +27,7 @@ bool always_free(std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd&) { 
 Lattice make_lattice(const RobotModel& robot, const Vector2d& start, std::vector<Eigen::VectorXd> goals,
                      double step_degrees = 10, MotionValidator validator = always_free,
                      double snap = search::infinity) {
-  Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap};
+  Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap, {}};
   return Lattice(robot, {start}, std::move(goals), options, std::move(validator));
 }
 
@@ -175,4 +180,172 @@ BOOST_AUTO_TEST_CASE(ways_to_the_targets_by_several_measures) {
   BOOST_TEST(std::abs(out[2] - 2.0) < 1e-12);
   lattice.measure_to_targets(1, weights, out);  // a target
   BOOST_TEST((out == std::array<double, 3>{}));
+}
+
+// --- goals that are found while the search runs
+
+namespace {
+
+/// The planar arm among discs in its joint space. Any q with q0 + q1 = 2 is a goal, as of a redundant arm; only
+/// `targets` are known beforehand, of the others a state within 0.6 sees the nearest, and at times a second one.
+struct SnapWorld {
+  explicit SnapWorld(unsigned seed) : dice(seed) {
+    for (unsigned i = 0; i < 10 + seed / 3; ++i) discs.emplace_back(in(-2.5, 2.5), in(-2.5, 2.5));
+    do start = {in(-2.5, 0.5), in(-2.5, 0.5)};
+    while (!is_free(start, start));
+    while (targets.size() < 2) {
+      const double along = in(-0.5, 2.5);
+      if (is_free(Vector2d(along, 2 - along), Vector2d(along, 2 - along)))
+        targets.push_back(Vector2d(along, 2 - along));
+    }
+  }
+
+  double in(double low, double high) { return low + (high - low) * (dice() / 4294967296.0); }
+
+  bool is_free(const Vector2d& a, const Vector2d& b) const {
+    return std::none_of(discs.begin(), discs.end(), [&](const Vector2d& disc) {
+      const Vector2d ab = b - a;
+      const double t = std::clamp((disc - a).dot(ab) / std::max(ab.squaredNorm(), 1e-18), 0.0, 1.0);
+      return (a + t * ab - disc).norm() < 0.55;
+    });
+  }
+
+  static std::vector<SnapGoal> goals_near(const Eigen::VectorXd& q) {
+    const double off = (q[0] + q[1] - 2.0) / 2.0;
+    std::vector<SnapGoal> goals;
+    if (std::abs(off) < 0.4) goals.push_back({q - Vector2d(off, off), 7});
+    if (std::abs(off) < 0.1) goals.push_back({q - Vector2d(2 * off, 0), 8});
+    return goals;
+  }
+
+  Lattice lattice(const RobotModel& robot, bool snaps) const {
+    Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, {}};
+    if (snaps) options.goal_snap = goals_near;
+    return Lattice(robot, {start}, targets, options,
+                   [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); });
+  }
+
+  std::mt19937 dice;
+  std::vector<Vector2d> discs;
+  Vector2d start;
+  std::vector<Eigen::VectorXd> targets;
+};
+
+/// The cost of the cheapest path to any goal, and to any target, by relaxing all edges until nothing changes.
+std::pair<double, double> brute_force(Lattice& lattice) {
+  std::vector<search::Edge> edges;
+  for (search::StateId state = 0; state < lattice.size(); ++state)
+    for (const auto& next : successors(lattice, state)) edges.push_back({state, next.state, next.cost});
+  std::vector<double> costs(edges.size());
+  lattice.evaluate(edges, costs);
+  std::vector<double> to(lattice.size(), search::infinity);
+  to[0] = 0.0;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      if (to[edges[i].from] + costs[i] < to[edges[i].to]) {
+        to[edges[i].to] = to[edges[i].from] + costs[i];
+        changed = true;
+      }
+  }
+  double any = search::infinity, target = search::infinity;
+  for (search::StateId state = 0; state < lattice.size(); ++state) {
+    if (!lattice.is_goal(state)) continue;
+    any = std::min(any, to[state]);
+    if (!lattice.snapped_goal(state)) target = std::min(target, to[state]);
+  }
+  return {any, target};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_them) {
+  using namespace search;
+  const auto robot = robots::planar();
+  int by_snap = 0, cheaper = 0, only_by_snap = 0, exhausted = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const SnapWorld world(seed);
+    Lattice whole = world.lattice(*robot, true), plain = world.lattice(*robot, false);
+    const auto [any, target] = brute_force(whole);
+    BOOST_TEST(target == brute_force(plain).second);  // goal snaps change no other cost
+    const auto check = [&](double weight, const auto& run) {
+      Lattice lattice = world.lattice(*robot, true);
+      const auto h = [&](StateId s) { return lattice.distance_to_targets(s); };
+      const Result result = run(lattice, h);
+      if (any == infinity) {
+        ++exhausted;
+        BOOST_TEST((result.status == Status::exhausted));
+        return;
+      }
+      BOOST_REQUIRE(result.status == Status::solved);
+      BOOST_TEST(lattice.is_goal(result.path.back()));
+      const auto path = lattice.configurations(result.path);
+      double cost = 0.0;
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        cost += lattice.distance(path[i - 1], path[i]);
+        BOOST_TEST(world.is_free(path[i - 1], path[i]));
+      }
+      BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
+      BOOST_TEST(result.cost >= any - 1e-9);
+      BOOST_TEST(result.bound <= weight);
+      BOOST_TEST(result.cost <= result.bound * target + 1e-9);
+      BOOST_TEST(result.cost / result.bound <= target + 1e-9);
+      const SnapGoal* snapped = lattice.snapped_goal(result.path.back());
+      by_snap += snapped != nullptr;
+      only_by_snap += target == infinity;
+      cheaper += result.cost < target - 1e-9;
+      if (snapped) BOOST_TEST((snapped->goal == 7 || snapped->goal == 8));
+      if (snapped) BOOST_TEST((path.back() - snapped->q).norm() < 1e-12);
+    };
+    for (const double w : {1.0, 3.0, 50.0}) {
+      check(w, [&](Lattice& g, const auto& h) { return weighted_astar(g, g.starts(), h, {.weight = w}, Deadline()); });
+      for (const std::size_t batch : {1, 4})
+        check(w, [&](Lattice& g, const auto& h) {
+          return wpase(g, g.starts(), h, {.weight = w, .batch_size = batch}, Deadline());
+        });
+      check(w * 2.0, [&](Lattice& g, const auto& h) {
+        const std::vector<InadmissibleHeuristic> others{[&](StateId s) { return g.distance_from_anchors(s); }};
+        return mha_star(g, g.starts(), h, others, {.w1 = w, .w2 = 2.0}, Deadline());
+      });
+      check(w, [&](Lattice& g, const auto& h) {
+        GuidedSearch search(g, h, Guides{1, [&](StateId s, std::span<double> out) { out[0] = h(s); }}, w);
+        search.add_starts(g.starts());
+        return search.result(search.improve(Deadline(), 1'000'000));
+      });
+    }
+    check(1.0, [&](Lattice& g, const auto& h) {
+      AraOptions options{.initial_weight = 50.0, .weight_delta = 20.0, .final_weight = 1.0, .on_solution = {}};
+      options.on_solution = [&](const Result& better) {
+        BOOST_TEST(better.cost <= better.bound * target + 1e-9);
+        return true;
+      };
+      return ara_star(g, g.starts(), h, options, Deadline());
+    });
+  }
+  BOOST_TEST(by_snap > 100);  // the worlds are not all of one kind
+  BOOST_TEST(cheaper > 20);
+  BOOST_TEST(only_by_snap > 0);
+  BOOST_TEST(exhausted > 0);
+}
+
+BOOST_AUTO_TEST_CASE(goal_snaps_asked_for_again_are_the_same_states) {
+  const auto robot = robots::planar();
+  Lattice snapping(*robot, {Vector2d(1, 0.95)}, {Vector2d(2, 0)},
+                   {default_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, SnapWorld::goals_near},
+                   always_free);
+  const auto first = successors(snapping, 0), again = successors(snapping, 0);
+  BOOST_REQUIRE_EQUAL(first.size(), again.size());
+  for (std::size_t i = 0; i < first.size(); ++i) BOOST_TEST(first[i].state == again[i].state);
+  BOOST_TEST(snapping.snapped_goal(first[0].state)->goal == 7);
+  BOOST_TEST(snapping.snapped_goal(first[1].state)->goal == 8);
+  for (int i : {0, 1}) {
+    const auto goal = first[static_cast<std::size_t>(i)].state;
+    BOOST_TEST(snapping.is_goal(goal));
+    BOOST_TEST(snapping.distance_to_targets(goal) == 0.0);
+    BOOST_TEST(successors(snapping, goal).empty());
+    BOOST_TEST(std::abs(snapping.configuration(goal).sum() - 2.0) < 1e-12);
+  }
+  BOOST_TEST(snapping.snapped_goal(1) == nullptr);  // a target
+  BOOST_TEST(snapping.is_goal(1));
+  BOOST_TEST(!snapping.is_goal(0));
 }

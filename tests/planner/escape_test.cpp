@@ -125,7 +125,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_shape_can_be_left_and_padding_counts) {
   for (const auto& [kind, shape] : worlds::every_kind()) {
     Scene scene;
     scene.add_robot(robots::planar());
-    double y = 0.4;  // lowered until it touches the arm
+    double y = 0.18;  // lowered until it touches the arm
     for (;; y -= 0.004) {
       Scene trial = scene;
       trial.add_object(kind, shape, at(1.5, y, 0.0), 0.01);

@@ -10,8 +10,10 @@ namespace srmp {
 
 namespace {
 
-constexpr std::int32_t turn = 3'600'000;    // grid units in 360 degrees
-constexpr std::int32_t target_anchor = -1;  // first key entry of targets: on nobody's grid
+constexpr std::int32_t turn = 3'600'000;  // grid units in 360 degrees
+// Goals are on nobody's grid. First key entry of targets; those below: the state's first, second, … goal snap. The
+// second entry is the target's number, or the state.
+constexpr std::int32_t target_anchor = -1;
 constexpr double limit_tolerance = 1e-9;
 
 double shortest(double difference) { return std::remainder(difference, 2.0 * std::numbers::pi); }
@@ -25,6 +27,7 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
       targets_(std::move(targets)),
       near_distance_(options.primitives.near_distance),
       snap_distance_(options.snap_distance),
+      goal_snap_(std::move(options.goal_snap)),
       validator_(std::move(validator)),
       table_(robot.dof() + 1),
       scratch_key_(robot.dof() + 1, 0),
@@ -64,13 +67,24 @@ std::vector<search::StateId> Lattice::starts() const {
 
 void Lattice::read_configuration(search::StateId state, Eigen::VectorXd& q) const {
   if (is_goal(state)) {
-    q = targets_[state - anchor_count()];
+    const SnapGoal* snapped = snapped_goal(state);
+    q = snapped ? snapped->q : targets_[state - anchor_count()];
     return;
   }
   const auto key = table_.key(state);
   const Eigen::VectorXd& anchor = anchors_[static_cast<std::size_t>(key[0])];
   for (std::size_t j = 0; j < joints_.size(); ++j)
     q[static_cast<Eigen::Index>(j)] = anchor[static_cast<Eigen::Index>(j)] + key[j + 1] * unit_[j];
+}
+
+const SnapGoal* Lattice::snapped_goal(search::StateId state) const {
+  const auto found = snapped_goals_.find(state);
+  return found == snapped_goals_.end() ? nullptr : &found->second;
+}
+
+std::size_t Lattice::memory() const {
+  const std::size_t snapped = sizeof(decltype(snapped_goals_)::value_type) + joints_.size() * sizeof(double);
+  return table_.memory() + snapped_goals_.size() * snapped;
 }
 
 Eigen::VectorXd Lattice::configuration(search::StateId state) const {
@@ -190,18 +204,33 @@ void Lattice::add_moves_towards(search::StateId state, const Move& steps, std::v
 }
 
 void Lattice::successors(search::StateId state, std::vector<search::Successor>& out) {
-  if (is_goal(state)) return;  // a target is an end, and on nobody's grid
+  if (is_goal(state)) return;
   read_configuration(state, q_);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const double cost = distance(q_, targets_[t]);
     if (cost <= snap_distance_)
       out.push_back({static_cast<search::StateId>(anchor_count() + t), std::max(cost, 1e-12)});
   }
+  add_goal_snaps(state, out);
   const bool near = near_an_end(q_);
   for (const Family& family : families_)
     if (family.use == PrimitiveUse::always || family.use == PrimitiveUse::towards ||
         (family.use == PrimitiveUse::near) == near)
       add_moves(state, family, out);
+}
+
+/// Of the state at q_. Asked again, the same goals have the same numbers.
+void Lattice::add_goal_snaps(search::StateId state, std::vector<search::Successor>& out) {
+  if (!goal_snap_) return;
+  std::fill(scratch_key_.begin(), scratch_key_.end(), 0);
+  scratch_key_[0] = target_anchor;
+  scratch_key_[1] = static_cast<std::int32_t>(state);
+  for (SnapGoal& goal : goal_snap_(q_)) {
+    --scratch_key_[0];
+    const search::StateId next = table_.insert(scratch_key_);
+    out.push_back({next, std::max(distance(q_, goal.q), 1e-12)});
+    snapped_goals_.emplace(next, std::move(goal));
+  }
 }
 
 bool Lattice::near_an_end(const Eigen::VectorXd& q) const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,15 @@ namespace srmp {
 /// the answer must not depend on it.
 using MotionValidator = std::function<bool(std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b)>;
 
+/// A goal configuration, within limits, and which of the caller's goals it meets.
+struct SnapGoal {
+  Eigen::VectorXd q;
+  int goal{};
+};
+
+/// Further goal configurations near q, if any; they need not be free. The answer must depend on q alone.
+using GoalSnap = std::function<std::vector<SnapGoal>(const Eigen::VectorXd& q)>;
+
 /// The implicit graph of a robot's motions: what one can reach from the anchors by motion primitives, plus straight
 /// snaps to the targets. Models search::Graph; all edges are straight joint-space motions, so the reverse of a path is
 /// a path too and the same class serves a backward search (anchors = goals, targets = start).
@@ -25,11 +35,17 @@ using MotionValidator = std::function<bool(std::size_t worker, const Eigen::Vect
 ///   exactly); continuous joints wrap. Anchors are states 0, 1, …; targets follow.
 /// - An edge costs its joint-space length [rad; prismatic joints in m count as they are].
 /// - From every state a snap leads to each target within `snap_distance`.
+/// - `goal_snap` may add goals while the search runs: each has one edge, from the state for which it was found, and
+/// none
+///   on. The heuristics know the targets alone, and nothing of these goals but that they are goals. So no cost-to-come
+///   of other states changes, and what a search proves holds of the lattice *without* these goals: cost <= bound * the
+///   optimum there. The path found may cost less than that optimum; a lattice is exhausted only with its goal snaps.
 class Lattice {
  public:
   struct Options {
     PrimitiveSet primitives;
     double snap_distance{search::infinity};  ///< [rad], >= 0
+    GoalSnap goal_snap{};                    ///< may be empty
   };
 
   /// All anchors and targets must be free configurations within limits. Batches of edges are shared out to `workers`.
@@ -39,14 +55,14 @@ class Lattice {
   // --- search::Graph
   void successors(search::StateId state, std::vector<search::Successor>& out);
   void evaluate(std::span<const search::Edge> edges, std::span<double> costs);
-  bool is_goal(search::StateId state) const {
-    return state >= anchor_count() && state < anchor_count() + targets_.size();
-  }
+  bool is_goal(search::StateId state) const { return table_.key(state)[0] < 0; }
 
   std::vector<search::StateId> starts() const;
   Eigen::VectorXd configuration(search::StateId state) const;
   std::size_t anchor_count() const { return anchors_.size(); }
   const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
+  /// What `goal_snap` said of a goal; null for other states, targets too.
+  const SnapGoal* snapped_goal(search::StateId state) const;
   /// Joint-space distance from a state to its nearest target: a consistent heuristic.
   double distance_to_targets(search::StateId state) const;
   /// Joint-space distance from the nearest anchor: no path to the state is shorter.
@@ -58,7 +74,7 @@ class Lattice {
   /// The configurations of a path, continuous joints unwrapped so that neighbours differ by the short way.
   std::vector<Eigen::VectorXd> configurations(std::span<const search::StateId> path) const;
   std::size_t size() const { return table_.size(); }
-  std::size_t memory() const { return table_.memory(); }
+  std::size_t memory() const;
 
  private:
   struct Move {
@@ -70,6 +86,7 @@ class Lattice {
     std::vector<Move> moves;
   };
 
+  void add_goal_snaps(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
   void add_moves_towards(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
@@ -84,10 +101,12 @@ class Lattice {
   std::vector<Eigen::VectorXd> targets_;
   double near_distance_;
   double snap_distance_;
+  GoalSnap goal_snap_;
+  std::map<search::StateId, SnapGoal> snapped_goals_;
   MotionValidator validator_;
   std::vector<Family> families_;
   std::vector<double> unit_;  // of the grid, one entry a joint [rad or m]
-  StateTable table_;          // key: anchor number, then grid coordinates
+  StateTable table_;          // key: anchor number, then grid coordinates; goals: see lattice.cpp
   std::vector<std::int32_t> scratch_key_;
   Move scratch_move_;
   mutable Eigen::VectorXd q_;

@@ -39,6 +39,7 @@ void visit_fields(CommonOptions& o, V&& field) {
   field("bfs_resolution", o.bfs_resolution, above_zero);
   field("bfs_radius", o.bfs_radius, from_zero);
   field("ik_solutions", o.ik_solutions, above_zero);
+  field("ik_snap", o.ik_snap, Range{});
   field("escape_start", o.escape_start, Range{});
   field("shortcut", o.shortcut, Range{});
   field("sample_period", o.sample_period, above_zero);

@@ -16,9 +16,10 @@ struct CommonOptions {
   std::string mprim_path{};  ///< motion primitives (YAML); "" = every joint by a step, near the ends by a third too
   std::string direction{
       "auto"};  ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
-  double bfs_resolution{0.05};       ///< cell of the bfs heuristic's grid [m], > 0
-  double bfs_radius{0.05};           ///< obstacles are inflated by this in that grid [m], >= 0
-  int ik_solutions{16};              ///< configurations tried for a pose or position goal, > 0
+  double bfs_resolution{0.05};  ///< cell of the bfs heuristic's grid [m], > 0
+  double bfs_radius{0.05};      ///< obstacles are inflated by this in that grid [m], >= 0
+  int ik_solutions{16};         ///< configurations tried for a pose or position goal, > 0
+  bool ik_snap{true};  ///< a search from the start may also end by inverse kinematics from a state near a pose target
   bool escape_start{false};          ///< leave a start in collision, if no pair gets deeper on the way (escape.hpp)
   bool shortcut{true};               ///< shorten the path before timing it
   double sample_period{0.02};        ///< of the returned trajectory [s], > 0

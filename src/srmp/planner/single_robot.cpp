@@ -9,6 +9,7 @@
 #include "srmp/io/primitives.hpp"
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/planner/escape.hpp"
+#include "srmp/planner/ik_snap.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
@@ -170,6 +171,7 @@ class SingleRobotPlan {
         ++index;
         stop_if_late("the search for goal configurations");
       }
+    if (common_.ik_snap) goal_snap_ = make_ik_snap(robot_, problem_.checker.base(), problem_.goals, lattice_step());
     if (targets_.empty())
       fail(Status::goal_invalid,
            (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
@@ -178,19 +180,12 @@ class SingleRobotPlan {
   std::vector<Eigen::VectorXd> configurations(const GoalConstraint& goal, const Eigen::VectorXd& target,
                                               std::string& why) {
     if (goal.type == GoalType::joints) return {robot_.clamped(target, start_mercy)};
-    const bool position_only = goal.type == GoalType::position;
-    const Pose world = position_only ? Pose{target, Eigen::Quaterniond::Identity()}
-                                     : Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
-    const Pose in_base = problem_.checker.base().inverse() * world;
-    IkOptions options;
+    auto [in_base, options] = ik_goal(goal, target, problem_.checker.base());
     options.max_solutions = common_.ik_solutions;
-    options.position_tolerance = goal.position_tolerance.tightened(options.position_tolerance.axes[0]);
-    options.rotation_tolerance = position_only ? AxisTolerance(search::infinity)
-                                               : goal.rotation_tolerance.tightened(options.rotation_tolerance.axes[0]);
     auto found = inverse_kinematics(robot_, in_base, start_, options, "", deadline_);
     if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
       options.position_tolerance = goal.position_tolerance;
-      if (!position_only) options.rotation_tolerance = goal.rotation_tolerance;
+      if (goal.type == GoalType::pose) options.rotation_tolerance = goal.rotation_tolerance;
       found = inverse_kinematics(robot_, in_base, start_, options, "", deadline_);
     }
     if (found.empty())
@@ -233,7 +228,8 @@ class SingleRobotPlan {
     std::vector<Eigen::VectorXd> anchors{start_};
     if (backward) anchors.swap(goals);
     return Lattice(
-        robot_, std::move(anchors), std::move(goals), {.primitives = std::move(primitives)},
+        robot_, std::move(anchors), std::move(goals),
+        {.primitives = std::move(primitives), .goal_snap = backward ? GoalSnap{} : goal_snap_},
         [this](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
           return is_motion_free(a, b, worker);
         },
@@ -378,7 +374,9 @@ class SingleRobotPlan {
     if (common_.heuristic == "joint_euclidean" || std::holds_alternative<Auto>(problem_.options))
       found.lower = result.cost / result.bound;
     const search::StateId goal_state = backward ? result.path.front() : result.path.back();
-    found.goal_index = targets_[backward ? goal_state : goal_state - lattice.anchor_count()].goal_index;
+    const SnapGoal* snapped = lattice.snapped_goal(goal_state);
+    found.goal_index =
+        snapped ? snapped->goal : targets_[backward ? goal_state : goal_state - lattice.anchor_count()].goal_index;
     if (backward) found.path = reversed(found.path);
     return found;
   }
@@ -652,6 +650,7 @@ class SingleRobotPlan {
   Eigen::VectorXd start_;                // free: the end of escape_, if there is one
   std::vector<Eigen::VectorXd> escape_;  // from a start in collision; empty: the start is free
   std::vector<Target> targets_;
+  GoalSnap goal_snap_;
   bool backward_{false};
   std::vector<Eigen::VectorXd> best_;  // path so far
   double lower_{0.0};                  // no path of statistics_.bound_graph costs less

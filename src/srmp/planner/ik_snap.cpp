@@ -1,0 +1,99 @@
+#include "srmp/planner/ik_snap.hpp"
+
+#include <cmath>
+#include <memory>
+
+namespace srmp {
+
+namespace {
+
+struct SnapTarget {
+  IkGoal goal;
+  double most_apart;  // [m]
+  int number;
+};
+
+class IkSnap {
+ public:
+  IkSnap(const RobotModel& robot, const Eigen::VectorXd& step)
+      : robot_(robot),
+        step_(step),
+        tip_(robot.link_index(robot.end_effector())),
+        data_(robot.make_data().release(), RobotDataDeleter{}) {
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const bool prismatic = robot.joints()[j].kind == JointKind::prismatic;
+      double& largest = prismatic ? slide_ : turn_;
+      largest = std::max(largest, step[static_cast<Eigen::Index>(j)]);
+    }
+  }
+
+  void add(IkGoal goal, int number) {
+    goal.options.seeds = goal.options.max_solutions = 1;
+    goal.options.max_iterations = 20;
+    const double most_apart = turn_ * goal.in_base.p.norm() + slide_;
+    targets_.push_back({std::move(goal), most_apart, number});
+  }
+  bool empty() const { return targets_.empty(); }
+
+  std::vector<SnapGoal> operator()(const Eigen::VectorXd& q) const {
+    robot_.forward(*data_, q);
+    const Eigen::Isometry3d tip = robot_.link_pose(*data_, tip_);
+    std::vector<SnapGoal> found;
+    for (const SnapTarget& target : targets_) {
+      if (!is_near(tip, target)) continue;
+      for (const Eigen::VectorXd& there : inverse_kinematics(robot_, target.goal.in_base, q, target.goal.options))
+        if ((robot_.difference(q, there).array().abs() <= 2.0 * step_.array()).all())
+          found.push_back({there, target.number});
+    }
+    return found;
+  }
+
+ private:
+  bool is_near(const Eigen::Isometry3d& tip, const SnapTarget& target) const {
+    const Pose& wanted = target.goal.in_base;
+    const IkOptions& options = target.goal.options;
+    const Eigen::Vector3d apart = wanted.q.conjugate() * (tip.translation() - wanted.p);
+    bool turned = false;  // orientations with free axes are left to inverse kinematics
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      if (!options.position_tolerance.is_free(axis) && std::abs(apart[axis]) > target.most_apart) return false;
+      turned |= options.rotation_tolerance.is_free(axis);
+    }
+    return turned || wanted.q.angularDistance(Eigen::Quaterniond(tip.linear())) <= 2.0 * turn_;
+  }
+
+  const RobotModel& robot_;
+  Eigen::VectorXd step_;
+  std::size_t tip_;
+  std::shared_ptr<RobotData> data_;
+  double turn_{0.0}, slide_{0.0};
+  std::vector<SnapTarget> targets_;
+};
+
+}  // namespace
+
+IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const Pose& base) {
+  const bool position_only = goal.type == GoalType::position;
+  const Pose world = position_only ? Pose{target, Eigen::Quaterniond::Identity()}
+                                   : Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
+  IkGoal result{base.inverse() * world, {}};
+  IkOptions& options = result.options;
+  options.position_tolerance = goal.position_tolerance.tightened(options.position_tolerance.axes[0]);
+  options.rotation_tolerance = position_only ? AxisTolerance(search::infinity)
+                                             : goal.rotation_tolerance.tightened(options.rotation_tolerance.axes[0]);
+  return result;
+}
+
+GoalSnap make_ik_snap(const RobotModel& robot, const Pose& base, const std::vector<GoalConstraint>& goals,
+                      const Eigen::VectorXd& step) {
+  IkSnap snap(robot, step);
+  int number = 0;
+  for (const GoalConstraint& goal : goals)
+    for (const Eigen::VectorXd& target : goal.targets) {
+      if (goal.type != GoalType::joints) snap.add(ik_goal(goal, target, base), number);
+      ++number;
+    }
+  if (snap.empty()) return {};
+  return snap;
+}
+
+}  // namespace srmp
