@@ -205,7 +205,7 @@ class SingleRobotPlan {
 
   PrimitiveSet make_primitives() const {
     return own_primitives() ? io::read_primitives(common_.mprim_path, robot_.joints())
-                            : default_primitives(robot_.joints(), lattice_step());
+                            : default_primitives(robot_.joints(), lattice_step(), parallel_pairs(robot_));
   }
 
   Lattice make_lattice(bool backward, PrimitiveSet primitives) {
