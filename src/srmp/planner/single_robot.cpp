@@ -301,17 +301,27 @@ class SingleRobotPlan {
     std::vector<Eigen::Vector3d> goals;
     double reach = tip_reach(tip, base.p);
     for (const Eigen::VectorXd& target : lattice.targets()) goals.push_back(tip(target));
-    const Eigen::Vector3d half = Eigen::Vector3d::Constant(reach);
-    const auto grid =
-        std::make_shared<const TaskSpaceBfs>(problem_.scene, base.p - half, base.p + half, goals,
-                                             TaskSpaceBfs::Options{resolution, common_.bfs_radius}, deadline_);
-    statistics_.memory_bytes += grid->memory();
+    const auto grid = grid_around(base.p, reach, goals, resolution);
     // One radian moves the tip by at most about `reach`; places that walls cut off count as far away, not as hopeless,
     // because the grid knows only the tip.
     return [&lattice, tip, grid, reach](search::StateId state) {
       if (lattice.is_goal(state)) return 0.0;
       return std::min(grid->distance(tip(lattice.configuration(state))), 4.0 * reach) / reach;
     };
+  }
+
+  /// Lattices with the same goals share it.
+  std::shared_ptr<const TaskSpaceBfs> grid_around(const Eigen::Vector3d& middle, double reach,
+                                                  const std::vector<Eigen::Vector3d>& goals, double resolution) {
+    for (const Grid& known : grids_)
+      if (known.resolution == resolution && known.goals == goals) return known.bfs;
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant(reach);
+    const auto bfs =
+        std::make_shared<const TaskSpaceBfs>(problem_.scene, middle - half, middle + half, goals,
+                                             TaskSpaceBfs::Options{resolution, common_.bfs_radius}, deadline_);
+    grids_.push_back({resolution, goals, bfs});
+    statistics_.memory_bytes += bfs->memory();
+    return bfs;
   }
 
   /// How far the end effector gets from the base, over a fixed sample of configurations.
@@ -677,6 +687,12 @@ class SingleRobotPlan {
   double direct_{0.0};  // straight to the nearest goal: no path at all is shorter
   std::vector<Member> members_;
   std::vector<JointPair> pairs_;
+  struct Grid {
+    double resolution;
+    std::vector<Eigen::Vector3d> goals;
+    std::shared_ptr<const TaskSpaceBfs> bfs;
+  };
+  std::vector<Grid> grids_;
 };
 
 }  // namespace
