@@ -48,6 +48,7 @@ class NumpyArray : public nb::object {
 NumpyArray to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector);
 /// A new NumPy array with the rows; (0, columns) when there are none.
 NumpyArray to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns);
+NumpyArray to_numpy_rows(RowMatrix rows);
 
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);

@@ -43,10 +43,17 @@ NumpyArray to_numpy(const Eigen::Ref<const Eigen::VectorXd>& vector) {
 }
 
 NumpyArray to_numpy_rows(const std::vector<Eigen::VectorXd>& rows, std::size_t columns) {
-  auto* data = new RowMatrix(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns));
+  RowMatrix matrix(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns));
+  for (std::size_t i = 0; i < rows.size(); ++i) matrix.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+  return to_numpy_rows(std::move(matrix));
+}
+
+NumpyArray to_numpy_rows(RowMatrix rows) {
+  auto* data = new RowMatrix(std::move(rows));
   const nb::capsule owner(data, [](void* p) noexcept { delete static_cast<RowMatrix*>(p); });
-  for (std::size_t i = 0; i < rows.size(); ++i) data->row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
-  return nb::borrow<NumpyArray>(nb::cast(nb::ndarray<nb::numpy, double>(data->data(), {rows.size(), columns}, owner)));
+  const std::array<std::size_t, 2> shape{static_cast<std::size_t>(data->rows()),
+                                         static_cast<std::size_t>(data->cols())};
+  return nb::borrow<NumpyArray>(nb::cast(nb::ndarray<nb::numpy, double>(data->data(), 2, shape.data(), owner)));
 }
 
 OptionMap to_option_map(nb::handle dictionary) {

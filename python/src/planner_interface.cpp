@@ -24,9 +24,44 @@ class PyPlannerInterface {
     return call(planner_);
   }
 
+  // The functions of add_heuristic live here, where the garbage collector finds them; the planner borrows them.
+  void add_heuristic(const std::string& name, const nb::callable& function, bool consistent) {
+    use([&](PlannerInterface& p) { p.add_heuristic(name, borrowed(name, function), consistent); });
+    heuristics_[name] = function;
+  }
+  void remove_heuristic(const std::string& name) {
+    use([&](PlannerInterface& p) { p.remove_heuristic(name); });
+    heuristics_.erase(name);
+  }
+  void reset() {
+    use([](PlannerInterface& p) { p.reset(); });
+    heuristics_.clear();
+  }
+
+  static int traverse(PyObject* object, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(object));
+    if (!nb::inst_ready(object)) return 0;
+    for (const auto& [name, function] : nb::inst_ptr<PyPlannerInterface>(object)->heuristics_) Py_VISIT(function.ptr());
+    return 0;
+  }
+  static int clear(PyObject* object) {
+    if (nb::inst_ready(object)) nb::inst_ptr<PyPlannerInterface>(object)->reset();
+    return 0;
+  }
+
  private:
+  /// Asked by the threads that plan, which do not have the GIL.
+  static HeuristicFunction borrowed(const std::string& name, nb::handle function) {
+    return [name, function](ConstRows configurations, ConstRows goals) {
+      const nb::gil_scoped_acquire gil;
+      const nb::object values = function(to_numpy_rows(configurations), to_numpy_rows(goals));
+      return ArrayLike{values}.vector("values of heuristic '" + name + "'");
+    };
+  }
+
   std::mutex mutex_;
   PlannerInterface planner_;
+  std::map<std::string, nb::callable> heuristics_;
 };
 
 using Self = PyPlannerInterface;
@@ -328,9 +363,7 @@ void bind_objects(nb::class_<Self>& cls) {
           "Raises InvalidArgument for joints or links that a goal names and the robot does not have, NotSupported for "
           "goals that cannot\n"
           "be stated here (some of the joints only, tolerances that differ by axis).")
-      .def(
-          "reset", [](Self& self) { self.use([](auto& p) { p.reset(); }); },
-          "Remove all robots, objects and planners.");
+      .def("reset", [](Self& self) { self.reset(); }, "Remove all robots, objects, planners and heuristics.");
 }
 
 void bind_questions(nb::class_<Self>& cls) {
@@ -527,14 +560,44 @@ void bind_planning(nb::class_<Self>& cls) {
          "10} (numbers\n"
          "may be strings) or a typed object such as srmp.WAStar(weight=10). Options left out have their defaults.\n\n"
          "Astar    A* (Hart, Nilsson, Raphael 1968)\n"
-         "wAstar   weighted A* (Pohl 1970) with lazy edges (Cohen, Phillips, Likhachev 2014); the default\n"
+         "wAstar   weighted A* (Pohl 1970) with lazy edges (Cohen, Phillips, Likhachev 2014)\n"
          "ARAstar  ARA* (Likhachev, Gordon, Thrun 2003), anytime\n"
          "MHAstar  MHA* (Aine et al. 2016), several heuristics\n"
          "wPASE    ePA*SE (Mukherjee, Aine, Likhachev 2022), parallel\n"
-         "auto     six weighted A* in turns: both directions, three resolutions\n"
+         "auto     guided searches in turns: both directions, four resolutions; the default\n"
          "xECBS    xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms; plan_multi does not run yet\n\n"
          "Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of "
          "range.")
+      .def(
+          "add_heuristic",
+          [](Self& self, const std::string& name, const nb::callable& function, bool consistent) {
+            self.add_heuristic(name, function, consistent);
+          },
+          nb::arg("name"), nb::arg("function"), nb::arg("consistent") = false,
+          nb::sig("def add_heuristic(self, name: str, function: collections.abc.Callable[[numpy.typing.NDArray"
+                  "[numpy.float64], numpy.typing.NDArray[numpy.float64]], numpy.typing.ArrayLike], "
+                  "consistent: bool = False) -> None"),
+          "A heuristic of your own: from now on `name` may stand where options ask for one, for any robot.\n\n"
+          "function(configurations, goals): (n, dof) and (m, dof) [rad or m] to (n,) estimates of the joint-space way "
+          "to the nearest\n"
+          "goal, each finite and >= 0; goals themselves are 0 and not asked. A search from the goals is on its way to "
+          "the start: that\n"
+          "is what `goals` holds then. The same question must have the same answer. It must not use this "
+          "PlannerInterface, which is\n"
+          "planning; what it raises ends the plan and is raised there. consistent: your word that h(a) <= |b - a| + "
+          "h(b) for all\n"
+          "configurations; without it no bound counts as proven (but that of `auto`).\n\n"
+          "Raises InvalidArgument for a name in use, empty, or with spaces, commas or brackets; plan raises it for "
+          "values that are no\n"
+          "such numbers, with the value and the configuration.")
+      .def(
+          "remove_heuristic", [](Self& self, const std::string& name) { self.remove_heuristic(name); }, nb::arg("name"),
+          "Forget a heuristic of add_heuristic; planners that name it refuse to plan.\n\nRaises InvalidArgument for an "
+          "unknown name.")
+      .def_prop_ro(
+          "heuristic_names",
+          [](Self& self) { return self.use([](const PlannerInterface& p) { return p.heuristic_names(); }); },
+          "Names of add_heuristic, sorted.")
       .def(
           "plan",
           [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
@@ -669,7 +732,10 @@ void bind_planner_interface(nb::module_& m) {
       .def_ro("ignored_joints", &MoveItProblem::ignored_joints,
               "Named by the start state, but no movable joints of this robot.");
 
-  nb::class_<Self> cls(m, "PlannerInterface",
+  static PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&Self::traverse)},
+                                {Py_tp_clear, reinterpret_cast<void*>(&Self::clear)},
+                                {0, nullptr}};
+  nb::class_<Self> cls(m, "PlannerInterface", nb::type_slots(slots),
                        "A world of robots and objects, and planners for them.\n\n"
                        "Poses are in the world frame; metres, radians, seconds; quaternions [x, y, z, w]; objects are "
                        "solid. A refused call raises and\n"

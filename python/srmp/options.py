@@ -20,13 +20,13 @@ class _Options:
     time_limit: float = 5.0
     """[s] over all phases of a plan, > 0."""
     heuristic: str = "joint_euclidean"
-    """joint_euclidean | bfs."""
+    """joint_euclidean | joint_base | joint_hand | joint_sum | bfs | bfs(0.1), in cells of 0.1 m | one of your own."""
     resolution: float = 15.0
     """Lattice step of revolute joints [degrees], > 0."""
     prismatic_resolution: float = 0.05
     """Lattice step of prismatic joints [m], > 0."""
     mprim_path: str = ""
-    """Motion primitives (YAML); "" = every joint by a step, and by a third of one near the ends."""
+    """Motion primitives (YAML); "" = built in: joints alone, in pairs, and all at once towards the other end."""
     direction: str = "auto"
     """Search from: forward = the start | backward = the goals | auto = the end with less clearance."""
     bfs_resolution: float = 0.05
@@ -87,7 +87,9 @@ class MHAStar(_Options):
     """MHA* (Aine et al. 2016) with shared expansions: cost <= w1 * w2 * optimal."""
 
     planner_id: ClassVar[str] = "MHAstar"
-    inadmissible_heuristics: list[str] = dataclasses.field(default_factory=lambda: ["bfs"])
+    inadmissible_heuristics: list[str] = dataclasses.field(
+        default_factory=lambda: ["bfs", "joint_base", "joint_hand", "joint_sum"]
+    )
     """Beside the anchor, which is `heuristic`."""
     w1: float = 20.0
     """Inflation of every heuristic, >= 1."""

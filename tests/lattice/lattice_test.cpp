@@ -12,6 +12,7 @@
 #include "srmp/search/guided_search.hpp"
 #include "srmp/search/mha.hpp"
 #include "srmp/search/wpase.hpp"
+#include "support/data.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
 
@@ -27,7 +28,7 @@ bool always_free(std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd&) { 
 Lattice make_lattice(const RobotModel& robot, const Vector2d& start, std::vector<Eigen::VectorXd> goals,
                      double step_degrees = 10, MotionValidator validator = always_free,
                      double snap = search::infinity) {
-  Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap, {}};
+  Lattice::Options options{axis_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap, {}};
   return Lattice(robot, {start}, std::move(goals), options, std::move(validator));
 }
 
@@ -47,6 +48,25 @@ BOOST_AUTO_TEST_CASE(every_joint_moves_by_a_step_and_near_the_ends_by_a_third_of
   BOOST_TEST(successors(lattice, from_start[1].state).size() == 1 + 4);  // 30 degrees away: far from both ends
   Lattice no_snap = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30, always_free, 1.0);
   BOOST_TEST(successors(no_snap, 0).size() == 4 + 4);
+}
+
+BOOST_AUTO_TEST_CASE(the_default_is_rich_with_short_moves_within_half_a_step_of_the_ends) {
+  const auto robot = robots::planar3();
+  const Eigen::VectorXd step = Eigen::Vector3d::Constant(30 * degree);
+  const auto pairs = parallel_pairs(*robot);
+  const auto moves = [](const PrimitiveSet& set) {
+    std::size_t count = 0;
+    for (const PrimitiveFamily& family : set.families) count += family.moves.size();
+    return count;
+  };
+  const PrimitiveSet set = default_primitives(robot->joints(), step, pairs);
+  BOOST_TEST(moves(set) == moves(rich_primitives(robot->joints(), step, pairs)) + 6);
+  BOOST_TEST(set.near_distance == 15 * degree);
+  Lattice lattice(*robot, {Eigen::Vector3d(0, 0, 0)}, {Eigen::Vector3d(2, 2, 2)}, {set, 0.0}, always_free);
+  const auto from_start = successors(lattice, 0);
+  BOOST_TEST(from_start.size() == moves(set));
+  BOOST_TEST(successors(lattice, from_start.back().state).size() == moves(set));       // 10 degrees away
+  BOOST_TEST(successors(lattice, from_start.front().state).size() == moves(set) - 6);  // a whole step
 }
 
 BOOST_AUTO_TEST_CASE(limits_end_the_lattice) {
@@ -76,6 +96,50 @@ BOOST_AUTO_TEST_CASE(edge_costs_are_joint_space_lengths_and_the_heuristic_is_con
       BOOST_TEST(std::abs(length - next.cost) < 1e-9);
       BOOST_TEST(lattice.distance_to_targets(state) <= next.cost + lattice.distance_to_targets(next.state) + 1e-9);
     }
+  }
+}
+
+/// The laws of joint_euclidean: h(a) <= cost(a, b) + h(b) on the edges of random walks, h = 0 at the targets.
+void check_consistency(const RobotModel& robot) {
+  std::mt19937 random(7);
+  const auto draw = [&] {
+    Eigen::VectorXd q(robot.dof());
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const double low = std::max(robot.joints()[j].lower, -3.0), high = std::min(robot.joints()[j].upper, 3.0);
+      q[static_cast<Eigen::Index>(j)] = low + (high - low) * (random() / 4294967296.0);
+    }
+    return q;
+  };
+  const Eigen::VectorXd step = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(robot.dof()), 15 * degree);
+  for (const PrimitiveSet& primitives :
+       {axis_primitives(robot.joints(), step), default_primitives(robot.joints(), step, parallel_pairs(robot))}) {
+    Lattice lattice(robot, {draw(), draw()}, {draw(), draw(), draw()}, {.primitives = primitives}, always_free);
+    const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+    for (search::StateId target = 2; target < 5; ++target) BOOST_TEST(h(target) == 0.0);
+    for (int walk = 0; walk < 20; ++walk) {
+      search::StateId at = static_cast<search::StateId>(walk % 2);
+      for (int i = 0; i < 50; ++i) {
+        const auto next = successors(lattice, at);
+        for (const search::Successor& edge : next) {
+          BOOST_TEST(h(at) <= edge.cost + h(edge.state) + 1e-9);
+          BOOST_TEST(h(edge.state) <= edge.cost + h(at) + 1e-9);  // the same edge in a search from the other end
+        }
+        if (lattice.is_goal(at = next[random() % next.size()].state)) break;
+      }
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(the_joint_distance_is_consistent_on_real_robots) {
+  check_consistency(*RobotModel::load(arm7()));
+  for (const auto& [robot, group] : {std::pair{"panda", "panda_arm"}, std::pair{"fetch", "arm_with_torso"}}) {
+    const std::string urdf = mbm_file(robot, std::string(robot) + ".urdf");
+    if (urdf.empty()) continue;
+    RobotDescription description;
+    description.urdf_path = urdf;
+    description.srdf_path = mbm_file(robot, std::string(robot) + ".srdf");
+    description.group = group;
+    check_consistency(*RobotModel::load(description));
   }
 }
 
@@ -119,7 +183,7 @@ BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
 
 BOOST_AUTO_TEST_CASE(primitives_are_checked) {
   const auto robot = robots::planar();
-  check_throws<InvalidArgument>([&] { default_primitives(robot->joints(), Vector2d(0.1, 0.0)); },
+  check_throws<InvalidArgument>([&] { axis_primitives(robot->joints(), Vector2d(0.1, 0.0)); },
                                 "resolution of joint 'b'");
   PrimitiveSet zero{{{"stay", PrimitiveUse::always, {Vector2d(0, 0)}}}};
   check_throws<InvalidArgument>([&] { Lattice(*robot, {Vector2d(0, 0)}, {Vector2d(1, 1)}, {zero}, always_free); },
@@ -219,7 +283,7 @@ struct SnapWorld {
   }
 
   Lattice lattice(const RobotModel& robot, bool snaps) const {
-    Lattice::Options options{default_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, {}};
+    Lattice::Options options{axis_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, {}};
     if (snaps) options.goal_snap = goals_near;
     return Lattice(robot, {start}, targets, options,
                    [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); });
@@ -308,7 +372,10 @@ BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_th
         return mha_star(g, g.starts(), h, others, {.w1 = w, .w2 = 2.0}, Deadline());
       });
       check(w, [&](Lattice& g, const auto& h) {
-        GuidedSearch search(g, h, Guides{1, [&](StateId s, std::span<double> out) { out[0] = h(s); }}, w);
+        const auto values = [&](std::span<const StateId> states, std::span<double> out) {
+          std::transform(states.begin(), states.end(), out.begin(), [&](StateId s) { return h(s); });
+        };
+        GuidedSearch search(g, h, Guides{1, values}, w);
         search.add_starts(g.starts());
         return search.result(search.improve(Deadline(), 1'000'000));
       });
@@ -331,7 +398,7 @@ BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_th
 BOOST_AUTO_TEST_CASE(goal_snaps_asked_for_again_are_the_same_states) {
   const auto robot = robots::planar();
   Lattice snapping(*robot, {Vector2d(1, 0.95)}, {Vector2d(2, 0)},
-                   {default_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, SnapWorld::goals_near},
+                   {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, SnapWorld::goals_near},
                    always_free);
   const auto first = successors(snapping, 0), again = successors(snapping, 0);
   BOOST_REQUIRE_EQUAL(first.size(), again.size());

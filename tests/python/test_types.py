@@ -27,6 +27,7 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     planner.add_point_cloud("cloud", points=np.zeros((3, 3)), resolution=0.01)
     planner.make_planner(["arm"], {"planner_id": "wAstar", "time_limit": "5", "weight": 10})
     planner.make_planner("arm", srmp.WAStar(weight=10, heuristic="bfs"))
+    planner.add_heuristic("mine", lambda configurations, goals: configurations[:, 0] * goals[0, 0], consistent=True)
     goal = srmp.GoalConstraint(srmp.GoalType.POSE, list(srmp.Pose([0.6, 0, 0.5])))
     try:
         trajectory = planner.plan("arm", q, [goal, srmp.GoalConstraint(srmp.GoalType.JOINTS, q)])

@@ -1,7 +1,6 @@
 #include "srmp/scene/distance_field.hpp"
 
 #include <boost/test/unit_test.hpp>
-#include <cmath>
 
 #include "collision/worlds.hpp"
 #include "srmp/collision/narrow_phase.hpp"
@@ -9,51 +8,6 @@
 using namespace srmp;
 using namespace worlds;
 using Eigen::Vector3d;
-
-namespace {
-
-struct Range {
-  double low, high;
-};
-
-/// What a field says of the distance to a point, as its documentation has it.
-Range distance_by(const DistanceField& field, const Vector3d& point) {
-  const auto value = [&](int x, int y, int z) {
-    return static_cast<double>(
-        field.squared()[static_cast<std::size_t>((z * field.size()[1] + y) * field.size()[0] + x)]);
-  };
-  const Vector3d at = (point - field.corner()) / field.cell();
-  Vector3d inside, t;
-  std::array<int, 3> cell{}, nearest{};
-  double bend = 0;
-  for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    inside[i] = std::clamp(at[i], 0.0, field.size()[k] - 1.0);
-    cell[k] = std::min(static_cast<int>(inside[i]), field.size()[k] - 2);
-    nearest[k] = static_cast<int>(std::lround(inside[i]));
-    t[i] = inside[i] - cell[k];
-    bend += t[i] * (1 - t[i]);
-  }
-  double mixed = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::array<int, 3> c = cell;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const bool up = corner >> i & 1;
-      c[i] += up;
-      weight *= up ? t[static_cast<Eigen::Index>(i)] : 1 - t[static_cast<Eigen::Index>(i)];
-    }
-    mixed += weight * value(c[0], c[1], c[2]);
-  }
-  const double h = field.cell(), off = h * (at - inside).norm();
-  const double low = std::sqrt(std::max(0.0, mixed - h * h * bend) + off * off);
-  const double v = std::max(0.0, value(nearest[0], nearest[1], nearest[2]));
-  const Vector3d grid = field.corner() + h * Vector3d(nearest[0], nearest[1], nearest[2]);
-  const bool known = std::sqrt(v) < 0.99 * field.reach();
-  return {low, known ? std::sqrt(v) + field.excess() + (point - grid).norm() : INFINITY};
-}
-
-}  // namespace
 
 BOOST_AUTO_TEST_CASE(a_field_bounds_the_distance_from_below_and_above) {
   const auto ball = make_geometry(Sphere{1e-7}, "point");
@@ -77,7 +31,7 @@ BOOST_AUTO_TEST_CASE(a_field_bounds_the_distance_from_below_and_above) {
           std::max(0.0, detail::NarrowPhase::distance({geometry.get(), pieces.get(), bounds, pose, bounds.center},
                                                       {ball.get(), nullptr, tiny, place, point})
                             .distance);
-      const Range range = distance_by(*field, point);
+      const DistanceField::Bounds range = field->distance(point);
       BOOST_TEST(range.low <= truth + 3e-6, name);
       BOOST_TEST(range.high >= truth - 3e-6, name);
       if (truth < 0.05 || truth > 0.18) continue;

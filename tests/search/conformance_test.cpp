@@ -22,7 +22,6 @@ struct AnyGraph {
   std::function<void(std::span<const Edge>, std::span<double>)> evaluate;
   std::function<bool(StateId)> is_goal;
 };
-using AnyHeuristic = std::function<double(StateId)>;
 
 AnyGraph any(TestGraph& graph) {
   return {[&](StateId s, std::vector<Successor>& out) { graph.successors(s, out); },
@@ -65,9 +64,10 @@ Planner mha_with(double w1, double w2, std::vector<InadmissibleHeuristic> others
 Planner portfolio_of_one(double weight, std::uint64_t turn, std::size_t guides) {
   return {"portfolio " + to_text(weight) + " with " + std::to_string(guides), weight,
           [=](auto& graph, auto starts, auto& h, auto& deadline) {
-            const Guides values{guides, [](StateId s, std::span<double> out) {
+            const Guides values{guides, [guides](std::span<const StateId> states, std::span<double> out) {
                                   for (std::size_t i = 0; i < out.size(); ++i)
-                                    out[i] = static_cast<double>((i * s * 2654435761u) % 97u);
+                                    out[i] =
+                                        static_cast<double>(((i % guides) * states[i / guides] * 2654435761u) % 97u);
                                 }};
             const auto make = [&](std::size_t) {
               return PortfolioMember<AnyGraph, AnyHeuristic>{&graph, {starts.begin(), starts.end()}, &h, values};

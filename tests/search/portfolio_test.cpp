@@ -13,9 +13,11 @@ using Member = PortfolioMember<TestGraph, Problem>;
 
 /// Two guides: the problem's own heuristic, and one that knows nothing.
 Guides guides(const Problem& problem) {
-  return {2, [&problem](StateId s, std::span<double> out) {
-            out[0] = problem.h[s] < infinity ? problem.h[s] : 0.0;
-            out[1] = static_cast<double>((s * 2654435761u) % 97u);
+  return {2, [&problem](std::span<const StateId> states, std::span<double> out) {
+            for (std::size_t i = 0; i < states.size(); ++i) {
+              out[2 * i] = problem.h[states[i]] < infinity ? problem.h[states[i]] : 0.0;
+              out[2 * i + 1] = static_cast<double>((states[i] * 2654435761u) % 97u);
+            }
           }};
 }
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <queue>
+#include <optional>
 
 #include "srmp/core/error.hpp"
 
@@ -15,6 +15,7 @@ namespace srmp {
 namespace {
 
 constexpr float unreached = std::numeric_limits<float>::infinity();
+constexpr float wall = -1.0f;
 constexpr std::size_t most_cells = 50'000'000;
 
 coal::Transform3s to_coal(const Pose& pose) { return {pose.q.toRotationMatrix(), pose.p}; }
@@ -30,6 +31,53 @@ bool fill(std::vector<T>& cells, std::size_t count, T value, const Deadline& dea
   }
   return true;
 }
+
+/// From a solid shape to a point in its frame; nothing where it is no formula.
+std::optional<double> distance(const Shape& shape, const Eigen::Vector3d& p) {
+  const auto outside = [](double d) { return std::max(d, 0.0); };
+  const double across = std::hypot(p.x(), p.y()), along = std::abs(p.z());
+  if (const auto* box = std::get_if<Box>(&shape)) return (p.cwiseAbs() - box->size / 2).cwiseMax(0.0).norm();
+  if (const auto* ball = std::get_if<Sphere>(&shape)) return outside(p.norm() - ball->radius);
+  if (const auto* rod = std::get_if<Cylinder>(&shape))
+    return std::hypot(outside(across - rod->radius), outside(along - rod->length / 2));
+  if (const auto* pill = std::get_if<Capsule>(&shape))
+    return outside(std::hypot(across, outside(along - pill->length / 2)) - pill->radius);
+  return std::nullopt;
+}
+
+/// Does a ball meet an object? By the formula, else by the object's field, and by Coal where that leaves it open.
+class BallTest {
+ public:
+  BallTest(const Object& object, double radius)
+      : object_(object),
+        radius_(radius),
+        to_object_(object.pose.inverse()),
+        ball_(radius),
+        pose_(to_coal(object.pose)),
+        collide_(&ball_, object.geometry.get()) {}
+
+  bool operator()(const Eigen::Vector3d& center) const {
+    const Eigen::Vector3d local = to_object_ * center;
+    if (const auto d = distance(object_.shape, local)) return *d <= radius_;
+    if (object_.field) {
+      const DistanceField::Bounds bounds = object_.field->distance(local);
+      if (bounds.low > radius_ + rounding) return false;
+      if (bounds.high < radius_ - rounding) return true;
+    }
+    coal::CollisionResult result;
+    return collide_(coal::Transform3s(center), pose_, coal::CollisionRequest(coal::NO_REQUEST, 1), result) > 0;
+  }
+
+ private:
+  static constexpr double rounding = 1e-5;  // [m], of the field's and Coal's numbers
+
+  const Object& object_;
+  double radius_;
+  Pose to_object_;
+  coal::Sphere ball_;
+  coal::Transform3s pose_;
+  coal::ComputeCollision collide_;
+};
 
 }  // namespace
 
@@ -51,17 +99,29 @@ TaskSpaceBfs::TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const
   if (cells > static_cast<double>(most_cells))
     throw InvalidArgument("bfs_resolution " + to_text(resolution_) +
                           " m makes a grid of more than 50 million cells; use a larger one");
-  const auto count = static_cast<std::size_t>(cells);
-  if (!fill<std::uint8_t>(occupied_, count, 0, deadline)) return;
-  mark_obstacles(scene, options.radius, deadline);
-  if (fill(distance_, count, unreached, deadline))
-    flood(goals, deadline);
-  else
+  if (!fill(distance_, index(size_) + 1, unreached, deadline)) {
     distance_.clear();
+    return;
+  }
+  wall_in();
+  for (const auto& [name, object] : scene.objects())
+    if (!scene.attachments().contains(name)) mark(object, std::max(options.radius, 1e-6), deadline);
+  flood(goals, deadline);
 }
 
+/// Cells from -1 to size, the wall included.
 std::size_t TaskSpaceBfs::index(const Cell& c) const {
-  return static_cast<std::size_t>((c[2] * static_cast<std::ptrdiff_t>(size_[1]) + c[1]) * size_[0] + c[0]);
+  return static_cast<std::size_t>(
+      ((c[2] + 1) * (size_[1] + std::ptrdiff_t{2}) + c[1] + 1) * (size_[0] + std::ptrdiff_t{2}) + c[0] + 1);
+}
+
+void TaskSpaceBfs::wall_in() {
+  for (int z = -1; z <= size_[2]; ++z)
+    for (int y = -1; y <= size_[1]; ++y) {
+      const bool outside = z < 0 || z == size_[2] || y < 0 || y == size_[1];
+      if (outside) std::fill_n(distance_.begin() + static_cast<std::ptrdiff_t>(index({-1, y, z})), size_[0] + 2, wall);
+      distance_[index({-1, y, z})] = distance_[index({size_[0], y, z})] = wall;
+    }
 }
 
 TaskSpaceBfs::Cell TaskSpaceBfs::cell_of(const Eigen::Vector3d& point) const {
@@ -73,85 +133,84 @@ TaskSpaceBfs::Cell TaskSpaceBfs::cell_of(const Eigen::Vector3d& point) const {
   return cell;
 }
 
-void TaskSpaceBfs::mark_obstacles(const Scene& scene, double radius, const Deadline& deadline) {
-  const double reach = std::max(radius, 1e-6);
-  const coal::Sphere ball(reach);
-  coal::CollisionRequest request(coal::NO_REQUEST, 1);
-  for (const auto& [name, object] : scene.objects()) {
-    if (scene.attachments().contains(name)) continue;
-    const coal::Transform3s object_pose = to_coal(object.pose);
-    coal::ComputeCollision collide(&ball, object.geometry.get());
-    // The object's box in the world, from the corners of its local box.
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    const coal::AABB& box = object.geometry->aabb_local;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d local((corner & 1) ? box.max_[0] : box.min_[0], (corner & 2) ? box.max_[1] : box.min_[1],
-                                  (corner & 4) ? box.max_[2] : box.min_[2]);
-      const Eigen::Vector3d world = object.pose * local;
-      low = low.cwiseMin(world);
-      high = high.cwiseMax(world);
-    }
-    const Cell from = cell_of((low.array() - reach - resolution_).matrix()),
-               to = cell_of((high.array() + reach + resolution_).matrix());
-    Cell c;
-    for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
-      for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
-        if (deadline.stop_requested()) return;
-        for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
-          if (occupied_[index(c)]) continue;
-          const Eigen::Vector3d center = low_ + resolution_ * Eigen::Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
-          coal::CollisionResult result;
-          collide(coal::Transform3s(center), object_pose, request, result);
-          if (result.isCollision()) occupied_[index(c)] = 1;
-        }
+void TaskSpaceBfs::mark(const Object& object, double radius, const Deadline& deadline) {
+  // The object's box in the world, from the corners of its local box.
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  const coal::AABB& box = object.geometry->aabb_local;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d local((corner & 1) ? box.max_[0] : box.min_[0], (corner & 2) ? box.max_[1] : box.min_[1],
+                                (corner & 4) ? box.max_[2] : box.min_[2]);
+    const Eigen::Vector3d world = object.pose * local;
+    low = low.cwiseMin(world);
+    high = high.cwiseMax(world);
+  }
+  const Cell from = cell_of((low.array() - radius - resolution_).matrix()),
+             to = cell_of((high.array() + radius + resolution_).matrix());
+  const BallTest hits(object, radius);
+  Cell c;
+  for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
+    for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
+      if (deadline.stop_requested()) return;
+      for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
+        float& cell = distance_[index(c)];
+        if (cell != wall && hits(low_ + resolution_ * Eigen::Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5))) cell = wall;
       }
+    }
+}
+
+/// Dijkstra's algorithm with a bucket for each `resolution`, the shortest step: what is in the lowest bucket cannot
+/// become shorter (Denardo, Fox 1979), so it needs no order.
+void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline& deadline) {
+  struct Step {
+    std::ptrdiff_t offset;
+    float length;
+  };
+  std::vector<Step> steps;
+  const auto middle = static_cast<std::ptrdiff_t>(index({0, 0, 0}));
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if (x || y || z)
+          steps.push_back({static_cast<std::ptrdiff_t>(index({x, y, z})) - middle,
+                           static_cast<float>(resolution_ * std::sqrt(double(x * x + y * y + z * z)))});
+  using Entry = std::pair<float, std::ptrdiff_t>;
+  std::array<std::vector<Entry>, 4> buckets;  // of which at most three hold anything: no step is two resolutions long
+  const auto reach = [&](std::ptrdiff_t cell, float d) {
+    distance_[static_cast<std::size_t>(cell)] = d;
+    buckets[static_cast<std::size_t>(d / static_cast<float>(resolution_)) % buckets.size()].emplace_back(d, cell);
+  };
+  for (const Eigen::Vector3d& goal : goals) reach(static_cast<std::ptrdiff_t>(index(cell_of(goal))), 0.0f);
+  std::size_t polled = 0, empty = 0;
+  for (std::size_t turn = 0; empty < buckets.size(); ++turn) {
+    std::vector<Entry>& bucket = buckets[turn % buckets.size()];
+    empty = bucket.empty() ? empty + 1 : 0;
+    while (!bucket.empty()) {
+      if (polled++ % 1024 == 0 && deadline.stop_requested()) return;
+      const auto [d, cell] = bucket.back();
+      bucket.pop_back();
+      if (d > distance_[static_cast<std::size_t>(cell)]) continue;
+      for (const Step& step : steps)
+        if (d + step.length < distance_[static_cast<std::size_t>(cell + step.offset)])
+          reach(cell + step.offset, d + step.length);
+    }
   }
 }
 
-void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline& deadline) {
-  using Entry = std::pair<float, std::size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  for (const Eigen::Vector3d& goal : goals) {
-    const std::size_t i = index(cell_of(goal));
-    distance_[i] = 0.0f;
-    open.emplace(0.0f, i);
-  }
-  for (std::size_t steps = 0; !open.empty(); ++steps) {
-    if (steps % 1024 == 0 && deadline.stop_requested()) return;
-    const auto [d, i] = open.top();
-    open.pop();
-    if (d > distance_[i]) continue;
-    const Cell c{static_cast<int>(i % static_cast<std::size_t>(size_[0])),
-                 static_cast<int>(i / static_cast<std::size_t>(size_[0]) % static_cast<std::size_t>(size_[1])),
-                 static_cast<int>(i / static_cast<std::size_t>(size_[0]) / static_cast<std::size_t>(size_[1]))};
-    for (int dz = -1; dz <= 1; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx) {
-          const Cell n{c[0] + dx, c[1] + dy, c[2] + dz};
-          if (n[0] < 0 || n[1] < 0 || n[2] < 0 || n[0] >= size_[0] || n[1] >= size_[1] || n[2] >= size_[2]) continue;
-          const std::size_t j = index(n);
-          if (occupied_[j]) continue;
-          const float candidate = d + static_cast<float>(resolution_ * std::sqrt(double(dx * dx + dy * dy + dz * dz)));
-          if (candidate < distance_[j]) {
-            distance_[j] = candidate;
-            open.emplace(candidate, j);
-          }
-        }
-  }
+bool TaskSpaceBfs::occupied(const Eigen::Vector3d& point) const {
+  return !distance_.empty() && distance_[index(cell_of(point))] < 0.0f;
 }
 
 double TaskSpaceBfs::distance(const Eigen::Vector3d& point) const {
   if (distance_.empty()) return 0.0;
   const Cell c = cell_of(point);
-  float least = distance_[index(c)];
-  if (least < unreached) return least;
-  for (int dz = -1; dz <= 1; ++dz)
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const Cell n{c[0] + dx, c[1] + dy, c[2] + dz};
-        if (n[0] < 0 || n[1] < 0 || n[2] < 0 || n[0] >= size_[0] || n[1] >= size_[1] || n[2] >= size_[2]) continue;
-        least = std::min(least, distance_[index(n)] + static_cast<float>(2 * resolution_));
-      }
+  const float here = distance_[index(c)];
+  if (here >= 0.0f && here < unreached) return here;
+  float least = unreached;
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if (const float next = distance_[index({c[0] + x, c[1] + y, c[2] + z})]; next >= 0.0f)
+          least = std::min(least, next + static_cast<float>(2 * resolution_));
   return least;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -30,20 +29,22 @@ class TaskSpaceBfs {
   /// Travelled distance [m] from `point` to the nearest goal; 0 in a goal's cell; infinity where walls leave no way.
   /// Points outside the grid count from the nearest cell; points inside obstacles from the nearest free neighbour.
   double distance(const Eigen::Vector3d& point) const;
-  std::size_t memory() const { return occupied_.capacity() + distance_.capacity() * sizeof(float); }
+  /// Is the middle of this point's cell nearer than the radius to an object?
+  bool occupied(const Eigen::Vector3d& point) const;
+  std::size_t memory() const { return distance_.capacity() * sizeof(float); }
 
  private:
   using Cell = std::array<int, 3>;
   Cell cell_of(const Eigen::Vector3d& point) const;
   std::size_t index(const Cell& cell) const;
-  void mark_obstacles(const Scene& scene, double radius, const Deadline& deadline);
+  void wall_in();
+  void mark(const Object& object, double radius, const Deadline& deadline);
   void flood(std::span<const Eigen::Vector3d> goals, const Deadline& deadline);
 
   double resolution_;
   Eigen::Vector3d low_;
-  Cell size_{};
-  std::vector<std::uint8_t> occupied_;
-  std::vector<float> distance_;
+  Cell size_{};                  // without the wall around the grid, which saves asking where it ends
+  std::vector<float> distance_;  // by cell, x runs fastest; negative in walls and obstacles
 };
 
 }  // namespace srmp

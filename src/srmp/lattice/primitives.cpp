@@ -12,7 +12,7 @@ double grid_unit(const Joint& joint) {
   return joint.kind == JointKind::prismatic ? 1e-6 : 1e-4 * std::numbers::pi / 180.0;
 }
 
-PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
+PrimitiveSet axis_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
   const auto dof = static_cast<Eigen::Index>(joints.size());
   PrimitiveFamily whole{"whole", PrimitiveUse::always, {}}, third{"third", PrimitiveUse::near, {}};
   for (Eigen::Index j = 0; j < dof; ++j) {
@@ -45,7 +45,7 @@ std::vector<JointPair> parallel_pairs(const RobotModel& robot) {
 
 PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
                              const std::vector<JointPair>& pairs) {
-  PrimitiveFamily alone = default_primitives(joints, step).families.front();
+  PrimitiveFamily alone = axis_primitives(joints, step).families.front();
   Eigen::VectorXd all = Eigen::VectorXd::Zero(step.size());
   for (const Eigen::VectorXd& move : alone.moves) all += move.cwiseMax(0.0);
   PrimitiveFamily towards{"towards", PrimitiveUse::towards, {all}}, together{"pairs", PrimitiveUse::always, {}};
@@ -57,6 +57,14 @@ PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::Vect
         move[k] = second * all[k];
       }
   return {{std::move(towards), std::move(alone), std::move(together)}};
+}
+
+PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
+                                const std::vector<JointPair>& pairs) {
+  PrimitiveSet set = rich_primitives(joints, step, pairs);
+  set.families.push_back(axis_primitives(joints, step).families.back());
+  set.near_distance = step.maxCoeff() / 2;
+  return set;
 }
 
 }  // namespace srmp

@@ -39,7 +39,7 @@ double grid_unit(const Joint& joint);
 
 /// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce
 /// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
-PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
+PrimitiveSet axis_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
 /// Two planned joints that turn about parallel axes when all stand at 0, neighbours or with one joint between them:
 /// turned against each other they shift what they carry, and keep its orientation.
@@ -50,5 +50,10 @@ std::vector<JointPair> parallel_pairs(const RobotModel& robot);
 /// and the two of each pair, all four ways. Short moves would only crowd them.
 PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
                              const std::vector<JointPair>& pairs);
+
+/// For one lattice: the rich ones and, within half a step of the ends, every joint by a third of a step. A coarse
+/// lattice may have no way out of a narrow end; short moves anywhere farther would be tried by the thousand there.
+PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
+                                const std::vector<JointPair>& pairs);
 
 }  // namespace srmp

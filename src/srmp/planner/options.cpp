@@ -24,14 +24,15 @@ constexpr Range from_zero{0.0, inf};
 constexpr Range from_one{1.0, inf};
 constexpr Range share{0.0, 1.0, true};
 
-const std::vector<std::string> heuristics{"joint_euclidean", "bfs"};
+/// The field holds names of heuristics.
+struct HeuristicName {};
 const std::vector<std::string> directions{"auto", "forward", "backward"};
 
 // One list of fields for each planner: reading, checking, writing and suggesting all walk it.
 template <class V>
 void visit_fields(CommonOptions& o, V&& field) {
   field("time_limit", o.time_limit, above_zero);
-  field("heuristic", o.heuristic, heuristics);
+  field("heuristic", o.heuristic, HeuristicName{});
   field("resolution", o.resolution, above_zero);
   field("prismatic_resolution", o.prismatic_resolution, above_zero);
   field("mprim_path", o.mprim_path, std::vector<std::string>{});
@@ -65,7 +66,7 @@ void visit_fields(ARAStar& o, V&& field) {
 template <class V>
 void visit_fields(MHAStar& o, V&& field) {
   visit_fields(o.common, field);
-  field("inadmissible_heuristics", o.inadmissible_heuristics, heuristics);
+  field("inadmissible_heuristics", o.inadmissible_heuristics, HeuristicName{});
   field("w1", o.w1, from_one);
   field("w2", o.w2, from_one);
 }
@@ -170,14 +171,15 @@ struct Reader {
   void operator()(const std::string& key, bool& field, const Range&) {
     if (const auto* value = find(key)) field = as_bool(key, *value);
   }
-  void operator()(const std::string& key, std::string& field, const std::vector<std::string>&) {
+  template <class Allowed>
+  void operator()(const std::string& key, std::string& field, const Allowed&) {
     const auto* value = find(key);
     if (!value) return;
     const auto* text = std::get_if<std::string>(value);
     if (!text) throw InvalidArgument(option(key) + " must be a word");
     field = *text;
   }
-  void operator()(const std::string& key, std::vector<std::string>& field, const std::vector<std::string>&) {
+  void operator()(const std::string& key, std::vector<std::string>& field, const HeuristicName&) {
     if (const auto* value = find(key)) field = as_words(key, *value);
   }
 };
@@ -189,8 +191,20 @@ struct Validator {
   void operator()(const std::string& key, std::string& field, const std::vector<std::string>& known) {
     require_word(key, field, known);
   }
-  void operator()(const std::string& key, std::vector<std::string>& field, const std::vector<std::string>& known) {
-    for (const std::string& word : field) require_word(key, word, known);
+  template <class Field>
+  void operator()(const std::string&, Field&, const HeuristicName&) {}
+};
+
+struct HeuristicCheck {
+  const std::vector<std::string>& known;
+
+  template <class Field, class Allowed>
+  void operator()(const std::string&, Field&, const Allowed&) {}
+  void operator()(const std::string& key, std::string& name, const HeuristicName&) {
+    if (!bfs_cell(name)) require_word(key, name, known);
+  }
+  void operator()(const std::string& key, std::vector<std::string>& names, const HeuristicName& allowed) {
+    for (std::string& name : names) operator()(key, name, allowed);
   }
 };
 
@@ -282,6 +296,28 @@ PlannerOptions parse_options(const OptionMap& map) {
 void validate(const PlannerOptions& options) {
   PlannerOptions copy = options;
   std::visit([](auto& typed) { visit_fields(typed, Validator{}); }, copy);
+}
+
+const std::vector<std::string>& built_in_heuristics() {
+  static const std::vector<std::string> names{"joint_euclidean", "joint_base", "joint_hand", "joint_sum", "bfs"};
+  return names;
+}
+
+std::optional<double> bfs_cell(const std::string& heuristic) {
+  if (!heuristic.starts_with("bfs(")) return std::nullopt;
+  double cell{};
+  const char* end = heuristic.data() + heuristic.size();
+  const auto [stop, error] = std::from_chars(heuristic.data() + 4, end, cell);
+  if (error == std::errc{} && stop + 1 == end && *stop == ')' && cell > 0.0 && cell < inf) return cell;
+  throw InvalidArgument("heuristic '" + heuristic +
+                        "': between the brackets must be the cell of the grid [m], above 0");
+}
+
+void require_heuristics(const PlannerOptions& options, std::span<const std::string> users) {
+  std::vector<std::string> known = built_in_heuristics();
+  known.insert(known.end(), users.begin(), users.end());
+  PlannerOptions copy = options;
+  std::visit([&](auto& typed) { visit_fields(typed, HeuristicCheck{known}); }, copy);
 }
 
 OptionMap to_map(const PlannerOptions& options) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,10 +12,10 @@ namespace srmp {
 /// Options that every planner has.
 struct CommonOptions {
   double time_limit{5.0};                    ///< [s] over all phases of a plan, > 0
-  std::string heuristic{"joint_euclidean"};  ///< joint_euclidean | bfs
+  std::string heuristic{"joint_euclidean"};  ///< one of built_in_heuristics(), or the user's
   double resolution{15.0};                   ///< lattice step of revolute joints [degrees], > 0
   double prismatic_resolution{0.05};         ///< lattice step of prismatic joints [m], > 0
-  std::string mprim_path{};  ///< motion primitives (YAML); "" = every joint by a step, near the ends by a third too
+  std::string mprim_path{};  ///< motion primitives (YAML); "" = default_primitives, for Auto rich_primitives
   std::string direction{
       "auto"};  ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
   double bfs_resolution{0.05};  ///< cell of the bfs heuristic's grid [m], > 0
@@ -49,9 +51,10 @@ struct ARAStar {
 /// MHA* (Aine et al. 2016) with shared expansions: cost <= w1 * w2 * optimal.
 struct MHAStar {
   CommonOptions common{};
-  std::vector<std::string> inadmissible_heuristics{"bfs"};  ///< beside the anchor (common.heuristic)
-  double w1{20.0};                                          ///< inflation of every heuristic, >= 1
-  double w2{5.0};                                           ///< how far the others may run ahead of the anchor, >= 1
+  /// Beside the anchor (common.heuristic).
+  std::vector<std::string> inadmissible_heuristics{"bfs", "joint_base", "joint_hand", "joint_sum"};
+  double w1{20.0};  ///< inflation of every heuristic, >= 1
+  double w2{5.0};   ///< how far the others may run ahead of the anchor, >= 1
 };
 
 /// Parallel weighted search on edges (ePA*SE; Mukherjee, Aine, Likhachev 2022): cost <= weight * optimal; the same path
@@ -90,8 +93,17 @@ using OptionMap = std::map<std::string, OptionValue>;
 /// Reads the paper's dictionary: "planner_id" chooses (default: auto), every other key must be an option of that
 /// planner. Throws InvalidArgument with the nearest known id, key or the allowed range.
 PlannerOptions parse_options(const OptionMap& options);
-/// Throws InvalidArgument when a value is out of its range.
+/// Throws InvalidArgument when a value is out of its range. Names of heuristics may be any: see require_heuristics.
 void validate(const PlannerOptions& options);
+
+/// joint_euclidean: straight joint-space distance, consistent. joint_base, joint_hand: the same with the joints near
+/// the base, or near the hand, counting for more; joint_sum: the sum over the joints; bfs: way of the end effector on a
+/// grid, round the objects, in cells of bfs_resolution, or, as "bfs(0.1)", of 0.1 m; all of these inadmissible.
+const std::vector<std::string>& built_in_heuristics();
+/// The cell of "bfs(0.1)" [m]; nothing for other names. Throws InvalidArgument for what is no number above 0.
+std::optional<double> bfs_cell(const std::string& heuristic);
+/// Throws InvalidArgument unless each heuristic named is built in or one of the `users`.
+void require_heuristics(const PlannerOptions& options, std::span<const std::string> users);
 /// Every option with its value, "planner_id" included: parse_options(to_map(o)) == o.
 OptionMap to_map(const PlannerOptions& options);
 

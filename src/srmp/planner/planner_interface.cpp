@@ -19,6 +19,7 @@ struct PlannerInterface::Impl {
   mutable std::map<std::pair<std::string, CheckMode>, std::unique_ptr<Checker>> checkers;
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
+  UserHeuristics heuristics;
   PlanStatistics statistics;
 
   /// Runs a change of the scene; the checkers made for the old one go.
@@ -67,9 +68,16 @@ struct PlannerInterface::Impl {
     return it->second;
   }
 
+  std::vector<std::string> heuristic_names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, heuristic] : heuristics) names.push_back(name);
+    return names;
+  }
+
   /// A question about the scene as it is now, looked over; all that it names must outlive it.
   SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const PlannerOptions& options, const OnSolution& on_solution = {}) const {
+    require_heuristics(options, heuristic_names());
     if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
     for (const GoalConstraint& goal : goals) {
       goal.validate();
@@ -78,7 +86,7 @@ struct PlannerInterface::Impl {
           model(robot).require_configuration(target, "goal of '" + robot + "'");
     }
     model(robot).require_configuration(start, "start of '" + robot + "'");
-    return {scene, robot, checker(robot, CheckMode::exact), start, goals, options, on_solution};
+    return {scene, robot, checker(robot, CheckMode::exact), start, goals, options, heuristics, on_solution};
   }
 };
 
@@ -206,6 +214,7 @@ void PlannerInterface::attach_moveit_objects(const io::RequestFile& request) {
 void PlannerInterface::reset() {
   impl_->change([](Scene& scene) { scene.reset(); });
   impl_->planners.clear();
+  impl_->heuristics.clear();
   impl_->statistics = {};
 }
 
@@ -295,6 +304,22 @@ std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
       CheckerOptions{.mode = mode, .covers = impl_->covers, .pair_tables = impl_->pair_tables});
 }
 
+// --- heuristics of the user
+
+void PlannerInterface::add_heuristic(const std::string& name, HeuristicFunction function, bool consistent) {
+  UserHeuristic heuristic{std::move(function), consistent};
+  require_new_heuristic(name, heuristic, impl_->heuristics);
+  impl_->heuristics.emplace(name, std::move(heuristic));
+}
+
+void PlannerInterface::remove_heuristic(const std::string& name) {
+  if (impl_->heuristics.erase(name) > 0) return;
+  const std::vector<std::string> known = heuristic_names();
+  throw InvalidArgument("there is no heuristic '" + name + "' of yours" + did_you_mean(name, known));
+}
+
+std::vector<std::string> PlannerInterface::heuristic_names() const { return impl_->heuristic_names(); }
+
 // --- planning
 
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {
@@ -303,6 +328,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
 
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const PlannerOptions& options) {
   validate(options);
+  require_heuristics(options, impl_->heuristic_names());
   std::vector<std::string> key = impl_->sorted_robots(robots);
   if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
     throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +

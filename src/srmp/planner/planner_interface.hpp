@@ -11,6 +11,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/planner/goal.hpp"
 #include "srmp/planner/options.hpp"
+#include "srmp/planner/user_heuristic.hpp"
 #include "srmp/robot/inverse_kinematics.hpp"
 #include "srmp/scene/scene.hpp"
 #include "srmp/trajectory/trajectory.hpp"
@@ -136,7 +137,7 @@ class PlannerInterface {
   void load_moveit_scene(const std::string& path);
   /// Adds and attaches the objects that a request's start state holds, all or none.
   void attach_moveit_objects(const io::RequestFile& request);
-  void reset();  ///< removes robots, objects and planners
+  void reset();  ///< removes robots, objects, planners and heuristics
 
   // --- questions
   const Scene& scene() const;
@@ -164,6 +165,13 @@ class PlannerInterface {
   std::shared_ptr<const TimedChecker> timed_collision_checker(const std::string& robot,
                                                               const std::map<std::string, TimedPath>& others,
                                                               CheckMode mode = CheckMode::exact) const;
+
+  // --- heuristics of the user
+  /// From now on `name` may stand where options ask for a heuristic, for any robot. With it, bounds are proven only if
+  /// it is said to be `consistent`. It must not use this PlannerInterface, which is planning when it is asked.
+  void add_heuristic(const std::string& name, HeuristicFunction function, bool consistent = false);
+  void remove_heuristic(const std::string& name);  ///< planners that name it refuse to plan
+  std::vector<std::string> heuristic_names() const;
 
   // --- planning
   /// Chooses the planner for these robots from the paper's dictionary ("planner_id", "time_limit", …) or typed options.

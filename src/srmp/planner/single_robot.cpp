@@ -1,9 +1,11 @@
 #include "srmp/planner/single_robot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <span>
+#include <string_view>
 
 #include "srmp/heuristic/task_space_bfs.hpp"
 #include "srmp/io/primitives.hpp"
@@ -25,7 +27,7 @@ namespace {
 constexpr double start_mercy = 1e-6;        // a start outside a limit by no more is moved onto it [rad or m]
 constexpr double verification_step = 0.02;  // largest joint step between the samples of the final re-check [rad or m]
 
-using StateHeuristic = std::function<double(search::StateId)>;
+using search::AnyHeuristic;
 
 /// Adds the time from construction to destruction.
 class PhaseTimer {
@@ -219,7 +221,7 @@ class SingleRobotPlan {
 
   PrimitiveSet make_primitives() const {
     return own_primitives() ? io::read_primitives(common_.mprim_path, robot_.joints())
-                            : default_primitives(robot_.joints(), lattice_step());
+                            : default_primitives(robot_.joints(), lattice_step(), parallel_pairs(robot_));
   }
 
   Lattice make_lattice(bool backward, PrimitiveSet primitives) {
@@ -251,12 +253,60 @@ class SingleRobotPlan {
     return pair ? pair->distance : search::infinity;
   }
 
-  StateHeuristic make_heuristic(const std::string& name, Lattice& lattice) {
-    if (name == "bfs") return bfs_heuristic(lattice);
-    return [&lattice](search::StateId state) { return lattice.distance_to_targets(state); };
+  AnyHeuristic make_heuristic(const std::string& name, Lattice& lattice) {
+    if (const auto user = problem_.heuristics.find(name); user != problem_.heuristics.end())
+      return user_heuristic(name, user->second, lattice);
+    if (name == "bfs") return bfs_heuristic(lattice, common_.bfs_resolution);
+    if (const auto cell = bfs_cell(name)) return bfs_heuristic(lattice, *cell);
+    if (name == "joint_euclidean")
+      return [&lattice](search::StateId state) { return lattice.distance_to_targets(state); };
+    const auto measure = std::find(measure_names.begin(), measure_names.end(), name) - measure_names.begin();
+    return [&lattice, weights = measure_weights(), at = static_cast<std::size_t>(measure)](search::StateId state) {
+      std::array<double, measure_names.size()> values{};
+      lattice.measure_to_targets(state, weights, values);
+      return values[at];
+    };
   }
 
-  StateHeuristic bfs_heuristic(Lattice& lattice) {
+  /// What measure_to_targets writes with measure_weights().
+  static constexpr std::array<std::string_view, 4> measure_names{"joint_euclidean", "joint_base", "joint_hand",
+                                                                 "joint_sum"};
+
+  /// All joints alike; those near the base counting for more; those near the hand.
+  RowMatrix measure_weights() const {
+    const auto dof = static_cast<Eigen::Index>(robot_.dof());
+    RowMatrix weights = RowMatrix::Ones(3, dof);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      const double along = dof > 1 ? static_cast<double>(j) / static_cast<double>(dof - 1) : 0.0;
+      weights(1, j) = 2.0 - 1.9 * along;
+      weights(2, j) = 0.5 + 0.7 * along;
+    }
+    return weights;
+  }
+
+  AnyHeuristic user_heuristic(const std::string& name, const UserHeuristic& user, Lattice& lattice) const {
+    return [&lattice, &user, name, goals = to_rows(lattice.targets())](std::span<const search::StateId> states,
+                                                                       std::span<double> out) {
+      std::fill(out.begin(), out.end(), 0.0);  // what goals have
+      std::vector<std::size_t> asked;
+      for (std::size_t i = 0; i < states.size(); ++i)
+        if (!lattice.is_goal(states[i])) asked.push_back(i);
+      if (asked.empty()) return;
+      RowMatrix rows(static_cast<Eigen::Index>(asked.size()), goals.cols());
+      for (std::size_t k = 0; k < asked.size(); ++k)
+        rows.row(static_cast<Eigen::Index>(k)) = lattice.configuration(states[asked[k]]).transpose();
+      const Eigen::VectorXd values = ask(name, user, rows, goals);
+      for (std::size_t k = 0; k < asked.size(); ++k) out[asked[k]] = values[static_cast<Eigen::Index>(k)];
+    };
+  }
+
+  /// Do bounds that a search reports with this heuristic hold?
+  bool consistent(const std::string& name) const {
+    const auto user = problem_.heuristics.find(name);
+    return user == problem_.heuristics.end() ? name == "joint_euclidean" : user->second.consistent;
+  }
+
+  AnyHeuristic bfs_heuristic(Lattice& lattice, double resolution) {
     const PhaseTimer timer(deadline_, statistics_.heuristic_time_s);
     const std::shared_ptr<RobotData> data(robot_.make_data().release(), RobotDataDeleter{});
     const std::size_t link = robot_.link_index(robot_.end_effector());
@@ -268,17 +318,27 @@ class SingleRobotPlan {
     std::vector<Eigen::Vector3d> goals;
     double reach = tip_reach(tip, base.p);
     for (const Eigen::VectorXd& target : lattice.targets()) goals.push_back(tip(target));
-    const Eigen::Vector3d half = Eigen::Vector3d::Constant(reach);
-    const auto grid = std::make_shared<const TaskSpaceBfs>(
-        problem_.scene, base.p - half, base.p + half, goals,
-        TaskSpaceBfs::Options{common_.bfs_resolution, common_.bfs_radius}, deadline_);
-    statistics_.memory_bytes += grid->memory();
+    const auto grid = grid_around(base.p, reach, goals, resolution);
     // One radian moves the tip by at most about `reach`; places that walls cut off count as far away, not as hopeless,
     // because the grid knows only the tip.
     return [&lattice, tip, grid, reach](search::StateId state) {
       if (lattice.is_goal(state)) return 0.0;
       return std::min(grid->distance(tip(lattice.configuration(state))), 4.0 * reach) / reach;
     };
+  }
+
+  /// Lattices with the same goals share it.
+  std::shared_ptr<const TaskSpaceBfs> grid_around(const Eigen::Vector3d& middle, double reach,
+                                                  const std::vector<Eigen::Vector3d>& goals, double resolution) {
+    for (const Grid& known : grids_)
+      if (known.resolution == resolution && known.goals == goals) return known.bfs;
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant(reach);
+    const auto bfs =
+        std::make_shared<const TaskSpaceBfs>(problem_.scene, middle - half, middle + half, goals,
+                                             TaskSpaceBfs::Options{resolution, common_.bfs_radius}, deadline_);
+    grids_.push_back({resolution, goals, bfs});
+    statistics_.memory_bytes += bfs->memory();
+    return bfs;
   }
 
   /// How far the end effector gets from the base, over a fixed sample of configurations.
@@ -299,7 +359,7 @@ class SingleRobotPlan {
   }
 
   search::Result search(Lattice& lattice) {
-    const StateHeuristic anchor = make_heuristic(common_.heuristic, lattice);
+    const AnyHeuristic anchor = make_heuristic(common_.heuristic, lattice);
     stop_if_late("the construction of the heuristic");
     const double shortening = statistics_.shortcut_time_s;
     search::Result result;
@@ -315,13 +375,13 @@ class SingleRobotPlan {
 
   using Starts = std::vector<search::StateId>;
 
-  search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const AStar&) {
+  search::Result run_search(Lattice& lattice, const Starts& starts, const AnyHeuristic& h, const AStar&) {
     return search::weighted_astar(lattice, starts, h, {.weight = 1.0}, deadline_);
   }
-  search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const WAStar& options) {
+  search::Result run_search(Lattice& lattice, const Starts& starts, const AnyHeuristic& h, const WAStar& options) {
     return search::weighted_astar(lattice, starts, h, {.weight = options.weight}, deadline_);
   }
-  search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const ARAStar& options) {
+  search::Result run_search(Lattice& lattice, const Starts& starts, const AnyHeuristic& h, const ARAStar& options) {
     search::AraOptions ara;
     ara.initial_weight = std::max(options.weight, options.final_weight);
     ara.weight_delta = options.weight_delta;
@@ -329,22 +389,22 @@ class SingleRobotPlan {
     ara.on_solution = [&](const search::Result& better) { return take(found_in(better, lattice, backward_)); };
     return search::ara_star(lattice, starts, h, ara, deadline_);
   }
-  search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const MHAStar& options) {
+  search::Result run_search(Lattice& lattice, const Starts& starts, const AnyHeuristic& h, const MHAStar& options) {
     std::vector<search::InadmissibleHeuristic> others;
     for (const std::string& name : options.inadmissible_heuristics) others.push_back(make_heuristic(name, lattice));
     return search::mha_star(lattice, starts, h, others, {.w1 = options.w1, .w2 = options.w2}, deadline_);
   }
-  search::Result run_search(Lattice& lattice, const Starts& starts, const StateHeuristic& h, const WPASE& options) {
+  search::Result run_search(Lattice& lattice, const Starts& starts, const AnyHeuristic& h, const WPASE& options) {
     return search::wpase(lattice, starts, h,
                          {.weight = options.weight, .batch_size = static_cast<std::size_t>(options.batch_size)},
                          deadline_);
   }
-  search::Result run_search(Lattice&, const Starts&, const StateHeuristic&, const XECBS&) {
+  search::Result run_search(Lattice&, const Starts&, const AnyHeuristic&, const XECBS&) {
     throw NotSupported(
         "xECBS plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for plan");
   }
 
-  search::Result run_search(Lattice&, const Starts&, const StateHeuristic&, const Auto&) {
+  search::Result run_search(Lattice&, const Starts&, const AnyHeuristic&, const Auto&) {
     throw Error("internal error: 'auto' searches more than one lattice");
   }
 
@@ -371,7 +431,7 @@ class SingleRobotPlan {
 
   Found found_in(const search::Result& result, const Lattice& lattice, bool backward) const {
     Found found{lattice.configurations(result.path), 0, result.cost, 0.0, describe(backward)};
-    if (common_.heuristic == "joint_euclidean" || std::holds_alternative<Auto>(problem_.options))
+    if (consistent(common_.heuristic) || std::holds_alternative<Auto>(problem_.options))
       found.lower = result.cost / result.bound;
     const search::StateId goal_state = backward ? result.path.front() : result.path.back();
     const SnapGoal* snapped = lattice.snapped_goal(goal_state);
@@ -432,7 +492,7 @@ class SingleRobotPlan {
   /// One search of the portfolio and what it needs to live.
   struct Member {
     std::unique_ptr<Lattice> lattice;  // it cannot move
-    StateHeuristic anchor;
+    AnyHeuristic anchor;
     bool backward;
     double scale;
   };
@@ -505,7 +565,7 @@ class SingleRobotPlan {
           members_.push_back({nullptr, {}, back, finer * scale});
     const auto make = [&](std::size_t i) { return make_member(members_[i], limit); };
     const PhaseTimer timer(deadline_, statistics_.search_time_s);
-    auto found = search::portfolio<Lattice, StateHeuristic>(members_.size(), make, options, deadline);
+    auto found = search::portfolio<Lattice, AnyHeuristic>(members_.size(), make, options, deadline);
     count(found.result.statistics);
     std::uint64_t memory = found.result.statistics.memory;
     for (const Member& member : members_)
@@ -517,7 +577,7 @@ class SingleRobotPlan {
     return found;
   }
 
-  search::PortfolioMember<Lattice, StateHeuristic> make_member(Member& member, double limit) {
+  search::PortfolioMember<Lattice, AnyHeuristic> make_member(Member& member, double limit) {
     member.lattice.reset(new Lattice(make_lattice(
         member.backward,
         own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale), pairs_))));
@@ -531,23 +591,22 @@ class SingleRobotPlan {
   }
 
   /// The distance to the goal by four measures: straight; with the joints near the base counting for more; with those
-  /// near the hand; and the sum over the joints. Where one of them leads into a corner, another leads out.
+  /// near the hand; and the sum over the joints; and what the user asks for, unless it is one of them. Where one leads
+  /// into a corner, another leads out.
   search::Guides make_guides(Lattice& lattice) {
-    const auto dof = static_cast<Eigen::Index>(robot_.dof());
-    RowMatrix weights = RowMatrix::Ones(3, dof);
-    for (Eigen::Index j = 0; j < dof; ++j) {
-      const double along = dof > 1 ? static_cast<double>(j) / static_cast<double>(dof - 1) : 0.0;
-      weights(1, j) = 2.0 - 1.9 * along;
-      weights(2, j) = 0.5 + 0.7 * along;
-    }
-    if (common_.heuristic == "joint_euclidean")
-      return {4, [&lattice, weights](search::StateId s, std::span<double> out) {
-                lattice.measure_to_targets(s, weights, out);
-              }};
-    return {5, [&lattice, weights, other = make_heuristic(common_.heuristic, lattice)](search::StateId s,
-                                                                                       std::span<double> out) {
-              lattice.measure_to_targets(s, weights, out.first(4));
-              out[4] = other(s);
+    constexpr std::size_t measures = measure_names.size();
+    const bool more = std::find(measure_names.begin(), measure_names.end(), common_.heuristic) == measure_names.end();
+    const std::size_t count = measures + more;
+    return {count,
+            [&lattice, count, more, weights = measure_weights(),
+             other = more ? make_heuristic(common_.heuristic, lattice) : AnyHeuristic(),
+             values = std::vector<double>()](std::span<const search::StateId> states, std::span<double> out) mutable {
+              for (std::size_t i = 0; i < states.size(); ++i)
+                lattice.measure_to_targets(states[i], weights, out.subspan(i * count, measures));
+              if (!more) return;
+              values.resize(states.size());
+              other.values(states, values);
+              for (std::size_t i = 0; i < states.size(); ++i) out[i * count + measures] = values[i];
             }};
   }
 
@@ -658,6 +717,12 @@ class SingleRobotPlan {
   double direct_{0.0};  // straight to the nearest goal: no path at all is shorter
   std::vector<Member> members_;
   std::vector<JointPair> pairs_;
+  struct Grid {
+    double resolution;
+    std::vector<Eigen::Vector3d> goals;
+    std::shared_ptr<const TaskSpaceBfs> bfs;
+  };
+  std::vector<Grid> grids_;
 };
 
 }  // namespace

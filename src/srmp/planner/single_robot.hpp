@@ -12,6 +12,7 @@ struct SingleRobotProblem {
   Eigen::VectorXd start;
   const std::vector<GoalConstraint>& goals;
   const PlannerOptions& options;
+  const UserHeuristics& heuristics;
   OnSolution on_solution;
 };
 

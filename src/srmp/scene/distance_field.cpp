@@ -143,6 +143,36 @@ DistanceField::DistanceField(const PieceTree& pieces, bool solid, double outside
   measure(sites);
 }
 
+DistanceField::Bounds DistanceField::distance(const Vector3d& point) const {
+  const auto value = [&](int x, int y, int z) {
+    return static_cast<double>(squared_[static_cast<std::size_t>((z * size_[1] + y) * size_[0] + x)]);
+  };
+  const Vector3d at = (point - corner_) / cell_;
+  Vector3d inside, t;
+  std::array<int, 3> cell{}, nearest{};
+  double bend = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    inside[i] = std::clamp(at[i], 0.0, size_[k] - 1.0);
+    cell[k] = std::min(static_cast<int>(inside[i]), size_[k] - 2);
+    nearest[k] = static_cast<int>(std::lround(inside[i]));
+    t[i] = inside[i] - cell[k];
+    bend += t[i] * (1 - t[i]);
+  }
+  double mixed = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+    const double weight = (x ? t[0] : 1 - t[0]) * (y ? t[1] : 1 - t[1]) * (z ? t[2] : 1 - t[2]);
+    mixed += weight * value(cell[0] + x, cell[1] + y, cell[2] + z);
+  }
+  const double off = cell_ * (at - inside).norm();
+  const double low = std::sqrt(std::max(0.0, mixed - cell_ * cell_ * bend) + off * off);
+  const double v = std::sqrt(std::max(0.0, value(nearest[0], nearest[1], nearest[2])));
+  if (v >= 0.99 * reach_) return {low, std::numeric_limits<double>::infinity()};
+  const Vector3d grid_point = corner_ + cell_ * Vector3d(nearest[0], nearest[1], nearest[2]);
+  return {low, v + excess_ + (point - grid_point).norm()};
+}
+
 /// Exact distances to the cubes, one axis after the other (Felzenszwalb and Huttenlocher 2012), within the reach.
 void DistanceField::measure(const Sites& sites) {
   const int ratio = static_cast<int>(std::lround(cell_ / sites.edge));

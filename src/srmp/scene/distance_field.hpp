@@ -25,6 +25,12 @@ class DistanceField {
   /// Of the convex solid with this surface; its triangles may stick out by `outside` [m].
   DistanceField(const PieceTree& surface, double outside);
 
+  /// The distance to a point is within these, but for rounding.
+  struct Bounds {
+    double low{}, high{};  ///< [m]; high may be infinity
+  };
+  Bounds distance(const Eigen::Vector3d& point) const;
+
   const Eigen::Vector3d& corner() const { return corner_; }       ///< grid point (0, 0, 0)
   double cell() const { return cell_; }                           ///< edge of a cell [m]
   const std::array<int, 3>& size() const { return size_; }        ///< grid points along x, y, z; at least 2 each

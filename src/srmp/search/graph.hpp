@@ -1,9 +1,13 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
@@ -46,6 +50,40 @@ concept Graph =
 template <class H>
 concept Heuristic = requires(H& heuristic, StateId s) {
   { heuristic(s) } -> std::convertible_to<double>;
+};
+
+/// A heuristic may also be asked for many states in one call; the searches then ask for the successors of an expansion
+/// together. values(states, out) writes what heuristic(s) says of each.
+template <class H>
+concept BatchHeuristic =
+    Heuristic<H> && requires(H& heuristic, std::span<const StateId> states, std::span<double> out) {
+      { heuristic.values(states, out) } -> std::same_as<void>;
+    };
+
+/// A heuristic by a function: of one state, or one that writes the values of many.
+class AnyHeuristic {
+ public:
+  AnyHeuristic() = default;
+  template <class F>
+    requires std::is_invocable_v<F&, std::span<const StateId>, std::span<double>>
+  AnyHeuristic(F many) : values_(std::move(many)) {}
+  template <class F>
+    requires std::is_invocable_r_v<double, F&, StateId>
+  AnyHeuristic(F one)
+      : values_([one = std::move(one)](std::span<const StateId> states, std::span<double> out) {
+          for (std::size_t i = 0; i < states.size(); ++i) out[i] = one(states[i]);
+        }) {}
+
+  explicit operator bool() const { return static_cast<bool>(values_); }
+  void values(std::span<const StateId> states, std::span<double> out) const { values_(states, out); }
+  double operator()(StateId s) const {
+    double value = 0.0;
+    values({&s, 1}, {&value, 1});
+    return value;
+  }
+
+ private:
+  std::function<void(std::span<const StateId>, std::span<double>)> values_;
 };
 
 struct Statistics {

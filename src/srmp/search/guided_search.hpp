@@ -11,10 +11,11 @@
 
 namespace srmp::search {
 
-/// Estimates of the cost to the nearest goal, good or bad: each finite and >= 0. values(s, out) writes all `count`.
+/// Estimates of the cost to the nearest goal, good or bad: each finite and >= 0. values(states, out) writes all `count`
+/// of the first state, then of the next.
 struct Guides {
   std::size_t count{};
-  std::function<void(StateId, std::span<double>)> values;
+  std::function<void(std::span<const StateId>, std::span<double>)> values;
 };
 
 /// The fastest way to some path, with a proof of its cost beside it: greedy best-first search in the orders of several
@@ -35,7 +36,9 @@ class GuidedSearch {
       : tree_(graph, anchor), guides_(std::move(guides)), weight_(weight), queues_(guides_.count) {}
 
   void add_starts(std::span<const StateId> starts) {
-    tree_.add_starts(starts, [this](StateId s) { requeue(s); });
+    reached_.clear();
+    tree_.add_starts(starts, [this](StateId s) { reached_.push_back(s); });
+    requeue_reached();
   }
 
   bool solved() const { return !goal_path_.empty(); }
@@ -97,7 +100,14 @@ class GuidedSearch {
     table().commit(s);
     table()[s].closed |= closed_by;
     if (tree_.is_goal(s)) return note_goal(s);
-    tree_.expand(s, [this](StateId next) { requeue(next); });
+    reached_.clear();
+    tree_.expand(s, [this](StateId next) { reached_.push_back(next); });
+    requeue_reached();
+  }
+
+  void requeue_reached() {
+    ask_guides();
+    for (const StateId s : reached_) requeue(s);
   }
 
   void dequeue(StateId s) {
@@ -113,22 +123,30 @@ class GuidedSearch {
     const double g = table().best_cost(s);
     anchor_.set(s, g + state.heuristic, state.heuristic);
     if (state.closed) return;
-    const std::span<const double> values = ask_guides(s);
-    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, values[i], g);
+    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, asked_[at(s, i)], g);
   }
 
-  /// The guides' values of `s`, asked once.
-  std::span<const double> ask_guides(StateId s) {
-    const std::size_t count = queues_.size(), at = std::size_t{s} * count;
-    if (at + count > asked_.size()) asked_.resize(at + count, -1.0);
-    const std::span<double> values(asked_.data() + at, count);
-    if (count == 0 || values[0] >= 0.0) return values;
-    guides_.values(s, values);
-    for (std::size_t i = 0; i < count; ++i)
-      if (!(values[i] >= 0.0 && values[i] < infinity))
-        throw InvalidArgument("guide " + std::to_string(i) + " of state " + std::to_string(s) + " is " +
-                              to_text(values[i]) + ", it must be finite and at least 0");
-    return values;
+  std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * queues_.size() + i; }
+
+  /// The guides' values of the states reached, each asked once, all in one call.
+  void ask_guides() {
+    const std::size_t count = queues_.size();
+    if (count == 0) return;
+    new_states_.clear();
+    for (const StateId s : reached_) {
+      if (at(s, count) > asked_.size()) asked_.resize(at(s, count), -1.0);
+      if (asked_[at(s, 0)] < 0.0) new_states_.push_back(s);
+    }
+    if (new_states_.empty()) return;
+    values_.resize(new_states_.size() * count);
+    guides_.values(new_states_, values_);
+    for (std::size_t k = 0; k < values_.size(); ++k) {
+      const StateId s = new_states_[k / count];
+      if (!(values_[k] >= 0.0 && values_[k] < infinity))
+        throw InvalidArgument("guide " + std::to_string(k % count) + " of state " + std::to_string(s) + " is " +
+                              to_text(values_[k]) + ", it must be finite and at least 0");
+      asked_[at(s, k % count)] = values_[k];
+    }
   }
 
   void note_goal(StateId s) {
@@ -143,8 +161,11 @@ class GuidedSearch {
   Guides guides_;
   double weight_;
   OpenList anchor_;
-  std::vector<OpenList> queues_;  ///< one a guide
-  std::vector<double> asked_;     ///< by state and guide; negative: not asked yet
+  std::vector<OpenList> queues_;     ///< one a guide
+  std::vector<StateId> reached_;     ///< by the last expansion
+  std::vector<StateId> new_states_;  ///< of these, those not asked yet
+  std::vector<double> values_;       ///< of these
+  std::vector<double> asked_;        ///< by state and guide; negative: not asked yet
   std::vector<StateId> goal_path_;
   double goal_cost_{infinity};
   std::uint64_t turn_{};

@@ -228,14 +228,7 @@ class LazyTree {
 
   /// The heuristic of `s`, asked once.
   double heuristic(StateId s) {
-    if (table[s].heuristic < 0.0) {
-      const double h = heuristic_(s);
-      if (!(h >= 0.0)) {
-        throw InvalidArgument("the heuristic of state " + std::to_string(s) + " is " + to_text(h) +
-                              ", it must be 0 or more, or infinity");
-      }
-      table[s].heuristic = h;
-    }
+    if (table[s].heuristic < 0.0) enter_heuristic(s, heuristic_(s));
     return table[s].heuristic;
   }
 
@@ -245,7 +238,29 @@ class LazyTree {
     successors_.clear();
     graph_.successors(s, successors_);
     statistics.generated += successors_.size();
+    if constexpr (BatchHeuristic<H>) ask_heuristics();
     return table[s].cost;
+  }
+
+  /// The heuristics of all new successors in one call.
+  void ask_heuristics() {
+    new_states_.clear();
+    for (const Successor& next : successors_) {
+      table.ensure(next.state);
+      if (table[next.state].heuristic < 0.0) new_states_.push_back(next.state);
+    }
+    if (new_states_.empty()) return;
+    values_.assign(new_states_.size(), 0.0);
+    heuristic_.values(std::span<const StateId>(new_states_), std::span<double>(values_));
+    for (std::size_t i = 0; i < values_.size(); ++i) enter_heuristic(new_states_[i], values_[i]);
+  }
+
+  void enter_heuristic(StateId s, double h) {
+    if (!(h >= 0.0)) {
+      throw InvalidArgument("the heuristic of state " + std::to_string(s) + " is " + to_text(h) +
+                            ", it must be 0 or more, or infinity");
+    }
+    table[s].heuristic = h;
   }
 
   /// Checks a successor; false when it leads to no goal.
@@ -287,6 +302,8 @@ class LazyTree {
   G& graph_;
   H& heuristic_;
   std::vector<Successor> successors_;
+  std::vector<StateId> new_states_;
+  std::vector<double> values_;
   std::vector<Edge> batch_;
   std::vector<double> true_costs_;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,7 +26,7 @@ struct MhaOptions {
   double w2{5.0};  ///< >= 1; how far the other queues may run ahead of the anchor's
 };
 
-using InadmissibleHeuristic = std::function<double(StateId)>;
+using InadmissibleHeuristic = AnyHeuristic;
 
 /// The queues of one MHA* search. Queue 0 belongs to the anchor and holds every open state.
 template <Graph G, Heuristic H>
@@ -37,7 +36,9 @@ class MultiHeuristicSearch {
       : tree_(graph, anchor), others_(others), options_(options), queues_(others.size() + 1) {}
 
   Result run(std::span<const StateId> starts, const Deadline& deadline) {
-    tree_.add_starts(starts, [this](StateId s) { requeue(s); });
+    tree_.add_starts(starts, [this](StateId s) { reached_.push_back(s); });
+    ask_others();
+    for (const StateId s : reached_) requeue(s);
     for (std::size_t turn = 0; !queues_[0].empty();) {
       if (const auto stop = stop_status(deadline)) return unsolved(*stop);
       const std::size_t queue = queue_of(turn);
@@ -50,7 +51,10 @@ class MultiHeuristicSearch {
       }
       close(s, queue);
       if (tree_.is_goal(s)) return solved(s);
-      tree_.expand(s, [this](StateId next) { requeue(next); });
+      reached_.clear();
+      tree_.expand(s, [this](StateId next) { reached_.push_back(next); });
+      ask_others();
+      for (const StateId next : reached_) requeue(next);
       ++turn;
     }
     return unsolved(Status::exhausted);
@@ -92,7 +96,7 @@ class MultiHeuristicSearch {
     queues_[0].set(s, anchor, state.heuristic);
     if (state.closed & closed_by_other) return;
     for (std::size_t i = 0; i < others_.size(); ++i) {
-      const double h = other(i, s), priority = g + options_.w1 * h;
+      const double h = asked_[at(s, i)], priority = g + options_.w1 * h;
       if (h < infinity && priority <= options_.w2 * anchor) {
         queues_[i + 1].set(s, priority, h);
       } else {
@@ -101,19 +105,29 @@ class MultiHeuristicSearch {
     }
   }
 
-  /// The i-th inadmissible heuristic of `s`, asked once.
-  double other(std::size_t i, StateId s) {
-    const std::size_t at = std::size_t{s} * others_.size() + i;
-    if (at >= asked_.size()) asked_.resize((std::size_t{s} + 1) * others_.size(), -1.0);
-    if (asked_[at] < 0.0) {
-      const double h = others_[i](s);
-      if (!(h >= 0.0)) {
-        throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " of state " + std::to_string(s) +
-                              " is " + to_text(h) + ", it must be 0 or more, or infinity");
-      }
-      asked_[at] = h;
+  std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * others_.size() + i; }
+
+  /// The inadmissible heuristics of the states reached, each asked once, all states in one call.
+  void ask_others() {
+    if (others_.empty()) return;
+    new_states_.clear();
+    for (const StateId s : reached_) {
+      if (at(s, others_.size()) > asked_.size()) asked_.resize(at(s, others_.size()), -1.0);
+      if (asked_[at(s, 0)] < 0.0) new_states_.push_back(s);
     }
-    return asked_[at];
+    if (new_states_.empty()) return;
+    values_.resize(new_states_.size());
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      others_[i].values(new_states_, values_);
+      for (std::size_t k = 0; k < values_.size(); ++k) {
+        if (!(values_[k] >= 0.0)) {
+          throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " of state " +
+                                std::to_string(new_states_[k]) + " is " + to_text(values_[k]) +
+                                ", it must be 0 or more, or infinity");
+        }
+        asked_[at(new_states_[k], i)] = values_[k];
+      }
+    }
   }
 
   Result unsolved(Status status) const {
@@ -143,6 +157,9 @@ class MultiHeuristicSearch {
   MhaOptions options_;
   std::vector<OpenList> queues_;
   std::vector<double> asked_;          ///< by state and inadmissible heuristic; negative: not asked yet
+  std::vector<StateId> reached_;       ///< by the last expansion
+  std::vector<StateId> new_states_;    ///< of these, those not asked yet
+  std::vector<double> values_;         ///< of these
   std::vector<StateId> inconsistent_;  ///< closed by the anchor, but a cheaper candidate has turned up since
 };
 
