@@ -15,8 +15,11 @@ target_compile_options(
                        -ffp-contract=off  # the same bits whether or not the CPU has fma
 )
 if(SKBUILD)
-  # Assertions name their source files; in a wheel without the folders of the machine that built it.
-  foreach(prefix IN LISTS SRMP_PYPI_PREFIXES ITEMS ${PROJECT_SOURCE_DIR})
+  # Assertions name their source files; in a wheel without the folders of the machine that built it. Of several
+  # that match the last counts, and the innermost is wanted.
+  set(prefixes ${SRMP_PYPI_PREFIXES} ${PROJECT_SOURCE_DIR})
+  list(REVERSE prefixes)
+  foreach(prefix IN LISTS prefixes)
     add_compile_options(-ffile-prefix-map=${prefix}/=)
   endforeach()
 endif()
