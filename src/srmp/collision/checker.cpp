@@ -125,7 +125,7 @@ struct Checker::Impl {
     if (options.mode != CheckMode::coal && options.pair_tables)
       for (std::size_t i = 0; i < group.size(); ++i) {
         const RobotInstance& robot = group.instance(i);
-        tables[i] = options.pair_tables->tables(robot.model, robot.other_positions, robot.parts);
+        tables[i] = options.pair_tables->tables(robot.model, robot.parts);
       }
     return tables;
   }

@@ -21,7 +21,7 @@ using namespace detail;
 namespace {
 
 constexpr std::string_view extension = ".pairs";
-constexpr std::uint64_t table_version = 1;  // raise when the same pair gets another table, or the layout changes
+constexpr std::uint64_t table_version = 2;  // raise when the same pair gets another table, or the layout changes
 constexpr int coarsest = 32;                // cells along an edge of what is tried first
 constexpr int most_questions = 60'000;      // a pair; then the rest is not proved
 constexpr double turn = 2 * std::numbers::pi;
@@ -56,15 +56,14 @@ std::optional<Turning> turning_of(const RobotModel& model, std::size_t a, std::s
 /// Proves boxes of angles free.
 class Prover {
  public:
-  Prover(const RobotModel& model, ConstVector other_positions, const std::vector<GeometryParts>& parts, std::size_t a,
-         std::size_t b, const Turning& turning)
+  Prover(const RobotModel& model, const std::vector<GeometryParts>& parts, std::size_t a, std::size_t b,
+         const Turning& turning)
       : model_(model),
         turning_(turning),
         a_(model.geometries()[a], parts[a], a),
         b_(model.geometries()[b], parts[b], b),
         data_(model.make_data()),
         q_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof()))) {
-    model.set_other_positions(*data_, other_positions);
     if (a_.solid && b_.solid) formula_ = formulas_.index(*a_.solid, *b_.solid);
     narrow_.emplace(formulas_);
   }
@@ -153,25 +152,50 @@ class Prover {
   std::optional<NarrowPhase> narrow_;
 };
 
-PairTables build(const RobotModel& model, ConstVector other_positions, const std::vector<GeometryParts>& parts) {
+/// Geometries as they hang together, the joints that are not planned at two settings.
+class OtherJoints {
+ public:
+  explicit OtherJoints(const RobotModel& model) : model_(model), here_(model.make_data()), there_(model.make_data()) {
+    const Eigen::VectorXd moved =
+        model.default_other_positions() +
+        0.3 * low_discrepancy_point(1, static_cast<Eigen::Index>(model.other_joints().size()));
+    model.set_other_positions(*there_, moved);
+    for (RobotData* data : {here_.get(), there_.get()})
+      model.forward(*data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof())));
+  }
+
+  bool move(std::size_t a, std::size_t b) const {
+    const auto between = [&](const RobotData& data) {
+      return model_.geometry_pose(data, a).inverse() * model_.geometry_pose(data, b);
+    };
+    return !between(*here_).isApprox(between(*there_), 1e-12);
+  }
+
+ private:
+  const RobotModel& model_;
+  RobotDataPtr here_, there_;
+};
+
+PairTables build(const RobotModel& model, const std::vector<GeometryParts>& parts) {
   struct Job {
     std::size_t a, b;
     Turning turning;
   };
   std::vector<Job> jobs;
+  const OtherJoints others(model);
   for (const auto& [a, b] : model.self_pairs())
-    if (parts[a].pieces || parts[b].pieces)
+    if ((parts[a].pieces || parts[b].pieces) && !others.move(a, b))
       if (auto turning = turning_of(model, a, b)) jobs.push_back({a, b, std::move(*turning)});
   PairTables tables(jobs.size());
   WorkerPool pool(std::max(1u, std::thread::hardware_concurrency()));
   pool.run(jobs.size(), [&](std::size_t, std::size_t i) {
-    tables[i] = Prover(model, other_positions, parts, jobs[i].a, jobs[i].b, jobs[i].turning).table();
+    tables[i] = Prover(model, parts, jobs[i].a, jobs[i].b, jobs[i].turning).table();
   });
   return tables;
 }
 
 /// All that the tables depend on: shapes, and where they are at some configurations.
-Sha256::Digest key_of(const RobotModel& model, ConstVector other_positions) {
+Sha256::Digest key_of(const RobotModel& model) {
   Sha256 hash = cover_key("pairs");
   hash.add(table_version);
   for (const LinkGeometry& geometry : model.geometries()) add_content(hash, *geometry.shape);
@@ -181,7 +205,6 @@ Sha256::Digest key_of(const RobotModel& model, ConstVector other_positions) {
     hash.add(drive.ratio);
   }
   const RobotDataPtr data = model.make_data();
-  model.set_other_positions(*data, other_positions);
   for (std::size_t sample = 1; sample <= 4; ++sample) {
     model.forward(*data, 6.0 * low_discrepancy_point(sample, static_cast<Eigen::Index>(model.dof())));
     for (std::size_t i = 0; i < model.geometries().size(); ++i)
@@ -248,19 +271,18 @@ bool PairTable::never_meet() const {
 }
 
 std::shared_ptr<const PairTables> PairTableStore::tables(const std::shared_ptr<const RobotModel>& model,
-                                                         ConstVector other_positions,
                                                          const std::vector<GeometryParts>& parts) {
   const std::lock_guard lock(mutex_);
   for (const Known& known : known_)
-    if (known.model == model && known.other_positions == other_positions) return known.tables;
-  const Sha256::Digest key = key_of(*model, other_positions);
+    if (known.model == model) return known.tables;
+  const Sha256::Digest key = key_of(*model);
   std::optional<PairTables> tables;
   if (const auto bytes = read_cached(folder_, extension, key)) tables = from_bytes(*bytes, *model);
   if (!tables) {
-    tables = build(*model, other_positions, parts);
+    tables = build(*model, parts);
     write_cached(folder_, extension, key, to_bytes(*tables));
   }
-  known_.push_back({model, other_positions, std::make_shared<const PairTables>(std::move(*tables))});
+  known_.push_back({model, std::make_shared<const PairTables>(std::move(*tables))});
   return known_.back().tables;
 }
 

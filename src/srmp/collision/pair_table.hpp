@@ -28,7 +28,8 @@ class PairTable {
   bool never_meet() const;  ///< every cell is proved
 };
 
-/// The tables of one robot at one setting of the joints that are not planned.
+/// The tables of one robot. They hold wherever the joints stand that are not planned: links that such a joint moves
+/// against each other have none.
 using PairTables = std::vector<PairTable>;
 
 /// Tables are made once, kept in memory as long as the store lives, and in a folder for later runs. Threads share it.
@@ -38,13 +39,12 @@ class PairTableStore {
   explicit PairTableStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
   /// `parts`: parts_of each geometry. The first call for a robot takes some seconds; waiting calls wait.
-  std::shared_ptr<const PairTables> tables(const std::shared_ptr<const RobotModel>& model, ConstVector other_positions,
+  std::shared_ptr<const PairTables> tables(const std::shared_ptr<const RobotModel>& model,
                                            const std::vector<GeometryParts>& parts);
 
  private:
   struct Known {
     std::shared_ptr<const RobotModel> model;  // keeps the address taken
-    Eigen::VectorXd other_positions;
     std::shared_ptr<const PairTables> tables;
   };
   const std::filesystem::path folder_;

@@ -1,17 +1,10 @@
 #include "srmp/collision/robot_group.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "srmp/core/error.hpp"
 
 namespace srmp::detail {
-
-namespace {
-
-int top_bit(std::uint64_t movers) { return 63 - std::countl_zero(movers); }
-
-}  // namespace
 
 RobotGroup::RobotGroup(const Scene& scene, const std::vector<std::string>& robots) {
   for (const std::string& name : robots) {
@@ -24,8 +17,8 @@ RobotGroup::RobotGroup(const Scene& scene, const std::vector<std::string>& robot
     std::vector<int> parent(model.drives().size(), -1);
     for (std::size_t link = 0; link < model.link_names().size(); ++link)
       if (const std::uint64_t movers = model.link_movers(link)) {
-        const std::uint64_t above = movers & ~(std::uint64_t{1} << top_bit(movers));
-        if (above) parent[static_cast<std::size_t>(top_bit(movers))] = top_bit(above);
+        const std::uint64_t above = movers & ~(std::uint64_t{1} << deepest_drive(movers));
+        if (above) parent[static_cast<std::size_t>(deepest_drive(movers))] = deepest_drive(above);
       }
     for (std::size_t k = 0; k < parent.size(); ++k) {
       Drive drive = model.drives()[k];

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <bit>
 #include <string>
 #include <vector>
 
 #include "srmp/scene/scene.hpp"
 
 namespace srmp::detail {
+
+/// Of a set of drives on one chain, which is not empty; drives are listed parents first.
+inline int deepest_drive(std::uint64_t movers) { return 63 - std::countl_zero(movers); }
 
 /// The kinematics of one or more robots of a scene as if they were one: configurations one after the other, everything
 /// in the base frame of the first. Const; threads share it, each with Data of its own.

@@ -42,7 +42,7 @@ struct PlannerInterface::Impl {
   void cover_robots() const {
     for (const auto& [name, robot] : scene.robots()) {
       ensure_covered(*robot.model, *covers);
-      pair_tables->tables(robot.model, robot.other_positions, robot.parts);
+      pair_tables->tables(robot.model, robot.parts);
     }
   }
 

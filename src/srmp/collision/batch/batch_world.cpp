@@ -2,7 +2,6 @@
 
 #include <coal/shape/geometric_shapes.h>
 
-#include <bit>
 #include <map>
 #include <numeric>
 #include <tuple>
@@ -20,8 +19,6 @@ Eigen::Isometry3d frame_on_axis(const std::pair<Eigen::Vector3d, Eigen::Vector3d
   frame.translation() = axis.first;
   return frame;
 }
-
-int top_bit(std::uint64_t movers) { return 63 - std::countl_zero(movers); }
 
 /// A small ball around balls (Badoiu and Clarkson 2003).
 Ball around(const std::vector<Ball>& balls) {
@@ -161,7 +158,7 @@ class Builder {
   }
 
   int add_moving(const MovingBody& body) {
-    const int drive = top_bit(body.movers);
+    const int drive = deepest_drive(body.movers);
     const auto key = std::make_tuple(body.scene_name, body.attached());
     const auto [place, added] = links_.try_emplace(key, static_cast<int>(scene_.world.bodies.size()));
     if (added) {

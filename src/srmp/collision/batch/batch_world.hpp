@@ -22,8 +22,7 @@ struct BatchScene {
 };
 
 /// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that
-/// are boxes, spheres, cylinders or capsules become obstacles; others become the box around them, which proves only
-/// what is clear of it.
+/// are boxes, spheres, cylinders or capsules become obstacles as they are; others are known by their distance fields.
 BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of);
 
 }  // namespace srmp::detail
