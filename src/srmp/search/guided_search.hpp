@@ -41,12 +41,12 @@ class GuidedSearch {
     requeue_reached();
   }
 
-  bool solved() const { return !goal_path_.empty(); }
+  bool solved() const { return goal_.known(); }
   /// Of the best path; infinity while there is none.
-  double cost() const { return goal_cost_; }
+  double cost() const { return goal_.cost(); }
   /// Nothing left to do: proven, or exhausted.
   bool finished() const {
-    if (solved()) return goal_cost_ <= weight_ * anchor_.min_priority();
+    if (solved()) return cost() <= weight_ * anchor_.min_priority();
     return queues_.empty() ? anchor_.empty() : queues_[0].empty();  // all guides hold the same states
   }
 
@@ -70,13 +70,8 @@ class GuidedSearch {
   }
 
   Result result(std::optional<Status> stop) const {
-    Result result;
-    result.statistics = statistics();
-    result.status = solved() ? Status::solved : stop.value_or(Status::exhausted);
-    if (!solved()) return result;
-    result.path = goal_path_;
-    result.cost = goal_cost_;
-    result.bound = proven_bound(infinity, goal_cost_, anchor_.min_priority());
+    Result result = goal_.result(statistics(), stop);
+    if (solved()) result.bound = proven_bound(infinity, cost(), anchor_.min_priority());
     return result;
   }
 
@@ -99,7 +94,7 @@ class GuidedSearch {
     dequeue(s);
     table().commit(s);
     table()[s].closed |= closed_by;
-    if (tree_.is_goal(s)) return note_goal(s);
+    if (tree_.is_goal(s)) return goal_.offer(table(), s);
     reached_.clear();
     tree_.expand(s, [this](StateId next) { reached_.push_back(next); });
     requeue_reached();
@@ -149,14 +144,6 @@ class GuidedSearch {
     }
   }
 
-  void note_goal(StateId s) {
-    std::vector<StateId> path = table().path_to(s);
-    const double cost = table().path_cost(path);
-    if (cost >= goal_cost_) return;
-    goal_path_ = std::move(path);
-    goal_cost_ = cost;
-  }
-
   LazyTree<G, H> tree_;
   Guides guides_;
   double weight_;
@@ -166,8 +153,7 @@ class GuidedSearch {
   std::vector<StateId> new_states_;  ///< of these, those not asked yet
   std::vector<double> values_;       ///< of these
   std::vector<double> asked_;        ///< by state and guide; negative: not asked yet
-  std::vector<StateId> goal_path_;
-  double goal_cost_{infinity};
+  BestGoal goal_;
   std::uint64_t turn_{};
 };
 

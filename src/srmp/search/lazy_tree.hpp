@@ -175,6 +175,37 @@ class CandidateTable {
   std::vector<Candidate> edges_;
 };
 
+/// The cheapest path to a goal so far. It is kept as it was found: later expansions may lead its states over other
+/// parents, dearer for a while.
+class BestGoal {
+ public:
+  bool known() const { return !path_.empty(); }
+  double cost() const { return cost_; }  ///< infinity while there is none
+
+  void offer(const CandidateTable& table, StateId goal) {
+    std::vector<StateId> path = table.path_to(goal);
+    const double cost = table.path_cost(path);
+    if (cost >= cost_) return;
+    path_ = std::move(path);
+    cost_ = cost;
+  }
+
+  /// What is known; the bound is the caller's to say.
+  Result result(const Statistics& statistics, std::optional<Status> stop) const {
+    Result result;
+    result.statistics = statistics;
+    result.status = known() ? Status::solved : stop.value_or(Status::exhausted);
+    if (!known()) return result;
+    result.path = path_;
+    result.cost = cost_;
+    return result;
+  }
+
+ private:
+  std::vector<StateId> path_;
+  double cost_{infinity};
+};
+
 /// The table together with the graph and the heuristic that fill it. `reached(s)` is called whenever the best candidate
 /// of s has improved; the planner answers by (re)queueing it.
 template <Graph G, Heuristic H>

@@ -33,7 +33,7 @@ class WeightedSearch {
   }
 
   /// No state in OPEN can beat the best goal within the weight.
-  bool finished() const { return open_.empty() || (solved() && open_.min_priority() >= goal_cost_); }
+  bool finished() const { return open_.empty() || (solved() && open_.min_priority() >= goal_.cost()); }
 
   /// Expands in the order of OPEN until finished. Says why when it had to stop earlier.
   std::optional<Status> improve(const Deadline& deadline) {
@@ -68,7 +68,7 @@ class WeightedSearch {
   void visit(StateId s) {
     table().commit(s);
     table()[s].closed = round_;
-    if (tree_.is_goal(s)) return note_goal(s);
+    if (tree_.is_goal(s)) return goal_.offer(table(), s);
     const auto reached = [this](StateId next) { requeue(next); };
     if (expand_ == Expand::once) {
       tree_.expand_once(s, reached);
@@ -93,7 +93,7 @@ class WeightedSearch {
     requeue(s);
   }
 
-  bool solved() const { return !goal_path_.empty(); }
+  bool solved() const { return goal_.known(); }
 
   Statistics statistics() const {
     Statistics statistics = tree_.statistics;
@@ -103,12 +103,8 @@ class WeightedSearch {
 
   /// The path to the best goal, its cost and its bound, if any.
   Result result(double guaranteed_bound, std::optional<Status> stop) const {
-    Result result;
-    result.statistics = statistics();
-    result.status = solved() ? Status::solved : stop.value_or(Status::exhausted);
+    Result result = goal_.result(statistics(), stop);
     if (!solved()) return result;
-    result.path = goal_path_;
-    result.cost = goal_cost_;
     result.bound = proven_bound(guaranteed_bound, result.cost, lower_bound(guaranteed_bound, result.cost));
     return result;
   }
@@ -120,15 +116,6 @@ class WeightedSearch {
   const CandidateTable& table() const { return tree_.table; }
 
  private:
-  /// Keeps the path itself: later rounds may lead its states over other parents, dearer for a while.
-  void note_goal(StateId s) {
-    std::vector<StateId> path = table().path_to(s);
-    const double cost = table().path_cost(path);
-    if (cost >= goal_cost_) return;
-    goal_path_ = std::move(path);
-    goal_cost_ = cost;
-  }
-
   double lower_bound(double guaranteed_bound, double cost) const {
     if (guaranteed_bound == 1.0) return cost;
     double lower = cost;
@@ -144,8 +131,7 @@ class WeightedSearch {
   double weight_;
   Expand expand_;
   std::uint32_t round_{1};
-  std::vector<StateId> goal_path_;
-  double goal_cost_{infinity};
+  BestGoal goal_;
 };
 
 }  // namespace srmp::search
