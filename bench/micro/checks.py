@@ -34,7 +34,6 @@ from srmp._files import write_json
 from srmp.bench import mbm
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
 MODELS = [("panda", "spheres"), ("panda", "urdf"), ("ur5", "urdf"), ("fetch", "urdf")]
 BACKENDS = ("portable", "avx2", "avx512")
 
@@ -61,7 +60,7 @@ def measure(program: Path, data: Path, robot: str, geometry: str, options: argpa
     srmp.cover(str(files.urdf), package_dirs=[str(files.folder)])  # its time is not measured here
     settings = [str(value) for value in (options.motions, options.size, options.step, options.repeats)]
     with mbm.open_problems(files.folder, robot, numbers=mbm.parse_numbers(options.problems)) as problems:
-        command = [str(program), str(files.urdf), str(files.srdf), GROUPS[robot], *settings]
+        command = [str(program), str(files.urdf), str(files.srdf), mbm.GROUPS[robot], *settings]
         command += [str(problem.scene) for problem in problems]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             for problem, line in zip(tqdm(problems, f"{robot} {geometry}", disable=None), process.stdout, strict=False):
@@ -75,13 +74,11 @@ def measure(program: Path, data: Path, robot: str, geometry: str, options: argpa
 def run(options: argparse.Namespace) -> dict[str, Any]:
     program = options.program or build()
     rows = [row for robot, geometry in MODELS for row in measure(program, options.data, robot, geometry, options)]
-    header = {
-        "benchmark": "collision checks",
-        "created": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
-        "versions": mbm.versions(),
-        "cpu": mbm.cpu_name(),
-        "options": {key: getattr(options, key) for key in ("motions", "size", "step", "repeats", "problems")},
-    }
+    header = mbm.header(
+        "collision checks",
+        created=datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+        options={key: getattr(options, key) for key in ("motions", "size", "step", "repeats", "problems")},
+    )
     return {"header": header, "rows": rows, "summary": summary(rows)}
 
 

@@ -26,9 +26,6 @@ from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
 
-GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
-
-
 # --- points on surfaces -----------------------------------------------------------------------------------------------
 
 
@@ -108,18 +105,6 @@ def cpu_seconds(work: Callable[..., object], *arguments: object) -> float:
     return time.thread_time() - start
 
 
-def make_planner(files: mbm.RobotFiles) -> srmp.PlannerInterface:
-    planner = srmp.PlannerInterface()
-    planner.add_articulation(
-        urdf_path=str(files.urdf),
-        srdf_path=str(files.srdf),
-        name=files.name,
-        group=GROUPS[files.name],
-        package_dirs=[str(files.folder)],
-    )
-    return planner
-
-
 def motions(planner: srmp.PlannerInterface, checker: srmp.CollisionChecker, name: str, count: int, size: float):
     """Starts, free of collision, and ends."""
     rng = np.random.default_rng(1)
@@ -135,9 +120,9 @@ def motions(planner: srmp.PlannerInterface, checker: srmp.CollisionChecker, name
 def measure(files: mbm.RobotFiles, scene: Path, arguments: argparse.Namespace) -> dict:
     name, repeats = files.name, range(arguments.repeats)
     points = surface_points(scene, arguments.points)
-    boxes = make_planner(files)
+    boxes = mbm.load_robot(files, mbm.GROUPS[files.name])
     boxes.load_moveit_scene(str(scene))
-    clouds = [make_planner(files) for _ in repeats]
+    clouds = [mbm.load_robot(files, mbm.GROUPS[files.name]) for _ in repeats]
     insertion = [cpu_seconds(cloud.add_point_cloud, "cloud", points, arguments.resolution) for cloud in clouds]
     setup = min(cpu_seconds(clouds[0].collision_checker, name) for _ in repeats)
     checkers = {"boxes": boxes.collision_checker(name), "cloud": clouds[0].collision_checker(name)}
@@ -192,7 +177,7 @@ def main() -> None:
     parser.add_argument(
         "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
     )
-    parser.add_argument("--robot", choices=list(GROUPS), default="panda")
+    parser.add_argument("--robot", choices=list(mbm.GROUPS), default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--problems", default="1", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument("--points", type=int, default=100_000)
@@ -214,12 +199,7 @@ def main() -> None:
             for problem in tqdm(problems, disable=None)
         ]
     keys = ("robot", "geometry", "problems", "points", "resolution", "motions", "size", "repeats")
-    header = {
-        "benchmark": "point clouds",
-        "versions": mbm.versions(),
-        "cpu": mbm.cpu_name(),
-        "options": {key: getattr(arguments, key) for key in keys},
-    }
+    header = mbm.header("point clouds", options={key: getattr(arguments, key) for key in keys})
     results = {"header": header, "rows": rows}
     if arguments.out:
         write_json(arguments.out, results)

@@ -136,13 +136,7 @@ def main() -> None:
     if not found:
         parser.error("no robot is there: give --data, or install example-robot-data")
     rows = [{"robot": name, **measure_apart(*found[name])} for name in tqdm(found, disable=None)]
-    header = {
-        "benchmark": "covers",
-        "versions": mbm.versions(),
-        "cpu": mbm.cpu_name(),
-        "cores": os.cpu_count(),
-        "load_before": os.getloadavg()[0],
-    }
+    header = mbm.header("covers", cores=os.cpu_count(), load_before=os.getloadavg()[0])
     results = {"header": header, "rows": rows}
     if arguments.out:
         write_json(arguments.out, results)

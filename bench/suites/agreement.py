@@ -39,7 +39,6 @@ from srmp._files import write_json
 from srmp.bench import mbm
 
 SCENARIOS = ["bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage", "table_pick", "table_under_pick"]
-GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
 FAULTS = ("exact", "conservative", "simd", "independent")
 BACKENDS = ("portable", "avx2", "avx512")
 FLOOR = 2.2e-5  # [m]
@@ -98,16 +97,7 @@ def smallest_clearance(checker: srmp.CollisionChecker, a: np.ndarray, b: np.ndar
 
 
 def load_robot(data: Path, robot: str) -> srmp.PlannerInterface:
-    files = mbm.robot_files(data, robot, "urdf")
-    planner = srmp.PlannerInterface()
-    planner.add_articulation(
-        urdf_path=str(files.urdf),
-        srdf_path=str(files.srdf),
-        name=robot,
-        group=GROUPS[robot],
-        package_dirs=[str(files.folder)],
-    )
-    return planner
+    return mbm.load_robot(mbm.robot_files(data, robot, "urdf"), mbm.GROUPS[robot])
 
 
 def load_scene(planner: srmp.PlannerInterface, scene: str) -> None:
@@ -229,15 +219,12 @@ def run(arguments: argparse.Namespace) -> dict:
     total: Counter = Counter()
     for row in rows:
         total.update({key: value for key, value in row.items() if isinstance(value, int)})
-    header = {
-        "benchmark": "agreement",
-        "versions": mbm.versions(),
-        "cpu": mbm.cpu_name(),
-        "seconds": time.perf_counter() - start,
-        "options": {
-            key: getattr(arguments, key) for key in ("configurations", "robots", "problems", "recheck", "seed")
-        },
-    }
+    keys = ("configurations", "robots", "problems", "recheck", "seed")
+    header = mbm.header(
+        "agreement",
+        seconds=time.perf_counter() - start,
+        options={key: getattr(arguments, key) for key in keys},
+    )
     return {"header": header, "total": dict(total), "rows": rows}
 
 
@@ -246,7 +233,7 @@ def main() -> int:
     parser.add_argument("--data", type=Path, required=True, help="MotionBenchMaker's robots and problems")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     parser.add_argument("--configurations", type=int, default=1_000_000, help="in all (default: %(default)s)")
-    parser.add_argument("--robots", nargs="+", choices=list(GROUPS), default=list(GROUPS))
+    parser.add_argument("--robots", nargs="+", choices=list(mbm.GROUPS), default=list(mbm.GROUPS))
     parser.add_argument("--problems", default="1-4", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument(
         "--recheck", type=float, default=0.01, help="share asked of pin and coal (default: %(default)s)"

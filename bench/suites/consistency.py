@@ -84,12 +84,8 @@ def run(
             for planner_id in planners:
                 planner.make_planner(robot, {"planner_id": planner_id, "time_limit": time_limit})
                 rows[planner_id].append(row_of(planner, robot, problem, posed.start, goals, threads))
-    header = {
-        "benchmark": "consistency",
-        "versions": mbm.versions(),
-        "cpu": mbm.cpu_name(),
-        "options": {"robot": robot, "geometry": geometry, "problems": problems, "time_limit": time_limit},
-    }
+    options = {"robot": robot, "geometry": geometry, "problems": problems, "time_limit": time_limit}
+    header = mbm.header("consistency", options=options)
     return {"header": header, "planners": {name: {**summary(r), "rows": r} for name, r in rows.items()}}
 
 

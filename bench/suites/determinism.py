@@ -99,12 +99,10 @@ def run(
         if (found := run_in_process(backend, arguments)) is not None:
             by_backend[backend] = found
     hashes = merge(by_backend)
-    header = {
-        "benchmark": "determinism",
-        "versions": mbm.versions(),
-        "cpu": mbm.cpu_name(),
-        "instruction_sets": list(by_backend),
-        "options": {
+    header = mbm.header(
+        "determinism",
+        instruction_sets=list(by_backend),
+        options={
             "robot": robot,
             "geometry": geometry,
             "scenarios": scenarios or "all",
@@ -112,7 +110,7 @@ def run(
             "repeats": repeats,
             "threads": threads,
         },
-    }
+    )
     return {"header": header, "hashes": hashes, "differing": [q for q, found in hashes.items() if len(found) != 1]}
 
 

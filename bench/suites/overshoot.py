@@ -93,11 +93,9 @@ def run(data: str, robot: str, geometry: str, plans: int, problems: str, doubt: 
     rows = list(measure(data, robot, geometry, plans, problems, doubt, reruns))
     groups = {name: [row for row in rows if row["planner"] == name] for name in PLANNERS}
     return {
-        "header": {
-            "benchmark": "overshoot",
-            "versions": mbm.versions(),
-            "cpu": mbm.cpu_name(),
-            "options": {
+        "header": mbm.header(
+            "overshoot",
+            options={
                 "robot": robot,
                 "geometry": geometry,
                 "plans": plans,
@@ -105,8 +103,8 @@ def run(data: str, robot: str, geometry: str, plans: int, problems: str, doubt: 
                 "doubt_s": doubt,
                 "reruns": reruns,
             },
-            "planners": PLANNERS,
-        },
+            planners=PLANNERS,
+        ),
         "percentiles_s": percentiles(rows),
         "percentiles_of_first_tries_s": percentiles(rows, first=True),
         "percentiles_by_planner_s": {name: percentiles(group) for name, group in groups.items() if group},

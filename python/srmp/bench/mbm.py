@@ -30,6 +30,8 @@ from srmp._table import format_seconds, format_table
 
 # The link whose path length is reported; other robots: the tip of the planning group.
 END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
+# The planning group that the problems are for, where no request says it.
+GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
 _MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
 _STATISTICS = (
     *("plan_time_s", "total_time_s", "search_time_s", "expansions", "memory_bytes", "edge_checks"),
@@ -75,6 +77,20 @@ def robot_files(data: str | Path, robot: str, geometry: str) -> RobotFiles:
         if not file.is_file():
             raise srmp.FileError(f"{file} does not exist.")
     return RobotFiles(robot, folder, urdf, srdf)
+
+
+def load_robot(files: RobotFiles, group: str) -> srmp.PlannerInterface:
+    """A planner with the robot, called as in `files`, and nothing else."""
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(
+        urdf_path=str(files.urdf),
+        srdf_path=str(files.srdf),
+        name=files.name,
+        end_effector=END_EFFECTORS.get(files.name, ""),
+        group=group,
+        package_dirs=[str(files.folder)],
+    )
+    return planner
 
 
 def parse_numbers(text: str) -> set[int]:
@@ -177,15 +193,7 @@ class Runner:
     def _planner_for(self, group: str) -> srmp.PlannerInterface:
         """The planner with an empty scene; the robot is read once a planning group."""
         if self._planner is None or self._group != group:
-            planner = srmp.PlannerInterface()
-            planner.add_articulation(
-                urdf_path=str(self._files.urdf),
-                srdf_path=str(self._files.srdf),
-                name=self._files.name,
-                end_effector=END_EFFECTORS.get(self._files.name, ""),
-                group=group,
-                package_dirs=[str(self._files.folder)],
-            )
+            planner = load_robot(self._files, group)
             planner.make_planner([self._files.name], self._options)
             self._planner, self._group = planner, group
         for name in self._planner.object_names:
@@ -302,6 +310,11 @@ def run(
 def status_name(status: Any) -> str:
     """ "timed_out" for Status.timed_out."""
     return getattr(status, "name", None) or str(status)
+
+
+def header(benchmark: str, **more: Any) -> dict[str, Any]:
+    """What a result file begins with: what was measured, by which versions, on which CPU, and `more`."""
+    return {"benchmark": benchmark, "versions": versions(), "cpu": cpu_name(), **more}
 
 
 def versions() -> dict[str, str]:
