@@ -15,7 +15,7 @@ MAY_INCLUDE = {
     "search": {"core"},
     "lattice": {"core", "robot", "search"},
     "heuristic": {"core", "robot", "scene"},
-    "trajectory": {"core"},
+    "trajectory": {"core", "robot", "collision"},
     "io": {"core", "robot", "scene", "lattice"},
     "planner": {"core", "robot", "scene", "collision", "search", "lattice", "heuristic", "trajectory", "io"},
 }

@@ -58,7 +58,7 @@ BOOST_AUTO_TEST_CASE(sampling_is_linear_and_stays_at_the_ends) {
 
 BOOST_AUTO_TEST_CASE(sampling_refuses_nonsense) {
   check_throws<InvalidArgument>([] { ramp().sample(NAN); }, "NaN");
-  check_throws<InvalidArgument>([] { Trajectory{}.sample(0.0); }, "no samples");
+  check_throws<InvalidArgument>([] { Trajectory{}.sample(0.0); }, "no rows");
 }
 
 BOOST_AUTO_TEST_CASE(redundant_waypoints_go_and_the_path_stays) {

@@ -13,21 +13,11 @@ namespace srmp {
 namespace {
 
 constexpr double max_samples = 1e7;
-constexpr double min_duration = 1e-6;      // [s] of a segment: times must grow even where a path is very long
-constexpr double rounding_margin = 1e-9;   // relative: the numbers reported must not exceed a limit by their last bit
-constexpr double no_velocity_limit = 1e6;  // parsers write huge numbers for "unlimited"
+constexpr double min_duration = 1e-6;     // [s] of a segment: times must grow even where a path is very long
+constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
 
 using Ruckig = ruckig::Ruckig<1>;
 using Profile = ruckig::Trajectory<1>;
-
-void require_limits(const Eigen::VectorXd& values, const std::string& what,
-                    const std::vector<std::string>& joint_names) {
-  if (static_cast<std::size_t>(values.size()) != joint_names.size())
-    throw InvalidArgument(what + " limits: got " + std::to_string(values.size()) + ", but there are " +
-                          std::to_string(joint_names.size()) + " joints");
-  for (std::size_t j = 0; j < joint_names.size(); ++j)
-    require_positive(values[static_cast<Eigen::Index>(j)], joint_names[j] + ": the " + what + " limit");
-}
 
 /// One straight segment: the share s in [0, 1] of the way as a function of time.
 struct Segment {
@@ -124,27 +114,10 @@ class Samples {
 
 }  // namespace
 
-MotionLimits default_limits(const Eigen::VectorXd& velocity) {
-  MotionLimits limits;
-  limits.velocity = velocity;
-  for (Eigen::Index j = 0; j < velocity.size(); ++j) {
-    double& v = limits.velocity[j];
-    if (std::isnan(v) || v < 0.0)
-      throw InvalidArgument("velocity limit of joint " + std::to_string(j) + " is " + to_text(v) +
-                            "; it must be 0 (unknown) or above");
-    if (v == 0.0 || v > no_velocity_limit) v = 1.0;
-  }
-  limits.acceleration = 2.0 * limits.velocity;
-  limits.jerk = 10.0 * limits.acceleration;
-  return limits;
-}
-
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
                              const MotionLimits& limits, double sample_period) {
   require_waypoints(waypoints, joint_names);
-  require_limits(limits.velocity, "velocity", joint_names);
-  require_limits(limits.acceleration, "acceleration", joint_names);
-  require_limits(limits.jerk, "jerk", joint_names);
+  require_limits(limits, joint_names);
   require_short_way(waypoints, limits.continuous, joint_names);
   require_positive(sample_period, "sample period");
 

@@ -1,0 +1,67 @@
+#include "srmp/trajectory/certificate.hpp"
+
+#include <cstdio>
+
+namespace srmp {
+
+namespace {
+
+std::string number(double value, double scale = 1.0) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value * scale);
+  return text;
+}
+
+std::string line(const char* what, const LimitUse& use) {
+  std::string text = std::string(what) + number(use.share, 100.0) + " % of the limit";
+  return use.joint.empty() ? text : text + " (" + use.joint + " at " + number(use.time) + " s)";
+}
+
+std::string clearance_text(const Certificate& c) {
+  if (!c.collisions_checked) return "not checked";
+  if (c.body_a.empty()) return "nothing to collide with";
+  return number(c.clearance, 1e3) + " mm, " + c.body_a + " and " + c.body_b + " at " + number(c.clearance_time) +
+         " s; proved at least " + number(c.clearance_proved, 1e3) + " mm";
+}
+
+std::string free_text(const Certificate& c) {
+  if (!c.collisions_checked) return "not checked";
+  if (c.proved_free()) return "all of the motion, also between samples";
+  return "all but " + std::to_string(c.sampled.size()) + " parts, which are free at samples";
+}
+
+}  // namespace
+
+std::string to_string(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::joint_names: return "joint_names";
+    case FaultKind::shape: return "shape";
+    case FaultKind::not_finite: return "not_finite";
+    case FaultKind::times: return "times";
+    case FaultKind::position_limit: return "position_limit";
+    case FaultKind::velocity_limit: return "velocity_limit";
+    case FaultKind::acceleration_limit: return "acceleration_limit";
+    case FaultKind::jerk_limit: return "jerk_limit";
+    case FaultKind::collision: return "collision";
+    case FaultKind::deviation: return "deviation";
+    case FaultKind::start: return "start";
+    case FaultKind::goal: return "goal";
+    case FaultKind::rest: return "rest";
+  }
+  return "unknown";
+}
+
+std::string Certificate::report() const {
+  std::string text;
+  for (const Fault& fault : faults) text += "FAULT " + to_string(fault.kind) + ": " + fault.text + "\n";
+  text += line("positions      ", position) + "\n";
+  text += line("velocities     ", velocity) + "\n";
+  text += line("accelerations  ", acceleration) + "\n";
+  text += line("jerks          ", jerk) + "\n";
+  text += "clearance      " + clearance_text(*this) + "\n";
+  text += "proved free    " + free_text(*this) + "\n";
+  text += "deviation      " + number(deviation, 1e3) + " mm from the checked path\n";
+  return text;
+}
+
+}  // namespace srmp

@@ -1,0 +1,44 @@
+#include "srmp/trajectory/motion_limits.hpp"
+
+#include <cmath>
+#include <string_view>
+
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double no_velocity_limit = 1e6;  // parsers write huge numbers for "unlimited"
+
+}  // namespace
+
+MotionLimits default_limits(const Eigen::VectorXd& velocity) {
+  MotionLimits limits;
+  limits.velocity = velocity;
+  for (Eigen::Index j = 0; j < velocity.size(); ++j) {
+    double& v = limits.velocity[j];
+    if (std::isnan(v) || v < 0.0)
+      throw InvalidArgument("velocity limit of joint " + std::to_string(j) + " is " + to_text(v) +
+                            "; it must be 0 (unknown) or above");
+    if (v == 0.0 || v > no_velocity_limit) v = 1.0;
+  }
+  limits.acceleration = 2.0 * limits.velocity;
+  limits.jerk = 10.0 * limits.acceleration;
+  return limits;
+}
+
+void require_limits(const MotionLimits& limits, const std::vector<std::string>& joint_names) {
+  const auto require = [&](const Eigen::VectorXd& values, const std::string& what) {
+    if (static_cast<std::size_t>(values.size()) != joint_names.size())
+      throw InvalidArgument(what + " limits: got " + std::to_string(values.size()) + ", but there are " +
+                            std::to_string(joint_names.size()) + " joints");
+    for (std::size_t j = 0; j < joint_names.size(); ++j)
+      require_positive(values[static_cast<Eigen::Index>(j)], joint_names[j] + ": the " + what + " limit");
+  };
+  require(limits.velocity, "velocity");
+  require(limits.acceleration, "acceleration");
+  require(limits.jerk, "jerk");
+}
+
+}  // namespace srmp
