@@ -115,7 +115,7 @@ class Checker {
   /// balls cannot prove free counts as not free. Throws InvalidArgument as is_free does, naming the row.
   void are_free(ConstRows q, std::span<bool> free, Workspace& workspace) const;
 
-  /// Proves a motion free by Coal's distances alone, without balls: an independent check of is_motion_free.
+  /// Proves a motion free by Coal's distances alone: an independent check of is_motion_free (motion_proof.hpp).
   MotionCertificate certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const;
 
   /// Every pair in contact at q, deepest first; empty when free. Pairs are of bodies: a link with several geometries
@@ -127,8 +127,9 @@ class Checker {
 
   const CheckStatistics& statistics(const Workspace& workspace) const;
 
+  struct Impl;  ///< for the files of this folder
+
  private:
-  struct Impl;
   std::unique_ptr<const Impl> impl_;
 };
 
