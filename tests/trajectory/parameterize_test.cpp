@@ -7,6 +7,7 @@
 #include <random>
 
 #include "srmp/core/error.hpp"
+#include "srmp/trajectory/cubic.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -43,8 +44,9 @@ struct Problem {
   MotionLimits limits;
 };
 
-Problem random_problem(Random& random) {
-  const Eigen::Index dof = random.integer(1, 8), count = random.integer(2, 7);
+/// Steps of all sizes: none, 1e-9, small and large; one joint or many; there and back again.
+Problem random_problem(Random& random, Eigen::Index most_waypoints = 7) {
+  const Eigen::Index dof = random.integer(1, 8), count = random.integer(2, most_waypoints);
   Problem problem{RowMatrix(count, dof), uniform_limits(dof, 1, 1, 1)};
   for (Eigen::Index j = 0; j < dof; ++j) {
     problem.limits.velocity[j] = random.scale(0.1, 5);
@@ -56,6 +58,10 @@ Problem random_problem(Random& random) {
     problem.waypoints.row(i) = problem.waypoints.row(i - 1);
     const double kind = random.uniform(0, 1);
     if (kind < 0.1) continue;  // a waypoint twice
+    if (kind < 0.2 && i > 1) {
+      problem.waypoints.row(i) = problem.waypoints.row(i - 2);
+      continue;
+    }
     const double size = kind < 0.3 ? 1e-9 : kind < 0.5 ? random.scale(1e-6, 1e-2) : random.uniform(0.05, 1.5);
     for (Eigen::Index j = 0; j < dof; ++j)
       if (random.uniform(0, 1) < 0.7) problem.waypoints(i, j) += size * random.uniform(-1, 1);
@@ -78,65 +84,74 @@ double use_of(const RowMatrix& values, const Eigen::VectorXd& limit) {
   return (values.cwiseAbs().array().rowwise() / limit.transpose().array()).maxCoeff();
 }
 
-/// Largest |difference quotient| / limit, over steps long enough for rounding not to matter.
-double slope_of(const RowMatrix& values, const Eigen::VectorXd& times, const Eigen::VectorXd& limit) {
-  double largest = 0.0;
-  for (Eigen::Index i = 1; i < times.size(); ++i) {
-    const double step = times[i] - times[i - 1];
-    if (step < 1e-4) continue;
-    const Eigen::VectorXd slope = (values.row(i) - values.row(i - 1)).transpose() / step;
-    largest = std::max(largest, (slope.cwiseAbs().array() / limit.array()).maxCoeff());
-  }
-  return largest;
+struct Uses {
+  double velocity{}, acceleration{}, jerk{};
+};
+
+/// Of the polynomials between the rows, at their extrema. A rounded position moves a second difference by eps/h^2.
+Uses uses_of(const Trajectory& t, const MotionLimits& limits) {
+  Uses most;
+  const auto take = [](double& most_of, double value, double limit, double rounding) {
+    most_of = std::max(most_of, (std::abs(value) - rounding) / limit);
+  };
+  for (Eigen::Index i = 0; i + 1 < t.times.size(); ++i)
+    for (Eigen::Index j = 0; j < t.positions.cols(); ++j) {
+      const double h = t.times[i + 1] - t.times[i], eps = 4e-16 * (1.0 + std::abs(t.positions(i, j)));
+      const auto piece =
+          detail::hermite(t.positions(i, j), t.velocities(i, j), t.positions(i + 1, j), t.velocities(i + 1, j), h);
+      for (const double u : {0.0, piece.velocity_extremum(), h})
+        take(most.velocity, piece.velocity(u), limits.velocity[j], 2 * eps / h);
+      for (const double u : {0.0, h})
+        take(most.acceleration, piece.acceleration(u), limits.acceleration[j], 12 * eps / h / h);
+      take(most.jerk, piece.jerk(), limits.jerk[j], 36 * eps / h / h / h);
+    }
+  return most;
 }
 
-/// Largest disagreement of positions and reported velocities (trapezoid), in units of what jerk can explain.
-double inconsistency(const Trajectory& t, const Eigen::VectorXd& jerk) {
-  double largest = 0.0;
-  for (Eigen::Index i = 1; i < t.times.size(); ++i) {
-    const double h = t.times[i] - t.times[i - 1];
-    const Eigen::VectorXd moved = (t.positions.row(i) - t.positions.row(i - 1)).transpose();
-    const Eigen::VectorXd integral = 0.5 * h * (t.velocities.row(i) + t.velocities.row(i - 1)).transpose();
-    const Eigen::ArrayXd allowed = jerk.array() * h * h * h / 4 + 1e-12;
-    largest = std::max(largest, ((moved - integral).cwiseAbs().array() / allowed).maxCoeff());
-  }
-  return largest;
-}
-
-void check_trajectory(const Trajectory& t, const Problem& problem) {
+void check_trajectory(const Trajectory& t, const Problem& problem, const TimingOptions& options) {
   const Eigen::Index n = t.positions.rows(), last = n - 1, end = problem.waypoints.rows() - 1;
   BOOST_REQUIRE(t.times.size() == n);
   BOOST_TEST((t.positions.allFinite() && t.velocities.allFinite() && t.accelerations.allFinite()));
   BOOST_TEST(((t.times.tail(last) - t.times.head(last)).array() > 0.0).all());
   BOOST_TEST((t.positions.row(0) == problem.waypoints.row(0)));
   BOOST_TEST((t.positions.row(last) == problem.waypoints.row(end)));
-  for (const Eigen::Index i : {Eigen::Index{0}, last})
-    BOOST_TEST((t.velocities.row(i).isZero(0.0) && t.accelerations.row(i).isZero(0.0)));
-
-  BOOST_TEST(use_of(t.velocities, problem.limits.velocity) <= 1.0);
-  BOOST_TEST(use_of(t.accelerations, problem.limits.acceleration) <= 1.0);
-  BOOST_TEST(slope_of(t.positions, t.times, problem.limits.velocity) <= 1.0 + 1e-9);
-  BOOST_TEST(slope_of(t.velocities, t.times, problem.limits.acceleration) <= 1.0 + 1e-9);
-  BOOST_TEST(slope_of(t.accelerations, t.times, problem.limits.jerk) <= 1.0 + 1e-6);
-  BOOST_TEST(inconsistency(t, problem.limits.jerk) <= 1.0);
-
-  double off_path = 0.0;
-  for (Eigen::Index i = 0; i < n; ++i)
-    off_path = std::max(off_path, distance_to_path(t.positions.row(i), problem.waypoints));
-  BOOST_TEST(off_path < 1e-9);
+  BOOST_TEST((t.velocities.row(0).isZero(1e-12) && t.velocities.row(last).isZero(1e-12)));
   BOOST_TEST((t.waypoints == problem.waypoints));
+
+  const Uses uses = uses_of(t, problem.limits);
+  BOOST_TEST(uses.velocity <= 1.0 + 1e-6);
+  BOOST_TEST(uses.acceleration <= 1.0 + 1e-6);
+  if (options.method == TimingMethod::ruckig) BOOST_TEST(uses.jerk <= 1.0 + 1e-6);
+  BOOST_TEST(use_of(t.velocities, problem.limits.velocity) <= 1.0 + 1e-9);
+
+  double off_path = 0.0, at_milliseconds = 0.0;
+  for (double time = 0.0; time < t.duration(); time += std::max(1e-3, t.duration() / 1000)) {
+    const MotionState state = t.state(time);
+    off_path = std::max(off_path, distance_to_path(state.position.transpose(), problem.waypoints));
+    at_milliseconds =
+        std::max(at_milliseconds, (state.velocity.array().abs() / problem.limits.velocity.array()).maxCoeff());
+  }
+  BOOST_TEST(off_path <= (options.method == TimingMethod::ruckig ? 2e-7 : options.blend_deviation * 1.01 + 2e-7));
+  BOOST_TEST(at_milliseconds <= 1.0 + 1e-6);
 }
+
+TimingOptions with(TimingMethod method, double sample_period) {
+  return {.method = method, .sample_period = sample_period};
+}
+
+constexpr TimingMethod both_methods[] = {TimingMethod::toppra, TimingMethod::ruckig};
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(random_paths_obey_every_limit_and_never_leave_the_path) {
+BOOST_AUTO_TEST_CASE(a_thousand_random_paths_obey_every_limit_at_every_instant) {
   Random random(20);
-  for (int i = 0; i < 400; ++i) {
-    BOOST_TEST_CONTEXT("path " << i) {
-      const Problem problem = random_problem(random);
-      check_trajectory(time_parameterize(problem.waypoints, names(problem.waypoints.cols()), problem.limits, 1e-3),
-                       problem);
-    }
+  for (int i = 0; i < 1000; ++i) {
+    const Problem problem = random_problem(random, i % 20 == 0 ? 200 : 7);
+    for (const TimingMethod method : both_methods) BOOST_TEST_CONTEXT("path " << i << ", method " << int(method)) {
+        const TimingOptions options = with(method, 0.02);
+        check_trajectory(time_parameterize(problem.waypoints, names(problem.waypoints.cols()), problem.limits, options),
+                         problem, options);
+      }
   }
 }
 
@@ -151,11 +166,14 @@ BOOST_AUTO_TEST_CASE(extreme_limits_and_lengths_are_solved) {
       const double way = path(1) - path(0);
       const double least = std::max({way / limits.velocity[0], std::sqrt(4 * way / limits.acceleration[0]),
                                      std::cbrt(32 * way / limits.jerk[0])});
-      const Trajectory t = time_parameterize(path, {"j"}, limits, std::max(1e-3, least / 100));
-      BOOST_TEST(use_of(t.velocities, limits.velocity) <= 1.0);
-      BOOST_TEST(use_of(t.accelerations, limits.acceleration) <= 1.0);
+      const Trajectory t =
+          time_parameterize(path, {"j"}, limits, with(TimingMethod::ruckig, std::max(1e-3, least / 100)));
+      const Uses uses = uses_of(t, limits);
+      BOOST_TEST(uses.velocity <= 1.0 + 1e-6);
+      BOOST_TEST(uses.acceleration <= 1.0 + 1e-6);
+      BOOST_TEST(uses.jerk <= 1.0 + 1e-6);
       BOOST_TEST(t.duration() >= least * (1 - 1e-6));  // no limit alone allows less …
-      BOOST_TEST(t.duration() <= 3 * least + 2e-6);    // … and all together not much more
+      BOOST_TEST(t.duration() <= 3 * least + 2e-3);    // … and all together not much more
     }
   }
 }
@@ -164,7 +182,8 @@ BOOST_AUTO_TEST_CASE(the_duration_is_the_least_that_the_limits_allow) {
   RowMatrix path(2, 2);
   path << 0, 0, 2, 1;
   // Joint 0 decides: v = 1, a = 2, j = 20: ramps of v/a + a/j = 0.6 s, so 2/1 + 0.6 s in all.
-  const Trajectory t = time_parameterize(path, {"a", "b"}, default_limits(Eigen::Vector2d(1, 1)), 0.01);
+  const Trajectory t =
+      time_parameterize(path, {"a", "b"}, default_limits(Eigen::Vector2d(1, 1)), with(TimingMethod::ruckig, 0.01));
   BOOST_TEST(t.duration() == 2.6, boost::test_tools::tolerance(1e-7));
   BOOST_TEST(use_of(t.velocities, Eigen::Vector2d(1, 1)) > 1 - 1e-6);
 }
@@ -172,30 +191,30 @@ BOOST_AUTO_TEST_CASE(the_duration_is_the_least_that_the_limits_allow) {
 BOOST_AUTO_TEST_CASE(samples_are_at_every_period_and_at_every_corner) {
   RowMatrix path(3, 1);
   path << 0, 0.3, 0.1;
-  const Trajectory t = time_parameterize(path, {"j"}, uniform_limits(1, 1, 2, 20), 0.05);
+  const Trajectory t = time_parameterize(path, {"j"}, uniform_limits(1, 1, 2, 20), with(TimingMethod::ruckig, 0.05));
   bool corner = false;
   int multiples = 0;
   for (Eigen::Index i = 0; i < t.times.size(); ++i) {
-    corner = corner || t.positions(i, 0) == 0.3;
+    corner = corner || std::abs(t.positions(i, 0) - 0.3) < 1e-15;
     const double ticks = t.times[i] / 0.05;
-    multiples += std::abs(ticks - std::round(ticks)) < 1e-9;
+    multiples += std::abs(ticks - std::round(ticks)) < 1e-2;
   }
   BOOST_TEST(corner);
-  BOOST_TEST(multiples == 1 + static_cast<int>(t.duration() / 0.05));
-  BOOST_TEST(t.times.size() <= multiples + 2);
+  BOOST_TEST(multiples >= 1 + static_cast<int>(t.duration() / 0.05));
 }
 
 BOOST_AUTO_TEST_CASE(a_long_period_still_gives_all_corners) {
   RowMatrix path(4, 2);
   path << 0, 0, 1, 0, 1, 1, 0, 1;
-  const Trajectory t = time_parameterize(path, {"a", "b"}, uniform_limits(2, 1, 2, 20), 1e6);
-  BOOST_TEST((t.positions == path));
+  const Trajectory t =
+      time_parameterize(path, {"a", "b"}, uniform_limits(2, 1, 2, 20), with(TimingMethod::ruckig, 1e6));
+  for (Eigen::Index corner = 0; corner < 4; ++corner)
+    BOOST_TEST((t.positions.rowwise() - path.row(corner)).rowwise().norm().minCoeff() < 1e-12);
 }
 
 BOOST_AUTO_TEST_CASE(a_path_of_one_place_takes_no_time) {
   for (const Eigen::Index count : {1, 2, 5}) {
-    const Trajectory t =
-        time_parameterize(RowMatrix::Constant(count, 3, 0.25), names(3), uniform_limits(3, 1, 2, 20), 0.01);
+    const Trajectory t = time_parameterize(RowMatrix::Constant(count, 3, 0.25), names(3), uniform_limits(3, 1, 2, 20));
     BOOST_TEST(t.duration() == 0.0);
     BOOST_TEST(t.size() == 1u);
     BOOST_TEST(t.velocities.isZero(0.0));
@@ -210,14 +229,15 @@ BOOST_AUTO_TEST_CASE(the_smallest_steps_take_time_too) {
   path(4) = std::numeric_limits<double>::denorm_min();
   path(5) = 0.0;
   const Problem problem{path, uniform_limits(1, 1, 2, 20)};
-  check_trajectory(time_parameterize(path, {"j"}, problem.limits, 1e-3), problem);
+  for (const TimingMethod method : both_methods)
+    check_trajectory(time_parameterize(path, {"j"}, problem.limits, with(method, 1e-3)), problem, with(method, 1e-3));
 }
 
 BOOST_AUTO_TEST_CASE(the_same_path_gives_the_same_bits) {
   Random random(3);
   const Problem problem = random_problem(random);
   const auto run = [&] {
-    return time_parameterize(problem.waypoints, names(problem.waypoints.cols()), problem.limits, 0.01);
+    return time_parameterize(problem.waypoints, names(problem.waypoints.cols()), problem.limits);
   };
   const Trajectory a = run(), b = run();
   BOOST_TEST((a.positions == b.positions && a.velocities == b.velocities && a.accelerations == b.accelerations &&
@@ -239,7 +259,7 @@ BOOST_AUTO_TEST_CASE(bad_input_is_refused_with_the_joint) {
   const RowMatrix path = RowMatrix::Identity(2, 2);
   const std::vector<std::string> two{"shoulder", "elbow"};
   const auto run = [&](const RowMatrix& waypoints, const MotionLimits& limits, double period) {
-    return [=] { time_parameterize(waypoints, two, limits, period); };
+    return [=] { time_parameterize(waypoints, two, limits, {.sample_period = period}); };
   };
   check_throws<InvalidArgument>(run(RowMatrix(0, 2), good, 0.01), "at least one waypoint");
   check_throws<InvalidArgument>(run(RowMatrix::Zero(2, 3), good, 0.01), "3 entries, but there are 2 joint names");
@@ -260,9 +280,104 @@ BOOST_AUTO_TEST_CASE(bad_input_is_refused_with_the_joint) {
     check_throws<InvalidArgument>(run(path, good, bad), "sample period is");
   }
   check_throws<InvalidArgument>(run(path, uniform_limits(3, 1, 2, 20), 0.01), "velocity limits: got 3");
-  check_throws<InvalidArgument>(run(path, good, 1e-9), "more than ten million samples");
+  check_throws<InvalidArgument>(run(path, good, 1e-9), "more than ten million rows");
 
   MotionLimits round = good;
   round.continuous = {true, false};
   check_throws<InvalidArgument>(run(4 * path, round, 0.01), "shoulder: the continuous joint moves by");
+}
+
+BOOST_AUTO_TEST_CASE(corners_are_rounded_within_the_deviation_and_save_time) {
+  RowMatrix path(3, 2);
+  path << 0, 0, 1, 0, 1, 1;
+  const MotionLimits limits = uniform_limits(2, 1, 2, 20);
+  double duration = 0.0;
+  for (const double deviation : {0.1, 0.02, 0.005, 0.0}) {
+    const Trajectory t = time_parameterize(path, names(2), limits, {.blend_deviation = deviation});
+    double off = 0.0;
+    for (double time = 0.0; time < t.duration(); time += 1e-3)
+      off = std::max(off, distance_to_path(t.sample(time).transpose(), path));
+    BOOST_TEST(off <= deviation + 1e-9);
+    BOOST_TEST(t.duration() > duration);
+    duration = t.duration();
+  }
+  BOOST_TEST(duration == 3.0, boost::test_tools::tolerance(1e-3));  // twice 1/1 + 1/2 s, with a stop between
+}
+
+BOOST_AUTO_TEST_CASE(a_joint_that_reaches_far_has_tighter_corners) {
+  RowMatrix path(3, 2);
+  path << 0, 0, 1, 0, 1, 1;
+  const MotionLimits limits = uniform_limits(2, 1, 2, 20);
+  const auto duration = [&](double reach) {
+    return time_parameterize(path, names(2), limits, {.reach = Eigen::Vector2d(reach, reach)}).duration();
+  };
+  BOOST_TEST(duration(0.1) < duration(1.0));
+  BOOST_TEST(duration(1.0) < duration(10.0));
+}
+
+BOOST_AUTO_TEST_CASE(corners_shrink_until_they_are_free) {
+  RowMatrix path(3, 2);
+  path << 0, 0, 1, 0, 1, 1;
+  const MotionLimits limits = uniform_limits(2, 1, 2, 20);
+  TimingOptions options{.blend_deviation = 0.1};
+  const auto nearest_to = [&](const Eigen::Vector2d& place) {
+    const Trajectory t = time_parameterize(path, names(2), limits, options);
+    double nearest = 10.0;
+    for (double time = 0.0; time < t.duration(); time += 1e-3)
+      nearest = std::min(nearest, (t.sample(time) - place).norm());
+    return nearest;
+  };
+  const Eigen::Vector2d obstacle(0.95, 0.05);
+  BOOST_TEST(nearest_to(obstacle) < 0.02);
+  options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return (a - obstacle).norm() > 0.02 && (b - obstacle).norm() > 0.02;
+  };
+  BOOST_TEST(nearest_to(obstacle) > 0.02);
+  options.is_free = [](const auto&, const auto&) { return false; };  // a stop in the corner
+  BOOST_TEST(nearest_to(Eigen::Vector2d(1, 0)) < 1e-3);
+}
+
+BOOST_AUTO_TEST_CASE(velocities_at_the_ends_are_kept) {
+  RowMatrix path(3, 2);
+  path << 0, 0, 1, 0, 1, 1;
+  const MotionLimits limits = uniform_limits(2, 1, 2, 20);
+  for (const TimingMethod method : both_methods) {
+    TimingOptions options{
+        .method = method, .start_velocity = Eigen::Vector2d(0.5, 0), .end_velocity = Eigen::Vector2d(0, 0.25)};
+    const Trajectory t = time_parameterize(path, names(2), limits, options);
+    BOOST_TEST((t.velocities.row(0).transpose() - options.start_velocity).norm() < 1e-9);
+    BOOST_TEST((t.velocities.bottomRows(1).transpose() - options.end_velocity).norm() < 1e-9);
+    const Uses uses = uses_of(t, limits);
+    BOOST_TEST(uses.velocity <= 1.0 + 1e-6);
+    BOOST_TEST(uses.acceleration <= 1.0 + 1e-6);
+    const auto run = [&] { time_parameterize(path, names(2), limits, options); };
+    options.start_velocity = Eigen::Vector2d(0.5, 0.1);
+    check_throws<InvalidArgument>(run, "start velocity does not point along the path's first segment");
+    options.start_velocity = Eigen::Vector2d(-0.5, 0);
+    check_throws<InvalidArgument>(run, "start velocity does not point along");
+    options.start_velocity = Eigen::Vector2d(1.5, 0);
+    check_throws<InvalidArgument>(run, "j0: the start velocity 1.5 is above the limit 1");
+    options.start_velocity = Eigen::Vector3d::Zero();
+    check_throws<InvalidArgument>(run, "start velocity has 3 entries, but there are 2 joints");
+  }
+  path << 0, 0, 0.01, 0, 0.01, 0.01;
+  check_throws<InvalidArgument>(
+      [&] {
+        time_parameterize(path, names(2), limits, {.blend_deviation = 0.0, .start_velocity = Eigen::Vector2d(0.9, 0)});
+      },
+      "the limits leave no way to start at the given velocity");
+  check_throws<InvalidArgument>(
+      [&] { time_parameterize(RowMatrix::Zero(2, 2), names(2), limits, {.end_velocity = Eigen::Vector2d(0.1, 0)}); },
+      "the path is one place");
+}
+
+BOOST_AUTO_TEST_CASE(options_out_of_range_are_refused) {
+  const RowMatrix path = RowMatrix::Identity(2, 2);
+  const auto run = [&](const TimingOptions& options) {
+    return [=] { time_parameterize(path, names(2), uniform_limits(2, 1, 2, 20), options); };
+  };
+  check_throws<InvalidArgument>(run({.blend_deviation = -1}), "blend deviation is -1");
+  check_throws<InvalidArgument>(run({.blend_deviation = NAN}), "blend deviation is NaN");
+  check_throws<InvalidArgument>(run({.reach = Eigen::Vector3d::Ones()}), "reach has 3 entries, but there are 2 joints");
+  check_throws<InvalidArgument>(run({.reach = Eigen::Vector2d(1, -1)}), "reach must be 0 m or above");
 }

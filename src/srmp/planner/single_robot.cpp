@@ -671,7 +671,7 @@ class SingleRobotPlan {
     limits.acceleration *= common_.acceleration_scaling;
     limits.jerk *= common_.acceleration_scaling;
     limits.continuous = continuous_joints();
-    return time_parameterize(to_rows(path), robot_.joint_names(), limits, common_.sample_period);
+    return time_parameterize(to_rows(path), robot_.joint_names(), limits, {.sample_period = common_.sample_period});
   }
 
   void verify_escape() {

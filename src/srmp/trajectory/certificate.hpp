@@ -69,9 +69,9 @@ struct Certificate {
   double deviation_time{};  ///< [s]
   double goal_error{std::numeric_limits<double>::quiet_NaN()};  ///< joints: rad or m, the worst joint; poses: m, rad
                                                                 ///< over tolerance; NaN: no goal was given
-  double bound{std::numeric_limits<double>::infinity()};  ///< PlanStatistics::bound of the search
-  std::string bound_graph;                                ///< PlanStatistics::bound_graph
-  double time_s{};                                        ///< that it took [s]
+  double bound{std::numeric_limits<double>::infinity()};        ///< PlanStatistics::bound of the search
+  std::string bound_graph;                                      ///< PlanStatistics::bound_graph
+  double time_s{};                                              ///< that it took [s]
 
   bool holds() const { return faults.empty(); }
   bool proved_free() const { return collisions_checked && sampled.empty(); }

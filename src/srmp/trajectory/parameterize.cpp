@@ -3,147 +3,232 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ruckig/ruckig.hpp>
 
 #include "srmp/core/error.hpp"
+#include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/path.hpp"
+#include "srmp/trajectory/timing.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double max_samples = 1e7;
-constexpr double min_duration = 1e-6;     // [s] of a segment: times must grow even where a path is very long
+using detail::Knots;
+using detail::PathPiece;
+using detail::SmoothPath;
+
+constexpr double max_rows = 1e7;
+constexpr double same_waypoint = 1e-7;    // [rad or m]
+constexpr double min_duration = 1e-3;     // [s] of a stretch between stops: keeps second differences above rounding
+constexpr double min_row_gap = 5e-4;      // [s] between a row of the sample period and a knot
 constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
+constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
 
-using Ruckig = ruckig::Ruckig<1>;
-using Profile = ruckig::Trajectory<1>;
-
-/// One straight segment: the share s in [0, 1] of the way as a function of time.
-struct Segment {
-  Eigen::RowVectorXd from;
-  Eigen::RowVectorXd way;
-  double scale{};  // [s]: the profile's unit of time
-  Profile profile;
-
-  double duration() const { return profile.get_duration() * scale; }
-};
-
-double smallest_ratio(const Eigen::VectorXd& limit, const Eigen::RowVectorXd& way) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (Eigen::Index j = 0; j < way.size(); ++j)
-    if (way[j] != 0.0) smallest = std::min(smallest, limit[j] / std::abs(way[j]));
-  return smallest * (1.0 - rounding_margin);
+/// Without waypoints that are hardly apart from the one before. The ends stay.
+RowMatrix without_tiny_steps(const RowMatrix& path) {
+  std::vector<Eigen::Index> kept{0};
+  const auto apart = [&](Eigen::Index a, Eigen::Index b) {
+    return (path.row(a) - path.row(b)).cwiseAbs().maxCoeff() > same_waypoint;
+  };
+  for (Eigen::Index i = 1; i + 1 < path.rows(); ++i)
+    if (apart(i, kept.back())) kept.push_back(i);
+  const Eigen::Index last = path.rows() - 1;
+  while (kept.size() > 1 && !apart(last, kept.back())) kept.pop_back();
+  if (path.row(last) != path.row(kept.back())) kept.push_back(last);
+  return path(kept, Eigen::all);
 }
 
-/// Ruckig works with absolute tolerances, so it is given a problem of size 1: unit way, and a unit of time such that
-/// the tightest limit is 1. Limits far above that change nothing and are cut to where its numbers stay good.
-Segment make_segment(ConstRows waypoints, Eigen::Index from, Eigen::Index to, const MotionLimits& limits) {
-  Segment segment{waypoints.row(from), waypoints.row(to) - waypoints.row(from), 0.0, {}};
-  const double velocity = smallest_ratio(limits.velocity, segment.way);
-  const double acceleration = smallest_ratio(limits.acceleration, segment.way);
-  const double jerk = smallest_ratio(limits.jerk, segment.way);
-  segment.scale = std::max({1.0 / velocity, std::sqrt(1.0 / acceleration), std::cbrt(1.0 / jerk), min_duration});
-
-  ruckig::InputParameter<1> input;
-  input.current_position = {0.0};
-  input.target_position = {1.0};
-  input.max_velocity = {std::min(velocity * segment.scale, 1e2)};
-  input.max_acceleration = {std::min(acceleration * segment.scale * segment.scale, 1e4)};
-  input.max_jerk = {std::min(jerk * segment.scale * segment.scale * segment.scale, 1e6)};
-  Ruckig otg;
-  const ruckig::Result result = otg.calculate(input, segment.profile);
-  if (result != ruckig::Result::Working && result != ruckig::Result::Finished)
-    throw Error("time parameterisation failed between waypoints " + std::to_string(from) + " and " +
-                std::to_string(to) + " (Ruckig error " + std::to_string(static_cast<int>(result)) + "): length " +
-                to_text(segment.way.norm()) + ", limits along it " + to_text(velocity) + "/s, " +
-                to_text(acceleration) + "/s^2, " + to_text(jerk) + "/s^3");
-  return segment;
+/// The largest share of a limit that the cubics use, as far as rounded positions let it be known: time must stretch by
+/// this.
+double overuse(const Knots& knots, const MotionLimits& limits, bool with_jerk) {
+  double most = 0.0;
+  for (std::size_t i = 0; i + 1 < knots.times.size(); ++i)
+    for (Eigen::Index j = 0; j < limits.velocity.size(); ++j) {
+      const double h = knots.times[i + 1] - knots.times[i], q = knots.positions[i][j];
+      const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(q));
+      const detail::Cubic piece =
+          detail::hermite(q, knots.velocities[i][j], knots.positions[i + 1][j], knots.velocities[i + 1][j], h);
+      const auto share = [](double value, double unknown, double limit) {
+        return std::max(0.0, std::abs(value) - unknown) / limit;
+      };
+      for (const double u : {0.0, piece.velocity_extremum(), h})
+        most = std::max(most, share(piece.velocity(u), 2 * rounding / h, limits.velocity[j]));
+      for (const double u : {0.0, h})
+        most = std::max(most, std::sqrt(share(piece.acceleration(u), 12 * rounding / h / h, limits.acceleration[j])));
+      if (with_jerk) most = std::max(most, std::cbrt(share(piece.jerk(), 36 * rounding / h / h / h, limits.jerk[j])));
+    }
+  return most;
 }
 
-std::vector<Segment> make_segments(ConstRows waypoints, const MotionLimits& limits) {
-  std::vector<Segment> segments;
-  for (Eigen::Index i = 1; i < waypoints.rows(); ++i)
-    if (waypoints.row(i) != waypoints.row(i - 1)) segments.push_back(make_segment(waypoints, i - 1, i, limits));
-  return segments;
+void stretch(Knots& knots, double factor) {
+  for (double& time : knots.times) time *= factor;
+  for (Eigen::VectorXd& velocity : knots.velocities) velocity /= factor;
 }
 
-/// Grows a trajectory sample by sample.
-class Samples {
+/// Between two stops, or from or to a given speed at an end of the whole motion.
+class Stretch {
  public:
-  Samples(std::size_t capacity, Eigen::Index dof) : dof_(dof) {
-    times_.reserve(capacity);
-    for (auto* rows : {&positions_, &velocities_, &accelerations_})
-      rows->reserve(capacity * static_cast<std::size_t>(dof));
-  }
+  Stretch(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, double start_speed, double end_speed)
+      : path_(path), limits_(limits), method_(method), start_speed_(start_speed), end_speed_(end_speed) {}
 
-  void add_moving(double time, const Segment& segment, double time_in_segment) {
-    double s{}, velocity{}, acceleration{};
-    segment.profile.at_time(time_in_segment / segment.scale, s, velocity, acceleration);
-    s = std::clamp(s, 0.0, 1.0);
-    add(time, segment.from + s * segment.way, segment.way * (velocity / segment.scale),
-        segment.way * (acceleration / segment.scale / segment.scale));
-  }
-  void add_resting(double time, const Eigen::RowVectorXd& position) {
-    const Eigen::RowVectorXd zero = Eigen::RowVectorXd::Zero(dof_);
-    add(time, position, zero, zero);
-  }
-
-  Trajectory finish(const std::vector<std::string>& joint_names, ConstRows waypoints) const {
-    const auto n = static_cast<Eigen::Index>(times_.size());
-    const auto rows = [&](const std::vector<double>& v) { return Eigen::Map<const RowMatrix>(v.data(), n, dof_); };
-    return {joint_names,
-            rows(positions_),
-            rows(velocities_),
-            rows(accelerations_),
-            Eigen::Map<const Eigen::VectorXd>(times_.data(), n),
-            waypoints};
+  Knots time() const {
+    if (start_speed_ != 0.0 || end_speed_ != 0.0) return time_between_speeds();
+    Knots knots = solve(limits_);
+    if (const double use = overuse(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
+      stretch(knots, use);
+    if (knots.times.back() < min_duration) stretch(knots, min_duration / knots.times.back());
+    return knots;
   }
 
  private:
-  void add(double time, const Eigen::RowVectorXd& q, const Eigen::RowVectorXd& v, const Eigen::RowVectorXd& a) {
-    times_.push_back(time);
-    positions_.insert(positions_.end(), q.begin(), q.end());
-    velocities_.insert(velocities_.end(), v.begin(), v.end());
-    accelerations_.insert(accelerations_.end(), a.begin(), a.end());
+  bool jerk_limited() const { return method_ == TimingMethod::ruckig; }
+
+  Knots solve(const MotionLimits& limits) const {
+    return jerk_limited() ? time_with_ruckig(path_.front(), limits, start_speed_, end_speed_)
+                          : time_with_toppra(path_, limits, start_speed_, end_speed_);
   }
 
-  Eigen::Index dof_;
-  std::vector<double> times_, positions_, velocities_, accelerations_;
+  /// Time cannot be stretched without changing the speeds at the ends, so the limits are tightened.
+  Knots time_between_speeds() const {
+    MotionLimits limits = limits_;
+    for (int i = 0; i < attempts; ++i) {
+      Knots knots = solve(limits);
+      const double use = overuse(knots, limits_, jerk_limited());
+      if (use <= 1.0 + rounding_margin) return knots;
+      limits.acceleration /= use * use * (1.0 + 1e-6);
+      limits.jerk /= use * use * use * (1.0 + 1e-6);
+    }
+    throw Error("no timing keeps the limits");
+  }
+
+  const SmoothPath& path_;
+  const MotionLimits& limits_;
+  TimingMethod method_;
+  double start_speed_, end_speed_;
 };
+
+/// ds/dt at an end of the path, where the motion is to have this velocity.
+double speed_along(const Eigen::VectorXd& velocity, const Eigen::VectorXd& way, const MotionLimits& limits,
+                   const std::vector<std::string>& joint_names, const std::string& what) {
+  if (velocity.size() == 0) return 0.0;
+  if (velocity.size() != way.size())
+    throw InvalidArgument(what + " has " + std::to_string(velocity.size()) + " entries, but there are " +
+                          std::to_string(way.size()) + " joints");
+  require_finite({velocity.data(), static_cast<std::size_t>(velocity.size())}, what, joint_names);
+  for (Eigen::Index j = 0; j < velocity.size(); ++j)
+    if (std::abs(velocity[j]) > limits.velocity[j] * (1.0 + 1e-9))
+      throw InvalidArgument(joint_names[static_cast<std::size_t>(j)] + ": the " + what + " " + to_text(velocity[j]) +
+                            " is above the limit " + to_text(limits.velocity[j]));
+  const double speed = velocity.dot(way) / way.squaredNorm();
+  if (speed < 0.0 || (velocity - speed * way).norm() > 1e-6 * (1e-3 + velocity.norm()))
+    throw InvalidArgument(what + " does not point along the path's " + (what == "start velocity" ? "first" : "last") +
+                          " segment");
+  return speed;
+}
+
+Knots joined(const std::vector<SmoothPath>& paths, const MotionLimits& limits, const TimingOptions& options,
+             const std::vector<std::string>& names) {
+  const PathPiece &first = paths.front().front(), &last = paths.back().back();
+  const double start_speed = speed_along(options.start_velocity, first.way, limits, names, "start velocity");
+  const double end_speed = speed_along(options.end_velocity, last.way, limits, names, "end velocity");
+  Knots all;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const double from = i == 0 ? start_speed : 0.0, to = i + 1 == paths.size() ? end_speed : 0.0;
+    Knots part;
+    try {
+      part = Stretch(paths[i], limits, options.method, from, to).time();
+    } catch (const InvalidArgument&) {
+      throw;
+    } catch (const Error& error) {
+      const std::string where = "stretch " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
+      if (from == 0.0 && to == 0.0) throw Error("time parameterisation failed on " + where + ": " + error.what());
+      throw InvalidArgument("the limits leave no way to " + std::string(from != 0.0 ? "start" : "end") +
+                            " at the given velocity on this path (" + where + ": " + error.what() + ")");
+    }
+    const double begin = all.times.empty() ? 0.0 : all.times.back();
+    for (std::size_t k = all.times.empty() ? 0 : 1; k < part.times.size(); ++k)
+      all.add(begin + part.times[k], std::move(part.positions[k]), std::move(part.velocities[k]));
+  }
+  return all;
+}
+
+/// Rows at the knots and at the multiples of the sample period between them, all of the same cubics.
+Trajectory to_rows(const Knots& knots, const std::vector<std::string>& joint_names, ConstRows waypoints,
+                   double sample_period) {
+  std::vector<std::pair<double, std::size_t>> rows;  // time, and the knot before
+  double tick = 1.0;                                 // multiplied, not added up, so it does not drift
+  for (std::size_t i = 0; i < knots.times.size(); ++i) {
+    rows.emplace_back(knots.times[i], i);
+    if (i + 1 == knots.times.size()) break;
+    const double gap = std::min(min_row_gap, 0.1 * sample_period);
+    for (; tick * sample_period < knots.times[i + 1] - gap; tick += 1.0)
+      if (tick * sample_period > knots.times[i] + gap) rows.emplace_back(tick * sample_period, i);
+  }
+  const auto n = static_cast<Eigen::Index>(rows.size()), dof = waypoints.cols();
+  Trajectory result{joint_names, RowMatrix(n, dof), RowMatrix(n, dof), RowMatrix(n, dof), Eigen::VectorXd(n), waypoints,
+                    nullptr};
+  for (Eigen::Index row = 0; row < n; ++row) {
+    const auto [time, i] = rows[static_cast<std::size_t>(row)];
+    result.times[row] = time;
+    const bool knot = time == knots.times[i];
+    const std::size_t a = i + 1 < knots.times.size() ? i : i - (i > 0), b = std::min(a + 1, knots.times.size() - 1);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      if (b == a) {
+        result.positions(row, j) = knots.positions[a][j];
+        result.velocities(row, j) = result.accelerations(row, j) = 0.0;
+        continue;
+      }
+      const detail::Cubic piece = detail::hermite(knots.positions[a][j], knots.velocities[a][j], knots.positions[b][j],
+                                                  knots.velocities[b][j], knots.times[b] - knots.times[a]);
+      const double u = time - knots.times[a];
+      result.positions(row, j) = knot ? knots.positions[i][j] : piece.position(u);
+      result.velocities(row, j) = knot ? knots.velocities[i][j] : piece.velocity(u);
+      result.accelerations(row, j) = piece.acceleration(u);
+    }
+  }
+  return result;
+}
+
+void require_options(const TimingOptions& options, Eigen::Index dof) {
+  require_positive(options.sample_period, "sample period");
+  if (!(options.blend_deviation >= 0.0))
+    throw InvalidArgument("blend deviation is " + to_text(options.blend_deviation) + "; it must be 0 m or above");
+  if (options.reach.size() != 0 && options.reach.size() != dof)
+    throw InvalidArgument("reach has " + std::to_string(options.reach.size()) + " entries, but there are " +
+                          std::to_string(dof) + " joints");
+  if (options.reach.size() != 0 && !(options.reach.minCoeff() >= 0.0 && options.reach.allFinite()))
+    throw InvalidArgument("reach must be 0 m or above for every joint");
+}
 
 }  // namespace
 
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
-                             const MotionLimits& limits, double sample_period) {
+                             const MotionLimits& limits, const TimingOptions& options) {
   require_waypoints(waypoints, joint_names);
   require_limits(limits, joint_names);
   require_short_way(waypoints, limits.continuous, joint_names);
-  require_positive(sample_period, "sample period");
+  require_options(options, waypoints.cols());
 
-  const std::vector<Segment> segments = make_segments(waypoints, limits);
-  double duration = 0.0;
-  for (const Segment& segment : segments) duration += segment.duration();
-  if (!(duration / sample_period < max_samples))
-    throw InvalidArgument("a sample period of " + to_text(sample_period) +
-                          " s would give more than ten million samples of this " + to_text(duration) +
-                          " s motion; use a longer one");
-
-  Samples samples(static_cast<std::size_t>(duration / sample_period) + segments.size() + 2, waypoints.cols());
-  samples.add_resting(0.0, waypoints.row(0));
-  double begin = 0.0;
-  double tick = 1.0;  // the next sample is at tick * sample_period: multiplied, not added up, so it does not drift
-  const double gap = std::min(1e-3 * sample_period, 1e-3 * min_duration);  // keeps samples and ends apart
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const double end = begin + segments[i].duration();
-    for (; tick * sample_period < end - gap; tick += 1.0)
-      if (tick * sample_period > begin + gap)
-        samples.add_moving(tick * sample_period, segments[i], tick * sample_period - begin);
-    samples.add_resting(end,
-                        i + 1 < segments.size() ? segments[i + 1].from : Eigen::RowVectorXd(waypoints.bottomRows(1)));
-    begin = end;
+  const RowMatrix path = without_tiny_steps(without_redundant_waypoints(waypoints));
+  Knots knots;
+  if (path.rows() == 1) {
+    for (const Eigen::VectorXd* velocity : {&options.start_velocity, &options.end_velocity})
+      if (velocity->size() && !velocity->isZero(0.0))
+        throw InvalidArgument("the path is one place: it leaves no way to start or end with a velocity");
+    knots.add(0.0, path.row(0).transpose(), Eigen::VectorXd::Zero(path.cols()));
+  } else {
+    TimingOptions rounding = options;
+    if (options.method == TimingMethod::ruckig) rounding.blend_deviation = 0.0;
+    knots = joined(detail::round_corners(path, limits, rounding), limits, options, joint_names);
+    // Sums along the way must not move the ends.
+    knots.positions.front() = waypoints.row(0).transpose();
+    knots.positions.back() = waypoints.bottomRows(1).transpose();
   }
-  return samples.finish(joint_names, waypoints);
+  if (!(knots.times.back() / options.sample_period < max_rows))
+    throw InvalidArgument("a sample period of " + to_text(options.sample_period) +
+                          " s would give more than ten million rows of this " + to_text(knots.times.back()) +
+                          " s motion; use a longer one");
+  return to_rows(knots, joint_names, waypoints, options.sample_period);
 }
 
 }  // namespace srmp

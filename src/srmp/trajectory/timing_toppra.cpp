@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <cmath>
+#include <toppra/algorithm/toppra.hpp>
+#include <toppra/constraint.hpp>
+#include <toppra/geometric_path.hpp>
+#include <toppra/solver/seidel.hpp>
+
+#include "srmp/core/error.hpp"
+#include "srmp/trajectory/timing.hpp"
+
+namespace srmp::detail {
+
+namespace {
+
+constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight pieces
+constexpr int least_straight = 8, most_straight = 60, per_corner = 8;  // grid intervals of a piece
+
+constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
+
+/// TOPP-RA's solver has absolute tolerances, so it is given a problem of size 1: the path's parameter runs from 0 to 1,
+/// a unit of time is about what the motion takes, and each joint is measured by what its acceleration limit gives in
+/// that time.
+struct Scales {
+  double length;          // of s
+  double time;            // [s]
+  Eigen::VectorXd joint;  // [rad or m]
+
+  Scales(const SmoothPath& path, const MotionLimits& limits) : length(0.0), time(0.0) {
+    for (const PathPiece& piece : path) length += piece.length;
+    for (const PathPiece& piece : path)
+      time = std::max(time, (piece.way.array().abs() / limits.acceleration.array()).maxCoeff());
+    time = std::max(length, std::sqrt(time * length));
+    joint = limits.acceleration * time * time;
+  }
+};
+
+class ScaledPath : public toppra::GeometricPath {
+ public:
+  ScaledPath(const SmoothPath& path, const Scales& scales)
+      : GeometricPath(static_cast<int>(scales.joint.size())), path_(path), scales_(scales) {
+    double begin = 0.0;
+    for (const PathPiece& piece : path) {
+      begins_.push_back(begin);
+      begin += piece.length / scales.length;
+    }
+  }
+
+  toppra::Vector eval_single(toppra::value_type at, int order) const override {
+    const auto [piece, s] = find(at);
+    const double unit = std::pow(scales_.length, order);
+    const Eigen::VectorXd value = order == 0 ? piece->position(s) : order == 1 ? piece->tangent(s) : piece->bend;
+    return unit * value.cwiseQuotient(scales_.joint);
+  }
+
+  toppra::Bound pathInterval() const override { return {0.0, 1.0}; }
+
+  /// The piece that begins at or before `at` (not at the very end), and s in it.
+  std::pair<const PathPiece*, double> find(double at) const {
+    const auto after = std::upper_bound(begins_.begin() + 1, begins_.end(), at);
+    const auto i = static_cast<std::size_t>(after - begins_.begin()) - 1;
+    return {&path_[i], (at - begins_[i]) * scales_.length};
+  }
+
+  /// Every piece evenly; its ends are among them.
+  Eigen::VectorXd grid() const {
+    std::vector<double> points{0.0};
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+      const double end = i + 1 < path_.size() ? begins_[i + 1] : 1.0;
+      const int straight = std::clamp(static_cast<int>(path_[i].length / spacing), least_straight, most_straight);
+      const int count = path_[i].rounded ? per_corner : straight;
+      for (int k = 1; k <= count; ++k) points.push_back(k == count ? end : begins_[i] + (end - begins_[i]) * k / count);
+    }
+    return Eigen::Map<const Eigen::VectorXd>(points.data(), static_cast<Eigen::Index>(points.size()));
+  }
+
+ private:
+  const SmoothPath& path_;
+  const Scales& scales_;
+  std::vector<double> begins_;  // in 0 … 1
+};
+
+/// Velocity and acceleration limits. Pieces are straight or parabolas and the path's acceleration is constant between
+/// grid points, so a joint's acceleration is linear there: it keeps its limit if it does so at both ends, each with the
+/// curvature of the piece between them.
+class Limits : public toppra::LinearConstraint {
+ public:
+  Limits(const ScaledPath& path, const Eigen::VectorXd& speed)
+      : LinearConstraint(4 * speed.size(), 2 * speed.size(), true, false, true), path_(path), speed_(speed) {
+    discretizationType(toppra::Collocation);
+  }
+
+ private:
+  void computeParams_impl(const toppra::GeometricPath&, const toppra::Vector& grid, toppra::Vectors& a,
+                          toppra::Vectors& b, toppra::Vectors& c, toppra::Matrices& F, toppra::Vectors& g,
+                          toppra::Bounds&, toppra::Bounds& xbound) override {
+    const Eigen::Index last = grid.size() - 1, dof = speed_.size();
+    F[0].setZero();
+    F[0].topRows(2 * dof).setIdentity();
+    F[0].bottomRows(2 * dof).diagonal().setConstant(-1.0);
+    g[0].setOnes();
+    std::vector<double> fastest(a.size());  // squared, by grid point
+    for (std::size_t i = 0; i < a.size(); ++i)
+      fastest[i] = speed_.cwiseQuotient(path_.eval_single(grid[static_cast<Eigen::Index>(i)], 1).cwiseAbs())
+                       .array()
+                       .square()
+                       .minCoeff();
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      const std::size_t before = i - (i > 0), after = std::min(i + 1, a.size() - 1);
+      xbound[i] << 0.0, std::min({fastest[before], fastest[i], fastest[after]});
+      const double from = grid[std::min(row, last - 1)], to = grid[std::min(row, last - 1) + 1];
+      const Eigen::VectorXd bend = path_.eval_single(from, 2), tangent = path_.eval_single(from, 1);
+      const double most = bend.cwiseAbs().maxCoeff();
+      if (most > 0.0)
+        for (const std::size_t end : {i, after}) xbound[end][1] = std::min(xbound[end][1], within / most);
+      c[i].setZero();
+      if (row == last) {
+        a[i].setZero();
+        b[i].setZero();
+        continue;
+      }
+      a[i] << tangent, tangent + (to - from) * bend + 2.0 * (to - from) * bend;
+      b[i] << bend, bend;
+    }
+  }
+
+  const ScaledPath& path_;
+  const Eigen::VectorXd speed_;
+};
+
+class Solver : public toppra::algorithm::TOPPRA {
+ public:
+  using TOPPRA::TOPPRA;
+
+  bool can_start_with(double squared_speed, double end_speed) {
+    initialize();
+    if (computeControllableSets(toppra::Bound::Constant(end_speed * end_speed)) != toppra::ReturnCode::OK) return false;
+    const auto set = m_data.controllable_sets.row(0);
+    return squared_speed >= set[0] && squared_speed <= set[1];
+  }
+};
+
+}  // namespace
+
+Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed) {
+  const Scales scales(path, limits);
+  const auto scaled = std::make_shared<ScaledPath>(path, scales);
+  const Eigen::VectorXd speed = (limits.velocity * scales.time).cwiseQuotient(scales.joint);
+
+  Solver solver({std::make_shared<Limits>(*scaled, speed)}, scaled);
+  solver.setGridpoints(scaled->grid());
+  solver.solver(std::make_shared<toppra::solver::Seidel>());
+  const double unit = scales.time / scales.length;
+  // The library takes the square of the speed at the start, and the speed at the end.
+  const double start = std::pow(start_speed * unit, 2), end = end_speed * unit;
+  if ((start > 0.0 || end > 0.0) && !solver.can_start_with(start, end))
+    throw Error("too fast for the way that there is");  // found out here: the library would complain on stderr
+  const auto code = solver.computePathParametrization(start, end);
+  if (code != toppra::ReturnCode::OK)
+    throw Error("TOPP-RA found no timing (error " + std::to_string(static_cast<int>(code)) + ")");
+
+  const toppra::ParametrizationData& found = solver.getParameterizationData();
+  Knots knots;
+  double time = 0.0, speed_before = 0.0;
+  for (Eigen::Index i = 0; i < found.gridpoints.size(); ++i) {
+    const double rate = std::sqrt(std::max(0.0, found.parametrization[i]));
+    if (i > 0) {
+      time += 2.0 * (found.gridpoints[i] - found.gridpoints[i - 1]) / (rate + speed_before) * scales.time;
+      if (!std::isfinite(time)) throw Error("TOPP-RA stopped within the path");
+    }
+    const auto [piece, s] = scaled->find(found.gridpoints[i]);
+    knots.add(time, piece->position(s), piece->tangent(s) * (rate / unit));
+    speed_before = rate;
+  }
+  return knots;
+}
+
+}  // namespace srmp::detail
