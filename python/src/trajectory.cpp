@@ -112,7 +112,7 @@ void bind_data(nb::class_<Trajectory>& cls) {
             const std::optional<ArrayLike>& waypoints) {
            new (self) Trajectory(make_trajectory(joint_names, positions, times, velocities, accelerations, waypoints));
          },
-         nb::arg("joint_names"), nb::arg("positions"), nb::arg("times") = nb::none(),
+         nb::arg("joint_names").none(), nb::arg("positions"), nb::arg("times") = nb::none(),
          nb::arg("velocities") = nb::none(), nb::arg("accelerations") = nb::none(), nb::arg("waypoints") = nb::none(),
          nb::sig("def __init__(self, joint_names: collections.abc.Sequence[str], positions: numpy.typing.ArrayLike, "
                  "times: numpy.typing.ArrayLike | None = None, velocities: numpy.typing.ArrayLike | None = None, "
@@ -186,7 +186,9 @@ auto of_robot(nb::handle planner, nb::handle robot, Ask&& ask) {
 void bind_motion(nb::class_<Trajectory>& cls) {
   cls.def(
          "sample",
-         [](const Trajectory& self, const ArrayLike& t) { return states(self, t, &MotionState::position)[0]; },
+         [](const Trajectory& self, const ArrayLike& t) -> nb::object {
+           return states(self, t, &MotionState::position)[0];
+         },
          nb::arg("t"), nb::sig("def sample(self, t: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]"),
          "Position [rad or m] at time t [s]: (dof,) for a number, (k, dof) for (k,). Times outside are moved to the "
          "nearest end.\n\n"
@@ -260,7 +262,8 @@ void bind_forms(nb::class_<Trajectory>& cls) {
          "velocities, accelerations.\n"
          "The certificate is not in it: who reads it makes his own.")
       .def_static(
-          "from_dict", [](nb::handle dictionary) { return in_python("from_dict")(dictionary); }, nb::arg("dictionary"),
+          "from_dict", [](nb::handle dictionary) { return in_python("from_dict")(dictionary); },
+          nb::arg("dictionary").none(),
           nb::sig("def from_dict(dictionary: collections.abc.Mapping[str, typing.Any]) -> Trajectory"),
           "What to_dict made: equal to the trajectory that it was.\n\n"
           "Raises InvalidArgument for unknown or missing keys (with the nearest), and as the constructor does.")
@@ -294,7 +297,7 @@ void bind_forms(nb::class_<Trajectory>& cls) {
           "Raises InvalidArgument without times, and for rows less than a nanosecond apart.")
       .def_static(
           "from_joint_trajectory", [](nb::handle message) { return in_python("from_joint_trajectory")(message); },
-          nb::arg("message"),
+          nb::arg("message").none(),
           nb::sig("def from_joint_trajectory(message: collections.abc.Mapping[str, typing.Any]) -> Trajectory"),
           "A dict laid out like that; times are the times from start, the waypoints are the rows, the header is not "
           "used.\n\n"
