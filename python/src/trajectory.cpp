@@ -289,11 +289,20 @@ void bind_forms(nb::class_<Trajectory>& cls) {
           "for numpy.save,\n"
           "pandas and the like.")
       .def(
-          "to_joint_trajectory", [](nb::handle_t<Trajectory> self) { return in_python("to_joint_trajectory")(self); },
-          nb::sig("def to_joint_trajectory(self) -> dict[str, typing.Any]"),
+          "to_joint_trajectory",
+          [](nb::handle_t<Trajectory> self, bool accelerations) {
+            return in_python("to_joint_trajectory")(self, accelerations);
+          },
+          nb::arg("accelerations") = false,
+          nb::sig("def to_joint_trajectory(self, accelerations: bool = False) -> dict[str, typing.Any]"),
           "A dict laid out like ROS 2's trajectory_msgs/JointTrajectory: header, joint_names, points of positions, "
           "velocities,\n"
-          "accelerations, effort (empty) and time_from_start (sec, nanosec) since the first row.\n\n"
+          "accelerations, effort (empty) and time_from_start (sec, nanosec) since the first row. Accelerations are "
+          "left "
+          "out unless asked for:\n"
+          "with positions and velocities alone a joint_trajectory_controller follows the cubics that this motion is; "
+          "given accelerations too,\n"
+          "it follows quintics, another motion, which nobody has checked.\n\n"
           "Raises InvalidArgument without times, and for rows less than a nanosecond apart.")
       .def_static(
           "from_joint_trajectory", [](nb::handle message) { return in_python("from_joint_trajectory")(message); },

@@ -167,10 +167,10 @@ def _require_same_joints(path: str | os.PathLike[str], quantity: str, joints: di
 # --- trajectory_msgs/JointTrajectory ----------------------------------------------------------------------------------
 
 
-def to_joint_trajectory(trajectory: srmp.Trajectory) -> dict[str, Any]:
+def to_joint_trajectory(trajectory: srmp.Trajectory, accelerations: bool) -> dict[str, Any]:
     if not len(trajectory.times):
         raise srmp.InvalidArgument("a JointTrajectory needs times, but this trajectory is a path without them.")
-    arrays = (trajectory.positions, trajectory.velocities, trajectory.accelerations)
+    arrays = (trajectory.positions, trajectory.velocities, trajectory.accelerations if accelerations else ())
     stamps = [_nanoseconds(time) - _nanoseconds(trajectory.times[0]) for time in trajectory.times]
     for i, (a, b) in enumerate(itertools.pairwise(stamps)):
         if a >= b:
@@ -179,12 +179,12 @@ def to_joint_trajectory(trajectory: srmp.Trajectory) -> dict[str, Any]:
             )
     points = []
     for i, stamp in enumerate(stamps):
-        positions, velocities, accelerations = (rows[i].tolist() if len(rows) else [] for rows in arrays)
+        position, velocity, acceleration = (rows[i].tolist() if len(rows) else [] for rows in arrays)
         points.append(
             {
-                "positions": positions,
-                "velocities": velocities,
-                "accelerations": accelerations,
+                "positions": position,
+                "velocities": velocity,
+                "accelerations": acceleration,
                 "effort": [],
                 "time_from_start": dict(zip(("sec", "nanosec"), divmod(stamp, _NANOSECONDS), strict=True)),
             }

@@ -92,8 +92,17 @@ def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) ->
         limit = profile.limits[joint]
         for bound in (-limit, limit):
             axes.axhline(bound, color=_LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (4, 3)), zorder=2)
-        used = f"{100 * np.abs(values).max() / limit:.0f} % of {limit:g}"
-        axes.text(0.99, 0.97, used, transform=axes.transAxes, ha="right", va="top", fontsize=7, color=_LIMIT_COLOUR)
+        share = np.abs(values).max() / limit
+        broken = share > 1 + 1e-6
+        axes.text(
+            *(0.99, 0.97, f"{100 * share:.{1 if broken else 0}f} % of {limit:g}"),
+            transform=axes.transAxes,
+            ha="right",
+            va="top",
+            fontsize=7,
+            color=_LIMIT_COLOUR if broken else "#555555",
+            fontweight="bold" if broken else "normal",
+        )
         axes.margins(y=0.22)
 
 

@@ -564,7 +564,7 @@ def test_files_that_cannot_be_read_or_written_are_named(cubic, tmp_path):
 
 
 def test_joint_trajectories_are_laid_out_as_in_ros(cubic):
-    message = json.loads(json.dumps(cubic.to_joint_trajectory()))
+    message = json.loads(json.dumps(cubic.to_joint_trajectory(accelerations=True)))
     assert list(message) == ["header", "joint_names", "points"]
     assert message["header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
     assert message["joint_names"] == NAMES
@@ -576,12 +576,15 @@ def test_joint_trajectories_are_laid_out_as_in_ros(cubic):
         "time_from_start": {"sec": 1, "nanosec": 0},
     }
     assert message["points"][4]["time_from_start"] == {"sec": 2, "nanosec": 500_000_000}
+    # By default controllers are not asked for quintics.
+    points = cubic.to_joint_trajectory()["points"]
+    assert [point["accelerations"] for point in points] == [[]] * 5
 
 
 def test_joint_trajectories_read_back(any_trajectory):
     if not len(any_trajectory.times):
         return
-    again = srmp.Trajectory.from_joint_trajectory(any_trajectory.to_joint_trajectory())
+    again = srmp.Trajectory.from_joint_trajectory(any_trajectory.to_joint_trajectory(accelerations=True))
     for name in ("joint_names", "positions", "velocities", "accelerations"):
         np.testing.assert_array_equal(getattr(again, name), getattr(any_trajectory, name))
     np.testing.assert_allclose(again.times, any_trajectory.times - any_trajectory.times[0], atol=1e-9)
