@@ -74,6 +74,10 @@ void make_value(nb::class_<T>& cls, Get get, Set set) {
   cls.attr("__hash__") = nb::none();
 }
 
+/// A robot of a PlannerInterface where it stands; None: its only one.
+PlacedRobot placed_robot(nb::handle planner, nb::handle robot);
+
+void bind_certificate(nb::module_& m);
 void bind_collision_checker(nb::module_& m);
 void bind_cover(nb::module_& m);
 void bind_errors(nb::module_& m);

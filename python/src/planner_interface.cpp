@@ -695,6 +695,18 @@ void bind_planning(nb::class_<Self>& cls) {
 
 }  // namespace
 
+PlacedRobot placed_robot(nb::handle planner, nb::handle robot) {
+  if (!nb::isinstance<Self>(planner))
+    throw InvalidArgument("planner must be a PlannerInterface, but is " + nb::cast<std::string>(nb::repr(planner)));
+  return nb::cast<Self&>(planner).use([&](const PlannerInterface& p) -> PlacedRobot {
+    const std::vector<std::string> known = p.scene().robot_names();
+    if (robot.is_none() && known.size() != 1)
+      throw InvalidArgument("robot must be named where there is not exactly one; there are " + quoted_list(known));
+    const RobotInstance& instance = p.scene().robot(robot.is_none() ? known[0] : to_names(robot).at(0));
+    return {instance.model, instance.base, instance.other_positions};
+  });
+}
+
 void bind_planner_interface(nb::module_& m) {
   nb::class_<Contact> contact(m, "Contact", "Two bodies in contact, or the nearest two.");
   contact.def_ro("body_a", &Contact::body_a, "Link (or attached object) of the robot asked about.")

@@ -1,3 +1,5 @@
+#include "srmp/trajectory/trajectory.hpp"
+
 #include "bind.hpp"
 
 namespace srmp::python {
@@ -10,9 +12,9 @@ using VectorView = nb::ndarray<nb::numpy, const double, nb::ndim<1>>;
 /// A read-only view that keeps the trajectory alive.
 template <RowMatrix Trajectory::* member>
 MatrixView view(nb::handle_t<Trajectory> self) {
-  const RowMatrix& matrix = nb::cast<const Trajectory&>(self).*member;
-  return MatrixView(matrix.data(), {static_cast<std::size_t>(matrix.rows()), static_cast<std::size_t>(matrix.cols())},
-                    self);
+  const auto& trajectory = nb::cast<const Trajectory&>(self);
+  const RowMatrix& matrix = trajectory.*member;
+  return MatrixView(matrix.data(), {static_cast<std::size_t>(matrix.rows()), trajectory.dof()}, self);
 }
 
 VectorView times_view(nb::handle_t<Trajectory> self) {
@@ -20,49 +22,134 @@ VectorView times_view(nb::handle_t<Trajectory> self) {
   return VectorView(times.data(), {static_cast<std::size_t>(times.size())}, self);
 }
 
-RowMatrix to_matrix(nb::handle array) {
-  const auto numbers = to_numbers(array, "trajectory array");
+RowMatrix to_matrix(nb::handle array, const std::string& what, std::size_t columns) {
+  const auto numbers = to_numbers(array, what);
+  if (numbers.size() == 0) return RowMatrix(0, static_cast<Eigen::Index>(columns));
+  if (numbers.ndim() != 2)
+    throw InvalidArgument(what + " must have the shape (n, " + std::to_string(columns) + "), but " +
+                          (numbers.ndim() == 1 ? "are one row of " + std::to_string(numbers.size()) + " numbers"
+                                               : "have " + std::to_string(numbers.ndim()) + " dimensions"));
   return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)),
                                      static_cast<Eigen::Index>(numbers.shape(1)));
 }
 
-template <class Matrix>
-bool same(const Matrix& a, const Matrix& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+RowMatrix to_matrix(const std::optional<ArrayLike>& array, const std::string& what, std::size_t columns) {
+  return array ? to_matrix(array->value, what, columns) : RowMatrix(0, static_cast<Eigen::Index>(columns));
 }
 
+Trajectory make_trajectory(nb::handle joint_names, const ArrayLike& positions, const std::optional<ArrayLike>& times,
+                           const std::optional<ArrayLike>& velocities, const std::optional<ArrayLike>& accelerations,
+                           const std::optional<ArrayLike>& waypoints) {
+  const std::vector<std::string> names = to_names(joint_names);
+  Trajectory t{names,
+               to_matrix(positions.value, "positions", names.size()),
+               to_matrix(velocities, "velocities", names.size()),
+               to_matrix(accelerations, "accelerations", names.size()),
+               times ? times->vector("times") : Eigen::VectorXd(0),
+               to_matrix(waypoints, "waypoints", names.size())};
+  if (t.waypoints.rows() == 0) t.waypoints = t.positions;
+  t.validate();
+  return t;
+}
+
+bool same(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return a.size() == b.size() && a == b; }
+bool same(const RowMatrix& a, const RowMatrix& b) {
+  return a.rows() == b.rows() && (a.rows() == 0 || (a.cols() == b.cols() && a == b));
+}
 bool same(const Trajectory& a, const Trajectory& b) {
   return a.joint_names == b.joint_names && same(a.positions, b.positions) && same(a.velocities, b.velocities) &&
          same(a.accelerations, b.accelerations) && same(a.times, b.times) && same(a.waypoints, b.waypoints);
 }
 
-}  // namespace
+/// The states at one time, or at many, as arrays (dof,) or (k, dof): one for each member asked for.
+template <class... Member>
+nb::tuple states(const Trajectory& self, const ArrayLike& t, Member... member) {
+  const auto numbers = to_numbers(t.value, "t");
+  const auto dimensions = nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(t.value));
+  if (dimensions > 1)
+    throw InvalidArgument("t must be a number or one row of numbers, but has " + std::to_string(dimensions) +
+                          " dimensions");
+  const auto count = static_cast<Eigen::Index>(numbers.size());
+  std::array<RowMatrix, sizeof...(Member)> rows;
+  rows.fill(RowMatrix(count, static_cast<Eigen::Index>(self.dof())));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const MotionState state = self.state(numbers.data()[i]);
+    std::size_t k = 0;
+    ((rows[k++].row(i) = (state.*member).transpose()), ...);
+  }
+  nb::list arrays;
+  for (RowMatrix& matrix : rows) {
+    const NumpyArray array = to_numpy_rows(std::move(matrix));
+    arrays.append(dimensions == 0 ? nb::object(array.attr("reshape")(-1)) : nb::object(array));
+  }
+  return nb::tuple(arrays);
+}
 
-void bind_trajectory(nb::module_& m) {
-  nb::class_<Trajectory> cls(
-      m, "Trajectory",
-      "A motion: n samples of dof joints. Revolute joints in rad, prismatic ones in m; values of "
-      "continuous joints do not\n"
-      "jump at ±pi. Arrays are read-only views without a copy.");
-  cls.def_ro("joint_names", &Trajectory::joint_names, "The dof joint names, in column order.")
+Trajectory part(const Trajectory& self, nb::handle rows) {
+  if (!nb::isinstance<nb::slice>(rows))
+    throw InvalidArgument("a trajectory is cut with trajectory[first:last]; positions[i] is one row of it");
+  const auto [start, stop, step, length] = nb::borrow<nb::slice>(rows).compute(self.size());
+  if (step != 1)
+    throw InvalidArgument("trajectory[::" + std::to_string(step) +
+                          "] would leave out rows and be another motion; resample makes one");
+  return self.rows(static_cast<std::size_t>(start), static_cast<std::size_t>(start) + length);
+}
+
+/// For a property or method that srmp/_trajectory.py has, where no C++ is needed.
+nb::object in_python(const char* function) { return nb::module_::import_("srmp._trajectory").attr(function); }
+
+std::string repr(const Trajectory& t) {
+  return "Trajectory(" + std::to_string(t.dof()) + (t.dof() == 1 ? " joint, " : " joints, ") +
+         std::to_string(t.size()) + (t.size() == 1 ? " row, " : " rows, ") +
+         (t.timed() ? to_text(t.duration()) + " s)" : "no times)");
+}
+
+void bind_data(nb::class_<Trajectory>& cls) {
+  cls.def(
+         "__init__",
+         [](Trajectory* self, nb::handle joint_names, const ArrayLike& positions, const std::optional<ArrayLike>& times,
+            const std::optional<ArrayLike>& velocities, const std::optional<ArrayLike>& accelerations,
+            const std::optional<ArrayLike>& waypoints) {
+           new (self) Trajectory(make_trajectory(joint_names, positions, times, velocities, accelerations, waypoints));
+         },
+         nb::arg("joint_names").none(), nb::arg("positions"), nb::arg("times") = nb::none(),
+         nb::arg("velocities") = nb::none(), nb::arg("accelerations") = nb::none(), nb::arg("waypoints") = nb::none(),
+         nb::sig("def __init__(self, joint_names: collections.abc.Sequence[str], positions: numpy.typing.ArrayLike, "
+                 "times: numpy.typing.ArrayLike | None = None, velocities: numpy.typing.ArrayLike | None = None, "
+                 "accelerations: numpy.typing.ArrayLike | None = None, "
+                 "waypoints: numpy.typing.ArrayLike | None = None) -> None"),
+         "A trajectory of your own, or of another planner.\n\n"
+         "positions, velocities, accelerations: (n, dof) [rad or m, /s, /s^2]; times: (n,) [s]; waypoints: (m, dof), "
+         "default the\n"
+         "positions. Without velocities the motion between rows is straight; without times it is only a path.\n\n"
+         "Raises InvalidArgument, naming row and joint, for wrong shapes, no rows, NaN and infinity, names that are "
+         "empty or used\n"
+         "twice, times that do not increase, velocities without times, accelerations without velocities.")
+      .def_ro("joint_names", &Trajectory::joint_names, "The dof joint names, in column order.")
       .def_prop_ro("positions", &view<&Trajectory::positions>, "(n, dof) [rad or m]")
-      .def_prop_ro("velocities", &view<&Trajectory::velocities>, "(n, dof) [rad/s or m/s]")
-      .def_prop_ro("accelerations", &view<&Trajectory::accelerations>, "(n, dof) [rad/s^2 or m/s^2]")
-      .def_prop_ro("times", &times_view, "(n,) [s], from 0, strictly increasing")
+      .def_prop_ro("velocities", &view<&Trajectory::velocities>, "(n, dof) [rad/s or m/s]; (0, dof): not known")
+      .def_prop_ro("accelerations", &view<&Trajectory::accelerations>,
+                   "(n, dof) [rad/s^2 or m/s^2], where it jumps: just after the row; (0, dof): not known")
+      .def_prop_ro(
+          "jerks",
+          [](const Trajectory& t) {
+            return to_numpy_rows(t.timed() ? t.jerks() : RowMatrix(0, static_cast<Eigen::Index>(t.dof())));
+          },
+          "(n, dof) [rad/s^3 or m/s^3]: of the polynomial after each row, the last row's is that before it; (0, dof) "
+          "without times")
+      .def_prop_ro("times", &times_view, "(n,) [s], strictly increasing; (0,): a path without times")
       .def_prop_ro("waypoints", &view<&Trajectory::waypoints>,
-                   "(m, dof): the checked path; the motion between two rows is straight in joint space")
-      .def_prop_ro("duration", &Trajectory::duration, "[s]")
-      .def_prop_ro("length", &Trajectory::length, "Joint-space length of the path [rad, prismatic joints m].")
-      .def(
-          "sample", [](const Trajectory& self, double t) { return to_numpy(self.sample(t)); }, nb::arg("t"),
-          "The configuration (dof,) at time t [s]; times outside are moved to the nearest end.\n\n"
-          "Raises InvalidArgument for NaN.")
+                   "(m, dof): the checked path, straight between rows in joint space [rad or m]")
+      .def_prop_ro("duration", &Trajectory::duration, "[s]; 0 without times")
+      .def_prop_ro("length", &Trajectory::length,
+                   "Sum of the Euclidean norms of joint differences of rows [rad, prismatic joints m].")
+      .def_prop_ro(
+          "certificate",
+          [](const Trajectory& t) { return t.certificate ? nb::cast(*t.certificate) : nb::object(nb::none()); },
+          nb::sig("def certificate(self) -> Certificate | None"),
+          "What is proved of this motion (a Certificate); None: nothing was.")
       .def("__len__", &Trajectory::size)
-      .def("__repr__",
-           [](const Trajectory& t) {
-             return "Trajectory(" + std::to_string(t.dof()) + " joints, " + std::to_string(t.size()) + " samples, " +
-                    to_text(t.duration()) + " s)";
-           })
+      .def("__repr__", &repr)
       .def("__eq__",
            [](const Trajectory& a, nb::handle other) {
              return nb::isinstance<Trajectory>(other) && same(a, nb::cast<const Trajectory&>(other));
@@ -70,18 +157,194 @@ void bind_trajectory(nb::module_& m) {
       .def("__getstate__",
            [](nb::handle_t<Trajectory> self) {
              return nb::make_tuple(self.attr("joint_names"), self.attr("positions"), self.attr("velocities"),
-                                   self.attr("accelerations"), self.attr("times"), self.attr("waypoints"));
+                                   self.attr("accelerations"), self.attr("times"), self.attr("waypoints"),
+                                   self.attr("certificate"));
            })
       .def("__setstate__", [](Trajectory& self, const nb::tuple& state) {
+        const auto names = nb::cast<std::vector<std::string>>(state[0]);
         const ArrayLike times{nb::borrow<nb::object>(state[4])};
-        new (&self) Trajectory{nb::cast<std::vector<std::string>>(state[0]),
-                               to_matrix(state[1]),
-                               to_matrix(state[2]),
-                               to_matrix(state[3]),
+        std::shared_ptr<const Certificate> certificate;
+        if (!state[6].is_none()) certificate = std::make_shared<const Certificate>(nb::cast<Certificate>(state[6]));
+        new (&self) Trajectory{names,
+                               to_matrix(state[1], "positions", names.size()),
+                               to_matrix(state[2], "velocities", names.size()),
+                               to_matrix(state[3], "accelerations", names.size()),
                                times.vector("times"),
-                               to_matrix(state[5])};
+                               to_matrix(state[5], "waypoints", names.size()),
+                               certificate};
       });
   cls.attr("__hash__") = nb::none();
+}
+
+/// `ask` of the robot that the planner knows, or of the trajectory's own.
+template <class Ask>
+auto of_robot(nb::handle planner, nb::handle robot, Ask&& ask) {
+  if (planner.is_none() && !robot.is_none()) throw InvalidArgument("a robot is named, but no planner to find it in");
+  return planner.is_none() ? ask() : ask(placed_robot(planner, robot));
+}
+
+void bind_motion(nb::class_<Trajectory>& cls) {
+  cls.def(
+         "sample",
+         [](const Trajectory& self, const ArrayLike& t) -> nb::object {
+           return states(self, t, &MotionState::position)[0];
+         },
+         nb::arg("t"), nb::sig("def sample(self, t: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]"),
+         "Position [rad or m] at time t [s]: (dof,) for a number, (k, dof) for (k,). Times outside are moved to the "
+         "nearest end.\n\n"
+         "Raises InvalidArgument for NaN, and for a path without times.")
+      .def(
+          "state",
+          [](const Trajectory& self, const ArrayLike& t) {
+            return states(self, t, &MotionState::position, &MotionState::velocity, &MotionState::acceleration,
+                          &MotionState::jerk);
+          },
+          nb::arg("t"),
+          nb::sig("def state(self, t: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
+          "(position, velocity, acceleration, jerk) at time t [s], each as in sample [rad or m, /s, /s^2, /s^3]; where "
+          "one jumps: just after.")
+      .def("resample", &Trajectory::resample, nb::arg("dt"),
+           "Rows at every multiple of dt [s] from the start that is not within 1 % of dt of the end, and at the end. "
+           "Another motion, near\n"
+           "this one: the polynomials through the new rows, without a certificate; they may exceed limits that this "
+           "one obeys.\n\n"
+           "Raises InvalidArgument unless dt > 0 and there are at most ten million rows.")
+      .def("slice", &Trajectory::slice, nb::arg("from_time"), nb::arg("to_time"),
+           "The same motion from one time to another [s], with its times; cut between rows where needed, but at a row "
+           "that is within 1 µs.\n"
+           "Its waypoints are its own rows and its certificate is gone, unless nothing was cut off.\n\n"
+           "Raises InvalidArgument unless from_time < to_time and the two overlap the motion.")
+      .def("followed_by", &Trajectory::followed_by, nb::arg("next"),
+           "This motion and then `next`, whose times are moved to follow; `a + b` is the same. It has no "
+           "certificate.\n\n"
+           "Raises InvalidArgument unless joint names agree and `next` starts where this ends: positions within 1e-9, "
+           "velocities within 1e-6.")
+      .def(
+          "__add__", [](const Trajectory& a, const Trajectory& b) { return a.followed_by(b); }, nb::arg("next"),
+          nb::is_operator(), "See followed_by.")
+      .def("__getitem__", &part, nb::arg("rows"), nb::sig("def __getitem__(self, rows: slice) -> Trajectory"),
+           "trajectory[i:j]: rows i to j-1 and the same motion between them; waypoints and certificate as in slice.\n\n"
+           "Raises InvalidArgument for a step, and where no rows are left.")
+      .def(
+          "end_effector_path",
+          [](const Trajectory& self, nb::handle planner, nb::handle robot, const std::string& link) {
+            return of_robot(planner, robot,
+                            [&](const auto&... of) { return to_numpy_rows(self.end_effector_path(of..., link)); });
+          },
+          nb::arg("planner") = nb::none(), nb::arg("robot") = nb::none(), nb::arg("link") = "",
+          nb::sig("def end_effector_path(self, planner: PlannerInterface | None = None, robot: str | None = None, "
+                  "link: str = '') -> numpy.typing.NDArray[numpy.float64]"),
+          "(n, 3) [m], world frame: where the origin of a link (default: the end effector) is at each row.\n\n"
+          "A trajectory of plan knows its robot and where that stood. Others (made by hand, unpickled, read from a "
+          "file) ask a planner:\n"
+          "`robot` by name, needed where it has several. Joints are matched by name, in any order.\n\n"
+          "Raises InvalidArgument for an unknown robot or link, and when the joints are not its planned ones.")
+      .def(
+          "end_effector_length",
+          [](const Trajectory& self, nb::handle planner, nb::handle robot, const std::string& link) {
+            return of_robot(planner, robot, [&](const auto&... of) { return self.end_effector_length(of..., link); });
+          },
+          nb::arg("planner") = nb::none(), nb::arg("robot") = nb::none(), nb::arg("link") = "",
+          nb::sig("def end_effector_length(self, planner: PlannerInterface | None = None, robot: str | None = None, "
+                  "link: str = '') -> float"),
+          "How far that origin travels [m]: along the motion in steps of 10 ms, or of 0.01 rad (m) where there are no "
+          "times.\n"
+          "Arguments and errors as in end_effector_path.");
+}
+
+void bind_forms(nb::class_<Trajectory>& cls) {
+  cls.def(
+         "to_dict", [](nb::handle_t<Trajectory> self) { return in_python("to_dict")(self); },
+         nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
+         "Lists and names, as JSON can hold them: joint_names, positions, waypoints and, where known, times, "
+         "velocities, accelerations.\n"
+         "The certificate is not in it: who reads it makes his own.")
+      .def_static(
+          "from_dict", [](nb::handle dictionary) { return in_python("from_dict")(dictionary); },
+          nb::arg("dictionary").none(),
+          nb::sig("def from_dict(dictionary: collections.abc.Mapping[str, typing.Any]) -> Trajectory"),
+          "What to_dict made: equal to the trajectory that it was.\n\n"
+          "Raises InvalidArgument for unknown or missing keys (with the nearest), and as the constructor does.")
+      .def(
+          "to_csv", [](nb::handle_t<Trajectory> self, nb::handle path) { in_python("to_csv")(self, path); },
+          nb::arg("path"), nb::sig("def to_csv(self, path: str | os.PathLike[str]) -> None"),
+          "Write a table, one line a row: time [s], then <joint>_position [rad or m] of each joint, and, where known, "
+          "<joint>_velocity and\n"
+          "<joint>_acceleration. Numbers read back bit for bit. Waypoints and certificate are not in it.\n\n"
+          "Raises FileError when it cannot be written.")
+      .def_static(
+          "from_csv", [](nb::handle path) { return in_python("from_csv")(path); }, nb::arg("path"),
+          nb::sig("def from_csv(path: str | os.PathLike[str]) -> Trajectory"),
+          "A table as to_csv writes it; columns in any order, joints in that of their positions; the waypoints are the "
+          "rows.\n\n"
+          "Raises FileError, naming the line, for a missing file, unknown or missing columns, cells that are no "
+          "numbers, and what the\n"
+          "constructor refuses.")
+      .def(
+          "to_numpy", [](nb::handle_t<Trajectory> self) { return in_python("to_numpy")(self); },
+          nb::sig("def to_numpy(self) -> numpy.typing.NDArray[numpy.void]"),
+          "(n,) structured array with the fields position (dof,) and, where known, time, velocity, acceleration, jerk: "
+          "for numpy.save,\n"
+          "pandas and the like.")
+      .def(
+          "to_joint_trajectory",
+          [](nb::handle_t<Trajectory> self, bool accelerations) {
+            return in_python("to_joint_trajectory")(self, accelerations);
+          },
+          nb::arg("accelerations") = false,
+          nb::sig("def to_joint_trajectory(self, accelerations: bool = False) -> dict[str, typing.Any]"),
+          "A dict laid out like ROS 2's trajectory_msgs/JointTrajectory: header, joint_names, points of positions, "
+          "velocities,\n"
+          "accelerations, effort (empty) and time_from_start (sec, nanosec) since the first row. Accelerations are "
+          "left "
+          "out unless asked for:\n"
+          "with positions and velocities alone a joint_trajectory_controller follows the cubics that this motion is; "
+          "given accelerations too,\n"
+          "it follows quintics, another motion, which nobody has checked.\n\n"
+          "Raises InvalidArgument without times, and for rows less than a nanosecond apart.")
+      .def_static(
+          "from_joint_trajectory", [](nb::handle message) { return in_python("from_joint_trajectory")(message); },
+          nb::arg("message").none(),
+          nb::sig("def from_joint_trajectory(message: collections.abc.Mapping[str, typing.Any]) -> Trajectory"),
+          "A dict laid out like that; times are the times from start, the waypoints are the rows, the header is not "
+          "used.\n\n"
+          "Raises InvalidArgument, naming the point, for unknown or missing keys, for efforts, for points of which "
+          "only "
+          "some have velocities\n"
+          "or accelerations, and as the constructor does.")
+      .def(
+          "plot",
+          [](nb::handle_t<Trajectory> self, nb::handle path, nb::handle limits, const std::string& title) {
+            in_python("plot")(self, path, limits, title);
+          },
+          nb::arg("path"), nb::arg("limits") = nb::none(), nb::arg("title") = "",
+          nb::sig("def plot(self, path: str | os.PathLike[str], limits: MotionLimits | None = None, title: str = '') "
+                  "-> None"),
+          "Draw position, velocity, acceleration and jerk of every joint over time (PNG, PDF or SVG: the suffix says "
+          "which). Dashed:\n"
+          "`limits`, default those of the certificate.\n\n"
+          "Raises InvalidArgument without times, for limits of another number of joints and for a suffix that is no "
+          "picture's; FileError when\n"
+          "it cannot be written; ModuleNotFoundError where matplotlib is not installed.");
+}
+
+}  // namespace
+
+void bind_trajectory(nb::module_& m) {
+  nb::class_<Trajectory> cls(
+      m, "Trajectory",
+      "A motion: n rows of dof joints. Revolute joints in rad, prismatic ones in m; values of continuous joints do "
+      "not jump at ±pi.\n\n"
+      "Between two rows each joint follows the cubic polynomial that has their positions and velocities, a straight "
+      "line where there are no\n"
+      "velocities; every claim about the motion is about these. Arrays are read-only views without a copy. It does not "
+      "change; equal are\n"
+      "trajectories with the same names and numbers, whatever is proved of them.");
+  bind_data(cls);
+  bind_motion(cls);
+  bind_forms(cls);
 }
 
 }  // namespace srmp::python

@@ -1,4 +1,4 @@
-"""JSON results, written whole or not at all."""
+"""Files written whole or not at all, and JSON results."""
 
 import json
 import math
@@ -28,15 +28,17 @@ def plain(value: Any) -> Any:
 
 
 def write_json(path: str | Path, value: Any) -> None:
-    """Writes to a temporary file beside `path` and renames it: readers never see half a file.
+    """Lists of numbers stay on one line; numbers read back bit for bit."""
+    write_text(path, _encode(plain(value)) + "\n")
 
-    Lists of numbers stay on one line; numbers read back bit for bit.
-    """
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Writes to a temporary file beside `path` and renames it: readers never see half a file."""
     path = Path(path)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(_encode(plain(value)) + "\n")
+            file.write(text)
             file.flush()
             os.fsync(file.fileno())
         umask = os.umask(0)

@@ -95,12 +95,12 @@ class DemoResult:
         links = chain_links(read_joints(srmp.data_path("arm7.urdf")), "arm7_hand")
         times = np.linspace(0.0, self.trajectory.times[-1], poses)
         arms = [self._link_origins(links, self.trajectory.sample(time)) for time in times]
-        tip = [self.planner.compute_fk(ROBOT, q).p for q in self.trajectory.positions]
+        tip = self.trajectory.end_effector_path()
         scene = SceneDrawing(
             boxes=[(size, srmp.Pose(p=centre).matrix()) for name, (size, centre) in BOXES.items() if name != "floor"],
             cylinders=[(radius, length, srmp.Pose(p=centre).matrix()) for radius, length, centre in CYLINDERS.values()],
         )
-        draw_motion(path, scene, MotionDrawing(arms, times, np.array(tip)), title=f"srmp demo: {self.summary()}")
+        draw_motion(path, scene, MotionDrawing(arms, times, tip), title=f"srmp demo: {self.summary()}")
 
     def _link_origins(self, links: list[str], q: np.ndarray) -> np.ndarray:
         return np.array([self.planner.compute_fk(ROBOT, q, link).p for link in links])

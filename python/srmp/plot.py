@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
 
+_LINE_COLOUR = "#0b7a75"
+_LIMIT_COLOUR = "#b3402e"
 _CUBE_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 _CUBE_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
 _OBJECT_COLOUR = "#c2955d"
@@ -36,6 +38,72 @@ class MotionDrawing:
     arms: Sequence[ArrayLike]  #: m times (links, 3) [m], base first
     times: ArrayLike  #: (m,) [s]
     end_effector_path: ArrayLike  #: (n, 3) [m], as fine as it shall look
+
+
+@dataclass
+class Profile:
+    """One quantity of all joints over time."""
+
+    name: str
+    unit: str
+    values: np.ndarray  #: (n, joints)
+    limits: np.ndarray | None = None  #: (joints,), of the absolute value
+
+
+def draw_profiles(
+    path: Path, joint_names: Sequence[str], times: np.ndarray, profiles: Sequence[Profile], title: str = ""
+) -> None:
+    """Writes a picture with a row of panels for each joint, one a profile; limits dashed, with the share in use.
+
+    Raises ModuleNotFoundError when matplotlib is not installed.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    joints = len(joint_names)
+    figure = Figure(figsize=(3.4 * len(profiles), 1.0 + 1.35 * joints), dpi=150, facecolor="white")
+    FigureCanvasAgg(figure)  # no window, no global state
+    grid: Any = figure.subplots(joints, len(profiles), sharex=True, squeeze=False)
+    for j, name in enumerate(joint_names):
+        for axes, profile in zip(grid[j], profiles, strict=True):
+            _draw_profile(axes, times, profile, j)
+        grid[j][0].set_ylabel(name, rotation=0, ha="right", va="center", labelpad=10, fontsize=10)
+    for top, bottom, profile in zip(grid[0], grid[-1], profiles, strict=True):
+        top.set_title(f"{profile.name} [{profile.unit}]", fontsize=10)
+        bottom.set_xlabel("time [s]", fontsize=9)
+    if title:
+        figure.suptitle(title, fontsize=12)
+    figure.align_ylabels(grid[:, 0])
+    figure.tight_layout(h_pad=0.4, w_pad=0.8)
+    figure.savefig(path)
+
+
+def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) -> None:
+    values = profile.values[:, joint]
+    axes.plot(times, values, color=_LINE_COLOUR, linewidth=1.3, zorder=3)
+    axes.grid(color="#e3e3e3", linewidth=0.6)
+    axes.tick_params(labelsize=8, length=2)
+    axes.margins(x=0.02, y=0.12)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    if np.ptp(values) < 1e-9 and profile.limits is None:  # a line, not the noise of its last digits
+        axes.set_ylim(values[0] - 0.1, values[0] + 0.1)
+    if profile.limits is not None:
+        limit = profile.limits[joint]
+        for bound in (-limit, limit):
+            axes.axhline(bound, color=_LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (4, 3)), zorder=2)
+        share = np.abs(values).max() / limit
+        broken = share > 1 + 1e-6
+        axes.text(
+            *(0.99, 0.97, f"{100 * share:.{1 if broken else 0}f} % of {limit:g}"),
+            transform=axes.transAxes,
+            ha="right",
+            va="top",
+            fontsize=7,
+            color=_LIMIT_COLOUR if broken else "#555555",
+            fontweight="bold" if broken else "normal",
+        )
+        axes.margins(y=0.22)
 
 
 def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, title: str = "") -> None:

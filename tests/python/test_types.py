@@ -36,6 +36,12 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     except (srmp.InvalidArgument, srmp.FileError, srmp.NotSupported) as error:
         return str(error)
     positions: NDArray[np.float64] = trajectory.positions
+    samples: NDArray[np.float64] = trajectory.sample([0, 0.5])
+    both: srmp.Trajectory = trajectory.slice(0, 1) + srmp.Trajectory.from_dict(trajectory.to_dict())[1:]
+    tip: NDArray[np.float64] = both.resample(0.1).end_effector_path(planner, "arm", link="arm7_hand")
+    both.plot("profile.png", limits=srmp.MotionLimits(samples[0], samples[1], [1.0] * 7))
+    if trajectory.certificate is not None and trajectory.certificate.faults:
+        print(tip, trajectory.certificate.faults[0].kind is srmp.FaultKind.goal, trajectory.certificate.report())
     solutions: NDArray[np.float64] = planner.compute_ik("arm", planner.compute_fk("arm", positions[-1]))
     numbers: list[float] = [x for x in srmp.Pose() @ srmp.Pose()]
     assert len(solutions) + len(numbers) + planner.get_planning_stats()["expansions"]
@@ -69,7 +75,8 @@ def test_stubs_know_every_public_name():
 
 def test_every_public_method_has_a_docstring():
     named = ("Pose", "GoalConstraint", "Trajectory", "PlannerInterface", "Contact", "PlanRequest", "PlanResult")
-    for cls in (getattr(srmp, name) for name in named):
+    parts = ("Certificate", "Fault", "LimitUse", "MotionLimits", "SampledInterval")
+    for cls in (getattr(srmp, name) for name in (*named, *parts)):
         assert cls.__doc__
         for name, member in vars(cls).items():
             if not name.startswith("_"):

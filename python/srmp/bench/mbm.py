@@ -11,7 +11,6 @@ import contextlib
 import datetime
 import difflib
 import importlib.metadata
-import itertools
 import math
 import os
 import platform
@@ -37,7 +36,6 @@ _STATISTICS = (
     *("plan_time_s", "total_time_s", "search_time_s", "expansions", "memory_bytes", "edge_checks"),
     *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
 )
-_FK_STEP = 0.01  # [rad or m] between samples of the end effector's path
 
 
 # --- problems ---------------------------------------------------------------------------------------------------------
@@ -249,13 +247,7 @@ class Runner:
 
 def end_effector_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
     """How far the end effector travels along the waypoints [m]."""
-    samples = [path[0]]
-    for a, b in itertools.pairwise(path):
-        step = b - a
-        count = max(1, math.ceil(np.abs(step).max() / _FK_STEP))
-        samples.extend(a + step * (k / count) for k in range(1, count + 1))
-    points = np.array([planner.compute_fk(robot, q).p for q in samples])
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return srmp.Trajectory(planner.get_joint_names(robot), path).end_effector_length(planner, robot)
 
 
 def run(

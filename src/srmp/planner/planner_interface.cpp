@@ -86,7 +86,10 @@ struct PlannerInterface::Impl {
           model(robot).require_configuration(target, "goal of '" + robot + "'");
     }
     model(robot).require_configuration(start, "start of '" + robot + "'");
-    return {scene, robot, checker(robot, CheckMode::exact), start, goals, options, heuristics, on_solution};
+    const RobotInstance& instance = scene.robot(robot);
+    const PlacedRobot placed{instance.model, instance.base, instance.other_positions};
+    return {scene,      robot,       checker(robot, CheckMode::exact),           start, goals, options,
+            heuristics, on_solution, std::make_shared<const PlacedRobot>(placed)};
   }
 };
 
@@ -348,7 +351,9 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   const Deadline deadline(common_options(options).time_limit, interrupt);
   const SingleRobotProblem problem = impl_->pose_problem(robot, start, goals, options, on_solution);
   impl_->statistics = {};
-  return plan_single_robot(problem, deadline, impl_->statistics);
+  Trajectory trajectory = plan_single_robot(problem, deadline, impl_->statistics);
+  trajectory.robot = problem.placed;
+  return trajectory;
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,

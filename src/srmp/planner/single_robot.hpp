@@ -14,6 +14,7 @@ struct SingleRobotProblem {
   const PlannerOptions& options;
   const UserHeuristics& heuristics;
   OnSolution on_solution;
+  std::shared_ptr<const PlacedRobot> placed{};  ///< `robot` as it stands in `scene`, for Trajectory::robot
 };
 
 /// Answers it; throws PlanningError. `statistics` is filled either way.

@@ -1,0 +1,1 @@
+/tmp/htraj/python/srmp/__init__.py

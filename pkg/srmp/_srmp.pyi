@@ -1,0 +1,1 @@
+/tmp/htraj/build/dev/python/_srmp.pyi

@@ -1,0 +1,1 @@
+/tmp/htraj/python/srmp/options.py

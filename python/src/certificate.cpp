@@ -1,0 +1,214 @@
+#include "srmp/trajectory/certificate.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "bind.hpp"
+
+namespace srmp::python {
+
+namespace {
+
+/// NaN stands for "none" in a certificate; as None it is equal to itself.
+nb::object plain(double value) { return std::isnan(value) ? nb::none() : nb::object(nb::float_(value)); }
+double number(nb::handle value) {
+  return value.is_none() ? std::numeric_limits<double>::quiet_NaN() : nb::cast<double>(value);
+}
+
+std::vector<double> to_list(const Eigen::VectorXd& v) { return {v.begin(), v.end()}; }
+Eigen::VectorXd to_vector(nb::handle list) {
+  const auto values = nb::cast<std::vector<double>>(list);
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+MotionLimits make_limits(const ArrayLike& velocity, const ArrayLike& acceleration, const ArrayLike& jerk,
+                         const std::vector<bool>& continuous) {
+  MotionLimits limits{velocity.vector("velocity limits"), acceleration.vector("acceleration limits"),
+                      jerk.vector("jerk limits"), continuous};
+  std::vector<std::string> names;
+  for (std::size_t j = 0; j < limits.size(); ++j) names.push_back("joint " + std::to_string(j));
+  require_limits(limits, names);
+  if (!continuous.empty() && continuous.size() != limits.size())
+    throw InvalidArgument("continuous: got " + std::to_string(continuous.size()) + " flags, but there are " +
+                          std::to_string(limits.size()) + " joints");
+  return limits;
+}
+
+void bind_limits(nb::module_& m) {
+  nb::class_<MotionLimits> limits(
+      m, "MotionLimits", "What each joint may do at most, one entry a joint, in the order of the joint names.");
+  limits
+      .def(
+          "__init__",
+          [](MotionLimits* self, const ArrayLike& velocity, const ArrayLike& acceleration, const ArrayLike& jerk,
+             const std::vector<bool>& continuous) {
+            new (self) MotionLimits(make_limits(velocity, acceleration, jerk, continuous));
+          },
+          nb::arg("velocity"), nb::arg("acceleration"), nb::arg("jerk"), nb::arg("continuous") = std::vector<bool>{},
+          "(dof,) each: velocity [rad/s or m/s], acceleration [rad/s^2 or m/s^2], jerk [rad/s^3 or m/s^3]; continuous: "
+          "a flag a joint,\n"
+          "empty = none is.\n\n"
+          "Raises InvalidArgument unless all have one entry a joint, above 0 and finite.")
+      .def_prop_ro(
+          "velocity", [](const MotionLimits& l) { return to_numpy(l.velocity); }, "(dof,) [rad/s or m/s]")
+      .def_prop_ro(
+          "acceleration", [](const MotionLimits& l) { return to_numpy(l.acceleration); }, "(dof,) [rad/s^2 or m/s^2]")
+      .def_prop_ro(
+          "jerk", [](const MotionLimits& l) { return to_numpy(l.jerk); }, "(dof,) [rad/s^3 or m/s^3]")
+      .def_ro("continuous", &MotionLimits::continuous,
+              "Joints whose waypoints must follow by the short way round; empty = none.")
+      .def("__repr__", [](const MotionLimits& l) { return "MotionLimits(" + std::to_string(l.size()) + " joints)"; });
+  make_value(
+      limits,
+      [](const MotionLimits& l) {
+        return nb::make_tuple(to_list(l.velocity), to_list(l.acceleration), to_list(l.jerk), l.continuous);
+      },
+      [](const nb::tuple& s) {
+        return MotionLimits{to_vector(s[0]), to_vector(s[1]), to_vector(s[2]), nb::cast<std::vector<bool>>(s[3])};
+      });
+}
+
+void bind_faults(nb::module_& m) {
+  nb::enum_<FaultKind>(m, "FaultKind", "What can be wrong with a trajectory.")
+      .value("joint_names", FaultKind::joint_names, "Not those of the robot, or in another order.")
+      .value("shape", FaultKind::shape, "Arrays that do not fit together, or none at all.")
+      .value("not_finite", FaultKind::not_finite, "NaN or infinity.")
+      .value("times", FaultKind::times, "A time that stands still or runs back.")
+      .value("position_limit", FaultKind::position_limit, "A joint outside its limits.")
+      .value("velocity_limit", FaultKind::velocity_limit, "A joint faster than its limit.")
+      .value("acceleration_limit", FaultKind::acceleration_limit, "A joint that accelerates beyond its limit.")
+      .value("jerk_limit", FaultKind::jerk_limit, "A joint with more jerk than its limit.")
+      .value("collision", FaultKind::collision, "Two bodies touch, or come within their padding.")
+      .value("deviation", FaultKind::deviation, "The motion leaves the path that was checked.")
+      .value("start", FaultKind::start, "It does not begin where it was asked to.")
+      .value("goal", FaultKind::goal, "It does not end where it was asked to.")
+      .value("rest", FaultKind::rest, "It moves at its start or end, without having been asked to.");
+
+  nb::class_<Fault> fault(m, "Fault", "Something that is wrong, and where.");
+  fault.def_ro("kind", &Fault::kind, "A FaultKind.")
+      .def_ro("text", &Fault::text, "A sentence.")
+      .def_ro("time", &Fault::time, "[s] where it is worst; NaN: nowhere in particular.")
+      .def("__repr__", [](const Fault& f) { return "Fault(" + to_string(f.kind) + ": " + f.text + ")"; });
+  make_value(
+      fault, [](const Fault& f) { return nb::make_tuple(f.kind, f.text, plain(f.time)); },
+      [](const nb::tuple& s) { return Fault{nb::cast<FaultKind>(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
+}
+
+void bind_parts(nb::module_& m) {
+  nb::class_<LimitUse> use(m, "LimitUse", "How much of a limit is used at most, over the whole motion.");
+  use.def_ro("share", &LimitUse::share,
+             "Of the limit; 1 = all of it. Positions: of the way from the middle of the range to its end.")
+      .def_ro("joint", &LimitUse::joint, "Which one; '' = nothing moves, or there is no limit.")
+      .def_ro("time", &LimitUse::time, "[s]")
+      .def("__repr__", [](const LimitUse& u) {
+        return "LimitUse(" + to_text(u.share) + (u.joint.empty() ? "" : ", " + u.joint) + ")";
+      });
+  make_value(
+      use, [](const LimitUse& u) { return nb::make_tuple(plain(u.share), u.joint, plain(u.time)); },
+      [](const nb::tuple& s) { return LimitUse{number(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
+
+  nb::class_<SampledInterval> sampled(
+      m, "SampledInterval",
+      "A part of a motion that two bodies could not be proved to pass apart; they are apart at every sample in it.");
+  sampled.def_ro("from_time", &SampledInterval::from, "[s]")
+      .def_ro("to_time", &SampledInterval::to, "[s]")
+      .def_ro("body_a", &SampledInterval::body_a, "Link (or attached object) of the robot.")
+      .def_ro("body_b", &SampledInterval::body_b, "Object, link of the same robot, or 'robot/link' of another.")
+      .def("__repr__", [](const SampledInterval& i) {
+        return "SampledInterval(" + to_text(i.from) + " s to " + to_text(i.to) + " s, " + i.body_a + " and " +
+               i.body_b + ")";
+      });
+  make_value(
+      sampled, [](const SampledInterval& i) { return nb::make_tuple(plain(i.from), plain(i.to), i.body_a, i.body_b); },
+      [](const nb::tuple& s) {
+        return SampledInterval{number(s[0]), number(s[1]), nb::cast<std::string>(s[2]), nb::cast<std::string>(s[3])};
+      });
+}
+
+std::string repr(const Certificate& c) {
+  if (!c.holds())
+    return "Certificate(" + std::to_string(c.faults.size()) + (c.faults.size() == 1 ? " fault: " : " faults, first: ") +
+           c.faults.front().text + ")";
+  if (!c.collisions_checked) return "Certificate(holds, collisions not checked)";
+  return c.proved_free() ? "Certificate(holds, proved free)"
+                         : "Certificate(holds, free; " + std::to_string(c.sampled.size()) + " parts at samples)";
+}
+
+nb::tuple state(const Certificate& c) {
+  return nb::make_tuple(c.faults, c.limits, c.position, c.velocity, c.acceleration, c.jerk, c.collisions_checked,
+                        plain(c.checked_from), plain(c.clearance), plain(c.clearance_time), c.body_a, c.body_b,
+                        plain(c.clearance_proved), c.sampled, plain(c.deviation), plain(c.deviation_time),
+                        plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s));
+}
+
+Certificate from_state(const nb::tuple& s) {
+  const auto text = [&](std::size_t i) { return nb::cast<std::string>(s[i]); };
+  const auto use = [&](std::size_t i) { return nb::cast<LimitUse>(s[i]); };
+  return {.faults = nb::cast<std::vector<Fault>>(s[0]),
+          .limits = nb::cast<MotionLimits>(s[1]),
+          .position = use(2),
+          .velocity = use(3),
+          .acceleration = use(4),
+          .jerk = use(5),
+          .collisions_checked = nb::cast<bool>(s[6]),
+          .checked_from = number(s[7]),
+          .clearance = number(s[8]),
+          .clearance_time = number(s[9]),
+          .body_a = text(10),
+          .body_b = text(11),
+          .clearance_proved = number(s[12]),
+          .sampled = nb::cast<std::vector<SampledInterval>>(s[13]),
+          .deviation = number(s[14]),
+          .deviation_time = number(s[15]),
+          .goal_error = number(s[16]),
+          .bound = number(s[17]),
+          .bound_graph = text(18),
+          .time_s = number(s[19])};
+}
+
+}  // namespace
+
+void bind_certificate(nb::module_& m) {
+  bind_limits(m);
+  bind_faults(m);
+  bind_parts(m);
+  nb::class_<Certificate> cls(m, "Certificate",
+                              "What is known of a trajectory, found by other code than that which made it. All of it "
+                              "is about the polynomials between\n"
+                              "the rows, at every instant, not about samples.");
+  cls.def_prop_ro("holds", &Certificate::holds, "There are no faults.")
+      .def_prop_ro("proved_free", &Certificate::proved_free,
+                   "Collisions were checked, and all of the motion is proved free, between samples too.")
+      .def("report", &Certificate::report, "A text, one line a claim.")
+      .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
+      .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was held against.")
+      .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
+      .def_ro("velocity", &Certificate::velocity, "LimitUse of the velocity limits.")
+      .def_ro("acceleration", &Certificate::acceleration, "LimitUse of the acceleration limits.")
+      .def_ro("jerk", &Certificate::jerk, "LimitUse of the jerk limits.")
+      .def_ro("collisions_checked", &Certificate::collisions_checked, "Were they?")
+      .def_ro("checked_from", &Certificate::checked_from,
+              "[s]: what comes before is the way out of a start in collision.")
+      .def_ro("clearance", &Certificate::clearance,
+              "[m] the smallest that was found; inf: there is nothing to collide with.")
+      .def_ro("clearance_time", &Certificate::clearance_time, "[s] where.")
+      .def_ro("body_a", &Certificate::body_a, "Of the pair there: link (or attached object) of the robot.")
+      .def_ro("body_b", &Certificate::body_b, "Object, link of the same robot, or 'robot/link' of another.")
+      .def_ro("clearance_proved", &Certificate::clearance_proved,
+              "[m]: no two bodies come nearer than this, also between samples.")
+      .def_ro("sampled", &Certificate::sampled,
+              "SampledIntervals: parts that are not proved free; empty: all of the motion is.")
+      .def_ro("deviation", &Certificate::deviation,
+              "[m]: no point of the robot leaves the way it takes along the waypoints by more.")
+      .def_ro("deviation_time", &Certificate::deviation_time, "[s] where.")
+      .def_ro("goal_error", &Certificate::goal_error,
+              "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")
+      .def_ro("bound", &Certificate::bound,
+              "The path costs at most this times the optimum of bound_graph; inf: nothing is proven.")
+      .def_ro("bound_graph", &Certificate::bound_graph, "The graph that the bound is about.")
+      .def_ro("time_s", &Certificate::time_s, "[s] that it took to make.")
+      .def("__repr__", &repr);
+  make_value(cls, &state, &from_state);
+}
+
+}  // namespace srmp::python

@@ -1,0 +1,289 @@
+"""Other forms of a srmp.Trajectory: what of its methods needs no C++."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import io
+import itertools
+import math
+import operator
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import srmp
+from srmp._files import write_text
+
+_REQUIRED = ("joint_names", "positions")
+_OPTIONAL = ("times", "velocities", "accelerations", "waypoints")
+_PER_JOINT = ("position", "velocity", "acceleration")
+_NANOSECONDS = 10**9
+
+
+# --- dictionaries -----------------------------------------------------------------------------------------------------
+
+
+def to_dict(trajectory: srmp.Trajectory) -> dict[str, Any]:
+    known = [key for key in _OPTIONAL if len(getattr(trajectory, key))]
+    arrays = {key: getattr(trajectory, key).tolist() for key in ("positions", *known)}
+    return {"joint_names": list(trajectory.joint_names), **arrays}
+
+
+def from_dict(dictionary: Mapping[str, Any]) -> srmp.Trajectory:
+    _require_keys(dictionary, "a trajectory's dictionary", _REQUIRED, _OPTIONAL)
+    return srmp.Trajectory(**dictionary)
+
+
+def _require_keys(value: Any, what: str, required: Sequence[str], optional: Sequence[str]) -> None:
+    if not isinstance(value, Mapping):
+        raise srmp.InvalidArgument(f"{what} must be a dictionary, but is {value!r}.")
+    for key in value:
+        if key not in (*required, *optional):
+            near = difflib.get_close_matches(str(key), (*required, *optional), n=1)
+            raise srmp.InvalidArgument(
+                f"{what} has an unknown key '{key}'" + (f", did you mean '{near[0]}'?" if near else ".")
+            )
+    for key in required:
+        if key not in value:
+            raise srmp.InvalidArgument(f"{what} has no '{key}'.")
+
+
+# --- NumPy ------------------------------------------------------------------------------------------------------------
+
+
+def to_numpy(trajectory: srmp.Trajectory) -> np.ndarray:
+    dof = len(trajectory.joint_names)
+    columns = {
+        "time": trajectory.times,
+        "position": trajectory.positions,
+        "velocity": trajectory.velocities,
+        "acceleration": trajectory.accelerations,
+        "jerk": trajectory.jerks,
+    }
+    known = {name: values for name, values in columns.items() if len(values)}
+    table = np.empty(
+        len(trajectory), dtype=[(name, float, () if values.ndim == 1 else (dof,)) for name, values in known.items()]
+    )
+    for name, values in known.items():
+        table[name] = values
+    return table
+
+
+# --- CSV --------------------------------------------------------------------------------------------------------------
+
+
+def to_csv(trajectory: srmp.Trajectory, path: str | os.PathLike[str]) -> None:
+    header = ["time"] if len(trajectory.times) else []
+    columns = [trajectory.times[:, None]] if len(trajectory.times) else []
+    for quantity, values in zip(
+        _PER_JOINT, (trajectory.positions, trajectory.velocities, trajectory.accelerations), strict=True
+    ):
+        if len(values):
+            header += [f"{name}_{quantity}" for name in trajectory.joint_names]
+            columns.append(values)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(np.hstack(columns).tolist())  # Python's floats are written so that they read back bit for bit
+    _written(path, lambda: write_text(path, text.getvalue()))
+
+
+def from_csv(path: str | os.PathLike[str]) -> srmp.Trajectory:
+    header, rows = _read_table(path)
+    times, joints = _columns(path, header)
+    arrays = {}
+    for quantity, plural in zip(_PER_JOINT, ("positions", "velocities", "accelerations"), strict=True):
+        if joints[quantity]:
+            arrays[plural] = rows[:, [joints[quantity][name] for name in joints["position"]]]
+    try:
+        return srmp.Trajectory(list(joints["position"]), times=None if times is None else rows[:, times], **arrays)
+    except srmp.InvalidArgument as error:
+        raise srmp.FileError(f"{path}: {error}") from error
+
+
+def _read_table(path: str | os.PathLike[str]) -> tuple[list[str], np.ndarray]:
+    try:
+        with Path(path).open(newline="", encoding="utf-8-sig") as file:
+            table = [
+                (reader.line_num, cells) for reader in [csv.reader(file, strict=True)] for cells in reader if cells
+            ]
+    except OSError as error:
+        raise srmp.FileError(f"{path} cannot be read: {error.strerror or error}.") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise srmp.FileError(f"{path} is no CSV table: {error}.") from error
+    if len(table) < 2:
+        raise srmp.FileError(f"{path} must have a header and at least one row.")
+    (_, header), *lines = table
+    return header, np.array([_numbers(path, header, *line) for line in lines])
+
+
+def _numbers(path: str | os.PathLike[str], header: list[str], line: int, cells: list[str]) -> list[float]:
+    if len(cells) != len(header):
+        raise srmp.FileError(f"{path}, line {line}: it has {len(cells)} cells, but the header {len(header)}.")
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError as error:
+        raise srmp.FileError(f"{path}, line {line}: {error}.") from error
+
+
+def _columns(path: str | os.PathLike[str], header: list[str]) -> tuple[int | None, dict[str, dict[str, int]]]:
+    """The column of the times, and for each quantity the joints and their columns."""
+    times = None
+    joints: dict[str, dict[str, int]] = {quantity: {} for quantity in _PER_JOINT}
+    for column, name in enumerate(header):
+        joint, _, quantity = name.rpartition("_")
+        if header.index(name) != column:
+            raise srmp.FileError(f"{path}: the column '{name}' is there twice.")
+        if name == "time":
+            times = column
+        elif joint and quantity in _PER_JOINT:
+            joints[quantity][joint] = column
+        else:
+            raise srmp.FileError(
+                f"{path}: the column '{name}' is neither time nor <joint>_position, <joint>_velocity or "
+                "<joint>_acceleration."
+            )
+    for quantity in _PER_JOINT:
+        if joints[quantity] or quantity == "position":
+            _require_same_joints(path, quantity, joints)
+    return times, joints
+
+
+def _require_same_joints(path: str | os.PathLike[str], quantity: str, joints: dict[str, dict[str, int]]) -> None:
+    if not joints["position"]:
+        raise srmp.FileError(f"{path}: there is no column <joint>_position.")
+    for name in joints["position"]:
+        if name not in joints[quantity]:
+            raise srmp.FileError(f"{path}: there is no column '{name}_{quantity}'.")
+    for name in joints[quantity]:
+        if name not in joints["position"]:
+            raise srmp.FileError(f"{path}: there is no column '{name}_position'.")
+
+
+# --- trajectory_msgs/JointTrajectory ----------------------------------------------------------------------------------
+
+
+def to_joint_trajectory(trajectory: srmp.Trajectory, accelerations: bool) -> dict[str, Any]:
+    if not len(trajectory.times):
+        raise srmp.InvalidArgument("a JointTrajectory needs times, but this trajectory is a path without them.")
+    arrays = (trajectory.positions, trajectory.velocities, trajectory.accelerations if accelerations else ())
+    stamps = [_nanoseconds(time) - _nanoseconds(trajectory.times[0]) for time in trajectory.times]
+    for i, (a, b) in enumerate(itertools.pairwise(stamps)):
+        if a >= b:
+            raise srmp.InvalidArgument(
+                f"rows {i} and {i + 1} are in the same nanosecond, and a JointTrajectory counts in nanoseconds."
+            )
+    points = []
+    for i, stamp in enumerate(stamps):
+        position, velocity, acceleration = (rows[i].tolist() if len(rows) else [] for rows in arrays)
+        points.append(
+            {
+                "positions": position,
+                "velocities": velocity,
+                "accelerations": acceleration,
+                "effort": [],
+                "time_from_start": dict(zip(("sec", "nanosec"), divmod(stamp, _NANOSECONDS), strict=True)),
+            }
+        )
+    return {
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
+        "joint_names": list(trajectory.joint_names),
+        "points": points,
+    }
+
+
+def _nanoseconds(time: float) -> int:
+    """To the nearest one; whole seconds are split off first, so that none of the digits is lost."""
+    seconds = math.floor(time)
+    return seconds * _NANOSECONDS + round((time - seconds) * _NANOSECONDS)
+
+
+def from_joint_trajectory(message: Mapping[str, Any]) -> srmp.Trajectory:
+    _require_keys(message, "a JointTrajectory", ("joint_names", "points"), ("header",))
+    points = message["points"]
+    if not isinstance(points, Sequence) or isinstance(points, str) or not points:
+        raise srmp.InvalidArgument("points of a JointTrajectory must be a list of at least one point.")
+    for i, point in enumerate(points):
+        what = f"point {i} of a JointTrajectory"
+        _require_keys(point, what, ("positions", "time_from_start"), ("velocities", "accelerations", "effort"))
+        _require_keys(point["time_from_start"], f"time_from_start of {what}", ("sec", "nanosec"), ())
+        if _length(point, "effort", what):
+            raise srmp.InvalidArgument(f"{what} has efforts, which a Trajectory cannot hold; leave them out.")
+    arrays = {key: _stacked(points, key) for key in ("positions", "velocities", "accelerations")}
+    stamps = [point["time_from_start"] for point in points]
+    try:
+        whole = [(operator.index(stamp["sec"]), operator.index(stamp["nanosec"])) for stamp in stamps]
+    except TypeError as error:
+        raise srmp.InvalidArgument(f"time_from_start of a JointTrajectory must be whole numbers: {error}.") from error
+    times = [(seconds * _NANOSECONDS + nanoseconds) / _NANOSECONDS for seconds, nanoseconds in whole]
+    return srmp.Trajectory(message["joint_names"], times=times, **arrays)
+
+
+def _stacked(points: Sequence[Mapping[str, Any]], key: str) -> list[Any] | None:
+    lengths = [_length(point, key, f"point {i} of a JointTrajectory") for i, point in enumerate(points)]
+    if not any(lengths):
+        return None
+    for i, length in enumerate(lengths):
+        if length != lengths[0]:
+            raise srmp.InvalidArgument(
+                f"point {i} of a JointTrajectory has {length} {key}, but point 0 has {lengths[0]}."
+            )
+    return [point[key] for point in points]
+
+
+def _length(point: Mapping[str, Any], key: str, what: str) -> int:
+    try:
+        return len(point.get(key, ()))
+    except TypeError as error:
+        raise srmp.InvalidArgument(f"{key} of {what} must be a list, but is {point[key]!r}.") from error
+
+
+# --- a picture --------------------------------------------------------------------------------------------------------
+
+
+def plot(
+    trajectory: srmp.Trajectory, path: str | os.PathLike[str], limits: srmp.MotionLimits | None, title: str
+) -> None:
+    from srmp.plot import Profile, draw_profiles
+
+    if not len(trajectory.times):
+        raise srmp.InvalidArgument("a path without times has no profiles to draw.")
+    if limits is None and trajectory.certificate is not None:
+        limits = trajectory.certificate.limits
+    if limits is not None and not isinstance(limits, srmp.MotionLimits):
+        raise srmp.InvalidArgument(f"limits must be MotionLimits, but are {limits!r}.")
+    names = trajectory.joint_names
+    if limits is not None and len(limits.velocity) != len(names):
+        raise srmp.InvalidArgument(
+            f"limits are for {len(limits.velocity)} joints, but the trajectory moves {len(names)}."
+        )
+    times = _drawn_times(trajectory.times)
+    position, velocity, acceleration, jerk = trajectory.state(times)
+    profiles = [
+        Profile("position", "rad, m", position),
+        Profile("velocity", "rad/s, m/s", velocity, limits.velocity if limits else None),
+        Profile("acceleration", "rad/s², m/s²", acceleration, limits.acceleration if limits else None),
+        Profile("jerk", "rad/s³, m/s³", jerk, limits.jerk if limits else None),
+    ]
+    try:
+        _written(path, lambda: draw_profiles(Path(path), names, times, profiles, title))
+    except ValueError as error:  # a format that matplotlib does not know
+        raise srmp.InvalidArgument(f"{path}: {error}.") from error
+
+
+def _drawn_times(rows: np.ndarray) -> np.ndarray:
+    """Each row, times between them, and a moment before the next: accelerations and jerks may jump there."""
+    inside = max(1, math.ceil(2000 / len(rows)))
+    shares = np.append(np.arange(inside) / inside, 1 - 1e-6)
+    return np.append((rows[:-1, None] + np.diff(rows)[:, None] * shares).ravel(), rows[-1])
+
+
+def _written(path: str | os.PathLike[str], write: Any) -> None:
+    try:
+        write()
+    except OSError as error:
+        raise srmp.FileError(f"{path} cannot be written: {error.strerror or error}.") from error
