@@ -1,1 +1,0 @@
-/tmp/htraj/python/srmp/__init__.py

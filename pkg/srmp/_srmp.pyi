@@ -1,1 +1,0 @@
-/tmp/htraj/build/dev/python/_srmp.pyi

@@ -1,1 +1,0 @@
-/tmp/htraj/python/srmp/demo.py
