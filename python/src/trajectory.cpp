@@ -1,4 +1,5 @@
 #include "bind.hpp"
+#include "srmp/io/trajectory_file.hpp"
 
 namespace srmp::python {
 
@@ -57,6 +58,16 @@ void bind_trajectory(nb::module_& m) {
           "sample", [](const Trajectory& self, double t) { return to_numpy(self.sample(t)); }, nb::arg("t"),
           "The configuration (dof,) at time t [s]; times outside are moved to the nearest end.\n\n"
           "Raises InvalidArgument for NaN.")
+      .def(
+          "save", [](const Trajectory& self, const nb::object& path) { io::save_trajectory(self, to_path(path)); },
+          nb::arg("path"), nb::sig("def save(self, path: str | os.PathLike[str]) -> None"),
+          "Write it with its certificate (JSON), whole or not at all; numbers read back bit for bit. Raises FileError.")
+      .def_static(
+          "load", [](const nb::object& path) { return io::load_trajectory(to_path(path)); }, nb::arg("path"),
+          nb::sig("def load(path: str | os.PathLike[str]) -> Trajectory"),
+          "The trajectory of such a file, of a problem file (PlannerInterface.save), or of what `srmp plan -o` "
+          "writes.\n\n"
+          "Raises FileError, with the line, for anything missing, misspelt or wrong, and a file that holds none.")
       .def("__len__", &Trajectory::size)
       .def("__repr__",
            [](const Trajectory& t) {
