@@ -20,7 +20,7 @@ struct RobotText {
 /// An object; while attached its pose is in the link's frame.
 struct ObjectText {
   std::string name;
-  Shape shape;
+  Shape shape{Box{Eigen::Vector3d::Zero()}};
   Pose pose;
   double padding{};
   std::optional<Attachment> attachment;
@@ -90,8 +90,8 @@ void describe(Archive& archive, Ref<Archive, PointCloud> cloud) {
 /// An empty shape of the kind that shape_kind names.
 Shape shape_of_kind(const JsonReader& reader, const std::string& kind) {
   std::vector<std::string> known;
-  for (const Shape& shape :
-       std::initializer_list<Shape>{Box{}, Sphere{}, Cylinder{}, Capsule{}, Cone{}, Mesh{}, PointCloud{}}) {
+  for (const Shape& shape : std::initializer_list<Shape>{Box{Eigen::Vector3d::Zero()}, Sphere{}, Cylinder{}, Capsule{},
+                                                         Cone{}, Mesh{}, PointCloud{}}) {
     if (shape_kind(shape) == kind) return shape;
     known.push_back(shape_kind(shape));
   }
