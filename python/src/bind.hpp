@@ -53,6 +53,8 @@ NumpyArray to_numpy_rows(RowMatrix rows);
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
 std::vector<GoalConstraint> to_goals(nb::handle goal);
+/// A str or os.PathLike.
+std::string to_path(nb::handle path);
 /// One name, or a list of names.
 std::vector<std::string> to_names(nb::handle names);
 

@@ -90,6 +90,14 @@ nb::dict to_dict(const OptionMap& map) {
   return result;
 }
 
+std::string to_path(nb::handle path) {
+  std::string text;
+  const bool is_path = nb::isinstance<nb::str>(path) || nb::hasattr(path, "__fspath__");
+  if (!is_path || !nb::try_cast(nb::module_::import_("os").attr("fspath")(path), text))
+    throw InvalidArgument("a path must be a str or an os.PathLike, but is " + nb::cast<std::string>(nb::repr(path)));
+  return text;
+}
+
 std::vector<std::string> to_names(nb::handle names) {
   if (nb::isinstance<nb::str>(names)) return {nb::cast<std::string>(names)};
   std::vector<std::string> result;

@@ -15,6 +15,9 @@ namespace {
 /// queued, because its answer would depend on who came first.
 class PyPlannerInterface {
  public:
+  PyPlannerInterface() = default;
+  explicit PyPlannerInterface(PlannerInterface planner) : planner_(std::move(planner)) {}
+
   template <class Use>
   auto use(Use&& call) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
@@ -144,10 +147,13 @@ void bind_robots(nb::class_<Self>& cls) {
          [](Self& self, const std::string& urdf_path, const std::string& srdf_path, const std::string& name,
             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
-            const std::string& urdf_text, const Pose& base_pose) {
+            const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
+            const std::string& urdf_folder) {
            const RobotDescription description{.urdf_path = urdf_path,
                                               .urdf_text = urdf_text,
+                                              .urdf_folder = urdf_folder,
                                               .srdf_path = srdf_path,
+                                              .srdf_text = srdf_text,
                                               .name = name,
                                               .end_effector = end_effector,
                                               .group = group,
@@ -160,13 +166,17 @@ void bind_robots(nb::class_<Self>& cls) {
          nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
          nb::arg("fixed_joints") = std::map<std::string, double>{},
          nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
+         nb::arg("srdf_text") = "", nb::arg("urdf_folder") = "",
          "Add a robot from a URDF and, where there is one, an SRDF.\n\n"
          "name: unique; default the URDF's. end_effector: the link that goals speak of. Planned joints: joint_names, "
          "else the\n"
          "SRDF group, else the chain to the end effector. fixed_joints: values [rad or m] of all other joints. "
          "package_dirs:\n"
-         "where meshes are searched besides the URDF's folder. urdf_text: the URDF itself instead of urdf_path. "
-         "base_pose: of\n"
+         "where meshes are searched besides the URDF's folder. urdf_text, srdf_text: the URDF "
+         "and the SRDF\n"
+         "themselves instead of their files; urdf_folder: where that of urdf_text would lie, for its meshes. "
+         "base_pose: "
+         "of\n"
          "the root link, in the world. Without an SRDF, adjacent links may touch, and so may links that touch with all "
          "joints at 0\n"
          "and in more than 95 % of the sampled configurations (see get_always_colliding).\n\n"
@@ -693,6 +703,61 @@ void bind_planning(nb::class_<Self>& cls) {
           "Print the planner ids and what each is for.");
 }
 
+void bind_files(nb::class_<Self>& cls) {
+  cls.def(
+         "save",
+         [](Self& self, const nb::object& path) { self.use([&](PlannerInterface& p) { p.save(to_path(path)); }); },
+         nb::arg("path"), nb::sig("def save(self, path: str | os.PathLike[str]) -> None"),
+         "Write the whole problem into one file (JSON, by custom *.srmp.json): the scene with its robots, planners, "
+         "and "
+         "the request of\n"
+         "the last plan with its result, if nothing was changed since. Whole or not at all; numbers read back bit for "
+         "bit.\n\n"
+         "Raises FileError when the file cannot be written, and InvalidArgument when a planner names a heuristic of "
+         "add_heuristic.")
+      .def_static(
+          "load",
+          [](const nb::object& path, const std::vector<std::string>& package_dirs) {
+            return new Self(PlannerInterface::load(to_path(path), package_dirs));
+          },
+          nb::arg("path"), nb::arg("package_dirs") = std::vector<std::string>{}, nb::rv_policy::take_ownership,
+          nb::sig("def load(path: str | os.PathLike[str], package_dirs: collections.abc.Sequence[str] = []) -> "
+                  "PlannerInterface"),
+          "A problem as it was saved: planning again gives the same trajectory, get_planning_stats and last_result are "
+          "the saved\n"
+          "ones. Only meshes of robots are other files: they are looked for where they were, and in `package_dirs`.\n\n"
+          "Raises FileError, with the line, for anything missing, misspelt or wrong, another format, and newer "
+          "versions.")
+      .def(
+          "save_scene",
+          [](Self& self, const nb::object& path) {
+            self.use([&](PlannerInterface& p) { p.save_scene(to_path(path)); });
+          },
+          nb::arg("path"), nb::sig("def save_scene(self, path: str | os.PathLike[str]) -> None"),
+          "Write the scene alone: robots, objects, attachments, allowed collisions. Raises FileError.")
+      .def(
+          "load_scene",
+          [](Self& self, const nb::object& path, const std::vector<std::string>& package_dirs) {
+            self.use([&](PlannerInterface& p) { p.load_scene(to_path(path), package_dirs); });
+          },
+          nb::arg("path"), nb::arg("package_dirs") = std::vector<std::string>{},
+          nb::sig("def load_scene(self, path: str | os.PathLike[str], package_dirs: collections.abc.Sequence[str] = "
+                  "[]) -> None"),
+          "Put the scene of a scene or problem file in place of this one; planners of robots that it has too stay.\n\n"
+          "Raises FileError, as load, and changes nothing.")
+      .def_prop_ro(
+          "last_request", [](Self& self) { return self.use([](const auto& p) { return p.last_request(); }); },
+          "What the last plan was asked, as a PlanRequest without options (those of make_planner count); None before "
+          "the first, and\n"
+          "once its robot or the scene was replaced.")
+      .def_prop_ro(
+          "last_result", [](Self& self) { return self.use([](const auto& p) { return p.last_result(); }); },
+          "What became of it, as a PlanResult; None before the first plan, and once scene or planner were changed: "
+          "then "
+          "it may be\n"
+          "another one.");
+}
+
 }  // namespace
 
 PlacedRobot placed_robot(nb::handle planner, nb::handle robot) {
@@ -759,6 +824,7 @@ void bind_planner_interface(nb::module_& m) {
   bind_objects(cls);
   bind_questions(cls);
   bind_planning(cls);
+  bind_files(cls);
 }
 
 }  // namespace srmp::python

@@ -1,6 +1,7 @@
 #include "srmp/trajectory/trajectory.hpp"
 
 #include "bind.hpp"
+#include "srmp/io/trajectory_file.hpp"
 
 namespace srmp::python {
 
@@ -148,6 +149,16 @@ void bind_data(nb::class_<Trajectory>& cls) {
           [](const Trajectory& t) { return t.certificate ? nb::cast(*t.certificate) : nb::object(nb::none()); },
           nb::sig("def certificate(self) -> Certificate | None"),
           "What is proved of this motion (a Certificate); None: nothing was.")
+      .def(
+          "save", [](const Trajectory& self, const nb::object& path) { io::save_trajectory(self, to_path(path)); },
+          nb::arg("path"), nb::sig("def save(self, path: str | os.PathLike[str]) -> None"),
+          "Write it with its certificate (JSON), whole or not at all; numbers read back bit for bit. Raises FileError.")
+      .def_static(
+          "load", [](const nb::object& path) { return io::load_trajectory(to_path(path)); }, nb::arg("path"),
+          nb::sig("def load(path: str | os.PathLike[str]) -> Trajectory"),
+          "The trajectory of such a file, of a problem file (PlannerInterface.save), or of what `srmp plan -o` "
+          "writes.\n\n"
+          "Raises FileError, with the line, for anything missing, misspelt or wrong, and a file that holds none.")
       .def("__len__", &Trajectory::size)
       .def("__repr__", &repr)
       .def("__eq__",

@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | check | cover | bench mbm | cmake-dir."""
+"""The command line: srmp demo | plan | replay | check | cover | bench mbm | cmake-dir."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import click
 import srmp
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
-EXIT_NO_PATH = 1  # asked properly, but there is no trajectory, or the state is in collision
+EXIT_NO_PATH = 1  # asked properly, but there is no trajectory, the state is in collision, or the answer another one
 EXIT_REFUSED = 2  # the question was wrong: bad file, unknown name (click's own number for usage errors)
 
 
@@ -148,6 +148,7 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     "--request", "request_path", required=True, type=EXISTING_FILE, help="Start and goals: MoveIt request YAML."
 )
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="Result file (JSON).")
+@click.option("--save", type=click.Path(dir_okay=False), help="Write the whole problem too, for srmp replay (JSON).")
 @_planner_options()
 def plan(
     urdf: str,
@@ -158,6 +159,7 @@ def plan(
     scene: str | None,
     request_path: str,
     output: str,
+    save: str | None,
     planner: str,
     options: tuple[str, ...],
     time_limit: float,
@@ -180,6 +182,8 @@ def plan(
         trajectory = world.plan("robot", problem.start, problem.goals)
     except srmp.PlanningError:
         write_json(output, plan_result(world.get_planning_stats(), world.get_joint_names("robot"), None))
+        if save:
+            world.save(save)
         raise
     stats = world.get_planning_stats()
     write_json(output, plan_result(stats, trajectory.joint_names, trajectory))
@@ -188,6 +192,33 @@ def plan(
         f"{stats['path_cost_rad']:.2f} rad, {trajectory.times[-1]:.2f} s long"
     )
     click.echo(f"wrote {output}")
+    if save:
+        world.save(save)
+        click.echo(f"wrote {save}")
+
+
+@main.command()
+@click.argument("problem", type=EXISTING_FILE)
+@click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated.")
+def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
+    """Plan the request of a problem file again: is the answer the same, bit for bit?
+
+    Exits with 1 when it is not, and says where it differs first.
+    """
+    from srmp._replay import first_difference
+
+    world = srmp.PlannerInterface.load(problem, package_dirs=list(package_dirs))
+    before, request = world.last_result, world.last_request
+    if request is None or before is None:
+        raise srmp.FileError(f"{problem}: it holds no answer to compare with; save after plan, before any change")
+    with contextlib.suppress(srmp.PlanningError):
+        world.plan(request.robot, request.start, request.goals)
+    now = world.last_result
+    assert now is not None
+    if difference := first_difference(before, now):
+        click.echo(f"differs: {difference}")
+        raise click.exceptions.Exit(EXIT_NO_PATH)
+    click.echo(f"the same: {before.status.name}{f', {before.trajectory!r}' if before.solved else ''}")
 
 
 @main.command()

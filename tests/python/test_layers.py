@@ -16,7 +16,7 @@ MAY_INCLUDE = {
     "lattice": {"core", "robot", "search"},
     "heuristic": {"core", "robot", "scene"},
     "trajectory": {"core", "robot", "collision"},
-    "io": {"core", "robot", "scene", "lattice"},
+    "io": {"core", "robot", "scene", "lattice", "trajectory"},
     "planner": {"core", "robot", "scene", "collision", "search", "lattice", "heuristic", "trajectory", "io"},
 }
 

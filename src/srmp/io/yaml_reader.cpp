@@ -25,7 +25,7 @@ YAML::Node only_document(const std::string& path, const std::vector<YAML::Node>&
   return *found;
 }
 
-YAML::Node load(const std::string& path) {
+YAML::Node load(const std::string& path, const std::string& language) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) throw FileError(path + ": there is no such file");
   if (std::filesystem::is_directory(path, code)) throw FileError(path + ": this is a folder, not a file");
@@ -34,7 +34,7 @@ YAML::Node load(const std::string& path) {
   } catch (const YAML::BadFile&) {
     throw FileError(path + ": the file cannot be read");
   } catch (const YAML::Exception& error) {
-    throw FileError(path + ":" + std::to_string(error.mark.line + 1) + ": not valid YAML, " + error.msg);
+    throw FileError(path + ":" + std::to_string(error.mark.line + 1) + ": not valid " + language + ", " + error.msg);
   }
 }
 
@@ -47,7 +47,7 @@ std::string kind(const YAML::Node& node) {
 
 }  // namespace
 
-YamlFile::YamlFile(const std::string& path) : path_(path), root_(load(path)) {}
+YamlFile::YamlFile(const std::string& path, const std::string& language) : path_(path), root_(load(path, language)) {}
 
 std::string YamlFile::where(const YAML::Node& node) const {
   if (!node.IsDefined() || node.Mark().is_null()) return path_;

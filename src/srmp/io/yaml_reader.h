@@ -13,7 +13,8 @@ namespace srmp::io {
 /// A YAML file with one document. Every complaint is a FileError that names file and line.
 class YamlFile {
  public:
-  explicit YamlFile(const std::string& path);
+  /// `language`: what the file is said to be written in, where it is not valid; all JSON is YAML.
+  explicit YamlFile(const std::string& path, const std::string& language = "YAML");
 
   const YAML::Node& root() const { return root_; }
   const std::string& path() const { return path_; }

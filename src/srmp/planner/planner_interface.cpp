@@ -6,7 +6,9 @@
 #include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/self_filter.hpp"
 #include "srmp/io/moveit.hpp"
+#include "srmp/io/scene_file.hpp"
 #include "srmp/planner/plan_many.hpp"
+#include "srmp/planner/problem_file.hpp"
 #include "srmp/planner/single_robot.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
@@ -14,19 +16,30 @@ namespace srmp {
 
 struct PlannerInterface::Impl {
   Scene scene;
-  std::map<std::vector<std::string>, PlannerOptions> planners;  // by sorted robot names
+  PlannerTable planners;
   // Of the scene as it is now. Single questions go to Coal alone, so that they do not wait for sphere covers.
   mutable std::map<std::pair<std::string, CheckMode>, std::unique_ptr<Checker>> checkers;
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
   UserHeuristics heuristics;
-  PlanStatistics statistics;
+  PlanStatistics statistics;           // of the last plan
+  std::optional<PlanRequest> request;  // of the last plan
+  std::optional<PlanResult> result;    // of it, while nothing that it depends on has changed
 
   /// Runs a change of the scene; the checkers made for the old one go.
   template <class Change>
   void change(Change&& apply) {
     apply(scene);
     checkers.clear();
+    result.reset();
+  }
+
+  /// Planners and the last request go with their robots.
+  template <class Gone>
+  void forget(Gone&& gone) {
+    std::erase_if(planners,
+                  [&](const auto& entry) { return std::any_of(entry.first.begin(), entry.first.end(), gone); });
+    if (request && gone(request->robot)) request.reset();
   }
 
   const Checker& checker(const std::string& robot, CheckMode mode = CheckMode::coal) const {
@@ -48,21 +61,12 @@ struct PlannerInterface::Impl {
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
 
-  std::vector<std::string> sorted_robots(std::vector<std::string> robots) const {
-    if (robots.empty()) throw InvalidArgument("make_planner needs at least one robot name");
-    for (const std::string& name : robots) scene.robot(name);
-    std::sort(robots.begin(), robots.end());
-    if (const auto twin = std::adjacent_find(robots.begin(), robots.end()); twin != robots.end())
-      throw InvalidArgument("robot '" + *twin + "' is named twice");
-    return robots;
-  }
-
   void require_state(const std::string& robot, ConstVector q) const {
     model(robot).require_configuration(q, "q of '" + robot + "'");
   }
 
   const PlannerOptions& planner_options(const std::vector<std::string>& robots) const {
-    const auto it = planners.find(sorted_robots(robots));
+    const auto it = planners.find(planner_key(scene, robots));
     if (it == planners.end())
       throw InvalidArgument("there is no planner for " + quoted_list(robots) + " yet; call make_planner first");
     return it->second;
@@ -78,14 +82,7 @@ struct PlannerInterface::Impl {
   SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const PlannerOptions& options, const OnSolution& on_solution = {}) const {
     require_heuristics(options, heuristic_names());
-    if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
-    for (const GoalConstraint& goal : goals) {
-      goal.validate();
-      if (goal.type == GoalType::joints)
-        for (const Eigen::VectorXd& target : goal.targets)
-          model(robot).require_configuration(target, "goal of '" + robot + "'");
-    }
-    model(robot).require_configuration(start, "start of '" + robot + "'");
+    require_question(scene, robot, start, goals);
     const RobotInstance& instance = scene.robot(robot);
     const PlacedRobot placed{instance.model, instance.base, instance.other_positions};
     return {scene,      robot,       checker(robot, CheckMode::exact),           start, goals, options,
@@ -108,10 +105,9 @@ void PlannerInterface::add_articulation(const RobotDescription& description, con
 }
 
 void PlannerInterface::remove_articulation(const std::string& robot) {
+  const std::string gone = robot;  // the caller's string may live in what is removed
   impl_->change([&](Scene& scene) { scene.remove_robot(robot); });
-  std::erase_if(impl_->planners, [&](const auto& entry) {
-    return std::find(entry.first.begin(), entry.first.end(), robot) != entry.first.end();
-  });
+  impl_->forget([&](const std::string& name) { return name == gone; });
 }
 
 void PlannerInterface::set_base_pose(const std::string& robot, const Pose& pose) {
@@ -218,7 +214,35 @@ void PlannerInterface::reset() {
   impl_->change([](Scene& scene) { scene.reset(); });
   impl_->planners.clear();
   impl_->heuristics.clear();
+  impl_->request.reset();
   impl_->statistics = {};
+}
+
+// --- files
+
+void PlannerInterface::save(const std::string& path) const {
+  save_problem({impl_->scene, impl_->planners, impl_->request, impl_->result}, path);
+}
+
+PlannerInterface PlannerInterface::load(const std::string& path, const std::vector<std::string>& package_dirs) {
+  Problem problem = load_problem(path, package_dirs);
+  PlannerInterface planner;
+  Impl& impl = *planner.impl_;
+  impl.scene = std::move(problem.scene);
+  impl.planners = std::move(problem.planners);
+  impl.request = std::move(problem.request);
+  impl.result = std::move(problem.result);
+  if (impl.result) impl.statistics = impl.result->statistics();
+  return planner;
+}
+
+void PlannerInterface::save_scene(const std::string& path) const { io::save_scene(impl_->scene, path); }
+
+void PlannerInterface::load_scene(const std::string& path, const std::vector<std::string>& package_dirs) {
+  Scene loaded = io::load_scene(path, package_dirs);
+  impl_->change([&](Scene& scene) { scene = std::move(loaded); });
+  impl_->forget([&](const std::string& name) { return !impl_->scene.robots().contains(name); });
+  impl_->request.reset();
 }
 
 // --- questions
@@ -332,11 +356,10 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const PlannerOptions& options) {
   validate(options);
   require_heuristics(options, impl_->heuristic_names());
-  std::vector<std::string> key = impl_->sorted_robots(robots);
-  if (key.size() > 1 && !std::holds_alternative<XECBS>(options))
-    throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +
-                          std::to_string(key.size()) + " were named; use 'xECBS' for many");
+  std::vector<std::string> key = planner_key(impl_->scene, robots);
+  require_planner_for(key, options);
   impl_->cover_robots();
+  impl_->result.reset();
   impl_->planners.insert_or_assign(std::move(key), options);
 }
 
@@ -349,11 +372,20 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   const PlannerOptions& options = planner_options({robot});
   impl_->cover_robots();  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
-  const SingleRobotProblem problem = impl_->pose_problem(robot, start, goals, options, on_solution);
+  const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
+  const SingleRobotProblem problem =
+      impl_->pose_problem(request.robot, request.start, request.goals, options, on_solution);
+  impl_->request = request;
+  impl_->result.reset();
   impl_->statistics = {};
-  Trajectory trajectory = plan_single_robot(problem, deadline, impl_->statistics);
-  trajectory.robot = problem.placed;
-  return trajectory;
+  try {
+    Trajectory trajectory = plan_single_robot(problem, deadline, impl_->statistics);
+    impl_->result = PlanResult(impl_->statistics, trajectory);
+    return trajectory;
+  } catch (const PlanningError&) {
+    impl_->result = PlanResult(impl_->statistics);
+    throw;
+  }
 }
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
@@ -395,5 +427,9 @@ Trajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::Vecto
 }
 
 const PlanStatistics& PlannerInterface::get_planning_stats() const { return impl_->statistics; }
+
+const std::optional<PlanRequest>& PlannerInterface::last_request() const { return impl_->request; }
+
+const std::optional<PlanResult>& PlannerInterface::last_result() const { return impl_->result; }
 
 }  // namespace srmp

@@ -139,6 +139,21 @@ class PlannerInterface {
   void attach_moveit_objects(const io::RequestFile& request);
   void reset();  ///< removes robots, objects, planners and heuristics
 
+  // --- files (docs/files.md): JSON, written whole or not at all; numbers read back bit for bit
+  /// Writes the whole problem: the scene with its robots, planners, and the request of the last plan with its result,
+  /// if nothing was changed since. Throws FileError when it cannot be written, and InvalidArgument when a planner names
+  /// a heuristic of add_heuristic.
+  void save(const std::string& path) const;
+  /// As it was saved: planning again gives the same trajectory, get_planning_stats and last_result are the saved ones.
+  /// Only meshes of robots are other files: they are looked for where they were, and in `package_dirs`. Throws
+  /// FileError, with file and line, for anything missing, misspelt or wrong, another format, and newer versions.
+  static PlannerInterface load(const std::string& path, const std::vector<std::string>& package_dirs = {});
+  /// Writes the scene alone. Throws FileError.
+  void save_scene(const std::string& path) const;
+  /// Puts the scene of a scene or problem file in place of this one, or throws FileError, as load, and changes nothing.
+  /// Planners of robots that it has too stay.
+  void load_scene(const std::string& path, const std::vector<std::string>& package_dirs = {});
+
   // --- questions
   const Scene& scene() const;
   const RobotModel& robot(const std::string& name) const;
@@ -208,6 +223,11 @@ class PlannerInterface {
                         const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});
   /// Of the last plan, solved or not; status `exhausted` with zeros before the first.
   const PlanStatistics& get_planning_stats() const;
+  /// What the last plan was asked, without options: those of make_planner count. None before the first, and once its
+  /// robot or the scene was replaced.
+  const std::optional<PlanRequest>& last_request() const;
+  /// What became of it. None before the first plan, and once scene or planner were changed: then it may be another one.
+  const std::optional<PlanResult>& last_result() const;
 
  private:
   struct Impl;

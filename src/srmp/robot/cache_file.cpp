@@ -1,10 +1,10 @@
 #include "srmp/robot/cache_file.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
+
+#include "srmp/core/error.hpp"
+#include "srmp/core/write_file.hpp"
 
 namespace srmp {
 
@@ -28,16 +28,6 @@ std::string header_of(const Sha256::Digest& key) { return std::string(kMagic) + 
 std::filesystem::path file_of(const std::filesystem::path& folder, std::string_view extension,
                               const Sha256::Digest& key) {
   return folder / (to_hex(key) + std::string(extension));
-}
-
-bool write_and_close(int descriptor, std::string_view text) {
-  bool good = true;
-  while (good && !text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    good = written > 0;
-    if (good) text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return ::close(descriptor) == 0 && good;
 }
 
 }  // namespace
@@ -65,16 +55,12 @@ bool write_cached(const std::filesystem::path& folder, std::string_view extensio
   text += as_text(digest_of(text));
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  std::string temporary = (folder / ".writing_XXXXXX").string();
-  const int descriptor = ::mkstemp(temporary.data());
-  if (descriptor < 0) return false;
-  bool good = write_and_close(descriptor, text);
-  if (good) {
-    std::filesystem::rename(temporary, file_of(folder, extension, key), error);
-    good = !error;
+  try {
+    write_file(file_of(folder, extension, key), text);
+  } catch (const FileError&) {
+    return false;
   }
-  if (!good) std::filesystem::remove(temporary, error);
-  return good;
+  return true;
 }
 
 }  // namespace srmp

@@ -16,7 +16,7 @@ namespace srmp {
 std::optional<std::string> read_cached(const std::filesystem::path& folder, std::string_view extension,
                                        const Sha256::Digest& key);
 
-/// Writes to a temporary file and renames it, so that readers never see half a file. False when that was impossible.
+/// As write_file. False when that was impossible.
 bool write_cached(const std::filesystem::path& folder, std::string_view extension, const Sha256::Digest& key,
                   std::string_view content);
 

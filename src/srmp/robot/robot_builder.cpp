@@ -4,6 +4,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/robot_impl.hpp"
+#include "srmp/robot/xml.hpp"
 
 namespace srmp {
 
@@ -196,21 +197,42 @@ void collect_group_states(Impl& impl, const Srdf& srdf) {
     }
 }
 
+/// Reads the files. Paths in it are absolute: the working folder may be another one by the time it is used.
+RobotDescription without_files(RobotDescription description) {
+  RobotDescription& d = description;
+  if (d.urdf_path.empty() == d.urdf_text.empty())
+    throw InvalidArgument(d.urdf_path.empty() ? "a robot needs a URDF: give urdf_path or urdf_text"
+                                              : "give either urdf_path or urdf_text, not both");
+  if (!d.srdf_path.empty() && !d.srdf_text.empty())
+    throw InvalidArgument("give either srdf_path or srdf_text, not both");
+  if (!d.urdf_path.empty() && !d.urdf_folder.empty())
+    throw InvalidArgument("urdf_folder is for a URDF given as text; that of urdf_path is where the file lies");
+  if (!d.urdf_path.empty()) {
+    d.urdf_text = xml::read_text(d.urdf_path, "URDF");
+    d.urdf_folder = std::filesystem::absolute(d.urdf_path).parent_path().string();
+  }
+  if (!d.srdf_path.empty()) d.srdf_text = xml::read_text(d.srdf_path, "SRDF");
+  d.urdf_path.clear();
+  d.srdf_path.clear();
+  if (!d.urdf_folder.empty()) d.urdf_folder = std::filesystem::absolute(d.urdf_folder).string();
+  for (std::string& folder : d.package_dirs) folder = std::filesystem::absolute(folder).string();
+  return description;
+}
+
 }  // namespace
 
 std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& description) {
   std::shared_ptr<RobotModel> model(new RobotModel);
   Impl& m = *model->impl_;
   m.description = description;
-  if (description.urdf_path.empty() == description.urdf_text.empty())
-    throw InvalidArgument(description.urdf_path.empty() ? "a robot needs a URDF: give urdf_path or urdf_text"
-                                                        : "give either urdf_path or urdf_text, not both");
-  m.urdf = description.urdf_text.empty() ? Urdf::read_file(description.urdf_path) : Urdf::parse(description.urdf_text);
-  m.name = description.name.empty() ? m.urdf.name : description.name;
+  m.self_contained = without_files(description);
+  const RobotDescription& texts = m.self_contained;
+  m.urdf = Urdf::parse(texts.urdf_text, description.urdf_path.empty() ? "URDF text" : description.urdf_path);
+  m.name = m.self_contained.name = description.name.empty() ? m.urdf.name : description.name;
   m.link_names = m.urdf.link_names();
   std::optional<Srdf> srdf;
-  if (!description.srdf_path.empty()) {
-    srdf = Srdf::read_file(description.srdf_path, m.urdf);
+  if (!description.srdf_path.empty() || !description.srdf_text.empty()) {
+    srdf = Srdf::parse(texts.srdf_text, m.urdf, description.srdf_path.empty() ? "SRDF text" : description.srdf_path);
     m.warnings = srdf->warnings;
   }
   for (const UrdfJoint& joint : m.urdf.joints)

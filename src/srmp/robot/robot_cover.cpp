@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <thread>
 
@@ -195,7 +196,8 @@ void ensure_covered(const RobotModel& model, CoverStore& store) {
 
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options, const CoverProgress& progress) {
-  const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), urdf_path, package_dirs);
+  const std::string folder = std::filesystem::absolute(urdf_path).parent_path().string();
+  const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), folder, package_dirs);
   std::vector<Shape> shapes;
   for (const PlacedGeometry& g : geometries) shapes.push_back(g.geometry.envelope);
   RobotCover cover = cover_shapes(shapes, store, options, progress);

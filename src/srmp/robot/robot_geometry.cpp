@@ -3,7 +3,6 @@
 #include <coal/shape/geometric_shapes.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 
@@ -55,10 +54,8 @@ void build_primitive(const UrdfGeometry& g, LinkGeometry& geometry) {
 /// Reads each mesh file once, however many links use it.
 class MeshLoader {
  public:
-  MeshLoader(const Urdf& urdf, const std::string& urdf_path, const std::vector<std::string>& package_dirs)
-      : label_(urdf.label), package_dirs_(package_dirs) {
-    if (!urdf_path.empty()) folder_ = std::filesystem::absolute(urdf_path).parent_path().string();
-  }
+  MeshLoader(const Urdf& urdf, const std::string& urdf_folder, const std::vector<std::string>& package_dirs)
+      : label_(urdf.label), folder_(urdf_folder), package_dirs_(package_dirs) {}
 
   void load(const UrdfGeometry& g, LinkGeometry& geometry) {
     const std::string where = label_ + ":" + std::to_string(g.line) + ": ";
@@ -87,16 +84,16 @@ class MeshLoader {
   }
 
   const std::string& label_;
+  const std::string& folder_;
   const std::vector<std::string>& package_dirs_;
-  std::string folder_;
   std::map<std::pair<std::string, std::array<double, 3>>, LinkGeometry> known_;
 };
 
 }  // namespace
 
-std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_path,
+std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_folder,
                                             const std::vector<std::string>& package_dirs) {
-  MeshLoader meshes(urdf, urdf_path, package_dirs);
+  MeshLoader meshes(urdf, urdf_folder, package_dirs);
   std::vector<PlacedGeometry> geometries;
   for (std::size_t i = 0; i < urdf.links.size(); ++i) {
     const UrdfLink& link = urdf.links[i];
@@ -117,7 +114,7 @@ std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string&
 }
 
 void RobotModelBuilder::build_geometries(Impl& m) {
-  for (PlacedGeometry& placed : load_geometries(m.urdf, m.description.urdf_path, m.description.package_dirs)) {
+  for (PlacedGeometry& placed : load_geometries(m.urdf, m.self_contained.urdf_folder, m.self_contained.package_dirs)) {
     const KinematicTree::Mount& mount = m.tree->mount(placed.geometry.link_index);
     placed.geometry.movers = m.joint_movers[mount.joint];
     m.geometry_mounts.push_back({mount.joint, mount.placement * placed.in_link});

@@ -21,7 +21,7 @@ struct Follower {
 };
 
 struct RobotModel::Impl {
-  RobotDescription description;
+  RobotDescription description, self_contained;
   std::string name;
   Urdf urdf;
   std::unique_ptr<KinematicTree> tree;

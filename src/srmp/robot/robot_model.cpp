@@ -19,6 +19,7 @@ std::shared_ptr<const RobotModel> RobotModel::load(const RobotDescription& descr
 
 const std::string& RobotModel::name() const { return impl_->name; }
 const RobotDescription& RobotModel::description() const { return impl_->description; }
+const RobotDescription& RobotModel::self_contained_description() const { return impl_->self_contained; }
 const std::vector<std::string>& RobotModel::warnings() const { return impl_->warnings; }
 const std::vector<Joint>& RobotModel::joints() const { return impl_->joints; }
 const std::vector<std::string>& RobotModel::joint_names() const { return impl_->joint_names; }

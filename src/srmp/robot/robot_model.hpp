@@ -23,8 +23,10 @@ namespace srmp {
 /// Where a robot comes from and which part of it is planned.
 struct RobotDescription {
   std::string urdf_path{};                       ///< file; required unless urdf_text is given
-  std::string urdf_text{};                       ///< the URDF itself (mesh paths are then relative to package_dirs)
-  std::string srdf_path{};                       ///< file; "" = none: the allowed-collision matrix is sampled
+  std::string urdf_text{};                       ///< the URDF itself
+  std::string urdf_folder{};                     ///< of urdf_text: where its file would lie, for meshes; "" = nowhere
+  std::string srdf_path{};                       ///< file; no SRDF: the allowed-collision matrix is sampled
+  std::string srdf_text{};                       ///< the SRDF itself, instead of srdf_path
   std::string name{};                            ///< unique in a scene; "" = the URDF's robot name
   std::string end_effector{};                    ///< link that goals speak of; "" = tip of the group, or the only leaf
   std::string group{};                           ///< SRDF planning group; "" = chain to the end effector
@@ -87,6 +89,9 @@ class RobotModel {
 
   const std::string& name() const;
   const RobotDescription& description() const;
+  /// The same robot without its files: URDF and SRDF as texts, as they were read. Meshes are still looked for where
+  /// they were, in urdf_folder and package_dirs (absolute). Its name is that of this robot.
+  const RobotDescription& self_contained_description() const;
   /// What was read but ignored, as sentences: SRDF rules about links that the URDF does not have, a differing
   /// robot name, floating and planar joints (held at their origin).
   const std::vector<std::string>& warnings() const;

@@ -35,10 +35,10 @@ struct Srdf {
   std::vector<std::string> disabled_by_default;                        ///< links
   std::vector<std::string> warnings;                                   ///< what was ignored, and why
 
-  /// Throws FileError "<path>:<line>: …". A <disable_collisions> between links that do not exist is an error too,
+  /// Throws FileError "<label>:<line>: …". A <disable_collisions> between links that do not exist is an error too,
   /// unless the file names three or more different such links: then it was written for a fuller variant of the robot
   /// (as MotionBenchMaker's Fetch), those rules are ignored and a warning says so.
-  static Srdf read_file(const std::string& path, const Urdf& urdf);
+  static Srdf parse(const std::string& text, const Urdf& urdf, const std::string& label = "SRDF text");
 
   const SrdfGroup* find_group(const std::string& group) const;
   std::vector<std::string> group_names() const;

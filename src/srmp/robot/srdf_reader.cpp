@@ -194,8 +194,8 @@ class Reader {
 
 }  // namespace
 
-Srdf Srdf::read_file(const std::string& path, const Urdf& urdf) {
-  const auto document = xml::Document::read_file(path, "SRDF", "robot");
+Srdf Srdf::parse(const std::string& text, const Urdf& urdf, const std::string& label) {
+  const auto document = xml::Document::parse(text, label, "robot");
   return Reader(document, urdf).read();
 }
 

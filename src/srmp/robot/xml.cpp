@@ -15,6 +15,14 @@ namespace srmp::xml {
 
 namespace {
 
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+bool contains(std::span<const std::string> names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
 std::string read_text(const std::string& path, const std::string& kind) {
   namespace fs = std::filesystem;
   std::error_code ignored;
@@ -26,14 +34,6 @@ std::string read_text(const std::string& path, const std::string& kind) {
   if (!file) throw FileError(kind + " file '" + path + "' cannot be read");
   return text.str();
 }
-
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
-bool contains(std::span<const std::string> names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-}  // namespace
 
 Document::Document() : document_(std::make_unique<tinyxml2::XMLDocument>()) {}
 Document::~Document() = default;

@@ -14,6 +14,9 @@ class XMLElement;
 
 namespace srmp::xml {
 
+/// The whole file. Throws FileError, where `kind` says what was to be read.
+std::string read_text(const std::string& path, const std::string& kind);
+
 /// A parsed XML text that knows where it came from. Every refusal is a FileError "<label>:<line>: <sentence>".
 class Document {
  public:

@@ -21,10 +21,13 @@ std::vector<std::string> keys(const Map& map) {
   return names;
 }
 
-/// The pose, normalised; NaN, infinity and a zero quaternion are refused with the owner's name.
+/// The pose, normalised; NaN, infinity and a zero quaternion are refused with the owner's name. A rotation that is one
+/// already stays as it is, to the last bit: scenes are the same when they come back from a file.
 Pose checked_pose(const Pose& pose, const std::string& owner) {
+  constexpr double rounding = 1e-12;
   try {
-    return Pose::from_list(pose.to_list());
+    const Pose normalized = Pose::from_list(pose.to_list());
+    return std::abs(pose.q.squaredNorm() - 1.0) <= rounding ? pose : normalized;
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(owner + ": " + error.what());
   }

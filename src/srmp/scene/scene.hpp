@@ -76,6 +76,10 @@ class Scene {
   /// With a robot's name: for all its links.
   bool allowed_collision(const std::string& a, const std::string& b) const;
 
+  /// What set_allowed_collision said and is still in force, by names as find the bodies: setting them anew in this
+  /// order says the same again.
+  const std::map<std::pair<std::string, std::string>, bool>& allowed_settings() const { return allowed_; }
+
   const std::map<std::string, RobotInstance>& robots() const { return robots_; }
   const std::map<std::string, Object>& objects() const { return objects_; }
   const std::map<std::string, Attachment>& attachments() const { return attachments_; }

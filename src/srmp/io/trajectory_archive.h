@@ -1,0 +1,83 @@
+#pragma once
+
+// Internal: fields of trajectories, as files have them.
+
+#include "srmp/io/json_archive.h"
+#include "srmp/trajectory/trajectory.hpp"
+
+namespace srmp::io {
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, MotionLimits> limits) {
+  archive("velocity", limits.velocity);
+  archive("acceleration", limits.acceleration);
+  archive("jerk", limits.jerk);
+  archive("continuous", limits.continuous);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, Fault> fault) {
+  archive("kind", fault.kind);
+  archive("text", fault.text);
+  archive("time", fault.time);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, LimitUse> use) {
+  archive("share", use.share);
+  archive("joint", use.joint);
+  archive("time", use.time);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, SampledInterval> interval) {
+  archive("from", interval.from);
+  archive("to", interval.to);
+  archive("body_a", interval.body_a);
+  archive("body_b", interval.body_b);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
+  archive("faults", certificate.faults);
+  archive("limits", certificate.limits);
+  archive("position", certificate.position);
+  archive("velocity", certificate.velocity);
+  archive("acceleration", certificate.acceleration);
+  archive("jerk", certificate.jerk);
+  archive("collisions_checked", certificate.collisions_checked);
+  archive("checked_from", certificate.checked_from);
+  archive("clearance", certificate.clearance);
+  archive("clearance_time", certificate.clearance_time);
+  archive("body_a", certificate.body_a);
+  archive("body_b", certificate.body_b);
+  archive("clearance_proved", certificate.clearance_proved);
+  archive("sampled", certificate.sampled);
+  archive("deviation", certificate.deviation);
+  archive("deviation_time", certificate.deviation_time);
+  archive("goal_error", certificate.goal_error);
+  archive("bound", certificate.bound);
+  archive("bound_graph", certificate.bound_graph);
+  archive("time_s", certificate.time_s);
+}
+
+/// "" when the arrays fit together; else a sentence. Of those that were read, the empty ones get their columns.
+std::string misfit(const Trajectory& trajectory);
+void give_columns(Trajectory& trajectory);
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, Trajectory> trajectory) {
+  archive("joint_names", trajectory.joint_names);
+  archive("times", trajectory.times);
+  archive("positions", trajectory.positions);
+  archive("velocities", trajectory.velocities);
+  archive("accelerations", trajectory.accelerations);
+  archive("waypoints", trajectory.waypoints);
+  archive("certificate", trajectory.certificate);
+  if constexpr (Archive::reading) {
+    give_columns(trajectory);
+    if (const std::string text = misfit(trajectory); !text.empty()) archive.fail(text);
+  }
+}
+
+}  // namespace srmp::io
