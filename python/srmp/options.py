@@ -47,6 +47,12 @@ class _Options:
     """Share of the velocity limits that may be used, in (0, 1]."""
     acceleration_scaling: float = 1.0
     """Share of the acceleration and jerk limits, in (0, 1]."""
+    timing: str = "toppra"
+    """toppra: time-optimal, corners rounded | ruckig: jerk-limited, a stop at each corner | none: a path without times."""
+    blend_deviation: float = 0.005
+    """No point of the robot leaves the checked path by more at a corner [m], >= 0."""
+    certify: bool = True
+    """Prove the trajectory by other code (Trajectory.certificate)."""
 
     def to_dict(self) -> dict[str, Any]:
         """The paper's dictionary."""

@@ -104,6 +104,37 @@ std::size_t Checker::dof() const { return impl_->group.joints().size(); }
 const Pose& Checker::base() const { return impl_->group.instance(0).base; }
 CheckMode Checker::mode() const { return impl_->mode; }
 
+/// The axes keep their distances as the joints turn, so a body is no farther from an axis than along the chain of axes
+/// to it, as it is at any one configuration, and what prismatic joints on the way add.
+Eigen::VectorXd Checker::reach() const {
+  const detail::RobotGroup& group = impl_->group;
+  const std::vector<Drive>& drives = group.drives();
+  detail::RobotGroup::Data data = group.make_data();
+  group.forward(data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof())));
+  std::vector<double> farthest(drives.size(), 0.0);  // from the drive's axis
+  const auto travel = [&](const Drive& drive) {
+    const Joint& joint = group.joints()[drive.joint];
+    return drive.prismatic ? std::abs(drive.ratio) * std::max(std::abs(joint.lower), std::abs(joint.upper)) : 0.0;
+  };
+  for (const detail::MovingBody& body : impl_->bodies.moving) {
+    Eigen::Vector3d from = detail::pose_of(body, group, data) * body.bounds.center;
+    double way = body.bounds.radius;
+    for (int k = detail::deepest_drive(body.movers); k >= 0; k = group.parent(static_cast<std::size_t>(k))) {
+      const auto drive = static_cast<std::size_t>(k);
+      const Eigen::Vector3d axis = group.drive_axis(data, drive).first;
+      way += (from - axis).norm();
+      farthest[drive] = std::max(farthest[drive], way);
+      way += travel(drives[drive]);
+      from = axis;
+    }
+  }
+  Eigen::VectorXd reach = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof()));
+  for (std::size_t k = 0; k < drives.size(); ++k)
+    reach[static_cast<Eigen::Index>(drives[k].joint)] +=
+        std::abs(drives[k].ratio) * (drives[k].prismatic ? 1.0 : farthest[k]);
+  return reach;
+}
+
 void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
 
 Checker::WorkspacePtr Checker::make_workspace() const { return WorkspacePtr(new Workspace(*impl_)); }

@@ -103,6 +103,9 @@ class Checker {
   std::size_t dof() const;  ///< of a configuration: the robot's and its companions'
   const Pose& base() const;
   CheckMode mode() const;
+  /// dof entries: how far a unit of each joint moves any point of the robots, or of what they hold, at most, wherever
+  /// the joints stand within their limits [m/rad; prismatic joints 1].
+  Eigen::VectorXd reach() const;
   WorkspacePtr make_workspace() const;
 
   /// Limits are not looked at. All of these throw InvalidArgument unless configurations have dof() finite entries.

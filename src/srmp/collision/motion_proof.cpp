@@ -123,7 +123,12 @@ class Prover {
  public:
   Prover(const Checker::Impl& impl, const CubicMotion& motion, Checker::Workspace& workspace,
          const ProofOptions& options)
-      : impl_(impl), motion_(motion), pieces_(motion), workspace_(workspace), tightness_(options.tightness) {
+      : impl_(impl),
+        motion_(motion),
+        pieces_(motion),
+        workspace_(workspace),
+        tightness_(options.tightness),
+        deadline_(options.deadline) {
     const auto dof = motion.positions.cols();
     middle_.resize(dof);
     change_.resize(static_cast<std::size_t>(dof));
@@ -156,6 +161,7 @@ class Prover {
   Pieces pieces_;
   Checker::Workspace& workspace_;
   double tightness_;
+  const Deadline* deadline_;
   double least_{infinity};  // distance found, less padding
   const Pair* nearest_{};
   double nearest_time_{};
@@ -242,7 +248,7 @@ Prover::Verdict Prover::judge(Open& open, bool& finest) {
   if (found == infinity) return prove(goal);
   if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, touching);
   if (meet(pair, found) == Verdict::contact) return Verdict::contact;
-  if (pair.solid && found > margin - goal) return prove(found - pair.padding - motion - NarrowPhase::tolerance);
+  if ((finest || pair.solid) && found > margin - goal) return prove(found - pair.padding - motion - NarrowPhase::tolerance);
   return cut_for(found);
 }
 
@@ -259,6 +265,10 @@ void Prover::leave(const Interval& interval, std::uint32_t pair) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
+  if (deadline_ && deadline_->stop_requested()) {
+    for (std::size_t i = first; i < first + count; ++i) leave(interval, open_[i].pair);
+    return true;
+  }
   const auto due = [](const Open& open) { return open.levels == 0; };
   const auto begin = open_.begin() + static_cast<std::ptrdiff_t>(first);
   const bool look = std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due);

@@ -34,6 +34,7 @@ struct ProofOptions {
   /// The proof goes on until `proved` is at least this share of `clearance`, in [0, 1). 0: until the motion is proved
   /// free; nothing is then said of the clearance.
   double tightness{0.5};
+  const Deadline* deadline{};  ///< once it passes, all that is open goes to `unproved`; null: none
 };
 
 /// Proves that a motion is free, between rows too, and finds how near the bodies come to each other.
@@ -42,7 +43,8 @@ struct ProofOptions {
 /// two can approach each other anywhere in an interval around it (from the range of the polynomials' Bernstein
 /// coefficients and the kinematic tree), bounds their distance all through it; intervals where that is not enough are
 /// halved (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004).
-/// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`.
+/// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`, and so does all that is open
+/// when time is up.
 ///
 /// No balls, no tables and no code of Checker::is_motion_free have a say; with a checker of CheckMode::coal no pair was
 /// left out by them either. The answer depends on the arguments alone. Stops at the first contact. Throws

@@ -198,6 +198,7 @@ double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
 
 double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin) {
   Impl& impl = *impl_;
+  margin = std::min(margin, farthest);  // formulas give the distance less the margin, which infinity would swallow
   if (formula < 0) {
     impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry),
                         static_cast<const coal::ShapeBase*>(b.geometry), transform(a.pose), transform(b.pose));

@@ -27,6 +27,7 @@ constexpr Range share{0.0, 1.0, true};
 /// The field holds names of heuristics.
 struct HeuristicName {};
 const std::vector<std::string> directions{"auto", "forward", "backward"};
+const std::vector<std::string> timings{"toppra", "ruckig", "none"};
 
 // One list of fields for each planner: reading, checking, writing and suggesting all walk it.
 template <class V>
@@ -46,6 +47,9 @@ void visit_fields(CommonOptions& o, V&& field) {
   field("sample_period", o.sample_period, above_zero);
   field("velocity_scaling", o.velocity_scaling, share);
   field("acceleration_scaling", o.acceleration_scaling, share);
+  field("timing", o.timing, timings);
+  field("blend_deviation", o.blend_deviation, from_zero);
+  field("certify", o.certify, Range{});
 }
 template <class V>
 void visit_fields(AStar& o, V&& field) {

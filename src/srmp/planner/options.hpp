@@ -27,6 +27,11 @@ struct CommonOptions {
   double sample_period{0.02};        ///< of the returned trajectory [s], > 0
   double velocity_scaling{1.0};      ///< share of the velocity limits that may be used, in (0, 1]
   double acceleration_scaling{1.0};  ///< share of the acceleration and jerk limits, in (0, 1]
+  /// toppra: time-optimal with rounded corners | ruckig: jerk-limited with a stop at each corner | none: a path
+  /// without times.
+  std::string timing{"toppra"};
+  double blend_deviation{0.005};  ///< no point of the robot leaves the checked path by more at a corner [m], >= 0
+  bool certify{true};             ///< prove the trajectory by other code (Trajectory::certificate)
 };
 
 /// A* (Hart, Nilsson, Raphael 1968): cost <= optimal on the lattice.

@@ -72,7 +72,6 @@ class ManyPlans {
     const Deadline deadline(common_options(problem.options).time_limit, [this] { return stop_.load(); });
     try {
       Trajectory trajectory = plan_single_robot(problem, deadline, statistics);
-      trajectory.robot = problem.placed;
       return PlanResult(statistics, std::move(trajectory));
     } catch (const PlanningError&) {
       return PlanResult(statistics);

@@ -22,9 +22,10 @@ struct PlannerInterface::Impl {
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
   UserHeuristics heuristics;
-  PlanStatistics statistics;           // of the last plan
-  std::optional<PlanRequest> request;  // of the last plan
-  std::optional<PlanResult> result;    // of it, while nothing that it depends on has changed
+  mutable std::map<std::string, MotionLimits> motion_limits;  // the user's, or the model's once asked for
+  PlanStatistics statistics;                                  // of the last plan
+  std::optional<PlanRequest> request;                         // of the last plan
+  std::optional<PlanResult> result;                           // of it, while nothing that it depends on has changed
 
   /// Runs a change of the scene; the checkers made for the old one go.
   template <class Change>
@@ -40,6 +41,7 @@ struct PlannerInterface::Impl {
     std::erase_if(planners,
                   [&](const auto& entry) { return std::any_of(entry.first.begin(), entry.first.end(), gone); });
     if (request && gone(request->robot)) request.reset();
+    std::erase_if(motion_limits, [&](const auto& entry) { return gone(entry.first); });
   }
 
   const Checker& checker(const std::string& robot, CheckMode mode = CheckMode::coal) const {
@@ -60,6 +62,13 @@ struct PlannerInterface::Impl {
   }
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
+
+  const MotionLimits& limits_of(const std::string& robot) const {
+    const RobotModel& model = this->model(robot);
+    auto found = motion_limits.find(robot);
+    if (found == motion_limits.end()) found = motion_limits.emplace(robot, default_limits(model)).first;
+    return found->second;
+  }
 
   void require_state(const std::string& robot, ConstVector q) const {
     model(robot).require_configuration(q, "q of '" + robot + "'");
@@ -85,8 +94,17 @@ struct PlannerInterface::Impl {
     require_question(scene, robot, start, goals);
     const RobotInstance& instance = scene.robot(robot);
     const PlacedRobot placed{instance.model, instance.base, instance.other_positions};
-    return {scene,      robot,       checker(robot, CheckMode::exact),           start, goals, options,
-            heuristics, on_solution, std::make_shared<const PlacedRobot>(placed)};
+    return {scene,
+            robot,
+            checker(robot, CheckMode::exact),
+            checker(robot, CheckMode::coal),
+            start,
+            goals,
+            options,
+            heuristics,
+            limits_of(robot),
+            on_solution,
+            std::make_shared<const PlacedRobot>(placed)};
   }
 };
 
@@ -214,6 +232,7 @@ void PlannerInterface::reset() {
   impl_->change([](Scene& scene) { scene.reset(); });
   impl_->planners.clear();
   impl_->heuristics.clear();
+  impl_->motion_limits.clear();
   impl_->request.reset();
   impl_->statistics = {};
 }
@@ -346,6 +365,26 @@ void PlannerInterface::remove_heuristic(const std::string& name) {
 }
 
 std::vector<std::string> PlannerInterface::heuristic_names() const { return impl_->heuristic_names(); }
+
+// --- limits and proofs
+
+const MotionLimits& PlannerInterface::motion_limits(const std::string& robot) const { return impl_->limits_of(robot); }
+
+void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits limits) {
+  const RobotModel& model = impl_->model(robot);
+  require_limits(limits, model.joint_names());
+  limits.continuous = impl_->limits_of(robot).continuous;
+  impl_->motion_limits.insert_or_assign(robot, std::move(limits));
+  impl_->result.reset();
+}
+
+Certificate PlannerInterface::verify(const std::string& robot, const Trajectory& trajectory,
+                                     const VerifyOptions& options) const {
+  const Checker& checker = impl_->checker(robot);
+  if (!options.goals.empty())
+    require_question(impl_->scene, robot, options.start.value_or(impl_->scene.robot(robot).q), options.goals);
+  return srmp::verify(trajectory, checker, impl_->limits_of(robot), options);
+}
 
 // --- planning
 

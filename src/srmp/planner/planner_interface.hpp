@@ -12,6 +12,7 @@
 #include "srmp/planner/goal.hpp"
 #include "srmp/planner/options.hpp"
 #include "srmp/planner/user_heuristic.hpp"
+#include "srmp/planner/verify.hpp"
 #include "srmp/robot/inverse_kinematics.hpp"
 #include "srmp/scene/scene.hpp"
 #include "srmp/trajectory/trajectory.hpp"
@@ -180,6 +181,17 @@ class PlannerInterface {
   std::shared_ptr<const TimedChecker> timed_collision_checker(const std::string& robot,
                                                               const std::map<std::string, TimedPath>& others,
                                                               CheckMode mode = CheckMode::exact) const;
+
+  // --- limits and proofs
+  /// What the joints may do: velocities of the URDF, and default_limits for the rest, until set_motion_limits.
+  const MotionLimits& motion_limits(const std::string& robot) const;
+  /// Velocities, accelerations and jerks of every joint, for all plans that follow; which joints are continuous is
+  /// known from the model.
+  void set_motion_limits(const std::string& robot, MotionLimits limits);
+  /// Looks over any trajectory of the robot, in the scene as it is: limits at every instant, collisions between rows
+  /// too, start and goals (certify). Faults are found, not thrown. Throws InvalidArgument for options that do not suit
+  /// the robot.
+  Certificate verify(const std::string& robot, const Trajectory& trajectory, const VerifyOptions& options = {}) const;
 
   // --- heuristics of the user
   /// From now on `name` may stand where options ask for a heuristic, for any robot. With it, bounds are proven only if

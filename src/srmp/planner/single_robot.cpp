@@ -12,20 +12,19 @@
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/planner/escape.hpp"
 #include "srmp/planner/ik_snap.hpp"
+#include "srmp/planner/post_process.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
 #include "srmp/search/portfolio.hpp"
 #include "srmp/search/wpase.hpp"
-#include "srmp/trajectory/parameterize.hpp"
 #include "srmp/trajectory/shortcut.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double start_mercy = 1e-6;        // a start outside a limit by no more is moved onto it [rad or m]
-constexpr double verification_step = 0.02;  // largest joint step between the samples of the final re-check [rad or m]
+constexpr double start_mercy = 1e-6;  // a start outside a limit by no more is moved onto it [rad or m]
 
 using search::AnyHeuristic;
 
@@ -67,10 +66,8 @@ class SingleRobotPlan {
     collect_check_statistics();
     statistics_.plan_time_s = deadline_.elapsed();
     if (!escape_.empty()) best_.insert(best_.begin(), escape_.begin(), escape_.end() - 1);
-    Trajectory trajectory = timed(best_);
     verify_escape();
-    verify(std::span(best_).subspan(escape_.empty() ? 0 : escape_.size() - 1));
-    return trajectory;
+    return post_process(problem_, best_, escape_.empty() ? 0 : escape_.size() - 1, deadline_, statistics_);
   }
 
   /// Sums what the workers' checks did; also called when a plan fails half-way.
@@ -661,19 +658,6 @@ class SingleRobotPlan {
     return rows;
   }
 
-  Trajectory timed(const std::vector<Eigen::VectorXd>& path) {
-    const PhaseTimer timer(deadline_, statistics_.timing_time_s);
-    Eigen::VectorXd velocity(static_cast<Eigen::Index>(robot_.dof()));
-    for (std::size_t j = 0; j < robot_.dof(); ++j)
-      velocity[static_cast<Eigen::Index>(j)] = robot_.joints()[j].max_velocity;
-    MotionLimits limits = default_limits(velocity);
-    limits.velocity *= common_.velocity_scaling;
-    limits.acceleration *= common_.acceleration_scaling;
-    limits.jerk *= common_.acceleration_scaling;
-    limits.continuous = continuous_joints();
-    return time_parameterize(to_rows(path), robot_.joint_names(), limits, {.sample_period = common_.sample_period});
-  }
-
   void verify_escape() {
     if (escape_.empty()) return;
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
@@ -681,23 +665,6 @@ class SingleRobotPlan {
     if (!why.empty())
       throw Error("internal error: the way out of the start does not lead out (" + why +
                   "); nothing is returned. Please report this");
-  }
-
-  /// The last word, by other code than the search's: every sample of the path, at most verification_step apart, is
-  /// checked as a single state in a fresh workspace.
-  void verify(std::span<const Eigen::VectorXd> path) {
-    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    const auto fresh = problem_.checker.make_workspace();
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      const Eigen::VectorXd step = path[i] - path[i - 1];
-      const int pieces = std::max(1, static_cast<int>(std::ceil(step.cwiseAbs().maxCoeff() / verification_step)));
-      for (int k = 0; k <= pieces; ++k) {
-        const Eigen::VectorXd q = path[i - 1] + step * (static_cast<double>(k) / pieces);
-        if (!problem_.checker.is_free(q, *fresh))
-          throw Error("internal error: the path found is in collision (" + invalidity(q) +
-                      "); nothing is returned. Please report this");
-      }
-    }
   }
 
   const SingleRobotProblem& problem_;

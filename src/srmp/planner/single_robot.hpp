@@ -9,10 +9,12 @@ struct SingleRobotProblem {
   const Scene& scene;
   const std::string& robot;
   const Checker& checker;
+  const Checker& judge;  ///< of the same scene, for the certificate: CheckMode::coal
   Eigen::VectorXd start;
   const std::vector<GoalConstraint>& goals;
   const PlannerOptions& options;
   const UserHeuristics& heuristics;
+  const MotionLimits& limits;  ///< of the robot, not scaled
   OnSolution on_solution;
   std::shared_ptr<const PlacedRobot> placed{};  ///< `robot` as it stands in `scene`, for Trajectory::robot
 };

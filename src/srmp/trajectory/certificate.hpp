@@ -42,8 +42,8 @@ struct LimitUse {
   bool operator==(const LimitUse&) const = default;
 };
 
-/// A part of a motion that two bodies could not be proved to pass apart: they are apart at every sample in it, and the
-/// samples are less than Checker::motion_floor of motion from each other.
+/// A part of a motion that two bodies could not be proved to pass apart: nothing touches at the samples in it, which
+/// are less than Checker::motion_floor of motion apart, unless the time limit cut the proof short.
 struct SampledInterval {
   double from{}, to{};         ///< [s]
   std::string body_a, body_b;  ///< named as in Contact

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "srmp/core/error.hpp"
+#include "srmp/robot/robot_model.hpp"
 
 namespace srmp {
 
@@ -25,6 +26,18 @@ MotionLimits default_limits(const Eigen::VectorXd& velocity) {
   }
   limits.acceleration = 2.0 * limits.velocity;
   limits.jerk = 10.0 * limits.acceleration;
+  return limits;
+}
+
+MotionLimits default_limits(const RobotModel& robot) {
+  Eigen::VectorXd velocity(static_cast<Eigen::Index>(robot.dof()));
+  std::vector<bool> continuous;
+  for (const Joint& joint : robot.joints()) {
+    velocity[static_cast<Eigen::Index>(continuous.size())] = joint.max_velocity;
+    continuous.push_back(joint.kind == JointKind::continuous);
+  }
+  MotionLimits limits = default_limits(velocity);
+  limits.continuous = std::move(continuous);
   return limits;
 }
 

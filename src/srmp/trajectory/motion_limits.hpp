@@ -6,6 +6,8 @@
 
 namespace srmp {
 
+class RobotModel;
+
 /// What each joint may do at most; all > 0, one entry a joint, in the order of the joint names.
 struct MotionLimits {
   Eigen::VectorXd velocity;      ///< [rad/s or m/s]
@@ -20,6 +22,8 @@ struct MotionLimits {
 /// jerk = 10/s * acceleration. A velocity limit of 0, or none (infinite, or above 1e6), becomes 1.0 rad/s (m/s).
 /// Throws InvalidArgument when one is negative or NaN.
 MotionLimits default_limits(const Eigen::VectorXd& velocity);
+/// The same from the model's velocity limits, with its continuous joints.
+MotionLimits default_limits(const RobotModel& robot);
 
 /// Throws InvalidArgument unless there is one of each a joint, all above 0; names the joint.
 void require_limits(const MotionLimits& limits, const std::vector<std::string>& joint_names);

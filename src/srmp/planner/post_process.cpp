@@ -1,0 +1,117 @@
+#include "srmp/planner/post_process.hpp"
+
+#include <algorithm>
+
+#include "srmp/planner/verify.hpp"
+#include "srmp/trajectory/parameterize.hpp"
+#include "srmp/trajectory/path.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double mercy = 0.015;           // [s] past the time limit: a path that was found should not be lost
+constexpr double shrink = 0.25;           // of a blend deviation that cannot be proved free
+constexpr double least_deviation = 1e-4;  // [m]; below, corners are stops
+
+class PostProcess {
+ public:
+  PostProcess(const SingleRobotProblem& problem, const std::vector<Eigen::VectorXd>& path, std::size_t escape,
+              const Deadline& deadline, PlanStatistics& statistics)
+      : problem_(problem),
+        common_(common_options(problem.options)),
+        path_(stack_waypoints(path)),
+        escape_(escape),
+        until_(std::max(deadline.remaining(), 0.0) + mercy, [&] { return deadline.cancelled(); }),
+        statistics_(statistics) {}
+
+  Trajectory run() {
+    for (double deviation = common_.blend_deviation;; deviation *= shrink) {
+      if (deviation < least_deviation) deviation = 0.0;
+      Trajectory trajectory = in_time(deviation);
+      trajectory.robot = problem_.placed;
+      if (!common_.certify) return trajectory;
+      const Certificate certificate = certified(trajectory);
+      const bool rounded = deviation > 0.0 && common_.timing == "toppra";
+      if (rounded && !certificate.proved_free() && !until_.stop_requested()) continue;
+      if (!certificate.holds())
+        throw Error("internal error: the trajectory found is wrong (" + certificate.faults.front().text +
+                    "); nothing is returned. Please report this");
+      trajectory.certificate = std::make_shared<const Certificate>(certificate);
+      return trajectory;
+    }
+  }
+
+ private:
+  Trajectory in_time(double deviation) {
+    const double start = until_.elapsed();
+    Trajectory trajectory;
+    if (common_.timing == "none") {
+      trajectory = {problem_.checker.robot().joint_names(),
+                    path_,
+                    RowMatrix(0, path_.cols()),
+                    RowMatrix(0, path_.cols()),
+                    {},
+                    path_};
+    } else {
+      const auto workspace = problem_.checker.make_workspace();
+      TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
+                            .sample_period = common_.sample_period,
+                            .blend_deviation = deviation};
+      options.reach = problem_.judge.reach();
+      options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return problem_.checker.is_motion_free(a, b, *workspace);
+      };
+      trajectory = time_parameterize(path_, problem_.checker.robot().joint_names(), scaled_limits(), options);
+    }
+    statistics_.timing_time_s += until_.elapsed() - start;
+    return trajectory;
+  }
+
+  MotionLimits scaled_limits() const {
+    MotionLimits limits = problem_.limits;
+    limits.velocity *= common_.velocity_scaling;
+    limits.acceleration *= common_.acceleration_scaling;
+    limits.jerk *= common_.acceleration_scaling;
+    return limits;
+  }
+
+  Certificate certified(const Trajectory& trajectory) {
+    const double start = until_.elapsed();
+    const bool timed = trajectory.timed();
+    CertifyOptions options{.limits = timed, .jerk = common_.timing == "ruckig", .deadline = &until_};
+    if (escape_ > 0) options.free_from = timed ? time_at(trajectory) : static_cast<double>(escape_);
+    Trajectory numbered = trajectory;
+    if (!timed) numbered.times = Eigen::VectorXd::LinSpaced(path_.rows(), 0.0, static_cast<double>(path_.rows() - 1));
+    Certificate certificate = certify(numbered, problem_.judge, scaled_limits(), options);
+    const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
+    certificate.goal_error = goal_miss(problem_.goals, problem_.checker.robot(), problem_.checker.base(), end).error;
+    certificate.bound = statistics_.bound;
+    certificate.bound_graph = statistics_.bound_graph;
+    statistics_.verification_time_s += until_.elapsed() - start;
+    return certificate;
+  }
+
+  /// When the escape has come out: there is a stop.
+  double time_at(const Trajectory& trajectory) const {
+    Eigen::Index row{};
+    (trajectory.positions.rowwise() - path_.row(static_cast<Eigen::Index>(escape_))).rowwise().norm().minCoeff(&row);
+    return trajectory.times[row];
+  }
+
+  const SingleRobotProblem& problem_;
+  const CommonOptions& common_;
+  const RowMatrix path_;
+  const std::size_t escape_;
+  const Deadline until_;
+  PlanStatistics& statistics_;
+};
+
+}  // namespace
+
+Trajectory post_process(const SingleRobotProblem& problem, const std::vector<Eigen::VectorXd>& path, std::size_t escape,
+                        const Deadline& deadline, PlanStatistics& statistics) {
+  return PostProcess(problem, path, escape, deadline, statistics).run();
+}
+
+}  // namespace srmp

@@ -1,0 +1,322 @@
+#include "srmp/trajectory/certify.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "srmp/collision/motion_proof.hpp"
+#include "srmp/core/error.hpp"
+#include "srmp/trajectory/cubic.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double limit_tolerance = 1e-6;  // of a limit
+constexpr double rest_tolerance = 1e-6;   // [rad/s or m/s]
+
+std::string place(double time, Eigen::Index row) {
+  return to_text(time) + " s (between rows " + std::to_string(row) + " and " + std::to_string(row + 1) + ")";
+}
+
+/// The worst of a joint: by how much of the limit, what it is, and where.
+struct Worst {
+  double share{}, value{}, time{};
+  Eigen::Index row{};
+  void take(double new_share, double new_value, double new_time, Eigen::Index new_row) {
+    if (new_share > share) *this = {new_share, new_value, new_time, new_row};
+  }
+};
+
+class Certifier {
+ public:
+  Certifier(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
+            const CertifyOptions& options)
+      : t_(trajectory), checker_(checker), robot_(checker.robot()), limits_(limits), options_(options) {}
+
+  Certificate run() {
+    result_.limits = limits_;
+    if (names_agree() && shapes_agree() && numbers_are_finite() && times_increase()) {
+      check_limits();
+      check_rest();
+      check_deviation();
+      if (options_.collisions) check_collisions();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  bool fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
+    result_.faults.push_back({kind, text, time});
+    return false;
+  }
+
+  // --- is it a trajectory of this robot?
+
+  bool names_agree() {
+    const std::vector<std::string>& names = robot_.joint_names();
+    if (t_.joint_names == names) return true;
+    auto sorted = names, theirs = t_.joint_names;
+    std::sort(sorted.begin(), sorted.end());
+    std::sort(theirs.begin(), theirs.end());
+    const std::string order = sorted == theirs ? "the joints are in another order: " : "the joints are ";
+    return fault(FaultKind::joint_names, order + quoted_list(t_.joint_names) + ", but those of robot '" +
+                                             robot_.name() + "' are " + quoted_list(names));
+  }
+
+  bool shapes_agree() {
+    const auto dof = static_cast<Eigen::Index>(t_.dof()), n = t_.positions.rows();
+    if (n == 0) return fault(FaultKind::shape, "the trajectory has no rows");
+    if (t_.times.size() != n)
+      return fault(FaultKind::shape, "there are " + std::to_string(n) + " rows of positions, but " +
+                                         std::to_string(t_.times.size()) + " times");
+    const auto fits = [&](const RowMatrix& rows, const char* what, bool required) {
+      if (rows.rows() == 0 && !required) return true;
+      if (rows.rows() == n && rows.cols() == dof) return true;
+      return fault(FaultKind::shape, std::string(what) + " have the shape (" + std::to_string(rows.rows()) + ", " +
+                                         std::to_string(rows.cols()) + "), not (" + std::to_string(n) + ", " +
+                                         std::to_string(dof) + ")");
+    };
+    return fits(t_.positions, "positions", true) && fits(t_.velocities, "velocities", false) &&
+           fits(t_.accelerations, "accelerations", false);
+  }
+
+  bool numbers_are_finite() {
+    for (Eigen::Index i = 0; i < t_.positions.rows(); ++i) {
+      const auto finite = [&](const RowMatrix& rows) { return rows.rows() == 0 || rows.row(i).allFinite(); };
+      if (!std::isfinite(t_.times[i]) || !finite(t_.positions) || !finite(t_.velocities) || !finite(t_.accelerations))
+        return fault(FaultKind::not_finite, "row " + std::to_string(i) + " holds NaN or infinity");
+    }
+    return true;
+  }
+
+  bool times_increase() {
+    for (Eigen::Index i = 1; i < t_.times.size(); ++i)
+      if (!(t_.times[i] > t_.times[i - 1]))
+        return fault(FaultKind::times,
+                     std::string("time ") + (t_.times[i] == t_.times[i - 1] ? "stands still" : "runs back") +
+                         " from row " + std::to_string(i - 1) + " (" + to_text(t_.times[i - 1]) + " s) to row " +
+                         std::to_string(i) + " (" + to_text(t_.times[i]) + " s)",
+                     t_.times[i - 1]);
+    return true;
+  }
+
+  // --- limits
+
+  detail::Cubic piece(Eigen::Index row, Eigen::Index joint) const {
+    const double h = t_.times[row + 1] - t_.times[row], a = t_.positions(row, joint), b = t_.positions(row + 1, joint);
+    if (t_.velocities.rows() == 0) return detail::line(a, b, h);
+    return detail::hermite(a, t_.velocities(row, joint), b, t_.velocities(row + 1, joint), h);
+  }
+
+  void check_limits() {
+    for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) check_limits_of(j);
+  }
+
+  void check_limits_of(Eigen::Index j) {
+    const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
+    const double middle = (joint.lower + joint.upper) / 2.0, half = (joint.upper - joint.lower) / 2.0;
+    const bool bounded = std::isfinite(half) && half > 0.0;
+    Worst position, velocity, acceleration, jerk;
+    const auto at = [&](double q, double time, Eigen::Index row) {
+      if (bounded) position.take(std::abs(q - middle) / half, q, time, row);
+    };
+    for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
+      const detail::Cubic p = piece(row, j);
+      const double begin = t_.times[row], h = p.h;
+      // Positions are rounded, so a difference of order k is known to about this over h^k.
+      const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
+      const auto take = [&](Worst& worst, double value, double u, double unknown, double limit) {
+        worst.take(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
+      };
+      if (t_.velocities.rows() > 0)
+        for (const double u : p.position_extrema()) at(p.position(u), begin + u, row);
+      for (const double u : {0.0, p.velocity_extremum(), h})
+        take(velocity, p.velocity(u), u, 2 * rounding / h, limits_.velocity[j]);
+      if (t_.velocities.rows() == 0) continue;  // straight pieces: jumps of the velocity are no accelerations
+      for (const double u : {0.0, h})
+        take(acceleration, p.acceleration(u), u, 12 * rounding / h / h, limits_.acceleration[j]);
+      take(jerk, p.jerk(), 0.0, 36 * rounding / h / h / h, limits_.jerk[j]);
+    }
+    if (t_.velocities.rows() == 0) check_jumps(j, acceleration);
+    note(result_.position, position, joint.name);
+    note(result_.velocity, velocity, joint.name);
+    note(result_.acceleration, acceleration, joint.name);
+    note(result_.jerk, jerk, joint.name);
+    const double slack = bounded ? std::max(limit_tolerance, limit_tolerance / half) : 0.0;
+    if (position.share > 1.0 + slack)
+      fault(FaultKind::position_limit,
+            joint.name + ": the position is " + to_text(position.value) + " at " + place(position.time, position.row) +
+                "; its limits are [" + to_text(joint.lower) + ", " + to_text(joint.upper) + "]",
+            position.time);
+    if (!options_.limits) return;
+    judge(FaultKind::velocity_limit, "velocity", joint.name, velocity, limits_.velocity[j]);
+    judge(FaultKind::acceleration_limit, "acceleration", joint.name, acceleration, limits_.acceleration[j]);
+    if (options_.jerk) judge(FaultKind::jerk_limit, "jerk", joint.name, jerk, limits_.jerk[j]);
+  }
+
+  /// Without velocities the motion is straight between rows: the velocity jumps there, as if within half of the time to
+  /// the rows on both sides.
+  void check_jumps(Eigen::Index j, Worst& worst) const {
+    for (Eigen::Index row = 1; row + 1 < t_.positions.rows(); ++row) {
+      const detail::Cubic before = piece(row - 1, j), after = piece(row, j);
+      const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
+      worst.take(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
+    }
+  }
+
+  static void note(LimitUse& use, const Worst& worst, const std::string& joint) {
+    if (worst.share > use.share) use = {worst.share, joint, worst.time};
+  }
+
+  void judge(FaultKind kind, const char* what, const std::string& joint, const Worst& worst, double limit) {
+    if (worst.share <= 1.0 + limit_tolerance) return;
+    fault(kind,
+          joint + ": the " + what + " reaches " + to_text(worst.value) + " at " + place(worst.time, worst.row) +
+              "; its limit is " + to_text(limit),
+          worst.time);
+  }
+
+  void check_rest() {
+    if (!options_.at_rest || t_.velocities.rows() == 0) return;
+    for (const Eigen::Index row : {Eigen::Index{0}, t_.velocities.rows() - 1}) {
+      Eigen::Index j{};
+      const double fastest = t_.velocities.row(row).cwiseAbs().maxCoeff(&j);
+      if (fastest > rest_tolerance)
+        fault(FaultKind::rest,
+              t_.joint_names[static_cast<std::size_t>(j)] + ": the velocity is " + to_text(t_.velocities(row, j)) +
+                  (row == 0 ? " at the start" : " at the end") + "; it should be 0",
+              t_.times[row]);
+    }
+  }
+
+  // --- the way of the waypoints
+
+  /// Of the polynomial's Bernstein coefficients from the straight segment, as the farthest that a point of the robot
+  /// can be apart: the curve stays between them.
+  double off_segment(const std::array<Eigen::RowVectorXd, 4>& points, Eigen::Index segment) {
+    const auto from = t_.waypoints.row(segment), to = t_.waypoints.row(segment + 1);
+    double most = 0.0;
+    for (const Eigen::RowVectorXd& point : points) most = std::max(most, off_segment(point, from, to));
+    return most;
+  }
+
+  /// The least sum of reach * |difference of a joint| along the segment: a weighted median.
+  double off_segment(const Eigen::RowVectorXd& point, const Eigen::RowVectorXd& from, const Eigen::RowVectorXd& to) {
+    breaks_.clear();
+    double total = 0.0;
+    for (Eigen::Index j = 0; j < point.size(); ++j) {
+      const double way = to[j] - from[j], weight = reach_[j] * std::abs(way);
+      if (!(weight > 0.0)) continue;
+      breaks_.emplace_back((point[j] - from[j]) / way, weight);
+      total += weight;
+    }
+    std::sort(breaks_.begin(), breaks_.end());
+    double along = 0.0, passed = 0.0;
+    for (const auto& [at, weight] : breaks_) {
+      along = at;
+      if ((passed += weight) >= 0.5 * total) break;
+    }
+    along = std::clamp(along, 0.0, 1.0);
+    return (point - from - along * (to - from)).cwiseAbs().dot(reach_);
+  }
+
+  void check_deviation() {
+    if (t_.waypoints.rows() == 0 || t_.waypoints.cols() != t_.positions.cols()) return;
+    reach_ = checker_.reach().transpose();
+    result_.deviation_time = t_.times[0];
+    if (t_.waypoints.rows() == 1) {
+      for (Eigen::Index row = 0; row < t_.positions.rows(); ++row)
+        deviate((t_.positions.row(row) - t_.waypoints.row(0)).cwiseAbs().dot(reach_), row);
+      return;
+    }
+    const Eigen::Index segments = t_.waypoints.rows() - 1;
+    Eigen::Index at = 0;  // the motion goes along the segments in their order
+    std::array<Eigen::RowVectorXd, 4> points;
+    for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
+      bernstein(row, points);
+      double least = off_segment(points, at);
+      for (Eigen::Index next = at + 1; next < segments && least > 0.0; ++next) {
+        const double off = off_segment(points, next);
+        if (off < least) {
+          least = off;
+          at = next;
+        } else if (next > at + 4) {
+          break;
+        }
+      }
+      deviate(least, row);
+    }
+  }
+
+  void bernstein(Eigen::Index row, std::array<Eigen::RowVectorXd, 4>& points) const {
+    const Eigen::Index next = std::min(row + 1, t_.positions.rows() - 1);
+    points[0] = t_.positions.row(row);
+    points[3] = t_.positions.row(next);
+    const double third = (t_.times[next] - t_.times[row]) / 3.0;
+    const bool moves = t_.velocities.rows() > 0;
+    points[1] = moves ? Eigen::RowVectorXd(points[0] + third * t_.velocities.row(row)) : points[0];
+    points[2] = moves ? Eigen::RowVectorXd(points[3] - third * t_.velocities.row(next)) : points[3];
+  }
+
+  void deviate(double off, Eigen::Index row) {
+    if (off <= result_.deviation) return;
+    result_.deviation = off;
+    result_.deviation_time = t_.times[row];
+  }
+
+  // --- collisions
+
+  void check_collisions() {
+    result_.collisions_checked = true;
+    const double end = t_.times[t_.times.size() - 1];
+    result_.checked_from = std::clamp(options_.free_from, t_.times[0], end);
+    Eigen::Index first = 0;
+    while (first + 1 < t_.times.size() && t_.times[first] < result_.checked_from) ++first;
+    const Eigen::Index rows = t_.times.size() - first;
+    const Eigen::VectorXd times = t_.times.tail(rows);
+    const auto workspace = checker_.make_workspace();
+    const CubicMotion motion{times, t_.positions.bottomRows(rows),
+                             t_.velocities.bottomRows(t_.velocities.rows() > 0 ? rows : 0)};
+    const MotionProof proof = prove_motion(checker_, motion, *workspace, {options_.tightness, options_.deadline});
+    result_.clearance = proof.clearance;
+    result_.clearance_time = proof.time;
+    result_.body_a = proof.body_a;
+    result_.body_b = proof.body_b;
+    result_.clearance_proved = proof.proved;
+    for (const MotionProof::Part& part : proof.unproved)
+      result_.sampled.push_back({part.from, part.to, part.body_a, part.body_b});
+    if (proof.free) return;
+    const auto contacts = checker_.contacts(t_.state(proof.time).position, *workspace);
+    fault(FaultKind::collision,
+          (contacts.empty() ? "'" + proof.body_a + "' and '" + proof.body_b + "' touch" : contacts.front().describe()) +
+              " at " + to_text(proof.time) + " s",
+          proof.time);
+  }
+
+  const Trajectory& t_;
+  const Checker& checker_;
+  const RobotModel& robot_;
+  const MotionLimits& limits_;
+  const CertifyOptions& options_;
+  Eigen::RowVectorXd reach_;
+  std::vector<std::pair<double, double>> breaks_;  // scratch of off_segment
+  Certificate result_;
+};
+
+}  // namespace
+
+Certificate certify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
+                    const CertifyOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  require_limits(limits, checker.robot().joint_names());
+  if (!(options.tightness > 0.0 && options.tightness < 1.0))
+    throw InvalidArgument("certify: tightness is " + to_text(options.tightness) + "; it must be above 0 and below 1");
+  Certificate certificate = Certifier(trajectory, checker, limits, options).run();
+  certificate.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return certificate;
+}
+
+}  // namespace srmp
