@@ -5,6 +5,7 @@
 
 #include "collision/worlds.hpp"
 #include "srmp/planner/planner_interface.hpp"
+#include "srmp/trajectory/path.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -213,7 +214,7 @@ BOOST_AUTO_TEST_CASE(plans_begin_at_the_start_and_leave_it_by_the_rule) {
     for (int i = 0; i <= statistics.escape_waypoints; ++i) way_out.emplace_back(t.waypoints.row(i).transpose());
     check_escape(*planner.collision_checker("arm7"), ready(), way_out);
     BOOST_CHECK_CLOSE(length(way_out), statistics.escape_cost_rad, 1e-9);
-    BOOST_CHECK_CLOSE(t.length(), statistics.escape_cost_rad + statistics.path_cost_rad, 1e-6);
+    BOOST_CHECK_CLOSE(path_length(t.waypoints), statistics.escape_cost_rad + statistics.path_cost_rad, 1e-6);
     for (Eigen::Index i = statistics.escape_waypoints + 1; i < t.waypoints.rows(); ++i)
       BOOST_CHECK(planner.is_motion_free("arm7", t.waypoints.row(i - 1).transpose(), t.waypoints.row(i).transpose()));
     BOOST_CHECK(t.positions == planner.plan("arm7", ready(), GoalConstraint::joints(goal)).positions ||

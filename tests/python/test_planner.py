@@ -43,7 +43,7 @@ def test_every_planner_goes_round_the_post(arm, ready, planner_id):
     assert stats["status"] == srmp.Status.solved
     assert 1 <= stats["bound"] <= 100
     assert stats["path_cost_rad"] <= stats["search_cost_rad"] + 1e-9
-    assert trajectory.length == pytest.approx(stats["path_cost_rad"])
+    assert 0.98 * stats["path_cost_rad"] <= trajectory.length <= stats["path_cost_rad"] + 1e-9  # corners are rounded
 
 
 @pytest.mark.parametrize(
