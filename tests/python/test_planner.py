@@ -263,7 +263,8 @@ def test_a_start_in_collision_can_be_escaped_if_asked_for(arm, ready):
     assert "'ball'" in stats["note"]
     end = stats["escape_waypoints"]
     assert end >= 1
-    assert trajectory.length == pytest.approx(stats["escape_cost_rad"] + stats["path_cost_rad"])
+    length = stats["escape_cost_rad"] + stats["path_cost_rad"]
+    assert 0.98 * length <= trajectory.length <= length + 1e-9  # corners are rounded
     for q in trajectory.positions:  # the trajectory itself: depths never grow, and once free, always free
         now = {(c.body_a, c.body_b): c.distance for c in arm.contacts("arm", q)}
         for pair, distance in now.items():
