@@ -16,6 +16,7 @@ _LIBRARIES = (
     "libpinocchio_collision.so",
     "libpinocchio_parsers.so",
     "libtinyxml2.so.11",
+    "libtoppra.so",
     "libyaml-cpp.so.0.8",
 )
 
