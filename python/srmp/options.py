@@ -48,7 +48,7 @@ class _Options:
     acceleration_scaling: float = 1.0
     """Share of the acceleration and jerk limits, in (0, 1]."""
     timing: str = "toppra"
-    """toppra: time-optimal, corners rounded | ruckig: jerk-limited, a stop at each corner | none: a path without times."""
+    """toppra: time-optimal, corners rounded | ruckig: jerk-limited, a stop at each corner | none: no times."""
     blend_deviation: float = 0.005
     """No point of the robot leaves the checked path by more at a corner [m], >= 0."""
     certify: bool = True

@@ -137,7 +137,7 @@ def test_invalid_problems_are_no_failures():
 
 def test_table():
     first = mbm.format_statistics(ROWS).splitlines()[2]
-    assert re.sub(" +", " ", first) == "box 2/3/4 200 ms 200 ms 290 ms 300 ms 5.00 2.50"
+    assert re.sub(" +", " ", first) == "box 2/3/4 200 ms 200 ms 290 ms 300 ms 5.00 2.50 – 0"
     assert format_table(["a", "n"], [["x", "10"], ["long", "1"]]) == "a      n\n────  ──\nx     10\nlong   1"
     assert [format_seconds(s) for s in (0.00042, 0.0123, 0.4567, 1.234)] == ["0.42 ms", "12.3 ms", "457 ms", "1.23 s"]
 

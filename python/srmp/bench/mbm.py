@@ -33,9 +33,11 @@ END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link
 GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
 _MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
 _STATISTICS = (
-    *("plan_time_s", "total_time_s", "search_time_s", "expansions", "memory_bytes", "edge_checks"),
+    *("plan_time_s", "total_time_s", "search_time_s", "timing_time_s", "verification_time_s"),
+    *("expansions", "memory_bytes", "edge_checks"),
     *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
 )
+_PROFILES = ("times", "positions", "velocities", "accelerations")
 
 
 # --- problems ---------------------------------------------------------------------------------------------------------
@@ -234,15 +236,23 @@ class Runner:
         row.update((key, stats[key]) for key in _STATISTICS)
         row["joint_names"] = planner.get_joint_names(self._files.name)
         if trajectory is None:
-            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "times", "positions")))
+            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "certificate", *_PROFILES)))
             return row
         row["path"] = trajectory.waypoints
         row["path_cost_rad"] = stats["path_cost_rad"]
         row["ee_cost_m"] = end_effector_length(planner, self._files.name, trajectory.waypoints)
         row["bound"] = stats["bound"]
-        row["times"] = trajectory.times
-        row["positions"] = trajectory.positions
+        row["certificate"] = certificate_row(trajectory.certificate)
+        row.update((name, getattr(trajectory, name)) for name in _PROFILES)
         return row
+
+
+def certificate_row(certificate: srmp.Certificate | None) -> dict[str, Any] | None:
+    """What a result keeps of a certificate; None: there is none."""
+    if certificate is None:
+        return None
+    kept = ("holds", "proved_free", "clearance", "clearance_proved", "deviation", "goal_error")
+    return {name: getattr(certificate, name) for name in kept}
 
 
 def end_effector_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
@@ -342,6 +352,10 @@ class ScenarioStatistics:
     time_max: float
     mean_cost_rad: float
     mean_ee_cost_m: float
+    after_median: float
+    """Time for timing and certificate."""
+    proved: int
+    """Trajectories whose certificate holds and proves all of the motion free."""
 
 
 def statistics(rows: Sequence[Mapping[str, Any]]) -> list[ScenarioStatistics]:
@@ -357,6 +371,7 @@ def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatist
     times = np.array([row["plan_time_s"] for row in solved]) if solved else np.array([math.nan])
     costs = [row["path_cost_rad"] for row in solved] or [math.nan]
     lengths = [row["ee_cost_m"] for row in solved] or [math.nan]
+    after = [row.get("total_time_s", math.nan) - row["plan_time_s"] for row in solved] or [math.nan]
     return ScenarioStatistics(
         scenario=name,
         solved=len(solved),
@@ -368,12 +383,15 @@ def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatist
         time_max=float(np.max(times)),
         mean_cost_rad=float(np.mean(costs)),
         mean_ee_cost_m=float(np.mean(lengths)),
+        after_median=float(np.median(after)),
+        proved=sum(bool(c and c["holds"] and c["proved_free"]) for c in (row.get("certificate") for row in solved)),
     )
 
 
 def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
     """The table that `srmp bench mbm` prints: times until the path is ready, joint-space and end-effector length."""
     header = ["scenario", "solved/valid/total", "median", "mean", "p95", "max", "cost [rad]", "end effector [m]"]
+    header += ["timing + proof", "proved"]
     table = []
     for entry in statistics(rows):
         times = (entry.time_median, entry.time_mean, entry.time_p95, entry.time_max)
@@ -384,6 +402,8 @@ def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
                 *("–" if math.isnan(time) else format_seconds(time) for time in times),
                 "–" if math.isnan(entry.mean_cost_rad) else f"{entry.mean_cost_rad:.2f}",
                 "–" if math.isnan(entry.mean_ee_cost_m) else f"{entry.mean_ee_cost_m:.2f}",
+                "–" if math.isnan(entry.after_median) else format_seconds(entry.after_median),
+                str(entry.proved),
             ]
         )
     return format_table(header, table, rule_before_last=True)
