@@ -97,7 +97,6 @@ struct PlannerInterface::Impl {
     return {scene,
             robot,
             checker(robot, CheckMode::exact),
-            checker(robot, CheckMode::coal),
             start,
             goals,
             options,

@@ -58,7 +58,7 @@ class PostProcess {
       TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
                             .sample_period = common_.sample_period,
                             .blend_deviation = deviation};
-      options.reach = problem_.judge.reach();
+      options.reach = problem_.checker.reach();
       options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return problem_.checker.is_motion_free(a, b, *workspace);
       };
@@ -83,7 +83,8 @@ class PostProcess {
     if (escape_ > 0) options.free_from = timed ? time_at(trajectory) : static_cast<double>(escape_);
     Trajectory numbered = trajectory;
     if (!timed) numbered.times = Eigen::VectorXd::LinSpaced(path_.rows(), 0.0, static_cast<double>(path_.rows() - 1));
-    Certificate certificate = certify(numbered, problem_.judge, scaled_limits(), options);
+    if (!judge_) judge_.emplace(problem_.scene, problem_.robot, CheckerOptions{.mode = CheckMode::coal});
+    Certificate certificate = certify(numbered, *judge_, scaled_limits(), options);
     const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
     certificate.goal_error = goal_miss(problem_.goals, problem_.checker.robot(), problem_.checker.base(), end).error;
     certificate.bound = statistics_.bound;
@@ -104,6 +105,7 @@ class PostProcess {
   const RowMatrix path_;
   const std::size_t escape_;
   const Deadline until_;
+  std::optional<Checker> judge_;  // has nothing in common with the checker that planned
   PlanStatistics& statistics_;
 };
 

@@ -9,7 +9,6 @@ struct SingleRobotProblem {
   const Scene& scene;
   const std::string& robot;
   const Checker& checker;
-  const Checker& judge;  ///< of the same scene, for the certificate: CheckMode::coal
   Eigen::VectorXd start;
   const std::vector<GoalConstraint>& goals;
   const PlannerOptions& options;
