@@ -192,7 +192,7 @@ void bind_certificate(nb::module_& m) {
                               "the rows, at every instant, not about samples.");
   cls.def_prop_ro("holds", &Certificate::holds, "There are no faults.")
       .def_prop_ro("proved_free", &Certificate::proved_free,
-                   "Collisions were checked, and all of the motion is proved free, between samples too.")
+                   "Collisions were checked, there is none, and all of the motion is proved free, between samples too.")
       .def("report", &Certificate::report, "A text, one line a claim.")
       .def(
           "to_dict",

@@ -13,7 +13,7 @@ def invoke(*arguments):
 
 def test_version_and_help():
     assert srmp.__version__ in invoke("--version").output
-    for command in (["demo"], ["plan"], ["replay"], ["check"], ["cover"], ["bench", "mbm"], ["cmake-dir"]):
+    for command in (["demo"], ["plan"], ["replay"], ["verify"], ["check"], ["cover"], ["bench", "mbm"], ["cmake-dir"]):
         assert invoke(*command, "--help").exit_code == 0
 
 

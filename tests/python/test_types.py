@@ -42,6 +42,14 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     both.plot("profile.png", limits=srmp.MotionLimits(samples[0], samples[1], [1.0] * 7))
     if trajectory.certificate is not None and trajectory.certificate.faults:
         print(tip, trajectory.certificate.faults[0].kind is srmp.FaultKind.goal, trajectory.certificate.report())
+    planner.set_motion_limits("arm", velocity=1.5, acceleration=q, jerk={"arm7_joint1": 30})
+    unused: list[str] = planner.load_joint_limits("arm", "joint_limits.yaml")
+    timed = srmp.time_parameterize(
+        positions, planner.get_joint_names("arm"), srmp.default_limits(q), method="ruckig", is_free=lambda a, b: True
+    )
+    certificate: srmp.Certificate = srmp.verify(planner, timed, start=q, goals=[goal], limits=planner.motion_limits("arm"))
+    if not planner.verify("arm", timed, jerk=True, max_deviation=0.01).holds:
+        print(unused, certificate.to_dict()["clearance"])
     solutions: NDArray[np.float64] = planner.compute_ik("arm", planner.compute_fk("arm", positions[-1]))
     numbers: list[float] = [x for x in srmp.Pose() @ srmp.Pose()]
     assert len(solutions) + len(numbers) + planner.get_planning_stats()["expansions"]

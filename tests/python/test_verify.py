@@ -60,6 +60,8 @@ def test_the_scene_counts_as_it_is(question):
     arm.add_sphere("in the way", 0.05, arm.compute_fk("arm", plan.sample(plan.duration / 2)))
     certificate = arm.verify("arm", plan)
     assert kinds(certificate) == [srmp.FaultKind.collision]
+    assert not certificate.proved_free
+    assert "proved free    no: it collides" in certificate.report()
     assert "in the way" in certificate.faults[0].text
 
 

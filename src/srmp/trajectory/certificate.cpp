@@ -1,5 +1,6 @@
 #include "srmp/trajectory/certificate.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace srmp {
@@ -24,9 +25,15 @@ std::string clearance_text(const Certificate& c) {
          " s; proved at least " + number(c.clearance_proved, 1e3) + " mm";
 }
 
+bool collides(const Certificate& c) {
+  return std::any_of(c.faults.begin(), c.faults.end(),
+                     [](const Fault& fault) { return fault.kind == FaultKind::collision; });
+}
+
 std::string free_text(const Certificate& c) {
   if (!c.collisions_checked) return "not checked";
   if (c.proved_free()) return "all of the motion, also between samples";
+  if (collides(c)) return "no: it collides";
   return "all but " + std::to_string(c.sampled.size()) + " parts, which are free at samples";
 }
 
@@ -50,6 +57,8 @@ std::string to_string(FaultKind kind) {
   }
   return "unknown";
 }
+
+bool Certificate::proved_free() const { return collisions_checked && sampled.empty() && !collides(*this); }
 
 std::string Certificate::report() const {
   std::string text;
