@@ -557,34 +557,36 @@ void bind_questions(nb::class_<Self>& cls) {
           "Raises InvalidArgument for unknown robots, times that do not grow, wrong sizes and NaN.");
 }
 
+bool is_number(nb::handle value) {
+  if (nb::isinstance<nb::str>(value) || nb::isinstance<nb::bool_>(value)) return false;
+  return nb::hasattr(value, "__float__") && nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(value)) == 0;
+}
+
 /// Limits as users give them: None keeps what is, a number is for every joint, a dictionary for the joints it names.
 Eigen::VectorXd to_limits(nb::handle value, const Eigen::VectorXd& now, const std::vector<std::string>& joints,
                           const std::string& what) {
-  if (value.is_none()) return now;
+  const auto text = [](nb::handle any) { return nb::cast<std::string>(nb::repr(any)); };
+  const auto number = [](nb::handle any) { return nb::cast<double>(nb::float_(any)); };
   Eigen::VectorXd limits = now;
-  double number{};
-  if (nb::isinstance<nb::dict>(value)) {
-    for (const auto [key, item] : nb::borrow<nb::dict>(value)) {
-      const std::string name = nb::cast<std::string>(nb::str(key));
-      const auto joint = std::find(joints.begin(), joints.end(), name);
-      if (joint == joints.end()) {
-        const std::string nearest = did_you_mean(name, joints);
-        throw InvalidArgument(what + " limits name '" + name + "', which is no planned joint" +
-                              (nearest.empty() ? "; these are " + quoted_list(joints) : nearest));
-      }
-      if (!nb::try_cast(item, number))
-        throw InvalidArgument(name + ": the " + what + " limit is " + nb::cast<std::string>(nb::repr(item)) +
-                              "; it must be a number");
-      limits[joint - joints.begin()] = number;
-    }
-    return limits;
-  }
+  if (value.is_none()) return limits;
+  if (is_number(value)) return limits.setConstant(number(value));
   if (nb::isinstance<nb::str>(value) || nb::isinstance<nb::bool_>(value))
     throw InvalidArgument(what + " limits must be a number, one a joint, or a dictionary of joints, but are " +
-                          nb::cast<std::string>(nb::repr(value)));
-  const bool one_for_all = nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(value)) == 0;
-  if (!one_for_all) return ArrayLike{nb::borrow<nb::object>(value)}.vector(what + " limits");
-  return limits.setConstant(to_numbers(value, what + " limits").data()[0]);
+                          text(value));
+  if (!nb::hasattr(value, "keys")) return ArrayLike{nb::borrow<nb::object>(value)}.vector(what + " limits");
+  for (const auto [key, item] : nb::cast<nb::dict>(nb::module_::import_("builtins").attr("dict")(value))) {
+    const std::string name = nb::cast<std::string>(nb::str(key));
+    const auto joint = std::find(joints.begin(), joints.end(), name);
+    if (joint == joints.end()) {
+      const std::string nearest = did_you_mean(name, joints);
+      throw InvalidArgument(what + " limits name '" + name + "', which is no planned joint" +
+                            (nearest.empty() ? "; these are " + quoted_list(joints) : nearest));
+    }
+    if (!is_number(item))
+      throw InvalidArgument(name + ": the " + what + " limit is " + text(item) + "; it must be a number");
+    limits[joint - joints.begin()] = number(item);
+  }
+  return limits;
 }
 
 void set_motion_limits(PlannerInterface& planner, const std::string& robot, nb::handle velocity,

@@ -1,5 +1,7 @@
 """Limits of the user's: how they are said, that plans keep them, what is refused; paths in time without a planner."""
 
+from types import MappingProxyType
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,10 @@ def test_limits_are_a_number_an_array_or_a_dictionary(arm):
     arm.set_motion_limits("arm", velocity=np.float32(0.5), acceleration=[3.0] * 7)
     assert arm.motion_limits("arm").velocity.tolist() == [0.5] * 7
     assert arm.motion_limits("arm").jerk.tolist() == after.jerk.tolist()
+    arm.set_motion_limits("arm", jerk=MappingProxyType({name: np.float32(8), "arm7_joint7": np.int64(9)}))
+    assert arm.motion_limits("arm").jerk[[2, 6]].tolist() == [8, 9]
+    arm.set_motion_limits("arm", jerk=np.array(7))
+    assert arm.motion_limits("arm").jerk.tolist() == [7] * 7
     arm.set_motion_limits("arm")
     assert arm.motion_limits("arm").acceleration.tolist() == [3.0] * 7
 
@@ -50,7 +56,9 @@ def test_limits_are_a_number_an_array_or_a_dictionary(arm):
             "velocity limits must be a number, one a joint, or a dictionary of joints, but are 'fast'",
         ),
         ({"velocity": True}, "but are True"),
-        ({"velocity": object()}, "velocity limits must be"),
+        ({"velocity": object()}, "velocity limits must be numbers, but is <object"),
+        ({"velocity": {"arm7_joint1": True}}, "the velocity limit is True; it must be a number"),
+        ({"velocity": {"arm7_joint1": [1]}}, "the velocity limit is [1]; it must be a number"),
         ({"velocity": {"arm7_joint11": 1}}, "did you mean 'arm7_joint1'"),
         ({"velocity": {"x": 1}}, "velocity limits name 'x', which is no planned joint"),
         ({"jerk": {"arm7_joint2": "1 m"}}, "arm7_joint2: the jerk limit is '1 m'; it must be a number"),
