@@ -68,6 +68,18 @@ void bind_limits(nb::module_& m) {
       });
 }
 
+void bind_default_limits(nb::module_& m) {
+  m.def(
+      "default_limits", [](const ArrayLike& velocity) { return default_limits(velocity.vector("velocity limits")); },
+      nb::arg("velocity"),
+      "MotionLimits for robots that only say velocities (dof,) [rad/s or m/s]: acceleration = 2/s * velocity, full "
+      "speed in half a\n"
+      "second, and jerk = 10/s * acceleration. A velocity of 0, infinite, or above 1e6 means that there is no limit "
+      "and "
+      "becomes 1.\n\n"
+      "Raises InvalidArgument when one is negative or NaN.");
+}
+
 void bind_faults(nb::module_& m) {
   nb::enum_<FaultKind>(m, "FaultKind", "What can be wrong with a trajectory.")
       .value("joint_names", FaultKind::joint_names, "Not those of the robot, or in another order.")
@@ -170,6 +182,7 @@ Certificate from_state(const nb::tuple& s) {
 
 void bind_certificate(nb::module_& m) {
   bind_limits(m);
+  bind_default_limits(m);
   bind_faults(m);
   bind_parts(m);
   nb::class_<Certificate> cls(m, "Certificate",

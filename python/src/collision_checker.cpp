@@ -279,6 +279,14 @@ void bind_collision_checker(nb::module_& m) {
           "Saha, Latombe 2004), without balls: an independent check of motions_free.")
       .def("stats", &stats<Checker>,
            "What this checker's checks did so far: how many of what, and which layer decided.")
+      .def_prop_ro(
+          "reach",
+          [](Self& self) {
+            return to_numpy(self.ask([](const Checker& c, Checker::Workspace&) { return c.reach(); }));
+          },
+          "(dof,) [m/rad, prismatic joints 1]: how far a unit of each joint moves any point of the robot, or of what "
+          "it "
+          "holds, at most.")
       .def_prop_ro("dof", [](const Self& self) { return self.dof(); }, "Planned joints.");
   nb::class_<Timed>(m, "TimedCollisionChecker",
                     "Collision checks of one robot among others whose motions are known, in the scene as it was when\n"

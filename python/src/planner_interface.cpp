@@ -1,5 +1,6 @@
 #include "srmp/planner/planner_interface.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -556,6 +557,106 @@ void bind_questions(nb::class_<Self>& cls) {
           "Raises InvalidArgument for unknown robots, times that do not grow, wrong sizes and NaN.");
 }
 
+/// Limits as users give them: None keeps what is, a number is for every joint, a dictionary for the joints it names.
+Eigen::VectorXd to_limits(nb::handle value, const Eigen::VectorXd& now, const std::vector<std::string>& joints,
+                          const std::string& what) {
+  if (value.is_none()) return now;
+  Eigen::VectorXd limits = now;
+  double number{};
+  if (nb::isinstance<nb::dict>(value)) {
+    for (const auto [key, item] : nb::borrow<nb::dict>(value)) {
+      const std::string name = nb::cast<std::string>(nb::str(key));
+      const auto joint = std::find(joints.begin(), joints.end(), name);
+      if (joint == joints.end()) {
+        const std::string nearest = did_you_mean(name, joints);
+        throw InvalidArgument(what + " limits name '" + name + "', which is no planned joint" +
+                              (nearest.empty() ? "; these are " + quoted_list(joints) : nearest));
+      }
+      if (!nb::try_cast(item, number))
+        throw InvalidArgument(name + ": the " + what + " limit is " + nb::cast<std::string>(nb::repr(item)) +
+                              "; it must be a number");
+      limits[joint - joints.begin()] = number;
+    }
+    return limits;
+  }
+  if (nb::isinstance<nb::str>(value) || nb::isinstance<nb::bool_>(value))
+    throw InvalidArgument(what + " limits must be a number, one a joint, or a dictionary of joints, but are " +
+                          nb::cast<std::string>(nb::repr(value)));
+  const bool one_for_all = nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(value)) == 0;
+  if (!one_for_all) return ArrayLike{nb::borrow<nb::object>(value)}.vector(what + " limits");
+  return limits.setConstant(to_numbers(value, what + " limits").data()[0]);
+}
+
+void set_motion_limits(PlannerInterface& planner, const std::string& robot, nb::handle velocity,
+                       nb::handle acceleration, nb::handle jerk) {
+  const std::vector<std::string> joints = planner.get_joint_names(robot);
+  MotionLimits limits = planner.motion_limits(robot);
+  limits.velocity = to_limits(velocity, limits.velocity, joints, "velocity");
+  limits.acceleration = to_limits(acceleration, limits.acceleration, joints, "acceleration");
+  limits.jerk = to_limits(jerk, limits.jerk, joints, "jerk");
+  planner.set_motion_limits(robot, limits);
+}
+
+void bind_proofs(nb::class_<Self>& cls) {
+  cls.def(
+         "motion_limits",
+         [](Self& self, const std::string& robot) {
+           return self.use([&](const PlannerInterface& p) { return p.motion_limits(robot); });
+         },
+         nb::arg("robot"),
+         "What the joints may do, as MotionLimits: velocities of the URDF, and default_limits for the rest, until "
+         "set_motion_limits.")
+      .def(
+          "set_motion_limits",
+          [](Self& self, const std::string& robot, nb::handle velocity, nb::handle acceleration, nb::handle jerk) {
+            self.use([&](PlannerInterface& p) { set_motion_limits(p, robot, velocity, acceleration, jerk); });
+          },
+          nb::arg("robot"), nb::arg("velocity") = nb::none(), nb::arg("acceleration") = nb::none(),
+          nb::arg("jerk") = nb::none(),
+          nb::sig("def set_motion_limits(self, robot: str, "
+                  "velocity: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
+                  "acceleration: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
+                  "jerk: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None) -> None"),
+          "Limits for all plans that follow: velocity [rad/s or m/s], acceleration [rad/s^2 or m/s^2], jerk [rad/s^3 "
+          "or "
+          "m/s^3].\n"
+          "Each: a number for all joints, (dof,) numbers, or a dictionary {joint name: number}. What is not named "
+          "stays.\n\n"
+          "Raises InvalidArgument for an unknown robot or joint (with the nearest), a wrong size, and limits that are "
+          "not above 0 and finite.")
+      .def(
+          "verify",
+          [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
+             nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,
+             std::optional<double> max_deviation, double tightness) {
+            VerifyOptions options{
+                .limits = limits, .jerk = jerk, .max_deviation = max_deviation, .tightness = tightness};
+            if (start) options.start = start->vector("start of '" + robot + "'");
+            if (!goals.is_none()) options.goals = to_goals(goals);
+            return self.use([&](const PlannerInterface& p) {
+              const nb::gil_scoped_release no_gil;
+              return p.verify(robot, trajectory, options);
+            });
+          },
+          nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
+          nb::arg("limits") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
+          nb::arg("tightness") = 0.5,
+          nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
+                  "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint] | None = None, "
+                  "limits: MotionLimits | None = None, jerk: bool = False, max_deviation: float | None = None, "
+                  "tightness: float = 0.5) -> Certificate"),
+          "A Certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that "
+          "plans nothing:\n"
+          "limits at every instant, collisions between rows too, whether it is at rest at both ends. Faults are found, "
+          "not raised.\n\n"
+          "start: (dof,) [rad or m] where it should begin. goals: it should reach one of them. limits: default "
+          "motion_limits(robot).\n"
+          "jerk: hold it against the jerk limits too. max_deviation: [m] that it may leave its waypoints by. "
+          "tightness: in (0, 1), the\n"
+          "part of the clearance that is proved. The GIL is released.\n\n"
+          "Raises InvalidArgument for an unknown robot and options out of range.");
+}
+
 void bind_planning(nb::class_<Self>& cls) {
   cls.def(
          "make_planner",
@@ -725,7 +826,10 @@ void bind_files(nb::class_<Self>& cls) {
                   "PlannerInterface"),
           "A problem as it was saved: planning again gives the same trajectory, get_planning_stats and last_result are "
           "the saved\n"
-          "ones. Only meshes of robots are other files: they are looked for where they were, and in `package_dirs`.\n\n"
+          "ones. A scene file gives the scene alone. Only meshes of robots are other files: they are looked for where "
+          "they "
+          "were, and\n"
+          "in `package_dirs`.\n\n"
           "Raises FileError, with the line, for anything missing, misspelt or wrong, another format, and newer "
           "versions.")
       .def(
@@ -823,6 +927,7 @@ void bind_planner_interface(nb::module_& m) {
   bind_robots(cls);
   bind_objects(cls);
   bind_questions(cls);
+  bind_proofs(cls);
   bind_planning(cls);
   bind_files(cls);
 }

@@ -12,6 +12,7 @@ except ImportError:  # the libraries of other wheels are not beside this package
     from srmp import _srmp
 
 from srmp._srmp import *  # noqa: F403
+from srmp._verify import verify as verify
 
 if TYPE_CHECKING:
     from srmp.options import WPASE as WPASE  # "as": for others to import from here

@@ -188,7 +188,8 @@ BOOST_AUTO_TEST_CASE(wrong_problems_are_refused_with_the_place) {
   check("\"status\": \"solved\"", "\"status\": \"exhausted\"", "the status is 'exhausted', but there is a trajectory");
   check("\"expansions\":", "\"expansions\": -1, \"expnsions\":", "expansions must be a whole number, 0 or above");
   check("\"request\":", "\"requests\":", "it has a result, but no request");
-  check("\"format\": \"srmp problem\"", "\"format\": \"srmp scene\"", "the format is 'srmp scene'; expected");
+  check("\"format\": \"srmp problem\"", "\"format\": \"srmp trajectory\"", "the format is 'srmp trajectory'; expected");
+  check("\"format\": \"srmp problem\"", "\"format\": \"srmp scene\"", "unknown key 'planners'");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

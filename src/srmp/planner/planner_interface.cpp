@@ -22,10 +22,10 @@ struct PlannerInterface::Impl {
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
   UserHeuristics heuristics;
-  mutable std::map<std::string, MotionLimits> motion_limits;  // the user's, or the model's once asked for
-  PlanStatistics statistics;                                  // of the last plan
-  std::optional<PlanRequest> request;                         // of the last plan
-  std::optional<PlanResult> result;                           // of it, while nothing that it depends on has changed
+  std::map<std::string, MotionLimits> motion_limits;  // of the user; other robots have default_limits
+  PlanStatistics statistics;                          // of the last plan
+  std::optional<PlanRequest> request;                 // of the last plan
+  std::optional<PlanResult> result;                   // of it, while nothing that it depends on has changed
 
   /// Runs a change of the scene; the checkers made for the old one go.
   template <class Change>
@@ -63,11 +63,10 @@ struct PlannerInterface::Impl {
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
 
-  const MotionLimits& limits_of(const std::string& robot) const {
+  MotionLimits limits_of(const std::string& robot) const {
     const RobotModel& model = this->model(robot);
-    auto found = motion_limits.find(robot);
-    if (found == motion_limits.end()) found = motion_limits.emplace(robot, default_limits(model)).first;
-    return found->second;
+    const auto set = motion_limits.find(robot);
+    return set == motion_limits.end() ? default_limits(model) : set->second;
   }
 
   void require_state(const std::string& robot, ConstVector q) const {
@@ -259,6 +258,11 @@ void PlannerInterface::save_scene(const std::string& path) const { io::save_scen
 
 void PlannerInterface::load_scene(const std::string& path, const std::vector<std::string>& package_dirs) {
   Scene loaded = io::load_scene(path, package_dirs);
+  std::erase_if(impl_->motion_limits, [&](const auto& entry) {
+    const auto same = loaded.robots().find(entry.first);
+    return same == loaded.robots().end() ||
+           same->second.model->joint_names() != impl_->model(entry.first).joint_names();
+  });
   impl_->change([&](Scene& scene) { scene = std::move(loaded); });
   impl_->forget([&](const std::string& name) { return !impl_->scene.robots().contains(name); });
   impl_->request.reset();
@@ -368,7 +372,7 @@ std::vector<std::string> PlannerInterface::heuristic_names() const { return impl
 
 // --- limits and proofs
 
-const MotionLimits& PlannerInterface::motion_limits(const std::string& robot) const { return impl_->limits_of(robot); }
+MotionLimits PlannerInterface::motion_limits(const std::string& robot) const { return impl_->limits_of(robot); }
 
 void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits limits) {
   const RobotModel& model = impl_->model(robot);

@@ -146,13 +146,14 @@ class PlannerInterface {
   /// a heuristic of add_heuristic.
   void save(const std::string& path) const;
   /// As it was saved: planning again gives the same trajectory, get_planning_stats and last_result are the saved ones.
+  /// Of a scene file: the scene.
   /// Only meshes of robots are other files: they are looked for where they were, and in `package_dirs`. Throws
   /// FileError, with file and line, for anything missing, misspelt or wrong, another format, and newer versions.
   static PlannerInterface load(const std::string& path, const std::vector<std::string>& package_dirs = {});
   /// Writes the scene alone. Throws FileError.
   void save_scene(const std::string& path) const;
   /// Puts the scene of a scene or problem file in place of this one, or throws FileError, as load, and changes nothing.
-  /// Planners of robots that it has too stay.
+  /// Planners and motion limits of robots that it has too stay; limits, if the joints are the same.
   void load_scene(const std::string& path, const std::vector<std::string>& package_dirs = {});
 
   // --- questions
@@ -184,7 +185,7 @@ class PlannerInterface {
 
   // --- limits and proofs
   /// What the joints may do: velocities of the URDF, and default_limits for the rest, until set_motion_limits.
-  const MotionLimits& motion_limits(const std::string& robot) const;
+  MotionLimits motion_limits(const std::string& robot) const;
   /// Velocities, accelerations and jerks of every joint, for all plans that follow; which joints are continuous is
   /// known from the model.
   void set_motion_limits(const std::string& robot, MotionLimits limits);

@@ -11,7 +11,7 @@ namespace srmp {
 
 namespace {
 
-const std::vector<std::string> formats{io::problem_format};
+const std::vector<std::string> formats{io::problem_format, io::scene_format};
 
 struct PlannerText {
   std::vector<std::string> robots;
@@ -144,6 +144,10 @@ Problem load_problem(const std::string& path, const std::vector<std::string>& pa
   io::JsonReader root = file.root();
   Problem problem;
   problem.scene = io::read_scene(root.inner("scene"), package_dirs);
+  if (file.format() == io::scene_format) {
+    root.finish();
+    return problem;
+  }
   for (io::JsonReader& each : root.items("planners")) {
     PlannerText text;
     describe(each, text);

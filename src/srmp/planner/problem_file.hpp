@@ -31,7 +31,7 @@ struct Problem {
 /// Throws FileError when the file cannot be written, and InvalidArgument when a planner names a heuristic of the
 /// user's: a function cannot be saved.
 void save_problem(const Problem& problem, const std::string& path);
-/// As io::load_scene.
+/// As io::load_scene; a scene file is a problem without planners.
 Problem load_problem(const std::string& path, const std::vector<std::string>& package_dirs = {});
 
 }  // namespace srmp

@@ -14,7 +14,7 @@ struct SingleRobotProblem {
   const std::vector<GoalConstraint>& goals;
   const PlannerOptions& options;
   const UserHeuristics& heuristics;
-  const MotionLimits& limits;  ///< of the robot, not scaled
+  MotionLimits limits;  ///< of the robot, not scaled
   OnSolution on_solution;
   std::shared_ptr<const PlacedRobot> placed{};  ///< `robot` as it stands in `scene`, for Trajectory::robot
 };

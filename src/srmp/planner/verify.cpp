@@ -9,6 +9,7 @@ namespace srmp {
 
 namespace {
 
+constexpr double rounding = 1e-9;         // [m] of a deviation
 constexpr double joint_tolerance = 2e-6;  // [rad or m]: targets outside a limit by 1e-6 are moved onto it
 
 double share_of(const Eigen::Vector3d& miss, const AxisTolerance& tolerance) {
@@ -88,6 +89,7 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
     throw InvalidArgument("max_deviation is " + to_text(*options.max_deviation) + "; it must be 0 m or above");
   const RobotModel& robot = checker.robot();
   if (options.start) robot.require_configuration(*options.start, "start of '" + robot.name() + "'");
+  if (options.limits) require_limits(*options.limits, robot.joint_names());
   Certificate certificate = certify(trajectory, checker, options.limits.value_or(limits),
                                     {.jerk = options.jerk, .tightness = options.tightness});
   const bool readable = std::none_of(certificate.faults.begin(), certificate.faults.end(), [](const Fault& fault) {
@@ -97,7 +99,7 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
   if (!readable) return certificate;
   if (options.start) check_start(trajectory, robot, *options.start, certificate);
   if (!options.goals.empty()) check_goal(trajectory, checker, options.goals, certificate);
-  if (options.max_deviation && certificate.deviation > *options.max_deviation)
+  if (options.max_deviation && certificate.deviation > *options.max_deviation + rounding)
     certificate.faults.push_back({FaultKind::deviation,
                                   "the motion leaves its checked path by " + to_text(certificate.deviation) + " m at " +
                                       to_text(certificate.deviation_time) + " s; " + to_text(*options.max_deviation) +

@@ -15,7 +15,7 @@ struct VerifyOptions {
   std::vector<GoalConstraint> goals{};     ///< it should reach one of them; none: any end will do
   std::optional<MotionLimits> limits{};    ///< none: PlannerInterface::motion_limits
   bool jerk{false};                        ///< hold it against the jerk limits too
-  std::optional<double> max_deviation{};   ///< [m] from its waypoints; none: any
+  std::optional<double> max_deviation{};   ///< [m] from its waypoints, to 1e-9; none: any
   double tightness{0.5};                   ///< of the clearance proved: ProofOptions::tightness
 };
 

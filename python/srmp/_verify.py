@@ -1,0 +1,71 @@
+"""Any trajectory held against a scene, which may be a file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from srmp import _srmp
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    import srmp
+
+
+def verify(
+    scene: srmp.PlannerInterface | str | os.PathLike[str],
+    trajectory: srmp.Trajectory,
+    robot: str | None = None,
+    *,
+    start: ArrayLike | None = None,
+    goals: srmp.GoalConstraint | Sequence[srmp.GoalConstraint] | None = None,
+    limits: srmp.MotionLimits | None = None,
+    jerk: bool = False,
+    max_deviation: float | None = None,
+    tightness: float = 0.5,
+    package_dirs: Sequence[str] = (),
+) -> srmp.Certificate:
+    """A Certificate of any trajectory, whoever planned it: PlannerInterface.verify, which explains the arguments.
+
+    scene: a PlannerInterface, or the path of a scene or problem file (package_dirs: where meshes of its robots are
+    looked for). robot: default the one whose joint names are those of the trajectory, in any order, else the only one.
+    The request of a problem file, if it is for this robot, says start and goals where they are not given.
+
+    Raises InvalidArgument as PlannerInterface.verify, and where it is not clear which robot is meant; FileError as
+    PlannerInterface.load.
+    """
+    if isinstance(scene, _srmp.PlannerInterface):
+        world, request = scene, None
+    else:
+        world = _srmp.PlannerInterface.load(scene, package_dirs=list(package_dirs))
+        request = world.last_request
+    name = robot if robot is not None else _robot_of(world, trajectory)
+    if request is not None and request.robot == name:
+        start = request.start if start is None else start
+        goals = request.goals if goals is None else goals
+    return world.verify(
+        name,
+        trajectory,
+        start=start,
+        goals=goals,
+        limits=limits,
+        jerk=jerk,
+        max_deviation=max_deviation,
+        tightness=tightness,
+    )
+
+
+def _robot_of(world: srmp.PlannerInterface, trajectory: srmp.Trajectory) -> str:
+    names = world.robot_names
+    joints = sorted(trajectory.joint_names)
+    fitting = [name for name in names if sorted(world.get_joint_names(name)) == joints]
+    for choice in (fitting, names):
+        if len(choice) == 1:
+            return choice[0]
+    if not names:
+        raise _srmp.InvalidArgument("the scene has no robot that the trajectory could be of.")
+    those = ", ".join(f"'{name}'" for name in (fitting or names))
+    have = "all have" if fitting else "do not have"
+    raise _srmp.InvalidArgument(f"name the robot that the trajectory is of: {those} {have} its joints.")

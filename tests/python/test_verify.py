@@ -1,0 +1,142 @@
+"""Verify: any trajectory held against a scene, limits, start and goals."""
+
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+import srmp
+
+
+@pytest.fixture
+def question(arm, ready):
+    """The arm, a plan around the post, and the goal it reaches."""
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, ready - [1.8, 0, 0, 0, 0, 0, 0])
+    return arm, arm.plan("arm", ready, goal), goal
+
+
+def kinds(certificate):
+    return [fault.kind for fault in certificate.faults]
+
+
+def test_a_plan_holds(question, ready):
+    arm, plan, goal = question
+    certificate = arm.verify("arm", plan, start=ready, goals=goal, max_deviation=0.005)
+    assert certificate.holds, certificate.report()
+    assert certificate.proved_free
+    assert certificate.goal_error < 1e-9
+    assert certificate.limits == arm.motion_limits("arm")
+    # made by the same code as the plan's own, which also knows the search
+    assert certificate.clearance == plan.certificate.clearance
+    assert certificate.velocity == plan.certificate.velocity
+    assert pickle.loads(pickle.dumps(certificate)) == certificate
+
+
+def test_faults_are_named(question, ready):
+    arm, plan, goal = question
+    slow = srmp.MotionLimits([0.1] * 7, [10.0] * 7, [1000.0] * 7)
+    assert set(kinds(arm.verify("arm", plan, limits=slow))) == {srmp.FaultKind.velocity_limit}
+    jerky = srmp.MotionLimits([9.0] * 7, [90.0] * 7, [1e-3] * 7)
+    assert arm.verify("arm", plan, limits=jerky).holds
+    assert set(kinds(arm.verify("arm", plan, limits=jerky, jerk=True))) == {srmp.FaultKind.jerk_limit}
+    assert kinds(arm.verify("arm", plan, start=ready + 0.01)) == [srmp.FaultKind.start]
+    elsewhere = srmp.GoalConstraint(srmp.GoalType.JOINTS, ready)
+    assert kinds(arm.verify("arm", plan, goals=elsewhere)) == [srmp.FaultKind.goal]
+    assert arm.verify("arm", plan, goals=[elsewhere, goal]).holds
+    straight = srmp.Trajectory(plan.joint_names, plan.positions[[0, -1]], plan.times[[0, -1]])
+    assert srmp.FaultKind.collision in kinds(arm.verify("arm", straight))
+    assert kinds(arm.verify("arm", plan, max_deviation=0.0)) == [srmp.FaultKind.deviation]
+
+
+def test_the_scene_counts_as_it_is(question):
+    arm, plan, _ = question
+    arm.add_sphere("in the way", 0.05, arm.compute_fk("arm", plan.sample(plan.duration / 2)))
+    certificate = arm.verify("arm", plan)
+    assert kinds(certificate) == [srmp.FaultKind.collision]
+    assert "in the way" in certificate.faults[0].text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"start": [0, 0]}, "start of 'arm'"),
+        ({"goals": srmp.GoalConstraint(srmp.GoalType.JOINTS, [0, 0])}, "goal of 'arm'"),
+        ({"goals": []}, "a goal must be a GoalConstraint or a non-empty list of them"),
+        ({"limits": srmp.MotionLimits([1], [1], [1])}, "velocity limits: got 1, but there are 7 joints"),
+        ({"max_deviation": -1}, "max_deviation is -1; it must be 0 m or above"),
+        ({"max_deviation": np.nan}, "max_deviation is NaN"),
+        ({"tightness": 0}, "tightness is 0; it must be above 0 and below 1"),
+        ({"tightness": 1}, "tightness is 1"),
+    ],
+)
+def test_wrong_questions_are_refused(question, arguments, text):
+    arm, plan, _ = question
+    with pytest.raises(srmp.InvalidArgument) as error:
+        arm.verify("arm", plan, **arguments)
+    assert text in str(error.value)
+
+
+def test_the_gil_is_released(question):
+    arm, plan, _ = question
+    done = threading.Event()
+    other = threading.Thread(target=done.set)
+    certificates = []
+    checker = threading.Thread(target=lambda: certificates.append(arm.verify("arm", plan)))
+    checker.start()
+    other.start()
+    checker.join()
+    other.join()
+    assert done.is_set()
+    assert certificates[0].holds
+
+
+# --- srmp.verify ------------------------------------------------------------------------------------------------------
+
+
+def test_scenes_and_problems_are_files_too(question, tmp_path):
+    arm, plan, _ = question
+    arm.save(tmp_path / "problem.json")
+    arm.save_scene(tmp_path / "scene.json")
+    assert srmp.verify(arm, plan).holds
+    assert np.isnan(srmp.verify(str(tmp_path / "scene.json"), plan).goal_error)
+    assert srmp.verify(tmp_path / "problem.json", plan).goal_error < 1e-9
+
+
+def test_the_request_of_a_problem_file_is_asked_too(question, ready, tmp_path):
+    arm, plan, _ = question
+    arm.save(tmp_path / "problem.json")
+    half = plan.slice(0, plan.duration / 2)
+    found = srmp.verify(tmp_path / "problem.json", half, "arm")
+    assert kinds(found) == [srmp.FaultKind.rest, srmp.FaultKind.goal]
+    here = srmp.GoalConstraint(srmp.GoalType.JOINTS, half.positions[-1])
+    assert kinds(srmp.verify(tmp_path / "problem.json", half, goals=here)) == [srmp.FaultKind.rest]
+    assert srmp.FaultKind.start in kinds(srmp.verify(tmp_path / "problem.json", plan, start=ready + 0.01))
+
+
+def test_the_robot_is_the_one_with_these_joints(question):
+    arm, plan, _ = question
+    turned = srmp.Trajectory(plan.joint_names[::-1], plan.positions[:, ::-1], plan.times)
+    assert kinds(srmp.verify(arm, turned)) == [srmp.FaultKind.joint_names]
+    renamed = srmp.Trajectory(list("abcdefg"), plan.positions, plan.times)
+    assert kinds(srmp.verify(arm, renamed)) == [srmp.FaultKind.joint_names]  # of the only robot
+    urdf = srmp.data_path("arm7.urdf")
+    arm.add_articulation(urdf, name="twin", end_effector="arm7_hand", base_pose=srmp.Pose(p=[0, 3, 0]))
+    assert srmp.verify(arm, plan, "arm").holds
+    with pytest.raises(srmp.InvalidArgument, match=r"name the robot .*: 'arm', 'twin' all have its joints"):
+        srmp.verify(arm, plan)
+    with pytest.raises(srmp.InvalidArgument, match="'arm', 'twin' do not have its joints"):
+        srmp.verify(arm, renamed)
+    with pytest.raises(srmp.InvalidArgument, match="unknown robot 'amr'"):
+        srmp.verify(arm, plan, "amr")
+    with pytest.raises(srmp.InvalidArgument, match="the scene has no robot"):
+        srmp.verify(srmp.PlannerInterface(), plan)
+
+
+def test_files_that_are_no_scenes_are_refused(question, tmp_path):
+    _, plan, _ = question
+    plan.save(tmp_path / "plan.json")
+    with pytest.raises(srmp.FileError, match="the format is 'srmp trajectory'; expected is"):
+        srmp.verify(tmp_path / "plan.json", plan)
+    with pytest.raises(srmp.FileError, match="there is no such file"):
+        srmp.verify(tmp_path / "nowhere.json", plan)
