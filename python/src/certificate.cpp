@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "bind.hpp"
+#include "srmp/io/trajectory_file.hpp"
 
 namespace srmp::python {
 
@@ -193,6 +194,16 @@ void bind_certificate(nb::module_& m) {
       .def_prop_ro("proved_free", &Certificate::proved_free,
                    "Collisions were checked, and all of the motion is proved free, between samples too.")
       .def("report", &Certificate::report, "A text, one line a claim.")
+      .def(
+          "to_dict",
+          [](const Certificate& c) {
+            const nb::module_ json = nb::module_::import_("json");
+            return json.attr("loads")(io::to_json(c),
+                                      nb::arg("parse_int") = nb::borrow(reinterpret_cast<PyObject*>(&PyFloat_Type)));
+          },
+          nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
+          "All of it as names, numbers and lists, as files have it; infinity and NaN are the texts 'inf', '-inf' and "
+          "'nan'.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
       .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was held against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")

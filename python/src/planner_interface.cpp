@@ -625,6 +625,23 @@ void bind_proofs(nb::class_<Self>& cls) {
           "Raises InvalidArgument for an unknown robot or joint (with the nearest), a wrong size, and limits that are "
           "not above 0 and finite.")
       .def(
+          "load_joint_limits",
+          [](Self& self, const std::string& robot, const nb::object& path) {
+            return self.use([&](PlannerInterface& p) { return p.load_joint_limits(robot, to_path(path)); });
+          },
+          nb::arg("robot"), nb::arg("path"),
+          nb::sig("def load_joint_limits(self, robot: str, path: str | os.PathLike[str]) -> list[str]"),
+          "Limits of a MoveIt joint_limits.yaml (rad, m, s) in place of those that were set: max_velocity, "
+          "max_acceleration, max_jerk\n"
+          "where has_…_limits is not false; default_velocity_scaling_factor and default_acceleration_scaling_factor "
+          "multiply those of\n"
+          "all joints, the latter jerks too. What the file does not say is as in default_limits. Returns the joints in "
+          "it that are no\n"
+          "planned ones: they were not used.\n\n"
+          "Raises FileError, with the line, for a missing file, unknown keys (with the nearest), and values out of "
+          "range; NotSupported\n"
+          "for position limits narrower than the URDF's, limits of deceleration or effort, and soft limits.")
+      .def(
           "verify",
           [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
              nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -41,7 +42,7 @@ def verify(
     else:
         world = _srmp.PlannerInterface.load(scene, package_dirs=list(package_dirs))
         request = world.last_request
-    name = robot if robot is not None else _robot_of(world, trajectory)
+    name = robot if robot is not None else robot_of(world, trajectory)
     if request is not None and request.robot == name:
         start = request.start if start is None else start
         goals = request.goals if goals is None else goals
@@ -57,7 +58,8 @@ def verify(
     )
 
 
-def _robot_of(world: srmp.PlannerInterface, trajectory: srmp.Trajectory) -> str:
+def robot_of(world: srmp.PlannerInterface, trajectory: srmp.Trajectory) -> str:
+    """The robot whose joints these are, in any order, else the only one; raises InvalidArgument."""
     names = world.robot_names
     joints = sorted(trajectory.joint_names)
     fitting = [name for name in names if sorted(world.get_joint_names(name)) == joints]
@@ -69,3 +71,26 @@ def _robot_of(world: srmp.PlannerInterface, trajectory: srmp.Trajectory) -> str:
     those = ", ".join(f"'{name}'" for name in (fitting or names))
     have = "all have" if fitting else "do not have"
     raise _srmp.InvalidArgument(f"name the robot that the trajectory is of: {those} {have} its joints.")
+
+
+def summary(certificate: srmp.Certificate) -> str:
+    """One line: "holds, proved free, clearance 2.3 mm", or the kinds of its faults."""
+    if not certificate.holds:
+        kinds = list(dict.fromkeys(fault.kind.name for fault in certificate.faults))
+        count = len(certificate.faults)
+        return f"{count} fault{'s' if count > 1 else ''}: {', '.join(kinds)}"
+    if not certificate.collisions_checked:
+        return "holds, collisions not checked"
+    parts = len(certificate.sampled)
+    free = (
+        "proved free"
+        if certificate.proved_free
+        else f"free, but {parts} part{'s' if parts > 1 else ''} at samples only"
+    )
+    return f"holds, {free}, {_clearance(certificate)}"
+
+
+def _clearance(certificate: srmp.Certificate) -> str:
+    if math.isinf(certificate.clearance):
+        return "nothing to collide with"
+    return f"clearance {certificate.clearance * 1e3:.3g} mm"

@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | check | cover | bench mbm | cmake-dir."""
+"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm | cmake-dir."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import click
 import srmp
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
-EXIT_NO_PATH = 1  # asked properly, but there is no trajectory, the state is in collision, or the answer another one
+EXIT_NO_PATH = 1  # asked properly, but there is no trajectory, it has faults, the state is in collision, …
 EXIT_REFUSED = 2  # the question was wrong: bad file, unknown name (click's own number for usage errors)
 
 
@@ -43,6 +43,27 @@ def main() -> None:
 # --- shared options ---------------------------------------------------------------------------------------------------
 
 
+_ROBOT_DETAILS = (
+    click.option("--srdf", type=EXISTING_FILE, help="Its groups and allowed collisions."),
+    click.option("--end-effector", default="", help="The link that goals speak of."),
+    click.option("--group", default="", help="Planning group of the SRDF; default: the request's, or the chain."),
+    click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated."),
+)
+_JOINT_LIMITS = click.option(
+    "--joint-limits", type=EXISTING_FILE, help="Limits of the joints: MoveIt's joint_limits.yaml; default: the URDF's."
+)
+
+
+def _decorated(command: Any, decorators: Sequence[Callable[[Any], Any]]) -> Any:
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return command
+
+
+def _robot_details(command: Any) -> Any:
+    return _decorated(command, _ROBOT_DETAILS)
+
+
 def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
     def decorate(command: Any) -> Any:
         decorators = [
@@ -52,9 +73,7 @@ def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
             ),
             click.option("--time-limit", type=float, default=time_limit, show_default=True, help="Seconds a plan."),
         ]
-        for decorator in reversed(decorators):
-            command = decorator(command)
-        return command
+        return _decorated(command, decorators)
 
     return decorate
 
@@ -62,17 +81,10 @@ def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
 def _robot_options(command: Any) -> Any:
     decorators = [
         click.option("--urdf", required=True, type=EXISTING_FILE, help="The robot."),
-        click.option("--srdf", type=EXISTING_FILE, help="Its groups and allowed collisions."),
-        click.option("--end-effector", default="", help="The link that goals speak of."),
-        click.option("--group", default="", help="Planning group of the SRDF; default: the request's, or the chain."),
-        click.option(
-            "--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated."
-        ),
+        *_ROBOT_DETAILS,
         click.option("--scene", type=EXISTING_FILE, help="Objects: MoveIt scene YAML."),
     ]
-    for decorator in reversed(decorators):
-        command = decorator(command)
-    return command
+    return _decorated(command, decorators)
 
 
 def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
@@ -105,13 +117,20 @@ def _make_world(
     return planner
 
 
-def _apply_request(world: srmp.PlannerInterface, request: srmp.MoveItRequest) -> srmp.MoveItProblem:
+def _apply_request(world: srmp.PlannerInterface, robot: str, request: srmp.MoveItRequest) -> srmp.MoveItProblem:
     """Start and goals of the request for the robot; says on stderr which joints of the file were not used."""
-    problem = world.apply_moveit_request("robot", request)
+    problem = world.apply_moveit_request(robot, request)
     if problem.ignored_joints:
         names = ", ".join(problem.ignored_joints)
         click.echo(f"note: {request.path} also places {names}, which are no movable joints of the robot", err=True)
     return problem
+
+
+def _apply_joint_limits(world: srmp.PlannerInterface, robot: str, path: str | None) -> None:
+    """Says on stderr which joints of the file were not used."""
+    if path is not None and (unused := world.load_joint_limits(robot, path)):
+        names = ", ".join(unused)
+        click.echo(f"note: {path} also limits {names}, which are no planned joints of the robot", err=True)
 
 
 # --- commands ---------------------------------------------------------------------------------------------------------
@@ -149,6 +168,7 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
 )
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="Result file (JSON).")
 @click.option("--save", type=click.Path(dir_okay=False), help="Write the whole problem too, for srmp replay (JSON).")
+@_JOINT_LIMITS
 @_planner_options()
 def plan(
     urdf: str,
@@ -160,6 +180,7 @@ def plan(
     request_path: str,
     output: str,
     save: str | None,
+    joint_limits: str | None,
     planner: str,
     options: tuple[str, ...],
     time_limit: float,
@@ -170,12 +191,14 @@ def plan(
     """
     from srmp._files import write_json
     from srmp._table import format_seconds
+    from srmp._verify import summary
     from srmp.result import plan_result
 
     request = srmp.load_moveit_request(request_path)
     chosen = group or (request.group_name if srdf else "")
     world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
-    problem = _apply_request(world, request)
+    problem = _apply_request(world, "robot", request)
+    _apply_joint_limits(world, "robot", joint_limits)
     _cover_first(urdf, package_dirs)
     world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
     try:
@@ -189,8 +212,10 @@ def plan(
     write_json(output, plan_result(stats, trajectory.joint_names, trajectory))
     click.echo(
         f"solved in {format_seconds(stats['plan_time_s'])}: {len(trajectory.waypoints)} waypoints, "
-        f"{stats['path_cost_rad']:.2f} rad, {trajectory.times[-1]:.2f} s long"
+        f"{stats['path_cost_rad']:.2f} rad" + (f", {trajectory.duration:.2f} s long" if len(trajectory.times) else "")
     )
+    if trajectory.certificate is not None:
+        click.echo(f"certificate: {summary(trajectory.certificate)}")
     click.echo(f"wrote {output}")
     if save:
         world.save(save)
@@ -222,6 +247,82 @@ def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
 
 
 @main.command()
+@click.argument("plan", type=EXISTING_FILE)
+@click.option(
+    "--scene", type=EXISTING_FILE, help="Scene or problem file; with --urdf MoveIt scene YAML. Default: that of PLAN."
+)
+@click.option("--urdf", type=EXISTING_FILE, help="The robot, where no scene or problem file has it.")
+@_robot_details
+@click.option("--robot", help="Whose trajectory it is; default: the robot with these joints.")
+@click.option("--request", "request_path", type=EXISTING_FILE, help="Start and goals: MoveIt request YAML.")
+@_JOINT_LIMITS
+@click.option("--jerk", is_flag=True, help="Hold it against the jerk limits too.")
+@click.option("--max-deviation", type=float, help="It may leave its waypoints by this [m]; default: by any.")
+def verify(
+    plan: str,
+    scene: str | None,
+    urdf: str | None,
+    srdf: str | None,
+    end_effector: str,
+    group: str,
+    package_dirs: tuple[str, ...],
+    robot: str | None,
+    request_path: str | None,
+    joint_limits: str | None,
+    jerk: bool,
+    max_deviation: float | None,
+) -> None:
+    """Hold a trajectory against a scene: limits at every instant, collisions between samples too, start and goals.
+
+    PLAN is a trajectory file, what srmp plan writes, or a problem file, which says scene and request itself.
+    Exits with 1 and every fault when it has some.
+    """
+    from srmp import _verify
+
+    trajectory = srmp.Trajectory.load(plan)
+    request = srmp.load_moveit_request(request_path) if request_path else None
+    if urdf:
+        chosen = group or (request.group_name if request and srdf else "")
+        world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
+    elif srdf or end_effector or group:
+        raise click.UsageError("--srdf, --end-effector and --group are for the robot of --urdf, which is not given.")
+    else:
+        world = _load_world(scene, plan, package_dirs)
+    name = robot or _verify.robot_of(world, trajectory)
+    question: Any = world.last_request
+    if request:
+        question = _apply_request(world, name, request)
+    elif question is not None and question.robot != name:
+        question = None
+    _apply_joint_limits(world, name, joint_limits)
+    certificate = world.verify(
+        name,
+        trajectory,
+        start=question.start if question else None,
+        goals=question.goals if question else None,
+        jerk=jerk,
+        max_deviation=max_deviation,
+    )
+    click.echo(certificate.report(), nl=False)
+    click.echo(_verify.summary(certificate))
+    if not certificate.holds:
+        raise click.exceptions.Exit(EXIT_NO_PATH)
+
+
+def _load_world(scene: str | None, plan: str, package_dirs: Sequence[str]) -> srmp.PlannerInterface:
+    try:
+        return srmp.PlannerInterface.load(scene or plan, package_dirs=list(package_dirs))
+    except srmp.FileError as error:
+        if not scene:
+            hint = "say with --scene what the trajectory is to be held against"
+        elif Path(scene).suffix in (".yaml", ".yml"):
+            hint = "a MoveIt scene needs its robot too: --urdf"
+        else:
+            raise
+        raise srmp.FileError(f"{error}; {hint}") from error
+
+
+@main.command()
 @_robot_options
 @click.option("--request", "request_path", type=EXISTING_FILE, help="Check the start of this MoveIt request.")
 @click.option("--state", help="Check these joints: NAME=VALUE,NAME=VALUE,… [rad or m], or just the values in order.")
@@ -243,7 +344,7 @@ def check(
         world = _make_world(
             urdf, srdf, end_effector, group or (request.group_name if srdf else ""), package_dirs, scene
         )
-        q = _apply_request(world, request).start
+        q = _apply_request(world, "robot", request).start
     else:
         world = _make_world(urdf, srdf, end_effector, group, package_dirs, scene)
         q = _parse_state(world, state or "")

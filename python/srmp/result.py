@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def plan_result(
     stats: Mapping[str, Any], joint_names: Sequence[str], trajectory: srmp.Trajectory | None
 ) -> dict[str, Any]:
-    """Status, statistics and, when solved, the path and the timed trajectory; rows are in the order of joint_names."""
+    """Status, statistics and, when solved, path, timed trajectory and certificate; rows in the order of joint_names."""
     import srmp
 
     result: dict[str, Any] = {
@@ -26,4 +26,6 @@ def plan_result(
         result["path"] = trajectory.waypoints
         for key in ("times", "positions", "velocities", "accelerations"):
             result[key] = getattr(trajectory, key)
+        if trajectory.certificate is not None:
+            result["certificate"] = trajectory.certificate.to_dict()
     return result

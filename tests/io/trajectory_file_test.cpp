@@ -70,8 +70,17 @@ BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
               {srmp::FaultKind::joint_names, "\"q\"", 0.1}};
   c.limits = {Eigen::Vector2d(1.0 / 3, inf), Eigen::Vector2d(2, 3), Eigen::Vector2d(4, 5), {true, false}};
   c.position = {0.1, "a", 0.2};
+  c.velocity = {1.0 / 3, "b", -0.0};
+  c.acceleration = {1.0000001, "a", 5e-324};
   c.jerk = {0.3, "", 0.4};
   c.collisions_checked = true;
+  c.checked_from = 0.1 / 7;
+  c.clearance_time = 0.3 / 7;
+  c.body_a = "hand";
+  c.body_b = "arm/elbow";
+  c.deviation = 0.005;
+  c.deviation_time = 1.1 / 7;
+  c.time_s = 1e-3 / 7;
   c.clearance = inf;
   c.clearance_proved = 0.1 / 3;
   c.sampled = {{0.1, 0.2, "hand", "box"}};
@@ -90,6 +99,7 @@ BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
   BOOST_CHECK(read->clearance == inf && read->bound == inf && std::isnan(read->goal_error));
   BOOST_CHECK(read->clearance_proved == c.clearance_proved && read->bound_graph == c.bound_graph);
   BOOST_CHECK_EQUAL(read->report(), c.report());
+  BOOST_CHECK_EQUAL(srmp::io::to_json(*read), srmp::io::to_json(c));  // every field, every bit
 }
 
 BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_refused_both_ways) {
@@ -117,6 +127,16 @@ BOOST_AUTO_TEST_CASE(result_files_are_read_too) {
     "velocities": [[0, 0], [0, 0]], "accelerations": [[0, 0], [0, 0]]})";
   const TempFile file(solved);
   BOOST_CHECK(srmp::io::load_trajectory(file.path()).positions == (srmp::RowMatrix(2, 2) << 1, 2, 3, 4).finished());
+  BOOST_CHECK(!srmp::io::load_trajectory(file.path()).certificate);
+  srmp::Certificate certificate;
+  certificate.body_b = "box";
+  const TempFile proved(
+      replaced(solved, "\"path\"", "\"certificate\": " + srmp::io::to_json(certificate) + ", \"path\""));
+  BOOST_REQUIRE(srmp::io::load_trajectory(proved.path()).certificate);
+  BOOST_CHECK_EQUAL(srmp::io::to_json(*srmp::io::load_trajectory(proved.path()).certificate),
+                    srmp::io::to_json(certificate));
+  check_refused(replaced(read_text(proved.path()), "\"clearance\"", "\"clearence\""),
+                "certificate: it has no 'clearance'");
   check_refused(R"({"srmp_version": "0.1.0", "status": "exhausted", "reason": "", "joint_names": ["a"]})",
                 "it holds no trajectory; its status is 'exhausted'");
 }

@@ -2,6 +2,7 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include "io/temp_file.hpp"
 #include "io/worlds.hpp"
 #include "srmp/io/scene_file.hpp"
 #include "srmp/io/trajectory_file.hpp"
@@ -74,6 +75,40 @@ BOOST_AUTO_TEST_CASE(a_problem_plans_again_to_the_same_answer) {
   }
   BOOST_CHECK(same(read.plan(request.robot, request.start, request.goals), trajectory));
   BOOST_CHECK_EQUAL(read.get_planning_stats().expansions, planner.get_planning_stats().expansions);
+}
+
+BOOST_AUTO_TEST_CASE(limits_that_were_set_are_saved_and_no_others) {
+  auto planner = planner_among_every_kind();
+  BOOST_CHECK(text_of(planner).find("\"motion_limits\"") == std::string::npos);
+  srmp::MotionLimits limits = planner.motion_limits("planar");
+  limits.velocity = Eigen::Vector2d(1.0 / 3, 0.7);
+  limits.jerk[0] = 1.0 / 7;
+  planner.set_motion_limits("planar", limits);
+  const srmp::Trajectory trajectory = planner.plan("planar", start, goals());
+  auto read = reloaded(planner);
+  BOOST_CHECK_EQUAL(text_of(read), text_of(planner));
+  BOOST_CHECK(read.motion_limits("planar").velocity == limits.velocity);
+  BOOST_CHECK(read.motion_limits("planar").jerk == limits.jerk);
+  BOOST_CHECK(same(read.plan("planar", start, goals()), trajectory));
+}
+
+BOOST_AUTO_TEST_CASE(limits_stay_while_the_joints_do) {
+  const TemporaryFolder folder;
+  auto planner = planner_among_every_kind();
+  planner.save_scene(folder.path("same.json"));
+  srmp::Scene other;
+  other.add_robot(robots::planar3());
+  srmp::io::save_scene(other, folder.path("other.json"));
+  const std::string text = read_text(folder.path("other.json"));
+  folder.write("other.json", replaced(text, "\"name\": \"planar3\"", "\"name\": \"planar\""));
+
+  srmp::MotionLimits limits = planner.motion_limits("planar");
+  limits.velocity = Eigen::Vector2d(0.3, 0.7);
+  planner.set_motion_limits("planar", limits);
+  planner.load_scene(folder.path("same.json"));
+  BOOST_CHECK(planner.motion_limits("planar").velocity == limits.velocity);
+  planner.load_scene(folder.path("other.json"));
+  BOOST_CHECK(planner.motion_limits("planar").velocity == Eigen::Vector3d(2, 2, 2));
 }
 
 BOOST_AUTO_TEST_CASE(every_planner_keeps_its_options) {
@@ -163,6 +198,7 @@ BOOST_AUTO_TEST_CASE(trajectories_of_problem_files) {
 
 BOOST_AUTO_TEST_CASE(wrong_problems_are_refused_with_the_place) {
   auto planner = planner_among_every_kind();
+  planner.set_motion_limits("planar", planner.motion_limits("planar"));
   planner.plan("planar", start, goals());
   const std::string text = text_of(planner);
   const auto check = [&](const std::string& from, const std::string& to, const std::string& fragment) {
@@ -189,6 +225,12 @@ BOOST_AUTO_TEST_CASE(wrong_problems_are_refused_with_the_place) {
   check("\"expansions\":", "\"expansions\": -1, \"expnsions\":", "expansions must be a whole number, 0 or above");
   check("\"request\":", "\"requests\":", "it has a result, but no request");
   check("\"format\": \"srmp problem\"", "\"format\": \"srmp trajectory\"", "the format is 'srmp trajectory'; expected");
+  const std::string limits = "\"motion_limits\": {\n\"planar\": {\n  ";
+  check(limits + "\"velocity\": [2, 2]", limits + "\"velocity\": [2, 0]",
+        "motion_limits: b: the velocity limit is 0; it must be");
+  check(limits + "\"velocity\": [2, 2]", limits + "\"velocity\": [2]", "motion_limits: velocity limits: got 1, but");
+  check(limits + "\"velocity\"", limits + "\"speed\"", "motion_limits.planar: it has no 'velocity'");
+  check("\"motion_limits\": {\n\"planar\"", "\"motion_limits\": {\n\"plan\"", "motion_limits: unknown robot 'plan'");
   check("\"format\": \"srmp problem\"", "\"format\": \"srmp scene\"", "unknown key 'planners'");
 }
 

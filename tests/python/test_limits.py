@@ -51,19 +51,13 @@ def test_limits_are_a_number_an_array_or_a_dictionary(arm):
         ),
         ({"velocity": True}, "but are True"),
         ({"velocity": object()}, "velocity limits must be"),
-        ({"velocity": {"arm7_shoulder_pam": 1}}, "did you mean 'arm7_shoulder_pan'"),
+        ({"velocity": {"arm7_joint11": 1}}, "did you mean 'arm7_joint1'"),
         ({"velocity": {"x": 1}}, "velocity limits name 'x', which is no planned joint"),
-        ({"jerk": {"JOINT": "1 m"}}, "the jerk limit is '1 m'; it must be a number"),
-        ({"jerk": {"JOINT": -2}}, "the jerk limit is -2; it must be"),
+        ({"jerk": {"arm7_joint2": "1 m"}}, "arm7_joint2: the jerk limit is '1 m'; it must be a number"),
+        ({"jerk": {"arm7_joint2": -2}}, "the jerk limit is -2; it must be"),
     ],
 )
 def test_limits_that_cannot_be_change_nothing(arm, arguments, text):
-    joints = arm.get_joint_names("arm")
-    text = text.replace("arm7_shoulder_pan", joints[0])
-    for what, value in arguments.items():
-        if isinstance(value, dict):
-            names = {"JOINT": joints[1], "arm7_shoulder_pam": joints[0][:-1] + "?"}
-            arguments = {what: {names.get(name, name): number for name, number in value.items()}}
     before = arm.motion_limits("arm")
     with pytest.raises(srmp.InvalidArgument) as error:
         arm.set_motion_limits("arm", **arguments)
@@ -173,3 +167,73 @@ def test_default_limits():
     assert limits.jerk.tolist() == [20] * 4
     with pytest.raises(srmp.InvalidArgument, match="velocity limit of joint 1 is -1"):
         srmp.default_limits([1, -1])
+
+
+# --- joint_limits.yaml ------------------------------------------------------------------------------------------------
+
+MOVEIT = """
+default_velocity_scaling_factor: 0.5
+joint_limits:
+  arm7_joint1: {has_velocity_limits: true, max_velocity: 1, has_acceleration_limits: true, max_acceleration: 1.5}
+  arm7_joint3: {has_velocity_limits: false, max_velocity: 0, has_jerk_limits: true, max_jerk: 5}
+  left_finger: {has_velocity_limits: true, max_velocity: 0.1}
+"""
+
+
+@pytest.fixture
+def limits_file(tmp_path):
+    path = tmp_path / "joint_limits.yaml"
+    path.write_text(MOVEIT)
+    return path
+
+
+def test_moveits_file_takes_the_place_of_what_was_set(arm, limits_file):
+    arm.set_motion_limits("arm", velocity=0.1, jerk=1)
+    for _ in range(2):  # a second time changes nothing
+        assert arm.load_joint_limits("arm", limits_file) == ["left_finger"]
+        limits = arm.motion_limits("arm")
+        assert limits.velocity.tolist() == [0.5, *(0.5 * speeds(arm)[1:])]
+        assert limits.acceleration.tolist() == [1.5, *(2 * speeds(arm)[1:])]
+        assert limits.jerk[2] == 5
+        assert limits.jerk[0] == 20 * speeds(arm)[0]
+
+
+def test_a_file_that_is_refused_changes_nothing(arm, limits_file):
+    before = arm.motion_limits("arm")
+    limits_file.write_text(MOVEIT.replace("max_velocity: 1,", "max_velocity: -1,"))
+    with pytest.raises(
+        srmp.FileError, match=r"joint_limits.yaml:4: arm7_joint1: max_velocity is -1; it must be above 0"
+    ):
+        arm.load_joint_limits("arm", limits_file)
+    limits_file.write_text(MOVEIT + "  arm7_joint2: {has_position_limits: true, max_position: 1}\n")
+    with pytest.raises(srmp.NotSupported, match="narrower position limits belong in the URDF"):
+        arm.load_joint_limits("arm", limits_file)
+    with pytest.raises(srmp.FileError, match="there is no such file"):
+        arm.load_joint_limits("arm", "nowhere.yaml")
+    with pytest.raises(srmp.InvalidArgument, match="unknown robot 'amr'"):
+        arm.load_joint_limits("amr", limits_file)
+    assert arm.motion_limits("arm") == before
+
+
+# --- files ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_problem_file_keeps_limits_that_were_set(arm, ready, tmp_path):
+    arm.set_motion_limits("arm", velocity=0.7, jerk={"arm7_joint1": 1 / 3})
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.1)
+    trajectory = arm.plan("arm", ready, goal)
+    arm.save(tmp_path / "p.json")
+    loaded = srmp.PlannerInterface.load(tmp_path / "p.json")
+    assert loaded.motion_limits("arm") == arm.motion_limits("arm")
+    assert loaded.plan("arm", ready, goal) == trajectory
+
+
+def test_robots_that_go_take_their_limits_with_them(arm):
+    arm.set_motion_limits("arm", velocity=0.7)
+    arm.remove_articulation("arm")
+    arm.add_articulation(srmp.data_path("arm7.urdf"), name="arm", end_effector="arm7_hand")
+    assert arm.motion_limits("arm").velocity.tolist() == speeds(arm).tolist()
+    arm.set_motion_limits("arm", velocity=0.7)
+    arm.reset()
+    arm.add_articulation(srmp.data_path("arm7.urdf"), name="arm", end_effector="arm7_hand")
+    assert arm.motion_limits("arm").velocity.tolist() == speeds(arm).tolist()

@@ -1,12 +1,18 @@
 """Verify: any trajectory held against a scene, limits, start and goals."""
 
+import json
 import pickle
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import srmp
+from srmp._files import write_json
+from srmp.cli import main
+from srmp.result import plan_result
 
 
 @pytest.fixture
@@ -140,3 +146,133 @@ def test_files_that_are_no_scenes_are_refused(question, tmp_path):
         srmp.verify(tmp_path / "plan.json", plan)
     with pytest.raises(srmp.FileError, match="there is no such file"):
         srmp.verify(tmp_path / "nowhere.json", plan)
+
+
+# --- files and the command line ---------------------------------------------------------------------------------------
+
+
+def srmp_command(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+ROBOT = (
+    *("--urdf", srmp.data_path("arm7.urdf")),
+    *("--srdf", srmp.data_path("arm7.srdf"), "--end-effector", "arm7_hand"),
+)
+MOVEIT = Path(__file__).parents[2] / "examples" / "moveit"
+SCENE, REQUEST = ("--scene", MOVEIT / "scene.yaml"), ("--request", MOVEIT / "request.yaml")
+
+
+def test_certificates_are_saved_bit_for_bit(question, tmp_path):
+    arm, plan, _ = question
+    plan.save(tmp_path / "t.json")
+    arm.save(tmp_path / "p.json")
+    write_json(tmp_path / "r.json", plan_result(arm.get_planning_stats(), plan.joint_names, plan))
+    for name in ("t.json", "p.json", "r.json"):
+        assert srmp.Trajectory.load(tmp_path / name).certificate == plan.certificate, name
+
+
+def test_a_certificate_is_plain_data(question):
+    _, plan, _ = question
+    data = plan.certificate.to_dict()
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
+    assert data["faults"] == []
+    assert data["velocity"] == {
+        "share": plan.certificate.velocity.share,
+        "joint": plan.certificate.velocity.joint,
+        "time": plan.certificate.velocity.time,
+    }
+    assert data["limits"]["velocity"] == plan.certificate.limits.velocity.tolist()
+    fields = {name for name in dir(srmp.Certificate) if not name.startswith("_")}
+    assert set(data) == fields - {"holds", "proved_free", "report", "to_dict"}
+
+
+@pytest.fixture(scope="module")
+def planned(tmp_path_factory):
+    """What `srmp plan` wrote."""
+    folder = tmp_path_factory.mktemp("plan")
+    arguments = ("-o", folder / "plan.json", "--save", folder / "problem.json")
+    result = srmp_command("plan", *ROBOT, *SCENE, *REQUEST, *arguments)
+    assert result.exit_code == 0, result.output
+    return folder, result.output
+
+
+def test_plan_writes_and_tells_the_certificate(planned):
+    folder, output = planned
+    certificate = srmp.Trajectory.load(folder / "plan.json").certificate
+    assert certificate == srmp.PlannerInterface.load(folder / "problem.json").last_result.trajectory.certificate
+    assert "certificate: holds, proved free, clearance " in output
+    assert f"{certificate.clearance * 1e3:.3g} mm" in output
+
+
+def test_verify_takes_plans_and_problems(planned, tmp_path):
+    folder, _ = planned
+    world = srmp.PlannerInterface.load(folder / "problem.json")
+    world.save_scene(tmp_path / "scene.json")
+    srmp.Trajectory.load(folder / "plan.json").save(tmp_path / "t.json")
+    for arguments in (
+        (folder / "problem.json",),
+        (folder / "plan.json", "--scene", folder / "problem.json"),
+        (folder / "plan.json", "--scene", tmp_path / "scene.json", *REQUEST),
+        (tmp_path / "t.json", *ROBOT, *SCENE, *REQUEST),
+        (tmp_path / "t.json", *ROBOT),
+    ):
+        result = srmp_command("verify", *arguments)
+        assert result.exit_code == 0, result.output
+        assert "velocities     " in result.output
+        assert result.output.splitlines()[-1].startswith("holds, proved free, clearance ")
+
+
+def test_verify_names_every_fault(planned, tmp_path):
+    folder, _ = planned
+    limits = tmp_path / "joint_limits.yaml"
+    limits.write_text("joint_limits: {arm7_joint1: {max_velocity: 1.0e-3, max_acceleration: 1.0e-3}, finger: {}}")
+    result = srmp_command("verify", folder / "problem.json", "--joint-limits", limits)
+    assert result.exit_code == 1
+    assert "FAULT velocity_limit: arm7_joint1: the velocity reaches" in result.output
+    assert "FAULT acceleration_limit: arm7_joint1: " in result.output
+    assert "also limits finger, which are no planned joints of the robot" in result.output
+    assert result.output.splitlines()[-1] == "2 faults: velocity_limit, acceleration_limit"
+    motion = srmp.Trajectory.load(folder / "plan.json")
+    motion.slice(0, motion.duration / 2).save(tmp_path / "half.json")
+    half = srmp_command("verify", tmp_path / "half.json", "--scene", folder / "problem.json")
+    assert half.exit_code == 1
+    assert half.output.splitlines()[-1] == "2 faults: rest, goal"
+    assert srmp_command("verify", folder / "problem.json", "--max-deviation", 0.005).exit_code == 0
+    jerk = srmp_command("verify", folder / "problem.json", "--jerk")
+    assert jerk.exit_code == (0 if motion.certificate.jerk.share <= 1 else 1)
+
+
+def test_joint_limits_make_plans_slower(planned, tmp_path):
+    folder, _ = planned
+    limits = tmp_path / "joint_limits.yaml"
+    limits.write_text("default_velocity_scaling_factor: 0.2\njoint_limits: {finger: {}}")
+    arguments = ("-o", tmp_path / "slow.json", "--joint-limits", limits)
+    result = srmp_command("plan", *ROBOT, *SCENE, *REQUEST, *arguments)
+    assert result.exit_code == 0, result.output
+    assert "also limits finger" in result.output
+    slow = srmp.Trajectory.load(tmp_path / "slow.json")
+    assert slow.duration > 1.5 * srmp.Trajectory.load(folder / "plan.json").duration
+    assert slow.certificate.limits.velocity[0] == 0.2 * 2.2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["nowhere.json"], "nowhere.json"),
+        (["PLAN"], "; say with --scene what the trajectory is to be held against"),
+        (["PLAN", "--scene", MOVEIT / "scene.yaml"], "a MoveIt scene needs its robot too: --urdf"),
+        (["PLAN", "--srdf", srmp.data_path("arm7.srdf")], "for the robot of --urdf, which is not given"),
+        (["PROBLEM", "--robot", "amr"], "unknown robot 'amr'"),
+        (["PROBLEM", "--max-deviation", "-1"], "max_deviation is -1"),
+        (["PROBLEM", "--joint-limits", MOVEIT / "scene.yaml"], "in a joint limits file"),
+        ([srmp.data_path("arm7.urdf")], "arm7.urdf"),
+    ],
+)
+def test_wrong_calls_end_in_one_sentence(planned, arguments, text):
+    folder, _ = planned
+    files = {"PLAN": folder / "plan.json", "PROBLEM": folder / "problem.json"}
+    result = srmp_command("verify", *(files.get(argument, argument) for argument in arguments))
+    assert result.exit_code == 2
+    assert text in result.output
+    assert "Traceback" not in result.output

@@ -43,22 +43,27 @@ double real(const YamlFile& file, const Node& node, const std::string& place) {
 
 // --- writing
 
-JsonWriter::JsonWriter(const std::string& format) {
+JsonWriter::JsonWriter() {
   emitter_.SetOutputCharset(YAML::EscapeAsJson);
   emitter_.SetStringFormat(YAML::DoubleQuoted);
   emitter_.SetMapFormat(YAML::Flow);
   emitter_.SetSeqFormat(YAML::Flow);
   emitter_.SetIndent(1);
   begin_map();
+}
+
+JsonWriter::JsonWriter(const std::string& format) : JsonWriter() {
   operator()("format", format);
   operator()("format_version", format_version);
   operator()("srmp_version", std::string(version()));
 }
 
-void JsonWriter::save(const std::string& path) {
+std::string JsonWriter::text() {
   end_map();
-  write_file(path, std::string(emitter_.c_str(), emitter_.size()) + "\n");
+  return {emitter_.c_str(), emitter_.size()};
 }
+
+void JsonWriter::save(const std::string& path) { write_file(path, text() + "\n"); }
 
 void JsonWriter::write(double value) {
   if (std::isnan(value))
@@ -194,7 +199,8 @@ std::vector<double> JsonReader::numbers(const Node& node, const std::string& pla
 
 JsonFile::JsonFile(YamlFile file, std::span<const std::string> formats) : file_(std::move(file)) {
   const Node& root = file_.root();
-  const std::string expected = "expected is a JSON map with \"format\": " + quoted_list(formats);
+  std::string expected = "expected is a JSON map with \"format\": ";
+  for (const std::string& format : formats) expected += (&format == &formats.front() ? "'" : " or '") + format + "'";
   if (!root.IsMap()) file_.fail(root, "this is no file of srmp; " + expected);
   if (!root["format"].IsDefined()) file_.fail(root, "it does not say its format; " + expected);
   format_ = file_.text(root["format"], "format");

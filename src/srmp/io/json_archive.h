@@ -56,8 +56,12 @@ class JsonWriter {
   using Ref = const T&;
   static constexpr bool reading = false;
 
+  /// Begins a map.
+  JsonWriter();
   /// Begins a file of this format.
   explicit JsonWriter(const std::string& format);
+  /// Ends it.
+  std::string text();
   /// Ends it and writes it, whole or not at all. Throws FileError.
   void save(const std::string& path);
 

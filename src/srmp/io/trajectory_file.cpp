@@ -21,6 +21,7 @@ Trajectory result_trajectory(const YamlFile& file) {
   reader("velocities", trajectory.velocities);
   reader("accelerations", trajectory.accelerations);
   reader("path", trajectory.waypoints);
+  reader("certificate", trajectory.certificate);
   give_columns(trajectory);
   if (const std::string text = misfit(trajectory); !text.empty()) reader.fail(text);
   return trajectory;
@@ -63,6 +64,12 @@ void save_trajectory(const Trajectory& trajectory, const std::string& path) {
   JsonWriter writer(trajectory_format);
   describe(writer, trajectory);
   writer.save(path);
+}
+
+std::string to_json(const Certificate& certificate) {
+  JsonWriter writer;
+  describe(writer, certificate);
+  return writer.text();
 }
 
 Trajectory load_trajectory(const std::string& path) {

@@ -15,4 +15,7 @@ void save_trajectory(const Trajectory& trajectory, const std::string& path);
 /// another format or of a newer version, and one that holds no trajectory.
 Trajectory load_trajectory(const std::string& path);
 
+/// The certificate as it stands in such files.
+std::string to_json(const Certificate& certificate);
+
 }  // namespace srmp::io

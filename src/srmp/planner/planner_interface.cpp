@@ -5,6 +5,7 @@
 
 #include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/self_filter.hpp"
+#include "srmp/io/joint_limits.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/io/scene_file.hpp"
 #include "srmp/planner/plan_many.hpp"
@@ -239,7 +240,7 @@ void PlannerInterface::reset() {
 // --- files
 
 void PlannerInterface::save(const std::string& path) const {
-  save_problem({impl_->scene, impl_->planners, impl_->request, impl_->result}, path);
+  save_problem({impl_->scene, impl_->planners, impl_->motion_limits, impl_->request, impl_->result}, path);
 }
 
 PlannerInterface PlannerInterface::load(const std::string& path, const std::vector<std::string>& package_dirs) {
@@ -248,6 +249,7 @@ PlannerInterface PlannerInterface::load(const std::string& path, const std::vect
   Impl& impl = *planner.impl_;
   impl.scene = std::move(problem.scene);
   impl.planners = std::move(problem.planners);
+  impl.motion_limits = std::move(problem.motion_limits);
   impl.request = std::move(problem.request);
   impl.result = std::move(problem.result);
   if (impl.result) impl.statistics = impl.result->statistics();
@@ -377,9 +379,15 @@ MotionLimits PlannerInterface::motion_limits(const std::string& robot) const { r
 void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits limits) {
   const RobotModel& model = impl_->model(robot);
   require_limits(limits, model.joint_names());
-  limits.continuous = impl_->limits_of(robot).continuous;
+  limits.continuous = default_limits(model).continuous;
   impl_->motion_limits.insert_or_assign(robot, std::move(limits));
   impl_->result.reset();
+}
+
+std::vector<std::string> PlannerInterface::load_joint_limits(const std::string& robot, const std::string& path) {
+  io::JointLimitsFile file = io::read_joint_limits(path, impl_->model(robot));
+  set_motion_limits(robot, std::move(file.limits));
+  return file.unused;
 }
 
 Certificate PlannerInterface::verify(const std::string& robot, const Trajectory& trajectory,

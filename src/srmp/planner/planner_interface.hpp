@@ -141,9 +141,9 @@ class PlannerInterface {
   void reset();  ///< removes robots, objects, planners and heuristics
 
   // --- files (docs/files.md): JSON, written whole or not at all; numbers read back bit for bit
-  /// Writes the whole problem: the scene with its robots, planners, and the request of the last plan with its result,
-  /// if nothing was changed since. Throws FileError when it cannot be written, and InvalidArgument when a planner names
-  /// a heuristic of add_heuristic.
+  /// Writes the whole problem: the scene with its robots, planners, motion limits that were set, and the request of
+  /// the last plan with its result, if nothing was changed since. Throws FileError when it cannot be written, and
+  /// InvalidArgument when a planner names a heuristic of add_heuristic.
   void save(const std::string& path) const;
   /// As it was saved: planning again gives the same trajectory, get_planning_stats and last_result are the saved ones.
   /// Of a scene file: the scene.
@@ -189,6 +189,9 @@ class PlannerInterface {
   /// Velocities, accelerations and jerks of every joint, for all plans that follow; which joints are continuous is
   /// known from the model.
   void set_motion_limits(const std::string& robot, MotionLimits limits);
+  /// Limits of a MoveIt joint_limits.yaml in place of those that were set (io/joint_limits.hpp, which says what is read
+  /// and what is refused). Returns the joints in it that are no planned ones: they were not used.
+  std::vector<std::string> load_joint_limits(const std::string& robot, const std::string& path);
   /// Looks over any trajectory of the robot, in the scene as it is: limits at every instant, collisions between rows
   /// too, start and goals (certify). Faults are found, not thrown. Throws InvalidArgument for options that do not suit
   /// the robot.

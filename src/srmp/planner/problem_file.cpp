@@ -130,6 +130,7 @@ void save_problem(const Problem& problem, const std::string& path) {
   io::JsonWriter writer(io::problem_format);
   writer("scene", io::SceneText{problem.scene});
   writer("planners", planners);
+  if (!problem.motion_limits.empty()) writer("motion_limits", problem.motion_limits);
   writer("request", problem.request);
   if (problem.result) {
     const PlanResult& result = *problem.result;
@@ -137,6 +138,20 @@ void save_problem(const Problem& problem, const std::string& path) {
            ResultText{result.statistics(), result.solved() ? std::optional(result.trajectory()) : std::nullopt});
   }
   writer.save(path);
+}
+
+/// There are none where no limits were set.
+void read_limits(io::JsonReader& root, Problem& problem) {
+  if (!root.has("motion_limits")) return;
+  root("motion_limits", problem.motion_limits);
+  root.inner("motion_limits").guarded([&] {
+    for (const auto& [robot, limits] : problem.motion_limits) {
+      const RobotModel& model = *problem.scene.robot(robot).model;
+      require_limits(limits, model.joint_names());
+      if (limits.continuous != default_limits(model).continuous)
+        throw InvalidArgument("the continuous joints of '" + robot + "' are not those of its model");
+    }
+  });
 }
 
 Problem load_problem(const std::string& path, const std::vector<std::string>& package_dirs) {
@@ -161,6 +176,7 @@ Problem load_problem(const std::string& path, const std::vector<std::string>& pa
         throw InvalidArgument("there is another planner for " + quoted_list(text.robots));
     });
   }
+  read_limits(root, problem);
   root("request", problem.request);
   if (const auto& request = problem.request)
     root.inner("request").guarded(

@@ -24,8 +24,9 @@ void require_question(const Scene& scene, const std::string& robot, ConstVector 
 struct Problem {
   Scene scene;
   PlannerTable planners;
-  std::optional<PlanRequest> request;  ///< without options: those of `planners` count
-  std::optional<PlanResult> result;    ///< of the request, in this scene, by these planners
+  std::map<std::string, MotionLimits> motion_limits{};  ///< of robots whose limits were set
+  std::optional<PlanRequest> request;                   ///< without options: those of `planners` count
+  std::optional<PlanResult> result;                     ///< of the request, in this scene, by these planners
 };
 
 /// Throws FileError when the file cannot be written, and InvalidArgument when a planner names a heuristic of the
