@@ -322,3 +322,86 @@ BOOST_AUTO_TEST_CASE(many_objects_give_the_same_answers_as_few) {
     BOOST_TEST(checker.is_free(q, *workspace) == free);
   }
 }
+
+BOOST_AUTO_TEST_CASE(nearest_is_right_for_robots_and_things_of_balls_only) {
+  // Their distance has a formula, which knows no infinite margin.
+  for (const double far : {2.3, 50.0, 3e4}) {
+    Scene scene;
+    scene.add_robot(balls());
+    scene.add_object("x", Sphere{0.1}, at(far, 0, 0));
+    for (const CheckMode mode : {CheckMode::exact, CheckMode::coal}) {
+      const Checker checker(scene, "planar", {.mode = mode});
+      const auto nearest = checker.nearest(Vector2d(0, 0), *checker.make_workspace());
+      BOOST_REQUIRE(nearest.has_value());
+      BOOST_TEST(names(*nearest, "lower", "x"));
+      BOOST_TEST(nearest->distance == far - 1.9 - 0.15, boost::test_tools::tolerance(1e-6));
+      BOOST_TEST((nearest->point_b - Eigen::Vector3d(far - 0.1, 0, 0)).norm() < 1e-6 * far);
+    }
+  }
+}
+
+// --- how far a joint moves things
+
+namespace {
+
+/// How far the joint moves any point on the bounding spheres of the robot's bodies per unit, from q on.
+double moved(const RobotModel& robot, const Eigen::VectorXd& q, Eigen::Index joint, Dice& dice) {
+  constexpr double unit = 1e-3;
+  Eigen::VectorXd next = q;
+  next[joint] += unit;
+  const auto here = robot.make_data(), there = robot.make_data();
+  robot.forward(*here, q);
+  robot.forward(*there, next);
+  double most = 0.0;
+  for (std::size_t i = 0; i < robot.geometries().size(); ++i)
+    for (int k = 0; k < 20; ++k) {
+      const Eigen::Vector3d way(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1));
+      const Eigen::Vector3d p = robot.geometries()[i].center + robot.geometries()[i].radius * way.normalized();
+      most = std::max(most, (robot.geometry_pose(*there, i) * p - robot.geometry_pose(*here, i) * p).norm());
+    }
+  return most / unit;
+}
+
+void expect_to_bound(const RobotModel& robot, double used) {
+  Dice dice(1);
+  Scene alone;
+  alone.add_robot(std::shared_ptr<const RobotModel>(&robot, [](const RobotModel*) {}));
+  const Eigen::VectorXd reach = Checker(alone, robot.name()).reach();
+  Eigen::VectorXd most = Eigen::VectorXd::Zero(reach.size());
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::VectorXd q = dice.configuration(robot);
+    for (Eigen::Index j = 0; j < reach.size(); ++j) most[j] = std::max(most[j], moved(robot, q, j, dice));
+  }
+  for (Eigen::Index j = 0; j < reach.size(); ++j) {
+    BOOST_TEST(most[j] <= reach[j] * (1 + 1e-9));
+    BOOST_TEST(most[j] >= used * reach[j]);  // else the bound is of little use
+  }
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(reach_bounds_how_far_a_joint_moves_any_point) {
+  expect_to_bound(*robots::planar(), 0.95);
+  expect_to_bound(*robots::planar("continuous"), 0.95);
+  expect_to_bound(*balls(), 0.95);
+  expect_to_bound(*arm7(), 0.3);
+  expect_to_bound(*slide(), 0.3);
+  if (const auto robot = panda()) expect_to_bound(*robot, 0.3);
+}
+
+BOOST_AUTO_TEST_CASE(reach_knows_what_the_robot_holds_and_its_companions) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  const Eigen::VectorXd empty = Checker(scene, "planar").reach();
+  scene.add_object("held", Sphere{0.1}, {});
+  scene.attach_object("held", "planar", "tip", {"lower"}, at(0.4, 0, 0));
+  const Eigen::VectorXd holding = Checker(scene, "planar").reach();
+  BOOST_TEST(holding[1] == 1.5, boost::test_tools::tolerance(1e-12));  // 1 to the tip, 0.4 to the ball, 0.1 in it
+  BOOST_TEST(holding[0] == 2.5, boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(empty[1] < 1.0);
+  scene.add_robot(arm7());
+  const Eigen::VectorXd both = Checker(scene, "planar", {.companions = {"arm7"}}).reach();
+  BOOST_TEST(both.size() == 9);
+  BOOST_TEST((both.head<2>() == holding));
+  BOOST_TEST((both.tail<7>() == Checker(scene, "arm7").reach()));
+}

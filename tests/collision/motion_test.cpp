@@ -195,18 +195,7 @@ BOOST_AUTO_TEST_CASE(long_motions_are_sound_and_useful) {
 }
 
 BOOST_AUTO_TEST_CASE(motions_of_mimic_and_prismatic_joints_are_sound_and_useful) {
-  // A slide that carries an arm whose second joint follows the first, backwards and half as fast.
-  const std::string limit = "<limit lower='-2' upper='2' velocity='2' effort='1'/>";
-  RobotDescription description;
-  description.urdf_text = "<robot name='slide'><link name='base'/>" + robots::bar("cart") + robots::bar("arm") +
-                          robots::bar("fore") + "<link name='tip'/>" +
-                          robots::joint("s", "prismatic", "base", "cart", "0 0 0.2", "0 1 0", limit) +
-                          robots::joint("a", "revolute", "cart", "arm", "0.5 0 0.2", "0 0 1", limit) +
-                          robots::joint("m", "revolute", "arm", "fore", "1 0 0.2", "0 1 0",
-                                        limit + "<mimic joint='a' multiplier='-0.5'/>") +
-                          robots::joint("z", "prismatic", "fore", "tip", "1 0 0", "1 0 0", limit) + "</robot>";
-  description.end_effector = "tip";
-  const auto robot = RobotModel::load(description);
+  const auto robot = slide();
   Scene scene;
   scene.add_robot(robot);
   Dice dice(4);

@@ -24,6 +24,38 @@ inline std::shared_ptr<const RobotModel> arm7(const std::string& name = "arm7") 
   return RobotModel::load(description);
 }
 
+/// A slide that carries an arm whose second joint follows the first, backwards and half as fast, with a drawer at its
+/// end.
+inline std::shared_ptr<const RobotModel> slide() {
+  const std::string limit = "<limit lower='-2' upper='2' velocity='2' effort='1'/>";
+  RobotDescription description;
+  description.urdf_text = "<robot name='slide'><link name='base'/>" + robots::bar("cart") + robots::bar("arm") +
+                          robots::bar("fore") + "<link name='tip'/>" +
+                          robots::joint("s", "prismatic", "base", "cart", "0 0 0.2", "0 1 0", limit) +
+                          robots::joint("a", "revolute", "cart", "arm", "0.5 0 0.2", "0 0 1", limit) +
+                          robots::joint("m", "revolute", "arm", "fore", "1 0 0.2", "0 1 0",
+                                        limit + "<mimic joint='a' multiplier='-0.5'/>") +
+                          robots::joint("z", "prismatic", "fore", "tip", "1 0 0", "1 0 0", limit) + "</robot>";
+  description.end_effector = "tip";
+  return RobotModel::load(description);
+}
+
+/// The planar robot, each bar a row of balls.
+inline std::shared_ptr<const RobotModel> balls() {
+  RobotDescription description = robots::planar_description();
+  const std::string box = "<geometry><box size='0.9 0.1 0.1'/></geometry>",
+                    start = "<collision><origin xyz='0.5 0 0'/>";
+  std::string& text = description.urdf_text;
+  for (std::size_t at; (at = text.find(start)) != std::string::npos;) {
+    std::string row;
+    for (const char* x : {"0.1", "0.3", "0.5", "0.7", "0.9"})
+      row += std::string("<collision><origin xyz='") + x +
+             " 0 0'/><geometry><sphere radius='0.05'/></geometry></collision>";
+    text.replace(at, text.find("</collision>", at) + 12 - at, row);
+  }
+  return RobotModel::load(description);
+}
+
 /// A hollow L of triangles, 0.2 m long: its hull is much larger than itself.
 inline Mesh angle_iron() {
   Mesh mesh;

@@ -16,6 +16,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rough_distance = 0.3;  // of an interval's motion: distances below are not refined, it is cut anyway
 constexpr int most_levels = 3;          // cut at once
+constexpr int most_looks = 200'000;     // at configurations: nobody waits for the proof of a million turns
+constexpr double largest = 1e100;       // [rad or m] beyond it, squares overflow
 
 /// Rows from, ..., to of a motion, or within one of its pieces the share from u to v.
 struct Interval {
@@ -47,8 +49,7 @@ class Pieces {
   }
 
   double time(const Interval& at, double share) const {
-    const double begin = motion_.times[at.from], h = motion_.times[at.from + 1] - begin;
-    return begin + h * share;
+    return (1.0 - share) * motion_.times[at.from] + share * motion_.times[at.to];  // those of rows bit for bit
   }
 
  private:
@@ -149,6 +150,7 @@ class Prover {
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   Verdict judge(Open& open, bool& finest);
   double approach(const Pair& pair);
+  double goal() const { return tightness_ > 0.0 ? tightness_ * least_ : 0.0; }  // that is to be proved of every pair
   Verdict meet(const Pair& pair, double distance);
   void leave(const Interval& interval, std::uint32_t pair);
   double span(const Interval& at, bool end) const {
@@ -166,6 +168,7 @@ class Prover {
   const Pair* nearest_{};
   double nearest_time_{};
   double proved_{infinity};
+  int looks_{};
   Eigen::VectorXd middle_;
   std::vector<double> change_;
   std::vector<double> body_motion_;  // by moving body, in the interval at hand; -1: not known yet
@@ -218,7 +221,7 @@ double Prover::approach(const Pair& pair) {
 /// Judges a pair over the interval around the configuration at hand.
 Prover::Verdict Prover::judge(Open& open, bool& finest) {
   const Pair& pair = impl_.bodies.pairs[open.pair];
-  const double motion = approach(pair), goal = tightness_ > 0.0 ? tightness_ * least_ : 0.0;
+  const double motion = approach(pair), goal = this->goal();
   const double margin = pair.padding + motion + goal + NarrowPhase::tolerance, apart = workspace_.gap(pair);
   const auto prove = [&](double at_least) {
     proved_ = std::min(proved_, std::max(0.0, at_least));
@@ -226,12 +229,13 @@ Prover::Verdict Prover::judge(Open& open, bool& finest) {
   };
   // An interval of the motion m shall be cut until m + goal is no more than the distance.
   const auto cut_for = [&](double distance) {
-    const double room = std::max(distance - pair.padding - goal, 0.1 * motion);
+    if (finest) return Verdict::open;
+    const double room = std::max(distance - pair.padding - this->goal(), 0.1 * motion);
     open.levels = std::clamp(static_cast<int>(std::log2(motion / room)), 0, most_levels);
     return Verdict::open;
   };
-  if (apart > margin) return prove(apart - pair.padding - motion - NarrowPhase::tolerance);
   finest = motion < Checker::motion_floor;
+  if (apart > margin) return prove(apart - pair.padding - motion - NarrowPhase::tolerance);
   // The middle of a body is hardly farther than this; no need to ask what cannot be proved.
   if (!finest && motion + goal > apart + 2.0 * workspace_.body_a(pair).bounds.radius) {
     if (apart > pair.padding || !workspace_.in_contact(pair, false)) return cut_for(apart + motion / 2.0);
@@ -248,7 +252,9 @@ Prover::Verdict Prover::judge(Open& open, bool& finest) {
   if (found == infinity) return prove(goal);
   if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, touching);
   if (meet(pair, found) == Verdict::contact) return Verdict::contact;
-  if ((finest || pair.solid) && found > margin - goal) return prove(found - pair.padding - motion - NarrowPhase::tolerance);
+  // What is left of it is the pair's distance then: one that is only of two of its points is less than the motion.
+  const double left = found - pair.padding - motion - NarrowPhase::tolerance;
+  if (left > (finest ? 0.0 : this->goal())) return prove(left);
   return cut_for(found);
 }
 
@@ -265,7 +271,7 @@ void Prover::leave(const Interval& interval, std::uint32_t pair) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  if (deadline_ && deadline_->stop_requested()) {
+  if (looks_ >= most_looks || (deadline_ && deadline_->stop_requested())) {
     for (std::size_t i = first; i < first + count; ++i) leave(interval, open_[i].pair);
     return true;
   }
@@ -273,6 +279,7 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
   const auto begin = open_.begin() + static_cast<std::ptrdiff_t>(first);
   const bool look = std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due);
   if (look) {
+    ++looks_;
     pieces_.range(interval, middle_, time_, change_);
     workspace_.place_in_range(middle_, change_);
     std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
@@ -320,7 +327,8 @@ MotionProof Prover::run() {
     for (std::uint32_t i = 0; i < pairs.size(); ++i) open_.push_back({i, 0});
     free = prove({0, last}, 0, pairs.size());
   }
-  MotionProof proof{free, least_, nearest_time_, "", "", free ? std::min(proved_, std::max(least_, 0.0)) : 0.0, {}};
+  const double most = std::max(least_ - NarrowPhase::tolerance, 0.0);  // one row is proved by what it was found to have
+  MotionProof proof{free, least_, nearest_time_, "", "", free ? std::min(proved_, most) : 0.0, {}};
   if (nearest_) {
     proof.body_a = workspace_.body_a(*nearest_).name;
     proof.body_b = workspace_.body_b(*nearest_).name;
@@ -341,12 +349,20 @@ void require_motion(const CubicMotion& motion, std::size_t dof) {
   if (static_cast<std::size_t>(motion.positions.cols()) != dof)
     throw InvalidArgument("motion: its rows have " + std::to_string(motion.positions.cols()) + " joints, but " +
                           std::to_string(dof) + " are planned");
-  if (!motion.positions.allFinite() || !motion.velocities.allFinite() || !motion.times.allFinite())
-    throw InvalidArgument("motion: it holds NaN or infinity");
+  if (motion.velocities.rows() > 0 && motion.velocities.cols() != motion.positions.cols())
+    throw InvalidArgument("motion: its velocities have " + std::to_string(motion.velocities.cols()) +
+                          " joints, but its positions " + std::to_string(motion.positions.cols()));
+  const auto require_finite = [](bool finite) {
+    if (!finite) throw InvalidArgument("motion: it holds NaN, infinity or numbers that overflow");
+  };
+  const auto small = [](const auto& rows) { return (rows.array().abs() < largest).all(); };  // NaN is not
+  require_finite(motion.times.allFinite() && small(motion.positions) && motion.velocities.allFinite());
   for (Eigen::Index i = 1; i < n; ++i)
     if (motion.times[i] <= motion.times[i - 1])
       throw InvalidArgument("motion: time " + std::to_string(i) + " is " + to_text(motion.times[i]) +
                             " s, not after the one before (" + to_text(motion.times[i - 1]) + " s)");
+  for (Eigen::Index i = 1; i < motion.velocities.rows(); ++i)
+    require_finite(small((motion.times[i] - motion.times[i - 1]) * motion.velocities.middleRows(i - 1, 2)));
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ struct MotionProof {
 };
 
 struct ProofOptions {
-  /// The proof goes on until `proved` is at least this share of `clearance`, in [0, 1). 0: until the motion is proved
-  /// free; nothing is then said of the clearance.
+  /// The proof goes on until `proved` is at least this share of `clearance`, or within 25 µm of it, in [0, 1). 0: until
+  /// the motion is proved free; nothing is then said of the clearance.
   double tightness{0.5};
   const Deadline* deadline{};  ///< once it passes, all that is open goes to `unproved`; null: none
 };
@@ -44,11 +44,12 @@ struct ProofOptions {
 /// coefficients and the kinematic tree), bounds their distance all through it; intervals where that is not enough are
 /// halved (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004).
 /// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`, and so does all that is open
-/// when time is up.
+/// when time is up, or after 200 000 configurations.
 ///
 /// No balls, no tables and no code of Checker::is_motion_free have a say; with a checker of CheckMode::coal no pair was
 /// left out by them either. The answer depends on the arguments alone. Stops at the first contact. Throws
-/// InvalidArgument for no rows, sizes that do not match Checker::dof, NaN, and times that do not increase.
+/// InvalidArgument for no rows, sizes that do not match Checker::dof, NaN, positions beyond 1e100, and times that do
+/// not increase.
 MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Checker::Workspace& workspace,
                          const ProofOptions& options = {});
 

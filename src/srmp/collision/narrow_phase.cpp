@@ -16,6 +16,8 @@ namespace {
 
 coal::Transform3s transform(const Eigen::Isometry3d& pose) { return {pose.linear(), pose.translation()}; }
 
+constexpr double farthest = 1e4;  // [m] that formulas are asked for
+
 /// Octrees are stored in single precision; their boxes are too, by this share.
 constexpr double single_precision = 1e-6;
 
@@ -157,6 +159,7 @@ struct NarrowPhase::Impl {
   coal::Box box{1, 1, 1};
 
   double run_gjk(const Eigen::Vector3d& guess, double margin);
+  double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_piece(const Placed& solid, const PieceTree& tree, std::size_t piece, const Eigen::Isometry3d& to_tree,
                         PieceShape& shape, double margin);
   double solid_to_node(const Placed& solid, const PieceTree::Node& node, const Eigen::Isometry3d& to_tree,
@@ -198,20 +201,25 @@ double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
 
 double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin) {
   Impl& impl = *impl_;
-  margin = std::min(margin, farthest);  // formulas give the distance less the margin, which infinity would swallow
-  if (formula < 0) {
-    impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry),
-                        static_cast<const coal::ShapeBase*>(b.geometry), transform(a.pose), transform(b.pose));
-    return impl.run_gjk(first_guess(a, b), margin);
+  if (formula >= 0) {
+    // Formulas give the distance less the margin, which a very large one would swallow.
+    const double found = impl.by_formula(formula, a, b, std::min(margin, farthest));
+    if (found < infinity || margin <= farthest) return found;
   }
-  const Functor& functor = *impl.formulas[static_cast<std::size_t>(formula)];
+  impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry), static_cast<const coal::ShapeBase*>(b.geometry),
+                      transform(a.pose), transform(b.pose));
+  return impl.run_gjk(first_guess(a, b), margin);
+}
+
+double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {
+  const Functor& functor = *formulas[static_cast<std::size_t>(formula)];
   functor.point_at(a.geometry, b.geometry);
-  set_guess(impl.request, a, b);
-  impl.request.security_margin = margin;
-  impl.request.distance_upper_bound = margin + contact_distance;
-  impl.result.clear();
-  if (functor(transform(a.pose), transform(b.pose), impl.request, impl.result) == 0) return infinity;
-  return std::max(0.0, impl.result.distance_lower_bound + margin);
+  set_guess(request, a, b);
+  request.security_margin = margin;
+  request.distance_upper_bound = margin + contact_distance;
+  result.clear();
+  if (functor(transform(a.pose), transform(b.pose), request, result) == 0) return infinity;
+  return std::max(0.0, result.distance_lower_bound + margin);
 }
 
 double NarrowPhase::pieces(const Placed& a, const Placed& b, double margin, double enough) {

@@ -64,8 +64,6 @@ class NarrowPhase {
   /// A pair reported farther apart than a margin may be nearer by this much [m], contact_distance included.
   static constexpr double tolerance = 2e-6;
 
-  static constexpr double farthest = 1e4;  ///< [m]; solids farther apart have no distance
-
   /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
   double solids(int formula, const Placed& a, const Placed& b, double margin);
   /// The same for two geometries of which at least one is in pieces: branch and bound over the trees. May return any

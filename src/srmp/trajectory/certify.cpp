@@ -14,6 +14,8 @@ namespace srmp {
 namespace {
 
 constexpr double limit_tolerance = 1e-6;  // of a limit
+constexpr double largest = 1e100;         // beyond it, squares overflow
+constexpr double narrowest = 1e-9;        // [rad or m] half a joint's range, where both limits are the same
 constexpr double rest_tolerance = 1e-6;   // [rad/s or m/s]
 
 std::string place(double time, Eigen::Index row) {
@@ -37,7 +39,7 @@ class Certifier {
 
   Certificate run() {
     result_.limits = limits_;
-    if (names_agree() && shapes_agree() && numbers_are_finite() && times_increase()) {
+    if (names_agree() && shapes_agree() && numbers_are_finite() && times_increase() && polynomials_are_finite()) {
       check_limits();
       check_rest();
       check_deviation();
@@ -110,14 +112,31 @@ class Certifier {
     return detail::hermite(a, t_.velocities(row, joint), b, t_.velocities(row + 1, joint), h);
   }
 
+  /// Rows too near in time, or too fast: no claim could be made of such a motion.
+  bool polynomials_are_finite() {
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
+      for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
+        const detail::Cubic p = piece(row, j);
+        const auto small = [](double x) { return std::abs(x) < largest; };
+        if (!std::all_of(p.c.begin(), p.c.end(), small) || !small(p.h * p.c[1]) || !small(p.h * p.velocity(p.h)) ||
+            !small(p.position(p.h)))
+          return fault(FaultKind::not_finite,
+                       "the polynomial of " + t_.joint_names[static_cast<std::size_t>(j)] + " overflows between rows " +
+                           std::to_string(row) + " and " + std::to_string(row + 1),
+                       t_.times[row]);
+      }
+    return true;
+  }
+
   void check_limits() {
     for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) check_limits_of(j);
   }
 
   void check_limits_of(Eigen::Index j) {
     const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
-    const double middle = (joint.lower + joint.upper) / 2.0, half = (joint.upper - joint.lower) / 2.0;
-    const bool bounded = std::isfinite(half) && half > 0.0;
+    const double middle = (joint.lower + joint.upper) / 2.0;
+    const double half = std::max((joint.upper - joint.lower) / 2.0, narrowest);
+    const bool bounded = std::isfinite(half);
     Worst position, velocity, acceleration, jerk;
     const auto at = [&](double q, double time, Eigen::Index row) {
       if (bounded) position.take(std::abs(q - middle) / half, q, time, row);
@@ -271,10 +290,9 @@ class Certifier {
 
   void check_collisions() {
     result_.collisions_checked = true;
-    const double end = t_.times[t_.times.size() - 1];
-    result_.checked_from = std::clamp(options_.free_from, t_.times[0], end);
     Eigen::Index first = 0;
-    while (first + 1 < t_.times.size() && t_.times[first] < result_.checked_from) ++first;
+    while (first + 1 < t_.times.size() && t_.times[first] < options_.free_from) ++first;
+    result_.checked_from = t_.times[first];
     const Eigen::Index rows = t_.times.size() - first;
     const Eigen::VectorXd times = t_.times.tail(rows);
     const auto workspace = checker_.make_workspace();
