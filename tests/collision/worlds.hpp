@@ -48,7 +48,7 @@ inline std::shared_ptr<const RobotModel> balls() {
   std::string& text = description.urdf_text;
   for (std::size_t at; (at = text.find(start)) != std::string::npos;) {
     std::string row;
-    for (const char* x : {"0.1", "0.3", "0.5", "0.7", "0.9"})
+    for (const char* x : {"0.1", "0.3", "0.50", "0.7", "0.9"})
       row += std::string("<collision><origin xyz='") + x +
              " 0 0'/><geometry><sphere radius='0.05'/></geometry></collision>";
     text.replace(at, text.find("</collision>", at) + 12 - at, row);
