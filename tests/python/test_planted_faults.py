@@ -58,7 +58,7 @@ def acceleration_between_samples(motion):
 
 def position_between_samples(motion):
     row = even_pieces(motion)[0]
-    motion["positions"][row : row + 2, 3] = 2.35 - 1e-4  # of 2.35
+    motion["positions"][row : row + 2, 3] = 2.4 - 1e-4  # of 2.4
     motion["velocities"][row : row + 2, 3] = [1.0, -1.0]
 
 
@@ -125,11 +125,14 @@ def a_detour(motion):
 NAMED = [
     (velocity_between_samples, "velocity_limit: {joint}: the velocity reaches {number} at {between}; its limit is"),
     (acceleration_between_samples, "acceleration_limit: arm7_joint7: the acceleration reaches {number} at {between}"),
-    (position_between_samples, r"position_limit: arm7_joint4: the position is 2.35\d+ at {between}; its limits are \["),
+    (position_between_samples, r"position_limit: arm7_joint4: the position is 2.40\d+ at {between}; its limits are \["),
     (collision_between_samples, r"collision: link '\w+' and object '\w+' overlap by {number} mm at {number} s"),
     (names_permuted, "joint_names: the joints are in another order: 'arm7_joint1', 'arm7_joint3', 'arm7_joint2'"),
     (names_of_another_robot, "joint_names: the joints are 'arm8_joint1'"),
-    (columns_permuted, "joint_names: the columns are in another order than the joint names: {joint}: the trajectory starts at {number}"),
+    (
+        columns_permuted,
+        "joint_names: the columns are in another order than the joint names: {joint}: the trajectory starts at {number}",
+    ),
     (time_stands_still, r"times: time stands still from row 6 \({number} s\) to row 7 \({number} s\)"),
     (time_runs_back, r"times: time runs back from row 6 \({number} s\) to row 7 \({number} s\)"),
     (a_jump, "velocity_limit: arm7_joint6: the velocity reaches {number} at {between}; its limit is 3"),
