@@ -2,24 +2,37 @@
 
 import importlib.util
 import json
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import srmp
 from srmp.cli import main
 
-RECHECK = Path(__file__).parents[2] / "bench" / "suites" / "recheck_mbm.py"
+SUITES = Path(__file__).parents[2] / "bench" / "suites"
+
+
+def suite(name):
+    for package in ("pinocchio", "coal", "yaml"):
+        pytest.importorskip(package, reason=f"the re-check needs {package}: pip install 'srmp[test]'")
+    spec = importlib.util.spec_from_file_location(name, SUITES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture(scope="module")
 def recheck():
-    for package in ("pinocchio", "coal", "yaml"):
-        pytest.importorskip(package, reason=f"the re-check needs {package}: pip install 'srmp[test]'")
-    spec = importlib.util.spec_from_file_location("recheck_mbm", RECHECK)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return suite("recheck_mbm")
+
+
+@pytest.fixture(scope="module")
+def certificates(recheck):  # which it builds on
+    return suite("certificates")
 
 
 def bench(mbm_dir, out, robot, problems):
@@ -53,3 +66,37 @@ def test_the_recheck_finds_collisions(mbm_dir, recheck):
     faults = recheck.recheck({"header": {"options": {"robot": "panda", "geometry": "urdf"}}, "rows": [row]}, mbm_dir)
     assert len(faults) == 2
     assert "touch on the path" in faults[0]
+
+
+def test_certificates_hold_for_others_too(mbm_dir, certificates):
+    result = certificates.run(str(mbm_dir), "panda", "urdf", "4", ["box", "table_pick"])
+    assert len(result["rows"]) == 2
+    for row in result["rows"]:
+        assert row["status"] == "solved"
+        assert row["holds"]
+        assert row["proved_free"]
+        assert 0 < row["clearance_proved_m"] <= row["clearance_m"]
+        assert row["contradictions"] == []
+    assert "2/2" in certificates.table(result).splitlines()[-1]
+
+
+def test_others_find_what_is_wrong_with_a_trajectory(mbm_dir, certificates, recheck):
+    world = recheck.World(mbm_dir / "panda", "panda", mbm_dir / "panda" / "panda.urdf", "box/0001")
+    names, rest = [f"panda_joint{i}" for i in range(1, 8)], [0.0, -0.9, 0.0, -2.0, 0.0, 1.5, 0.8]
+
+    def motion(change, seconds):
+        q = np.array([rest, rest])
+        q[1] += change
+        return srmp.Trajectory(names, q, times=[0, seconds], velocities=np.zeros((2, 7)))
+
+    turn, fall, off = (np.eye(7)[j] * by for j, by in ((6, -0.5), (1, 1.5), (3, 2.5)))
+    assert certificates.contradictions(world, motion(turn, 5)) == []
+    fast = certificates.contradictions(world, motion(turn, 0.25))
+    assert [text.split(" is above")[0] for text in fast] == [
+        "panda_joint7: velocity 3",
+        "panda_joint7: acceleration 48",
+    ]
+    assert "touch at" in certificates.contradictions(world, motion(fall, 30))[-1]
+    assert "panda_joint4: position from -2 to 0.5 leaves [-3.1416, 0.0873]" in certificates.contradictions(
+        world, motion(off, 60)
+    )

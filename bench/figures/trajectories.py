@@ -1,0 +1,71 @@
+"""The pictures of docs/trajectories.md.
+
+python bench/figures/trajectories.py [FOLDER, default: docs]
+
+Writes rounded-corner.png and profiles.png. Needs matplotlib (pip install ".[bench]").
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
+
+import srmp
+from srmp import demo
+
+WAYPOINTS = np.array([[0.0, 0.0], [0.15, 0.0], [0.2, 0.12]])  # two joints [rad], each of which reaches 1 m
+LIMITS = srmp.MotionLimits([1.0, 1.0], [3.0, 3.0], [50.0, 50.0])
+BLENDS = {0.0: "stop at the corner", 0.005: "5 mm", 0.02: "20 mm"}
+
+
+def rounded_corner(path: Path) -> None:
+    figure, (way, speed) = plt.subplots(1, 2, figsize=(9.0, 3.4), layout="constrained")
+    way.plot(*WAYPOINTS.T, "-", color="0.75", linewidth=5, solid_capstyle="round", label="checked path")
+    for blend, name in BLENDS.items():
+        motion = srmp.time_parameterize(WAYPOINTS, ["a", "b"], LIMITS, blend_deviation=blend)
+        times = np.linspace(0.0, motion.duration, 2000)
+        positions, velocities, _, _ = motion.state(times)
+        (line,) = way.plot(*positions.T, linewidth=1.3)
+        way.plot(*motion.positions.T, ".", color=line.get_color(), markersize=5)
+        speed.plot(
+            times, np.linalg.norm(velocities, axis=1), color=line.get_color(), label=f"{name}: {times[-1]:.2f} s"
+        )
+    way.set(
+        xlabel="joint a [rad]", ylabel="joint b [rad]", xlim=(0.09, 0.19), ylim=(-0.008, 0.06), title="around a corner"
+    )
+    way.set_aspect("equal")
+    way.legend(loc="upper left", frameon=False)
+    speed.set(
+        xlabel="time [s]", ylabel="speed [rad/s]", ylim=(0, 0.95), title="the less it leaves the path, the slower"
+    )
+    speed.legend(loc="upper left", ncols=2, frameon=False)
+    figure.savefig(path, dpi=110)
+
+
+def profiles(path: Path) -> None:
+    demo.run().trajectory.plot(str(path), title="srmp demo")
+
+
+def shrink(path: Path, width: int) -> None:
+    """Few colours will do."""
+    with Image.open(path) as image:
+        small = image.convert("RGB").resize(
+            (width, round(image.height * width / image.width)), Image.Resampling.LANCZOS
+        )
+    small.quantize(64).save(path, optimize=True)
+
+
+def main() -> None:
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs")
+    rounded_corner(folder / "rounded-corner.png")
+    profiles(folder / "profiles.png")
+    for name in ("rounded-corner.png", "profiles.png"):
+        shrink(folder / name, 900)
+
+
+if __name__ == "__main__":
+    main()
