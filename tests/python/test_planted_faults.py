@@ -131,7 +131,8 @@ NAMED = [
     (names_of_another_robot, "joint_names: the joints are 'arm8_joint1'"),
     (
         columns_permuted,
-        "joint_names: the columns are in another order than the joint names: {joint}: the trajectory starts at {number}",
+        "joint_names: the columns are in another order than the joint names: "
+        "{joint}: the trajectory starts at {number}",
     ),
     (time_stands_still, r"times: time stands still from row 6 \({number} s\) to row 7 \({number} s\)"),
     (time_runs_back, r"times: time runs back from row 6 \({number} s\) to row 7 \({number} s\)"),

@@ -47,7 +47,8 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     timed = srmp.time_parameterize(
         positions, planner.get_joint_names("arm"), srmp.default_limits(q), method="ruckig", is_free=lambda a, b: True
     )
-    certificate: srmp.Certificate = srmp.verify(planner, timed, start=q, goals=[goal], limits=planner.motion_limits("arm"))
+    limits: srmp.MotionLimits = planner.motion_limits("arm")
+    certificate: srmp.Certificate = srmp.verify(planner, timed, start=q, goals=[goal], limits=limits)
     if not planner.verify("arm", timed, jerk=True, max_deviation=0.01).holds:
         print(unused, certificate.to_dict()["clearance"])
     solutions: NDArray[np.float64] = planner.compute_ik("arm", planner.compute_fk("arm", positions[-1]))
