@@ -37,7 +37,7 @@ BOOST_AUTO_TEST_CASE(from_a_state_near_a_target_to_a_configuration_that_meets_it
   const std::vector<GoalConstraint> goals{GoalConstraint::joints(Eigen::Vector3d::Zero()),
                                           GoalConstraint::position(world({0.0, -2.0, 0.0})),
                                           GoalConstraint::position(world(tip_at(bent)))};
-  const GoalSnap snap = make_ik_snap(*robot, base, goals, steps);
+  const GoalSnap snap = make_ik_snap({robot, base}, goals, steps);
   const Eigen::Vector3d near = bent + Eigen::Vector3d(0.15, -0.1, 0.2);
   const auto found = snap(near);
   BOOST_REQUIRE_EQUAL(found.size(), 1);
@@ -58,16 +58,16 @@ BOOST_AUTO_TEST_CASE(poses_want_the_orientation_too_unless_it_is_free) {
   const double elbow = 2.0 * std::acos(wrist.norm() / 2.0), first = std::atan2(wrist.y(), wrist.x()) - elbow / 2.0;
   const Eigen::Vector3d turned(first, elbow, angle - first - elbow);
   BOOST_REQUIRE_LT((tip_at(turned) - there.p).norm(), 1e-9);
-  BOOST_CHECK(make_ik_snap(*robot, {}, {goal}, steps)(turned).empty());
+  BOOST_CHECK(make_ik_snap({robot}, {goal}, steps)(turned).empty());
   goal.rotation_tolerance = {0.01, 0.01, search::infinity};
-  BOOST_CHECK_EQUAL(make_ik_snap(*robot, {}, {goal}, steps)(turned).size(), 1);
-  const auto near = make_ik_snap(*robot, {}, {GoalConstraint::pose(there)}, steps)(bent + steps / 3);
+  BOOST_CHECK_EQUAL(make_ik_snap({robot}, {goal}, steps)(turned).size(), 1);
+  const auto near = make_ik_snap({robot}, {GoalConstraint::pose(there)}, steps)(bent + steps / 3);
   BOOST_REQUIRE_EQUAL(near.size(), 1);
   BOOST_CHECK_LT((near[0].q - bent).norm(), 1e-3);  // three joints for three axes: no other is near
 }
 
 BOOST_AUTO_TEST_CASE(joint_goals_have_none) {
-  BOOST_CHECK(!make_ik_snap(*robots::planar3(), {}, {GoalConstraint::joints(bent)}, steps));
+  BOOST_CHECK(!make_ik_snap({robots::planar3()}, {GoalConstraint::joints(bent)}, steps));
 }
 
 BOOST_AUTO_TEST_CASE(a_search_ends_where_the_known_configurations_cannot_be_reached) {

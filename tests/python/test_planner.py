@@ -399,3 +399,28 @@ def test_typed_options_equal_the_library_defaults():
 def test_print_available_planners(arm, capsys):
     arm.print_available_planners()
     assert "ARAstar" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("heuristic", ["joint_euclidean", "bfs"])
+def test_joints_that_are_not_planned_count_where_they_stand(arm, ready, heuristic):
+    turned = srmp.PlannerInterface()
+    turned.add_articulation(
+        urdf_path=srmp.data_path("arm7.urdf"),
+        srdf_path=srmp.data_path("arm7.srdf"),
+        name="arm",
+        end_effector="arm7_hand",
+        joint_names=arm.get_joint_names("arm")[1:],
+    )
+    turned.set_joint_positions("arm", {"arm7_joint1": 0.7})
+    whole = np.concatenate([[0.7], ready[1:]])
+    assert turned.compute_fk("arm", ready[1:]) == arm.compute_fk("arm", whole)
+    np.testing.assert_array_equal(turned.compute_jacobian("arm", ready[1:]), arm.compute_jacobian("arm", whole)[:, 1:])
+    target = arm.compute_fk("arm", whole + np.array([0, 0.3, -0.2, 0.2, 0.1, 0, 0]))
+    for q in turned.compute_ik("arm", target):
+        assert np.linalg.norm(arm.compute_fk("arm", np.concatenate([[0.7], q])).p - target.p) < 1e-4
+    turned.make_planner("arm", srmp.WAStar(heuristic=heuristic))
+    trajectory = turned.plan("arm", ready[1:], srmp.GoalConstraint(srmp.GoalType.POSE, target))
+    end = np.concatenate([[0.7], trajectory.positions[-1]])
+    assert np.linalg.norm(arm.compute_fk("arm", end).p - target.p) < 1e-4
+    assert trajectory.certificate.goal_error <= 1
+    np.testing.assert_allclose(trajectory.end_effector_path()[-1], target.p, atol=1e-4)

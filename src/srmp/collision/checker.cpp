@@ -102,6 +102,7 @@ Checker::~Checker() = default;
 const RobotModel& Checker::robot() const { return impl_->group.model(0); }
 std::size_t Checker::dof() const { return impl_->group.joints().size(); }
 const Pose& Checker::base() const { return impl_->group.instance(0).base; }
+const Eigen::VectorXd& Checker::other_positions() const { return impl_->group.instance(0).other_positions; }
 CheckMode Checker::mode() const { return impl_->mode; }
 
 /// The axes keep their distances as the joints turn, so a body is no farther from an axis than along the chain of axes

@@ -102,6 +102,7 @@ class Checker {
   const RobotModel& robot() const;
   std::size_t dof() const;  ///< of a configuration: the robot's and its companions'
   const Pose& base() const;
+  const Eigen::VectorXd& other_positions() const;  ///< where the robot's joints that are not planned stand
   CheckMode mode() const;
   /// dof entries: how far a unit of each joint moves any point of the robots, or of what they hold, at most, wherever
   /// the joints stand within their limits [m/rad; prismatic joints 1].

@@ -15,13 +15,13 @@ struct SnapTarget {
 
 class IkSnap {
  public:
-  IkSnap(const RobotModel& robot, const Eigen::VectorXd& step)
-      : robot_(robot),
+  IkSnap(const PlacedRobot& robot, const Eigen::VectorXd& step)
+      : robot_(*robot.model),
         step_(step),
-        tip_(robot.link_index(robot.end_effector())),
-        data_(robot.make_data().release(), RobotDataDeleter{}) {
-    for (std::size_t j = 0; j < robot.dof(); ++j) {
-      const bool prismatic = robot.joints()[j].kind == JointKind::prismatic;
+        tip_(robot_.link_index(robot_.end_effector())),
+        data_(robot_.make_data(robot.other_positions).release(), RobotDataDeleter{}) {
+    for (std::size_t j = 0; j < robot_.dof(); ++j) {
+      const bool prismatic = robot_.joints()[j].kind == JointKind::prismatic;
       double& largest = prismatic ? slide_ : turn_;
       largest = std::max(largest, step[static_cast<Eigen::Index>(j)]);
     }
@@ -71,25 +71,25 @@ class IkSnap {
 
 }  // namespace
 
-IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const Pose& base) {
+IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot) {
   const bool position_only = goal.type == GoalType::position;
   const Pose world = position_only ? Pose{target, Eigen::Quaterniond::Identity()}
                                    : Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
-  IkGoal result{base.inverse() * world, {}};
+  IkGoal result{robot.base.inverse() * world, {}};
   IkOptions& options = result.options;
+  options.other_positions = robot.other_positions;
   options.position_tolerance = goal.position_tolerance.tightened(options.position_tolerance.axes[0]);
   options.rotation_tolerance = position_only ? AxisTolerance(search::infinity)
                                              : goal.rotation_tolerance.tightened(options.rotation_tolerance.axes[0]);
   return result;
 }
 
-GoalSnap make_ik_snap(const RobotModel& robot, const Pose& base, const std::vector<GoalConstraint>& goals,
-                      const Eigen::VectorXd& step) {
+GoalSnap make_ik_snap(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals, const Eigen::VectorXd& step) {
   IkSnap snap(robot, step);
   int number = 0;
   for (const GoalConstraint& goal : goals)
     for (const Eigen::VectorXd& target : goal.targets) {
-      if (goal.type != GoalType::joints) snap.add(ik_goal(goal, target, base), number);
+      if (goal.type != GoalType::joints) snap.add(ik_goal(goal, target, robot), number);
       ++number;
     }
   if (snap.empty()) return {};

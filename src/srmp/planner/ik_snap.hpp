@@ -4,6 +4,7 @@
 
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/planner/goal.hpp"
+#include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
 
@@ -13,15 +14,15 @@ struct IkGoal {
   IkOptions options;  ///< met as closely as IkOptions' defaults say, or more loosely along free axes only
 };
 
-/// Of a goal that is no joint goal; `base` is the robot's pose in the world.
-IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const Pose& base);
+/// Of a goal that is no joint goal.
+IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot);
 
 /// For states whose end effector is near a pose or position target: the configuration that inverse kinematics, started
 /// from that very state, finds there. Near is what a lattice step makes good: the position is missed by no more than
 /// one `step` of a revolute joint at the target's distance from the base (and one of a prismatic joint), the
 /// orientation by no more than two. No joint of the answer is more than two steps away. SnapGoal::goal counts all
 /// targets of all goals. Empty, and so free of charge, when all goals are joint goals.
-GoalSnap make_ik_snap(const RobotModel& robot, const Pose& base, const std::vector<GoalConstraint>& goals,
+GoalSnap make_ik_snap(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
                       const Eigen::VectorXd& step);
 
 }  // namespace srmp

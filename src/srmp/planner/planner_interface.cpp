@@ -289,14 +289,16 @@ std::vector<std::string> PlannerInterface::get_link_names(const std::string& rob
 
 Pose PlannerInterface::compute_fk(const std::string& robot, ConstVector q, const std::string& link) const {
   impl_->require_state(robot, q);
-  return impl_->scene.robot(robot).base * impl_->model(robot).compute_fk(q, link);
+  const RobotInstance& instance = impl_->scene.robot(robot);
+  return instance.base * instance.model->compute_fk(q, link, instance.other_positions);
 }
 
 Eigen::MatrixXd PlannerInterface::compute_jacobian(const std::string& robot, ConstVector q,
                                                    const std::string& link) const {
   impl_->require_state(robot, q);
-  Eigen::MatrixXd jacobian = impl_->model(robot).compute_jacobian(q, link);
-  const Eigen::Matrix3d rotation = impl_->scene.robot(robot).base.q.toRotationMatrix();
+  const RobotInstance& instance = impl_->scene.robot(robot);
+  Eigen::MatrixXd jacobian = instance.model->compute_jacobian(q, link, instance.other_positions);
+  const Eigen::Matrix3d rotation = instance.base.q.toRotationMatrix();
   jacobian.topRows<3>() = rotation * jacobian.topRows<3>().eval();
   jacobian.bottomRows<3>() = rotation * jacobian.bottomRows<3>().eval();
   return jacobian;
@@ -307,7 +309,9 @@ std::vector<Eigen::VectorXd> PlannerInterface::compute_ik(const std::string& rob
                                                           const IkOptions& options, const std::string& link) const {
   const RobotInstance& instance = impl_->scene.robot(robot);
   if (reference) instance.model->require_configuration(*reference, "reference of '" + robot + "'");
-  return inverse_kinematics(*instance.model, instance.base.inverse() * target, reference.value_or(instance.q), options,
+  IkOptions here = options;
+  if (here.other_positions.size() == 0) here.other_positions = instance.other_positions;
+  return inverse_kinematics(*instance.model, instance.base.inverse() * target, reference.value_or(instance.q), here,
                             link);
 }
 

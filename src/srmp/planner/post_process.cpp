@@ -86,7 +86,7 @@ class PostProcess {
     if (!judge_) judge_.emplace(problem_.scene, problem_.robot, CheckerOptions{.mode = CheckMode::coal});
     Certificate certificate = certify(numbered, *judge_, scaled_limits(), options);
     const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
-    certificate.goal_error = goal_miss(problem_.goals, problem_.checker.robot(), problem_.checker.base(), end).error;
+    certificate.goal_error = goal_miss(problem_.goals, problem_.checker, end).error;
     certificate.bound = statistics_.bound;
     certificate.bound_graph = statistics_.bound_graph;
     statistics_.verification_time_s += until_.elapsed() - start;

@@ -170,7 +170,7 @@ class SingleRobotPlan {
         ++index;
         stop_if_late("the search for goal configurations");
       }
-    if (common_.ik_snap) goal_snap_ = make_ik_snap(robot_, problem_.checker.base(), problem_.goals, lattice_step());
+    if (common_.ik_snap) goal_snap_ = make_ik_snap(*problem_.placed, problem_.goals, lattice_step());
     if (targets_.empty())
       fail(Status::goal_invalid,
            (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
@@ -179,7 +179,7 @@ class SingleRobotPlan {
   std::vector<Eigen::VectorXd> configurations(const GoalConstraint& goal, const Eigen::VectorXd& target,
                                               std::string& why) {
     if (goal.type == GoalType::joints) return {robot_.clamped(target, start_mercy)};
-    auto [in_base, options] = ik_goal(goal, target, problem_.checker.base());
+    auto [in_base, options] = ik_goal(goal, target, *problem_.placed);
     options.max_solutions = common_.ik_solutions;
     auto found = inverse_kinematics(robot_, in_base, start_, options, "", deadline_);
     if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
@@ -305,7 +305,8 @@ class SingleRobotPlan {
 
   AnyHeuristic bfs_heuristic(Lattice& lattice, double resolution) {
     const PhaseTimer timer(deadline_, statistics_.heuristic_time_s);
-    const std::shared_ptr<RobotData> data(robot_.make_data().release(), RobotDataDeleter{});
+    const std::shared_ptr<RobotData> data(robot_.make_data(problem_.placed->other_positions).release(),
+                                          RobotDataDeleter{});
     const std::size_t link = robot_.link_index(robot_.end_effector());
     const Pose base = problem_.checker.base();
     const auto tip = [this, data, link, base](const Eigen::VectorXd& q) -> Eigen::Vector3d {

@@ -16,10 +16,10 @@ double share_of(const Eigen::Vector3d& miss, const AxisTolerance& tolerance) {
   return (miss.cwiseAbs().array() / tolerance.axes.array()).maxCoeff();
 }
 
-double miss_of(const GoalConstraint& goal, const Eigen::VectorXd& target, const RobotModel& robot, const Pose& base,
-               ConstVector q) {
+double miss_of(const GoalConstraint& goal, const Eigen::VectorXd& target, const Checker& checker, ConstVector q) {
+  const RobotModel& robot = checker.robot();
   if (goal.type == GoalType::joints) return robot.difference(q, target).cwiseAbs().maxCoeff();
-  const Pose hand = base * robot.compute_fk(q);
+  const Pose hand = checker.base() * robot.compute_fk(q, "", checker.other_positions());
   if (goal.type == GoalType::position) return share_of(hand.p - target.head<3>(), goal.position_tolerance);
   const Pose wanted(target.head<3>(), Eigen::Quaterniond(target[6], target[3], target[4], target[5]));
   const Pose off = wanted.inverse() * hand;
@@ -54,7 +54,7 @@ void check_start(const Trajectory& trajectory, const RobotModel& robot, const Ei
 void check_goal(const Trajectory& trajectory, const Checker& checker, const std::vector<GoalConstraint>& goals,
                 Certificate& certificate) {
   const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
-  const GoalMiss miss = goal_miss(goals, checker.robot(), checker.base(), end);
+  const GoalMiss miss = goal_miss(goals, checker, end);
   certificate.goal_error = miss.error;
   if (!(miss.error > miss.allowed)) return;
   certificate.faults.push_back({FaultKind::goal,
@@ -66,13 +66,13 @@ void check_goal(const Trajectory& trajectory, const Checker& checker, const std:
 
 }  // namespace
 
-GoalMiss goal_miss(const std::vector<GoalConstraint>& goals, const RobotModel& robot, const Pose& base, ConstVector q) {
+GoalMiss goal_miss(const std::vector<GoalConstraint>& goals, const Checker& checker, ConstVector q) {
   GoalMiss best;
   double least = std::numeric_limits<double>::infinity();
   int index = 0;
   for (const GoalConstraint& goal : goals)
     for (const Eigen::VectorXd& target : goal.targets) {
-      const double error = miss_of(goal, target, robot, base, q);
+      const double error = miss_of(goal, target, checker, q);
       const double allowed = goal.type == GoalType::joints ? joint_tolerance : 1.0;
       if (error / allowed < least) {
         least = error / allowed;

@@ -26,7 +26,7 @@ struct GoalMiss {
   double allowed{};
   int goal_index{-1};
 };
-GoalMiss goal_miss(const std::vector<GoalConstraint>& goals, const RobotModel& robot, const Pose& base, ConstVector q);
+GoalMiss goal_miss(const std::vector<GoalConstraint>& goals, const Checker& checker, ConstVector q);
 
 /// certify, and whether the trajectory begins and ends where it should. Throws InvalidArgument for options out of
 /// range.

@@ -37,7 +37,7 @@ class Solver {
         target_(target.isometry()),
         options_(options),
         link_(link),
-        data_(robot.make_data()),
+        data_(robot.make_data(options.other_positions)),
         jacobian_(6, reference.size()),
         step_(reference.size()),
         reference_(reference),

@@ -33,6 +33,7 @@ struct IkOptions {
   AxisTolerance position_tolerance{1e-5};  ///< [m], > 0
   AxisTolerance rotation_tolerance{1e-4};  ///< [rad], > 0; infinity: position only
   double distinct{0.05};                   ///< solutions nearer than this (largest joint difference [rad or m]) are one
+  Eigen::VectorXd other_positions{};       ///< of RobotModel::other_joints [rad or m]; empty: at their defaults
 };
 
 /// Configurations that put `link` ("" = end effector) at `target` (robot base frame), but for the axes that are free:

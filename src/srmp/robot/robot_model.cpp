@@ -117,18 +117,25 @@ void RobotModel::jacobian(const RobotData& data, std::size_t link_index, Eigen::
   }
 }
 
-Pose RobotModel::compute_fk(ConstVector q, const std::string& link) const {
+RobotDataPtr RobotModel::make_data(ConstVector other_positions) const {
+  RobotDataPtr data = make_data();
+  if (other_positions.size() > 0) set_other_positions(*data, other_positions);
+  return data;
+}
+
+Pose RobotModel::compute_fk(ConstVector q, const std::string& link, const Eigen::VectorXd& other_positions) const {
   require_configuration(q, "configuration");
   const std::size_t index = link.empty() ? impl_->end_effector_index : link_index(link);
-  const RobotDataPtr data = make_data();
+  const RobotDataPtr data = make_data(other_positions);
   forward(*data, q);
   return Pose::from_isometry(link_pose(*data, index));
 }
 
-Eigen::MatrixXd RobotModel::compute_jacobian(ConstVector q, const std::string& link) const {
+Eigen::MatrixXd RobotModel::compute_jacobian(ConstVector q, const std::string& link,
+                                             const Eigen::VectorXd& other_positions) const {
   require_configuration(q, "configuration");
   const std::size_t index = link.empty() ? impl_->end_effector_index : link_index(link);
-  const RobotDataPtr data = make_data();
+  const RobotDataPtr data = make_data(other_positions);
   forward(*data, q);
   Eigen::MatrixXd result(6, static_cast<Eigen::Index>(dof()));
   jacobian(*data, index, result);

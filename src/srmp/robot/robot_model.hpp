@@ -126,6 +126,7 @@ class RobotModel {
 
   // --- kinematics, all in the robot's base frame
   RobotDataPtr make_data() const;                                          ///< other joints at their defaults
+  RobotDataPtr make_data(ConstVector other_positions) const;               ///< empty: at their defaults
   void set_other_positions(RobotData& data, ConstVector positions) const;  ///< for all forward() that follow
   void forward(RobotData& data, ConstVector q) const;  ///< computes the poses below; q is not checked against limits
   const Eigen::Isometry3d& geometry_pose(const RobotData& data, std::size_t geometry) const;
@@ -136,9 +137,11 @@ class RobotModel {
   /// compute_jacobian of the last forward(), without allocating; `result` is 6 x dof.
   void jacobian(const RobotData& data, std::size_t link_index, Eigen::Ref<Eigen::MatrixXd> result) const;
 
-  Pose compute_fk(ConstVector q, const std::string& link = "") const;  ///< "" = end effector
+  /// "" = end effector; other joints stand at `other_positions` (empty: at their defaults).
+  Pose compute_fk(ConstVector q, const std::string& link = "", const Eigen::VectorXd& other_positions = {}) const;
   /// 6 x dof: linear rows [m/s] over angular rows [rad/s], of the link's origin, axes of the base frame.
-  Eigen::MatrixXd compute_jacobian(ConstVector q, const std::string& link = "") const;
+  Eigen::MatrixXd compute_jacobian(ConstVector q, const std::string& link = "",
+                                   const Eigen::VectorXd& other_positions = {}) const;
 
   /// Throws InvalidArgument unless q has dof() finite entries; names the joint. Limits are not looked at.
   void require_configuration(ConstVector q, std::string_view what) const;

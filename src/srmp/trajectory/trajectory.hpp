@@ -23,8 +23,8 @@ struct MotionState {
 /// A robot where it stands: what it takes to say where its links are.
 struct PlacedRobot {
   std::shared_ptr<const RobotModel> model;
-  Pose base;                        ///< of the root link, in the world
-  Eigen::VectorXd other_positions;  ///< of RobotModel::other_joints [rad or m]
+  Pose base{};                        ///< of the root link, in the world
+  Eigen::VectorXd other_positions{};  ///< of RobotModel::other_joints [rad or m]; empty: at their defaults
 
   bool operator==(const PlacedRobot& other) const;
 };
