@@ -40,9 +40,9 @@ def rounded_corner(path: Path) -> None:
     way.set_aspect("equal")
     way.legend(loc="upper left", frameon=False)
     speed.set(
-        xlabel="time [s]", ylabel="speed [rad/s]", ylim=(0, 0.95), title="the less it leaves the path, the slower"
+        xlabel="time [s]", ylabel="speed [rad/s]", ylim=(0, 1.05), title="the less it leaves the path, the slower"
     )
-    speed.legend(loc="upper left", ncols=2, frameon=False)
+    speed.legend(loc="upper left", frameon=False)
     figure.savefig(path, dpi=110)
 
 

@@ -225,11 +225,13 @@ std::map<std::string, TimedPath> to_timed_paths(nb::handle others) {
 
 void bind_collision_checker(nb::module_& m) {
   nb::class_<MotionCertificate> certificate(
-      m, "MotionCertificate", "Proof that a motion is free, or the first part of it that could not be proved.");
+      m, "MotionCertificate",
+      "Proof that a motion is free, or a contact on it, or the first part that could not be proved.");
   certificate.def_ro("proved", &MotionCertificate::proved, "Free between samples too.")
       .def_prop_ro(
           "interval", [](const MotionCertificate& c) { return std::pair(c.from, c.to); },
-          "Part of the motion, 0..1, that is not free or could not be proved; (0, 0) when proved.")
+          "Part of the motion, 0..1, that could not be proved; both ends the same: a contact there; (0, 0) when "
+          "proved.")
       .def_ro("body_a", &MotionCertificate::body_a, "The pair there: link or attached object of the robot; '' if none.")
       .def_ro("body_b", &MotionCertificate::body_b, "The pair there: object or link; '' if none.")
       .def("__bool__", [](const MotionCertificate& c) { return c.proved; });

@@ -119,7 +119,8 @@ def test_certificate_names_the_part_that_is_not_free(arm, ready):
     assert (proof.body_a, proof.body_b) == ("", "")
     refusal = checker.certify_motion(ready, through)
     assert not refusal.proved
-    assert 0 <= refusal.interval[0] < refusal.interval[1] <= 1
+    assert 0 <= refusal.interval[0] == refusal.interval[1] <= 1  # a contact
+    assert not checker.are_free([ready + refusal.interval[0] * (through - ready)])[0]
     assert refusal.body_b == "post"
     assert not checker.motions_free([ready], [through])[0]
 
@@ -303,7 +304,7 @@ def test_motions_beside_a_robot_that_moves(two_arms):
         proof = exact.certify_motion(a[i], b[i], start[i], end[i])
         assert bool(proof) == free[i]
         if not proof and not sampled.all():
-            assert 0 <= proof.interval[0] < proof.interval[1] <= 1
+            assert 0 <= proof.interval[0] <= proof.interval[1] <= 1
     # What the other does by itself is not this robot's collision.
     two_arms.add_box("wall", size=[0.1, 3, 3], pose=srmp.Pose(p=[0.85, 0, 0]))
     ready = two_arms.get_group_states("left")["ready"]

@@ -60,10 +60,10 @@ struct CheckStatistics {
   std::uint64_t narrow_phase{};      ///< pairs that Coal decided
 };
 
-/// Proof that a motion is free, or the first part of it that could not be proved.
+/// Proof that a motion is free, or a contact on it, or the first part of it that could not be proved.
 struct MotionCertificate {
   bool proved{};
-  double from{}, to{};         ///< part of the motion, 0..1, that is not free or could not be proved
+  double from{}, to{};         ///< part of the motion, 0..1, that could not be proved; from = to: a contact there
   std::string body_a, body_b;  ///< the pair there, named as in Contact
 };
 

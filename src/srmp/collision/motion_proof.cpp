@@ -167,6 +167,7 @@ class Prover {
   double least_{infinity};  // distance found, less padding
   const Pair* nearest_{};
   double nearest_time_{};
+  Eigen::VectorXd nearest_place_;
   double proved_{infinity};
   int looks_{};
   Eigen::VectorXd middle_;
@@ -185,6 +186,7 @@ Prover::Verdict Prover::meet(const Pair& pair, double distance) {
     least_ = clearance;
     nearest_ = &pair;
     nearest_time_ = time_;
+    nearest_place_ = middle_;
   }
   return clearance <= NarrowPhase::contact_distance ? Verdict::contact : Verdict::open;
 }
@@ -192,7 +194,8 @@ Prover::Verdict Prover::meet(const Pair& pair, double distance) {
 /// The nearest pair at a row, so that what follows need not look at those farther away.
 void Prover::look_at(Eigen::Index row) {
   time_ = motion_.times[row];
-  workspace_.place(motion_.positions.row(row).transpose());
+  middle_ = motion_.positions.row(row).transpose();
+  workspace_.place(middle_);
   order_.clear();
   for (std::uint32_t i = 0; i < impl_.bodies.pairs.size(); ++i) {
     const Pair& pair = impl_.bodies.pairs[i];
@@ -326,6 +329,12 @@ MotionProof Prover::run() {
     open_.clear();
     for (std::uint32_t i = 0; i < pairs.size(); ++i) open_.push_back({i, 0});
     free = prove({0, last}, 0, pairs.size());
+  }
+  if (free && nearest_ && !nearest_->solid) {  // it may have been that of any two near points
+    workspace_.place(nearest_place_);
+    const double found = workspace_.distance(*nearest_, least_ + nearest_->padding, 0.0) - nearest_->padding;
+    least_ = std::min(least_, found);
+    free = least_ > NarrowPhase::contact_distance;
   }
   const double most = std::max(least_ - NarrowPhase::tolerance, 0.0);  // one row is proved by what it was found to have
   MotionProof proof{free, least_, nearest_time_, "", "", free ? std::min(proved_, most) : 0.0, {}};
