@@ -10,7 +10,7 @@ namespace srmp {
 
 namespace {
 
-constexpr double mercy = 0.015;           // [s] past the time limit: a path that was found should not be lost
+constexpr double mercy = 0.010;           // [s] past the time limit: a path that was found should not be lost
 constexpr double shrink = 0.25;           // of a blend deviation that cannot be proved free
 constexpr double least_deviation = 1e-4;  // [m]; below, corners are stops
 
