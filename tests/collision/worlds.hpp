@@ -42,17 +42,18 @@ inline std::shared_ptr<const RobotModel> slide() {
 
 /// The planar robot, each bar a row of balls.
 inline std::shared_ptr<const RobotModel> balls() {
-  RobotDescription description = robots::planar_description();
-  const std::string box = "<geometry><box size='0.9 0.1 0.1'/></geometry>",
-                    start = "<collision><origin xyz='0.5 0 0'/>";
-  std::string& text = description.urdf_text;
-  for (std::size_t at; (at = text.find(start)) != std::string::npos;) {
-    std::string row;
-    for (const char* x : {"0.1", "0.3", "0.50", "0.7", "0.9"})
-      row += std::string("<collision><origin xyz='") + x +
-             " 0 0'/><geometry><sphere radius='0.05'/></geometry></collision>";
-    text.replace(at, text.find("</collision>", at) + 12 - at, row);
-  }
+  const auto row = [](std::string link) {
+    for (const std::string x : {"0.1", "0.3", "0.5", "0.7", "0.9"})
+      link += "<collision><origin xyz='" + x + " 0 0'/><geometry><sphere radius='0.05'/></geometry></collision>";
+    return link + "</link>";
+  };
+  const std::string limit = "<limit lower='-3' upper='3' velocity='2' effort='1'/>";
+  RobotDescription description;
+  description.urdf_text = "<robot name='planar'><link name='base'/>" + row("<link name='upper'>") +
+                          row("<link name='lower'>") +
+                          robots::joint("a", "revolute", "base", "upper", "0 0 0", "0 0 1", limit) +
+                          robots::joint("b", "revolute", "upper", "lower", "1 0 0", "0 0 1", limit) + "</robot>";
+  description.end_effector = "lower";
   return RobotModel::load(description);
 }
 
