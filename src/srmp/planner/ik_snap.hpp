@@ -22,7 +22,6 @@ IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const 
 /// one `step` of a revolute joint at the target's distance from the base (and one of a prismatic joint), the
 /// orientation by no more than two. No joint of the answer is more than two steps away. SnapGoal::goal counts all
 /// targets of all goals. Empty, and so free of charge, when all goals are joint goals.
-GoalSnap make_ik_snap(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
-                      const Eigen::VectorXd& step);
+GoalSnap make_ik_snap(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals, const Eigen::VectorXd& step);
 
 }  // namespace srmp
