@@ -84,8 +84,7 @@ struct MotionCertificate {
 /// is *proved* free, between samples too: at a sample every pair must be farther apart than the two can move before
 /// the next proved sample (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot
 /// paths", 2004; motion bounds from the kinematic tree). A pair that can be neither proved free nor shown in contact
-/// above 20 µm of motion counts as not free, and so does, but for CheckMode::coal, a motion that it would take more
-/// than 400 samples to prove.
+/// above 20 µm of motion counts as not free.
 class Checker {
  public:
   static constexpr double touching_tolerance = 1e-5;  ///< [m]

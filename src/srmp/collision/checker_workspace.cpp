@@ -20,9 +20,6 @@ constexpr double rough_distance = 0.3;
 /// An interval is cut into so many that the pair's distance could prove each, but no more than this.
 constexpr int most_cuts = 16;
 
-/// Samples that a motion may take after the balls.
-constexpr int most_samples = 400;
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Between two configurations; angles may be anything.
@@ -303,17 +300,13 @@ void Checker::Workspace::sort_open() {
 }
 
 /// Settles the open intervals, in order of t. Those of pairs still undecided are cut, level by level, so that the
-/// samples of a level are placed once for all pairs and a contact shows early. Bodies that slide past each other within
-/// micrometres would take thousands of samples: such a motion is given up as not free, but by the reference, Coal
-/// alone.
+/// samples of a level are placed once for all pairs and a contact shows early.
 bool Checker::Workspace::settle() {
-  int samples = 0;
   while (!open_.empty()) {
     next_.clear();
     sort_open();
     for (std::size_t i = 0; i < open_.size();) {
       const double t = open_[i].t;
-      if (++samples > most_samples && impl.mode != CheckMode::coal) return false;
       place_on_motion(t);
       for (; i < open_.size() && open_[i].t == t; ++i)
         if (!take(open_[i].pair, t, open_[i].half_width)) {
