@@ -11,6 +11,7 @@
 #include "srmp/planner/verify.hpp"
 #include "srmp/trajectory/parameterize.hpp"
 #include "srmp/trajectory/path.hpp"
+#include "support/rows.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -20,17 +21,6 @@ using worlds::Dice;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-RowMatrix rows(std::initializer_list<std::initializer_list<double>> values) {
-  RowMatrix m(static_cast<Eigen::Index>(values.size()), static_cast<Eigen::Index>(values.begin()->size()));
-  Eigen::Index i = 0;
-  for (const auto& row : values) {
-    Eigen::Index j = 0;
-    for (const double v : row) m(i, j++) = v;
-    ++i;
-  }
-  return m;
-}
 
 /// The planar robot (joints a and b within ±3 rad, 2 rad/s) beside a ball that its bars pass by 0.15 m at q = (0, 0).
 struct World {

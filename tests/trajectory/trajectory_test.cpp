@@ -11,6 +11,7 @@
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "support/robots.hpp"
+#include "support/rows.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -26,17 +27,6 @@ Trajectory ramp() {
   t.positions << 0, 0, 3, 4, 3, 5;
   t.times = Eigen::Vector3d(0, 1, 3);
   return t;
-}
-
-RowMatrix rows(std::initializer_list<std::initializer_list<double>> values) {
-  RowMatrix m(static_cast<Eigen::Index>(values.size()), static_cast<Eigen::Index>(values.begin()->size()));
-  Eigen::Index i = 0;
-  for (const auto& row : values) {
-    Eigen::Index j = 0;
-    for (const double v : row) m(i, j++) = v;
-    ++i;
-  }
-  return m;
 }
 
 /// Joint a: t^3 - 2 t, joint b: 1 + 3 t^2; a cubic is what a trajectory follows, so it is met at any time.

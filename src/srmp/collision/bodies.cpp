@@ -154,8 +154,7 @@ void Bodies::add_other_robots(const Scene& scene) {
   const Eigen::Isometry3d to_base = group_.instance(0).base.inverse().isometry();
   for (const auto& [name, instance] : scene.robots()) {
     if (group_.contains(name)) continue;
-    const RobotDataPtr data = instance.model->make_data();
-    instance.model->set_other_positions(*data, instance.other_positions);
+    const RobotDataPtr data = instance.model->make_data(instance.other_positions);
     instance.model->forward(*data, instance.q);
     for (std::size_t i = 0; i < instance.model->geometries().size(); ++i)
       add_fixed(link_body(instance, i), to_base * instance.base.isometry() * instance.model->geometry_pose(*data, i));

@@ -56,10 +56,8 @@ void RobotGroup::require_configuration(ConstVector q, std::string_view what) con
 
 RobotGroup::Data RobotGroup::make_data() const {
   Data data;
-  for (const Member& member : members_) {
-    data.push_back(member.instance.model->make_data());
-    member.instance.model->set_other_positions(*data.back(), member.instance.other_positions);
-  }
+  for (const Member& member : members_)
+    data.push_back(member.instance.model->make_data(member.instance.other_positions));
   return data;
 }
 

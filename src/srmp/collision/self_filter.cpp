@@ -63,8 +63,7 @@ std::vector<Eigen::Vector3d> points_clear_of_robots(const Scene& scene, const st
     std::erase_if(kept, [&](const Eigen::Vector3d& point) { return near.holds(pose * point); });
   };
   for (const auto& [name, robot] : scene.robots()) {
-    const RobotDataPtr data = robot.model->make_data();
-    robot.model->set_other_positions(*data, robot.other_positions);
+    const RobotDataPtr data = robot.model->make_data(robot.other_positions);
     robot.model->forward(*data, robot.q);
     for (std::size_t i = 0; i < robot.parts.size(); ++i)
       filter(*robot.model->geometries()[i].shape, robot.parts[i],

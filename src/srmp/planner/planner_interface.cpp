@@ -93,7 +93,6 @@ struct PlannerInterface::Impl {
     require_heuristics(options, heuristic_names());
     require_question(scene, robot, start, goals);
     const RobotInstance& instance = scene.robot(robot);
-    const PlacedRobot placed{instance.model, instance.base, instance.other_positions};
     return {scene,
             robot,
             checker(robot, CheckMode::exact),
@@ -103,7 +102,7 @@ struct PlannerInterface::Impl {
             heuristics,
             limits_of(robot),
             on_solution,
-            std::make_shared<const PlacedRobot>(placed)};
+            std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})};
   }
 };
 

@@ -20,6 +20,7 @@ class PostProcess {
               const Deadline& deadline, PlanStatistics& statistics)
       : problem_(problem),
         common_(common_options(problem.options)),
+        limits_(scaled(problem.limits, common_)),
         path_(stack_waypoints(path)),
         escape_(escape),
         until_(std::max(deadline.remaining(), 0.0) + mercy, [&] { return deadline.cancelled(); }),
@@ -31,13 +32,13 @@ class PostProcess {
       Trajectory trajectory = in_time(deviation);
       trajectory.robot = problem_.placed;
       if (!common_.certify) return trajectory;
-      const Certificate certificate = certified(trajectory);
+      Certificate certificate = certified(trajectory);
       const bool rounded = deviation > 0.0 && common_.timing == "toppra";
       if (rounded && !certificate.proved_free() && !until_.stop_requested()) continue;
       if (!certificate.holds())
         throw Error("internal error: the trajectory found is wrong (" + certificate.faults.front().text +
                     "); nothing is returned. Please report this");
-      trajectory.certificate = std::make_shared<const Certificate>(certificate);
+      trajectory.certificate = std::make_shared<const Certificate>(std::move(certificate));
       return trajectory;
     }
   }
@@ -62,18 +63,24 @@ class PostProcess {
       options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return problem_.checker.is_motion_free(a, b, *workspace);
       };
-      trajectory = time_parameterize(path_, problem_.checker.robot().joint_names(), scaled_limits(), options);
+      trajectory = time_parameterize(path_, problem_.checker.robot().joint_names(), limits_, options);
     }
     statistics_.timing_time_s += until_.elapsed() - start;
     return trajectory;
   }
 
-  MotionLimits scaled_limits() const {
-    MotionLimits limits = problem_.limits;
-    limits.velocity *= common_.velocity_scaling;
-    limits.acceleration *= common_.acceleration_scaling;
-    limits.jerk *= common_.acceleration_scaling;
+  static MotionLimits scaled(MotionLimits limits, const CommonOptions& options) {
+    limits.velocity *= options.velocity_scaling;
+    limits.acceleration *= options.acceleration_scaling;
+    limits.jerk *= options.acceleration_scaling;
     return limits;
+  }
+
+  /// The straight motions of a path without times, as long as one another: a certificate needs times.
+  static Trajectory numbered(Trajectory path) {
+    const Eigen::Index rows = path.positions.rows();
+    path.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
+    return path;
   }
 
   Certificate certified(const Trajectory& trajectory) {
@@ -81,10 +88,9 @@ class PostProcess {
     const bool timed = trajectory.timed();
     CertifyOptions options{.limits = timed, .jerk = common_.timing == "ruckig", .deadline = &until_};
     if (escape_ > 0) options.free_from = timed ? time_at(trajectory) : static_cast<double>(escape_);
-    Trajectory numbered = trajectory;
-    if (!timed) numbered.times = Eigen::VectorXd::LinSpaced(path_.rows(), 0.0, static_cast<double>(path_.rows() - 1));
     if (!judge_) judge_.emplace(problem_.scene, problem_.robot, CheckerOptions{.mode = CheckMode::coal});
-    Certificate certificate = certify(numbered, *judge_, scaled_limits(), options);
+    Certificate certificate = timed ? certify(trajectory, *judge_, limits_, options)
+                                    : certify(numbered(trajectory), *judge_, limits_, options);
     const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
     certificate.goal_error = goal_miss(problem_.goals, problem_.checker, end).error;
     certificate.bound = statistics_.bound;
@@ -102,6 +108,7 @@ class PostProcess {
 
   const SingleRobotProblem& problem_;
   const CommonOptions& common_;
+  const MotionLimits limits_;
   const RowMatrix path_;
   const std::size_t escape_;
   const Deadline until_;

@@ -639,17 +639,11 @@ class SingleRobotPlan {
   std::vector<Eigen::VectorXd> shortened(const std::vector<Eigen::VectorXd>& path, ShortcutOptions options) {
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
     const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(a, b); };
-    options.continuous = continuous_joints();
+    options.continuous = problem_.limits.continuous;
     const RowMatrix shorter =
         shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
     std::vector<Eigen::VectorXd> result;
     for (Eigen::Index i = 0; i < shorter.rows(); ++i) result.emplace_back(shorter.row(i).transpose());
-    return result;
-  }
-
-  std::vector<bool> continuous_joints() const {
-    std::vector<bool> result;
-    for (const Joint& joint : robot_.joints()) result.push_back(joint.kind == JointKind::continuous);
     return result;
   }
 

@@ -21,7 +21,7 @@ double miss_of(const GoalConstraint& goal, const Eigen::VectorXd& target, const 
   if (goal.type == GoalType::joints) return robot.difference(q, target).cwiseAbs().maxCoeff();
   const Pose hand = checker.base() * robot.compute_fk(q, "", checker.other_positions());
   if (goal.type == GoalType::position) return share_of(hand.p - target.head<3>(), goal.position_tolerance);
-  const Pose wanted(target.head<3>(), Eigen::Quaterniond(target[6], target[3], target[4], target[5]));
+  const Pose wanted = Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
   const Pose off = wanted.inverse() * hand;
   const Eigen::AngleAxisd turn(off.q);
   const double angle = std::remainder(turn.angle(), 2.0 * M_PI);
@@ -69,16 +69,14 @@ void check_goal(const Trajectory& trajectory, const Checker& checker, const std:
 GoalMiss goal_miss(const std::vector<GoalConstraint>& goals, const Checker& checker, ConstVector q) {
   GoalMiss best;
   double least = std::numeric_limits<double>::infinity();
-  int index = 0;
   for (const GoalConstraint& goal : goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       const double error = miss_of(goal, target, checker, q);
       const double allowed = goal.type == GoalType::joints ? joint_tolerance : 1.0;
       if (error / allowed < least) {
         least = error / allowed;
-        best = {error, allowed, index};
+        best = {error, allowed};
       }
-      ++index;
     }
   return best;
 }
@@ -89,7 +87,6 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
     throw InvalidArgument("max_deviation is " + to_text(*options.max_deviation) + "; it must be 0 m or above");
   const RobotModel& robot = checker.robot();
   if (options.start) robot.require_configuration(*options.start, "start of '" + robot.name() + "'");
-  if (options.limits) require_limits(*options.limits, robot.joint_names());
   Certificate certificate = certify(trajectory, checker, options.limits.value_or(limits),
                                     {.jerk = options.jerk, .tightness = options.tightness});
   const bool readable = std::none_of(certificate.faults.begin(), certificate.faults.end(), [](const Fault& fault) {

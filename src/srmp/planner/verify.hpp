@@ -24,7 +24,6 @@ struct VerifyOptions {
 struct GoalMiss {
   double error{std::numeric_limits<double>::quiet_NaN()};
   double allowed{};
-  int goal_index{-1};
 };
 GoalMiss goal_miss(const std::vector<GoalConstraint>& goals, const Checker& checker, ConstVector q);
 

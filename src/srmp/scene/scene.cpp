@@ -178,8 +178,7 @@ std::vector<std::string> Scene::robot_names() const { return keys(robots_); }
 Pose Scene::link_pose(const std::string& robot_name, const std::string& link) const {
   const RobotInstance& instance = robot(robot_name);
   const std::size_t index = instance.model->link_index(link);
-  const RobotDataPtr data = instance.model->make_data();
-  instance.model->set_other_positions(*data, instance.other_positions);
+  const RobotDataPtr data = instance.model->make_data(instance.other_positions);
   instance.model->forward(*data, instance.q);
   return instance.base * Pose::from_isometry(instance.model->link_pose(*data, index));
 }

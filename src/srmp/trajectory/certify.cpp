@@ -106,17 +106,11 @@ class Certifier {
 
   // --- limits
 
-  detail::Cubic piece(Eigen::Index row, Eigen::Index joint) const {
-    const double h = t_.times[row + 1] - t_.times[row], a = t_.positions(row, joint), b = t_.positions(row + 1, joint);
-    if (t_.velocities.rows() == 0) return detail::line(a, b, h);
-    return detail::hermite(a, t_.velocities(row, joint), b, t_.velocities(row + 1, joint), h);
-  }
-
   /// Rows too near in time, or too fast: no claim could be made of such a motion.
   bool polynomials_are_finite() {
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
       for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
-        const detail::Cubic p = piece(row, j);
+        const detail::Cubic p = detail::piece_of(t_, row, j);
         const auto small = [](double x) { return std::abs(x) < largest; };
         if (!std::all_of(p.c.begin(), p.c.end(), small) || !small(p.h * p.c[1]) || !small(p.h * p.velocity(p.h)) ||
             !small(p.position(p.h)))
@@ -143,7 +137,7 @@ class Certifier {
     };
     for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic p = piece(row, j);
+      const detail::Cubic p = detail::piece_of(t_, row, j);
       const double begin = t_.times[row], h = p.h;
       // Positions are rounded, so a difference of order k is known to about this over h^k.
       const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
@@ -180,7 +174,7 @@ class Certifier {
   /// the rows on both sides.
   void check_jumps(Eigen::Index j, Worst& worst) const {
     for (Eigen::Index row = 1; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic before = piece(row - 1, j), after = piece(row, j);
+      const detail::Cubic before = detail::piece_of(t_, row - 1, j), after = detail::piece_of(t_, row, j);
       const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
       worst.take(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
     }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "srmp/trajectory/trajectory.hpp"
+
 // The motion of one joint between two rows of a trajectory.
 namespace srmp::detail {
 
@@ -37,5 +39,12 @@ inline Cubic hermite(double q0, double v0, double q1, double v1, double h) {
 }
 
 inline Cubic line(double q0, double q1, double h) { return {{q0, (q1 - q0) / h, 0.0, 0.0}, h}; }
+
+/// From a row to the next, which there must be.
+inline Cubic piece_of(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
+  const double q0 = t.positions(row, joint), q1 = t.positions(row + 1, joint), h = t.times[row + 1] - t.times[row];
+  if (t.velocities.rows() == 0) return line(q0, q1, h);
+  return hermite(q0, t.velocities(row, joint), q1, t.velocities(row + 1, joint), h);
+}
 
 }  // namespace srmp::detail

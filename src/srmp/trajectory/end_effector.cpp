@@ -44,9 +44,7 @@ class Tip {
       : robot_(require_known(&robot)),
         columns_(columns_of(*robot.model, trajectory.joint_names)),
         link_(robot.model->link_index(link.empty() ? robot.model->end_effector() : link)),
-        data_(robot.model->make_data()) {
-    robot.model->set_other_positions(*data_, robot.other_positions);
-  }
+        data_(robot.model->make_data(robot.other_positions)) {}
 
   Eigen::Vector3d operator()(const Eigen::VectorXd& position) {
     robot_.model->forward(*data_, position(columns_));

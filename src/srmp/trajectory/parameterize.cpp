@@ -137,8 +137,6 @@ Knots joined(const std::vector<SmoothPath>& paths, const MotionLimits& limits, c
     Knots part;
     try {
       part = Stretch(paths[i], limits, options.method, from, to).time();
-    } catch (const InvalidArgument&) {
-      throw;
     } catch (const Error& error) {
       const std::string where = "stretch " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
       if (from == 0.0 && to == 0.0) throw Error("time parameterisation failed on " + where + ": " + error.what());

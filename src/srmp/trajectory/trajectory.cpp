@@ -88,18 +88,17 @@ Eigen::Index piece_at(const Trajectory& trajectory, double t) {
   return std::clamp<Eigen::Index>(after - 1, 0, std::max<Eigen::Index>(trajectory.times.size() - 2, 0));
 }
 
-detail::Cubic piece_of(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
+/// The same where there may be one row only, from which the motion does not get away.
+detail::Cubic piece_or_place(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
+  if (row + 1 < t.positions.rows()) return detail::piece_of(t, row, joint);
   const double q0 = t.positions(row, joint);
-  if (row + 1 == t.positions.rows()) return {{q0, t.velocities.rows() ? t.velocities(row, joint) : 0.0, 0.0, 0.0}, 0.0};
-  const double q1 = t.positions(row + 1, joint), h = t.times[row + 1] - t.times[row];
-  if (t.velocities.rows() == 0) return detail::line(q0, q1, h);
-  return detail::hermite(q0, t.velocities(row, joint), q1, t.velocities(row + 1, joint), h);
+  return {{q0, t.velocities.rows() ? t.velocities(row, joint) : 0.0, 0.0, 0.0}, 0.0};
 }
 
 void require_finite_pieces(const Trajectory& t) {
   for (Eigen::Index i = 0; i + 1 < t.times.size(); ++i)
     for (Eigen::Index j = 0; j < t.positions.cols(); ++j)
-      for (const double c : piece_of(t, i, j).c)
+      for (const double c : detail::piece_of(t, i, j).c)
         if (!std::isfinite(c))
           refuse("rows " + std::to_string(i) + " and " + std::to_string(i + 1) + " are " +
                  to_text(t.times[i + 1] - t.times[i]) + " s apart, too little for the way of " +
@@ -189,7 +188,7 @@ MotionState Trajectory::state(double t) const {
   const Eigen::Index row = piece_at(*this, t), dof = positions.cols();
   MotionState state{Eigen::VectorXd(dof), Eigen::VectorXd(dof), Eigen::VectorXd(dof), Eigen::VectorXd(dof)};
   for (Eigen::Index j = 0; j < dof; ++j) {
-    const detail::Cubic piece = piece_of(*this, row, j);
+    const detail::Cubic piece = piece_or_place(*this, row, j);
     const double u = t - times[row];
     state.position[j] = piece.position(u);
     state.velocity[j] = piece.velocity(u);
@@ -211,7 +210,7 @@ RowMatrix Trajectory::jerks() const {
   RowMatrix result(positions.rows(), positions.cols());
   for (Eigen::Index i = 0; i < result.rows(); ++i)
     for (Eigen::Index j = 0; j < result.cols(); ++j)
-      result(i, j) = piece_of(*this, std::min(i, std::max<Eigen::Index>(result.rows() - 2, 0)), j).jerk();
+      result(i, j) = piece_or_place(*this, std::min(i, std::max<Eigen::Index>(result.rows() - 2, 0)), j).jerk();
   return result;
 }
 
