@@ -13,11 +13,12 @@ MAY_INCLUDE = {
     "scene": {"core", "robot"},
     "collision": {"core", "robot", "scene"},
     "search": {"core"},
+    "multi": {"core", "search"},
     "lattice": {"core", "robot", "search"},
     "heuristic": {"core", "robot", "scene"},
     "trajectory": {"core", "robot", "collision"},
     "io": {"core", "robot", "scene", "lattice", "trajectory"},
-    "planner": {"core", "robot", "scene", "collision", "search", "lattice", "heuristic", "trajectory", "io"},
+    "planner": {"core", "robot", "scene", "collision", "search", "multi", "lattice", "heuristic", "trajectory", "io"},
 }
 
 

@@ -1,0 +1,288 @@
+#include "srmp/multi/timed_search.hpp"
+
+#include <algorithm>
+#include <queue>
+#include <unordered_map>
+
+#include "srmp/search/lazy_tree.hpp"
+
+namespace srmp::multi {
+
+namespace {
+
+using NodeId = std::uint32_t;
+constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
+
+struct Node {
+  Move move;      // that led here; of the start: a wait of no length
+  double g{};     // cost to come; a lower bound until evaluated
+  double f{};     // g + heuristic
+  double lead{};  // g + guide_weight * guide
+  int met{};      // other agents met on the way; a lower bound until evaluated
+  NodeId parent{no_node};
+  bool evaluated{};
+  bool final{};  // rests at move.to for good
+  bool done{};   // out of OPEN
+};
+
+/// Lowest key first; ties by number: first come, first served.
+template <class Key>
+class Heap {
+ public:
+  void push(const Key& key, NodeId node) { heap_.push({key, node}); }
+  bool empty() const { return heap_.empty(); }
+  const Key& key() const { return heap_.top().first; }
+  NodeId top() const { return heap_.top().second; }
+  void pop() { heap_.pop(); }
+
+ private:
+  std::priority_queue<std::pair<Key, NodeId>, std::vector<std::pair<Key, NodeId>>, std::greater<>> heap_;
+};
+
+class TimedSearch {
+ public:
+  TimedSearch(World& world, std::size_t agent, std::span<const Constraint> constraints,
+              std::span<const OtherPath> avoid, std::span<const OtherPath> others, const TimedSearchOptions& options)
+      : world_(world),
+        me_(agent),
+        agent_(world.agent(agent)),
+        constraints_(constraints),
+        avoid_(avoid),
+        others_(others),
+        options_(options) {
+    for (const Constraint& constraint : constraints) {
+      const Move& move = constraint.conflict.moves[constraint.side];
+      horizon_ = std::max(horizon_, move.end == forever ? move.start + 1 : move.end);
+    }
+    for (const auto& paths : {avoid, others})
+      for (const OtherPath& other : paths) horizon_ = std::max(horizon_, other.path->arrival());
+  }
+
+  TimedSearchResult run(const TimedPath* experience, const Deadline& deadline) {
+    add_start();
+    if (experience) add_experience(*experience);
+    while (const std::optional<NodeId> next = select()) {
+      if (const auto stop = search::stop_status(deadline)) return ended(*stop);
+      Node& node = nodes_[*next];
+      if (!node.evaluated) {
+        evaluate(*next);
+        continue;
+      }
+      node.done = true;
+      if (node.final) return solved(*next);
+      if (statistics_.expansions >= options_.max_expansions) return ended(Status::timed_out);
+      expand(*next);
+    }
+    return ended(Status::exhausted);
+  }
+
+ private:
+  using Key = std::pair<double, double>;
+
+  /// From the horizon on, nothing changes any more.
+  std::uint64_t key(StateId state, int step) const {
+    return std::uint64_t{state} << 32 | static_cast<std::uint32_t>(std::min(step, horizon_));
+  }
+
+  NodeId add(Node node) {
+    node.f = node.g + agent_.heuristic(node.move.to);
+    if (node.f == search::infinity) return no_node;
+    node.lead = node.g + options_.guide_weight * (node.final ? 0.0 : agent_.guide(node.move.to));
+    if (node.final) node.f = node.g;
+    nodes_.push_back(node);
+    const auto id = static_cast<NodeId>(nodes_.size() - 1);
+    enter(id);
+    return id;
+  }
+
+  void enter(NodeId id) {
+    const Node& node = nodes_[id];
+    by_f_.push({node.f, -node.g}, id);
+    by_lead_.push({node.lead, -node.g}, id);
+    waiting_.push({node.lead, -node.g}, id);
+  }
+
+  void add_start() {
+    const StateId start = agent_.start();
+    add({.move = {start, start, 0, 0}, .evaluated = true});
+  }
+
+  void add_experience(const TimedPath& path) {
+    NodeId parent = 0;
+    for (const Move& move : path.moves) {
+      if (move.end == forever) return;
+      Node node{.move = move, .g = nodes_[parent].g, .met = nodes_[parent].met, .parent = parent, .evaluated = true};
+      node.g += move.waits() ? agent_.wait_cost() : agent_.evaluate(move.from, move.to);
+      if (forbidden(move)) return;
+      node.met += count_met(move);
+      parent = add(node);
+      if (parent == no_node) return;
+    }
+  }
+
+  bool forbidden(const Move& move) const {
+    for (const Constraint& constraint : constraints_)
+      if (world_.forbids(constraint, move)) return true;
+    for (const OtherPath& other : avoid_)
+      if (meets(move, other)) return true;
+    return false;
+  }
+
+  bool meets(const Move& move, const OtherPath& other) const {
+    for (const Move& its : other.path->moves) {
+      if (its.end <= move.start) continue;
+      if (its.start >= move.end) break;
+      if (world_.meet(me_, move, other.agent, its)) return true;
+    }
+    return false;
+  }
+
+  int count_met(const Move& move) const {
+    int count = 0;
+    for (const OtherPath& other : others_) count += meets(move, other);
+    return count;
+  }
+
+  void drop_stale(Heap<Key>& heap, double Node::* value) {
+    while (!heap.empty() && (nodes_[heap.top()].done || nodes_[heap.top()].*value != heap.key().first)) heap.pop();
+  }
+
+  /// The next state to look at; nothing when OPEN is empty.
+  std::optional<NodeId> select() {
+    drop_stale(by_f_, &Node::f);
+    drop_stale(by_lead_, &Node::lead);
+    if (by_f_.empty()) return std::nullopt;
+    lower_ = std::max(lower_, by_f_.key().first);
+    const double band = options_.focal * by_lead_.key().first;
+    while (!waiting_.empty() && waiting_.key().first <= band) {
+      const NodeId id = waiting_.top();
+      focal_.push({nodes_[id].met, waiting_.key()}, id);
+      waiting_.pop();
+    }
+    while (!focal_.empty()) {
+      const NodeId id = focal_.top();
+      const auto [met, lead] = focal_.key();
+      focal_.pop();
+      Node& node = nodes_[id];
+      if (node.done || node.lead != lead.first || node.met != met) continue;
+      if (node.lead > band) {  // the best has come down since it was let in
+        waiting_.push(lead, id);
+        continue;
+      }
+      if (node.f <= options_.bound * by_f_.key().first) return id;
+      waiting_.push(lead, id);
+      break;
+    }
+    return by_f_.top();
+  }
+
+  void evaluate(NodeId id) {
+    Node node = nodes_[id];
+    const Node& parent = nodes_[node.parent];
+    nodes_[id].evaluated = true;
+    const auto drop = [&] { nodes_[id].done = true; };
+    if (node.final) {
+      if (!can_rest(node.move)) return drop();
+      node.met += count_met(node.move);
+    } else {
+      if (const auto known = best_.find(key(node.move.to, node.move.end));
+          known != best_.end() && known->second <= node.g)
+        return drop();
+      if (!node.move.waits()) {
+        ++statistics_.evaluations;
+        const double cost = agent_.evaluate(node.move.from, node.move.to);
+        if (cost == search::infinity) return drop();
+        const double more = parent.g + cost - node.g;
+        node.g += more;
+        node.f += more;
+        node.lead += more;
+      }
+      if (forbidden(node.move)) return drop();
+      node.met += count_met(node.move);
+    }
+    node.evaluated = true;
+    nodes_[id] = node;
+    enter(id);
+  }
+
+  bool can_rest(const Move& rest) const {
+    for (const Constraint& constraint : constraints_) {
+      const Move& move = constraint.conflict.moves[constraint.side];
+      const int last = move.end == forever ? move.start + 1 : move.end;
+      for (int step = rest.start; step < last; ++step)
+        if (world_.forbids(constraint, {rest.from, rest.from, step, step + 1})) return false;
+    }
+    return std::none_of(avoid_.begin(), avoid_.end(), [&](const OtherPath& other) { return meets(rest, other); });
+  }
+
+  void expand(NodeId id) {
+    const Node node = nodes_[id];
+    const StateId state = node.move.to;
+    const int step = node.move.end;
+    double& best = best_.try_emplace(key(state, step), search::infinity).first->second;
+    if (best <= node.g) return;
+    best = node.g;
+    ++statistics_.expansions;
+    if (agent_.is_goal(state))
+      add({.move = {state, state, step, forever}, .g = node.g, .met = node.met, .parent = id, .final = true});
+    if (step < horizon_)
+      add({.move = {state, state, step, step + 1}, .g = node.g + agent_.wait_cost(), .met = node.met, .parent = id});
+    successors_.clear();
+    agent_.successors(state, successors_);
+    statistics_.generated += successors_.size();
+    for (const search::Successor& next : successors_) {
+      const int end = step + agent_.duration(state, next.state);
+      if (const auto known = best_.find(key(next.state, end));
+          known != best_.end() && known->second <= node.g + next.cost)
+        continue;
+      add({.move = {state, next.state, step, end}, .g = node.g + next.cost, .met = node.met, .parent = id});
+    }
+  }
+
+  TimedSearchResult solved(NodeId id) {
+    TimedSearchResult result = ended(Status::solved);
+    result.path.cost = nodes_[id].g;
+    for (; nodes_[id].parent != no_node; id = nodes_[id].parent) result.path.moves.push_back(nodes_[id].move);
+    std::reverse(result.path.moves.begin(), result.path.moves.end());
+    result.lower = std::min(lower_, result.path.cost);
+    return result;
+  }
+
+  TimedSearchResult ended(Status status) const {
+    TimedSearchResult result;
+    result.status = status;
+    result.lower = lower_;
+    result.statistics = statistics_;
+    result.statistics.memory = nodes_.capacity() * sizeof(Node);
+    return result;
+  }
+
+  World& world_;
+  std::size_t me_;
+  Agent& agent_;
+  std::span<const Constraint> constraints_;
+  std::span<const OtherPath> avoid_, others_;
+  TimedSearchOptions options_;
+  int horizon_{0};
+  std::vector<Node> nodes_;
+  Heap<Key> by_f_, by_lead_, waiting_;
+  Heap<std::pair<int, Key>> focal_;
+  std::unordered_map<std::uint64_t, double> best_;  // cost to come at the last expansion
+  std::vector<search::Successor> successors_;
+  double lower_{0.0};
+  search::Statistics statistics_;
+};
+
+}  // namespace
+
+TimedSearchResult timed_search(World& world, std::size_t agent, std::span<const Constraint> constraints,
+                               std::span<const OtherPath> avoid, std::span<const OtherPath> others,
+                               const TimedPath* experience, const TimedSearchOptions& options,
+                               const Deadline& deadline) {
+  search::require_weight(options.guide_weight, "timed_search: guide_weight");
+  search::require_weight(options.focal, "timed_search: focal");
+  if (!(options.bound >= 1.0)) search::require_weight(options.bound, "timed_search: bound");
+  return TimedSearch(world, agent, constraints, avoid, others, options).run(experience, deadline);
+}
+
+}  // namespace srmp::multi
