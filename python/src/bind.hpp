@@ -88,6 +88,7 @@ void bind_goal(nb::module_& m);
 void bind_parameterize(nb::module_& m);
 void bind_options(nb::module_& m);
 void bind_trajectory(nb::module_& m);
+void bind_multi_trajectory(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_plan_many(nb::module_& m);
 void bind_planner_interface(nb::module_& m);

@@ -48,7 +48,9 @@ void bind_goal(nb::module_& m) {
   nb::enum_<GoalType>(m, "GoalType", "What a goal speaks of.")
       .value("JOINTS", GoalType::joints, "A configuration of the planned joints.")
       .value("POSE", GoalType::pose, "Position and orientation of the end effector, world frame.")
-      .value("POSITION", GoalType::position, "Position of the end effector, world frame; any orientation.");
+      .value("POSITION", GoalType::position, "Position of the end effector, world frame; any orientation.")
+      .value("HOLD", GoalType::hold, "With plan_multi: the robot stays where it starts.")
+      .value("ASIDE", GoalType::aside, "With plan_multi: it may move out of the others' way and end anywhere.");
 
   nb::class_<GoalConstraint> cls(
       m, "GoalConstraint",
@@ -79,6 +81,9 @@ void bind_goal(nb::module_& m) {
          "is "
          "not above 0,\n"
          "and when every axis is free.")
+      .def_static("hold", &GoalConstraint::hold, "With plan_multi: the robot stays where it starts.")
+      .def_static("aside", &GoalConstraint::aside,
+                  "With plan_multi: the robot may move out of the others' way and end anywhere.")
       .def_ro("type", &GoalConstraint::type, "What the targets are.")
       .def_prop_ro(
           "position_tolerance", [](const GoalConstraint& goal) { return to_numpy(goal.position_tolerance.axes); },

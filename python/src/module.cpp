@@ -11,6 +11,7 @@ NB_MODULE(_srmp, m) {
   bind_options(m);
   bind_certificate(m);
   bind_trajectory(m);
+  bind_multi_trajectory(m);
   bind_parameterize(m);
   bind_io(m);
   bind_plan_many(m);

@@ -51,6 +51,11 @@ nb::dict to_dict(const Solution& s) {
 nb::dict to_dict(const PlanStatistics& statistics) {
   nb::dict d;
   for_each_field(statistics, [&](const char* name, const auto& field) { d[name] = to_python(field); });
+  if (statistics.robot_cost_rad.empty()) return d;
+  d["robot_cost_rad"] = statistics.robot_cost_rad;
+  d["tree_nodes"] = statistics.tree_nodes;
+  d["makespan_s"] = statistics.makespan_s;
+  d["flow_time_s"] = statistics.flow_time_s;
   return d;
 }
 

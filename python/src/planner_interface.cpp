@@ -695,7 +695,10 @@ void bind_planning(nb::class_<Self>& cls) {
          "MHAstar  MHA* (Aine et al. 2016), several heuristics\n"
          "wPASE    ePA*SE (Mukherjee, Aine, Likhachev 2022), parallel\n"
          "auto     guided searches in turns: both directions, four resolutions; the default\n"
-         "xECBS    xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms; plan_multi does not run yet\n\n"
+         "CBS      conflict-based search (Sharon et al. 2015), many robots: optimal on their lattices\n"
+         "ECBS     (Barer et al. 2014), many robots: within a bound\n"
+         "xECBS    (Shaoul, Mishani, Likhachev, Li 2024), many robots: ECBS with experience; quick\n"
+         "prioritised  priority-based search (Ma et al. 2019), many robots: quick, nothing is proved\n\n"
          "Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of "
          "range.")
       .def(
@@ -789,7 +792,20 @@ void bind_planning(nb::class_<Self>& cls) {
               return run_interruptible([&] { return p.plan_multi(q, goals, python_interrupted); });
             });
           },
-          nb::arg("starts"), nb::arg("goals"), "Many arms at once, by robot name. Not yet: raises NotSupported.")
+          nb::arg("starts"), nb::arg("goals"),
+          nb::sig("def plan_multi(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
+                  "goals: collections.abc.Mapping[str, GoalConstraint]) -> MultiTrajectory"),
+          "Motions of many robots together, on one clock, collision-free among each other too.\n\n"
+          "starts: (dof,) [rad or m] by robot name; goals: by robot name. A robot with a start and no goal holds still "
+          "(GoalConstraint.hold()\n"
+          "says so), one with GoalConstraint.aside() may move out of the way; robots without a start stand where "
+          "set_qpos put them.\n"
+          "Planned by the planner that make_planner chose for the robots of `starts`. The GIL is released; Ctrl-C "
+          "stops "
+          "it.\n\n"
+          "Raises PlanningError, with a status and a reason, when there are none; InvalidArgument for a goal without a "
+          "start, wrong\n"
+          "sizes and NaN, and when no robot is to move.")
       .def(
           "get_planning_stats",
           [](Self& self) { return self.use([](auto& p) { return to_dict(p.get_planning_stats()); }); },
@@ -812,13 +828,16 @@ void bind_planning(nb::class_<Self>& cls) {
           "solutions (a list:\n"
           "the time_s, cost_rad, bound and graph of every path that was better than those before); goal_index (which "
           "target was\n"
-          "reached, counted over all goals; -1: none).")
+          "reached, counted over all goals; -1: none). After plan_multi also robot_cost_rad (by robot; path_cost_rad "
+          "is "
+          "their sum),\n"
+          "tree_nodes (of the constraint tree), makespan_s and flow_time_s (sum of the robots' times of arrival) [s].")
       .def(
           "print_available_planners",
           [](Self&) {
             nb::object print = nb::module_::import_("builtins").attr("print");
             for (const PlannerInfo& info : available_planners())
-              print((info.id + std::string(10 - info.id.size(), ' ') + info.summary).c_str());
+              print((info.id + std::string(13 - info.id.size(), ' ') + info.summary).c_str());
           },
           "Print the planner ids and what each is for.");
 }

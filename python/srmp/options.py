@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar
 
-__all__ = ["WPASE", "XECBS", "ARAStar", "AStar", "Auto", "MHAStar", "WAStar"]
+__all__ = ["CBS", "ECBS", "WPASE", "XECBS", "ARAStar", "AStar", "Auto", "MHAStar", "Prioritised", "WAStar"]
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -130,8 +130,28 @@ class Auto(_Options):
 
 
 @dataclasses.dataclass(kw_only=True)
+class CBS(_Options):
+    """CBS (Sharon, Stern, Felner, Sturtevant 2015), many robots: the least sum of costs on their lattices."""
+
+    planner_id: ClassVar[str] = "CBS"
+
+
+@dataclasses.dataclass(kw_only=True)
+class ECBS(_Options):
+    """ECBS (Barer, Sharon, Stern, Felner 2014), many robots: cost <= the product of its factors * optimal."""
+
+    planner_id: ClassVar[str] = "ECBS"
+    weight_low_level_heuristic: float = 50.0
+    """>= 1."""
+    high_level_focal_suboptimality: float = 1.3
+    """>= 1."""
+    low_level_focal_suboptimality: float = 1.3
+    """>= 1."""
+
+
+@dataclasses.dataclass(kw_only=True)
 class XECBS(_Options):
-    """xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms. Accepted by make_planner; plan_multi does not run yet."""
+    """xECBS (Shaoul, Mishani, Likhachev, Li 2024), many robots: ECBS that begins with what it knows; the same bound."""
 
     planner_id: ClassVar[str] = "xECBS"
     weight_low_level_heuristic: float = 50.0
@@ -139,4 +159,13 @@ class XECBS(_Options):
     high_level_focal_suboptimality: float = 1.3
     """>= 1."""
     low_level_focal_suboptimality: float = 1.3
+    """>= 1."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class Prioritised(_Options):
+    """Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: quick; nothing is proved."""
+
+    planner_id: ClassVar[str] = "prioritised"
+    weight_low_level_heuristic: float = 50.0
     """>= 1."""

@@ -4,6 +4,8 @@
 #include <map>
 #include <string_view>
 
+#include "srmp/core/error.hpp"
+
 namespace srmp::detail {
 
 namespace {
@@ -38,7 +40,8 @@ Body object_body(const Object& object, BodyKind kind) {
 class Rules {
  public:
   /// Numbers the bodies by their scene names: several geometries share a link.
-  Rules(const Scene& scene, const RobotGroup& group, Bodies& bodies) : scene_(scene), group_(group) {
+  Rules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool companions_only)
+      : scene_(scene), group_(group), companions_only_(companions_only) {
     std::map<std::string_view, std::size_t> known;
     const auto number = [&](Body& body) {
       const auto [it, added] = known.try_emplace(body.scene_name, names_.size());
@@ -52,6 +55,7 @@ class Rules {
 
   bool matters(const Body& a, const Body& b) {
     if (a.member != 0 && b.member != 0) return false;
+    if (companions_only_ && (a.member == b.member || a.member < 0 || b.member < 0)) return false;
     if (allowed(a.name_id, b.name_id)) return false;
     if (a.member != b.member || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
@@ -72,14 +76,20 @@ class Rules {
 
   const Scene& scene_;
   const RobotGroup& group_;
+  bool companions_only_;
   std::vector<const std::string*> names_;
   std::vector<char> allowed_;  // [a * names + b]
 };
 
 }  // namespace
 
-Bodies::Bodies(const Scene& scene, const RobotGroup& group, std::vector<const PairTables*> tables)
-    : group_(group), tables_(std::move(tables)), data_(group.make_data()) {
+Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
+               std::vector<const PairTables*> tables)
+    : group_(group), options_(options), tables_(std::move(tables)), data_(group.make_data()) {
+  for (const std::string& name : options.absent) {
+    scene.robot(name);  // throws with the nearest name
+    if (group.contains(name)) throw InvalidArgument("robot '" + name + "' is planned and cannot be absent");
+  }
   Eigen::VectorXd q(static_cast<Eigen::Index>(group.joints().size()));
   Eigen::Index first = 0;
   for (std::size_t i = 0; i < group.size(); ++i) {
@@ -100,6 +110,11 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, std::vector<const Pa
   }
   tree.build(boxes);
   add_pairs(scene);
+}
+
+bool Bodies::leaves_out(const std::string& robot) const {
+  const auto& absent = options_.absent;
+  return options_.companions_only || std::find(absent.begin(), absent.end(), robot) != absent.end();
 }
 
 void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
@@ -127,6 +142,8 @@ void Bodies::add_objects(const Scene& scene) {
   const Pose to_base = group_.instance(0).base.inverse();
   for (const auto& [name, object] : scene.objects()) {
     const auto it = scene.attachments().find(name);
+    if (it == scene.attachments().end() && options_.companions_only) continue;
+    if (it != scene.attachments().end() && !group_.contains(it->second.robot) && leaves_out(it->second.robot)) continue;
     if (it == scene.attachments().end()) {
       add_fixed(object_body(object, BodyKind::object), (to_base * object.pose).isometry());
       continue;
@@ -153,7 +170,7 @@ void Bodies::add_objects(const Scene& scene) {
 void Bodies::add_other_robots(const Scene& scene) {
   const Eigen::Isometry3d to_base = group_.instance(0).base.inverse().isometry();
   for (const auto& [name, instance] : scene.robots()) {
-    if (group_.contains(name)) continue;
+    if (group_.contains(name) || leaves_out(name)) continue;
     const RobotDataPtr data = instance.model->make_data(instance.other_positions);
     instance.model->forward(*data, instance.q);
     for (std::size_t i = 0; i < instance.model->geometries().size(); ++i)
@@ -162,7 +179,7 @@ void Bodies::add_other_robots(const Scene& scene) {
 }
 
 void Bodies::add_pairs(const Scene& scene) {
-  Rules rules(scene, group_, *this);
+  Rules rules(scene, group_, *this, options_.companions_only);
   fixed_pair.assign(moving.size() * fixed.size(), -1);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)

@@ -67,7 +67,11 @@ struct RigidOverlap {
 
 struct Bodies {
   /// `tables`: by member of the group, may be null; they must outlive this.
-  Bodies(const Scene& scene, const RobotGroup& group, std::vector<const PairTables*> tables);
+  Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
+         std::vector<const PairTables*> tables);
+
+  /// Is nothing of this robot, which is not in the group, here?
+  bool leaves_out(const std::string& robot) const;
 
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
@@ -90,6 +94,7 @@ struct Bodies {
   const PairTable* table_of(const Body& a, const Body& b) const;
 
   const RobotGroup& group_;
+  CheckerOptions options_;
   std::vector<const PairTables*> tables_;
   RobotGroup::Data data_;  // where set_qpos put the robots
 };

@@ -52,7 +52,7 @@ std::vector<std::string> with_companions(const std::string& robot, std::vector<s
 using Tables = std::vector<std::shared_ptr<const PairTables>>;
 Tables tables_of(const detail::RobotGroup& group, const CheckerOptions& options) {
   Tables tables(group.size());
-  if (options.mode != CheckMode::coal && options.pair_tables)
+  if (options.mode != CheckMode::coal && options.pair_tables && !options.companions_only)
     for (std::size_t i = 0; i < group.size(); ++i) {
       const RobotInstance& robot = group.instance(i);
       tables[i] = options.pair_tables->tables(robot.model, robot.parts);
@@ -79,12 +79,13 @@ std::string Contact::describe() const {
 Checker::Impl::Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options)
     : group(scene, with_companions(robot, options.companions)),
       tables(tables_of(group, options)),
-      bodies(scene, group, addresses(tables)),
+      bodies(scene, group, options, addresses(tables)),
       mode(options.mode) {
   for (const Joint& joint : group.joints()) continuous.push_back(joint.kind == JointKind::continuous);
   if (mode == CheckMode::coal) return;
   const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
-  for (const auto& [name, other] : scene.robots()) ensure_covered(*other.model, *covers);
+  for (const auto& [name, other] : scene.robots())
+    if (group.contains(name) || !bodies.leaves_out(name)) ensure_covered(*other.model, *covers);
   const detail::CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
   batch_scene = detail::make_batch_scene(bodies, group, cover_of);
   batch.emplace(batch_scene.world);
@@ -105,35 +106,65 @@ const Pose& Checker::base() const { return impl_->group.instance(0).base; }
 const Eigen::VectorXd& Checker::other_positions() const { return impl_->group.instance(0).other_positions; }
 CheckMode Checker::mode() const { return impl_->mode; }
 
+/// How far a prismatic drive gets from where it is at 0.
+double Checker::Impl::travel(const Drive& drive) const {
+  const Joint& joint = group.joints()[drive.joint];
+  return drive.prismatic ? std::abs(drive.ratio) * std::max(std::abs(joint.lower), std::abs(joint.upper)) : 0.0;
+}
+
 /// The axes keep their distances as the joints turn, so a body is no farther from an axis than along the chain of axes
-/// to it, as it is at any one configuration, and what prismatic joints on the way add.
-Eigen::VectorXd Checker::reach() const {
-  const detail::RobotGroup& group = impl_->group;
+/// to it, as it is at any one configuration, and what prismatic joints on the way add. Calls at_axis(body, drive, way)
+/// for every moving body and every drive that moves it, the body's own first: no point of the body is ever farther
+/// than `way` from the point of the axis where the drive is.
+template <class AtAxis>
+void Checker::Impl::for_each_axis(AtAxis&& at_axis) const {
   const std::vector<Drive>& drives = group.drives();
   detail::RobotGroup::Data data = group.make_data();
-  group.forward(data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof())));
-  std::vector<double> farthest(drives.size(), 0.0);  // from the drive's axis
-  const auto travel = [&](const Drive& drive) {
-    const Joint& joint = group.joints()[drive.joint];
-    return drive.prismatic ? std::abs(drive.ratio) * std::max(std::abs(joint.lower), std::abs(joint.upper)) : 0.0;
-  };
-  for (const detail::MovingBody& body : impl_->bodies.moving) {
+  group.forward(data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
+  for (const detail::MovingBody& body : bodies.moving) {
     Eigen::Vector3d from = detail::pose_of(body, group, data) * body.bounds.center;
     double way = body.bounds.radius;
     for (int k = detail::deepest_drive(body.movers); k >= 0; k = group.parent(static_cast<std::size_t>(k))) {
       const auto drive = static_cast<std::size_t>(k);
       const Eigen::Vector3d axis = group.drive_axis(data, drive).first;
       way += (from - axis).norm();
-      farthest[drive] = std::max(farthest[drive], way);
+      at_axis(body, drive, way, axis);
       way += travel(drives[drive]);
       from = axis;
     }
   }
+}
+
+Eigen::VectorXd Checker::reach() const {
+  const std::vector<Drive>& drives = impl_->group.drives();
+  std::vector<double> farthest(drives.size(), 0.0);  // from the drive's axis
+  impl_->for_each_axis([&](const detail::MovingBody&, std::size_t drive, double way, const Eigen::Vector3d&) {
+    farthest[drive] = std::max(farthest[drive], way);
+  });
   Eigen::VectorXd reach = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof()));
   for (std::size_t k = 0; k < drives.size(); ++k)
     reach[static_cast<Eigen::Index>(drives[k].joint)] +=
         std::abs(drives[k].ratio) * (drives[k].prismatic ? 1.0 : farthest[k]);
   return reach;
+}
+
+/// Around the first axis that stays where it is.
+Ball Checker::range() const {
+  const detail::RobotGroup& group = impl_->group;
+  Ball ball;
+  bool centered = false;
+  const auto hold = [&](const Eigen::Vector3d& point, double radius) {
+    if (!std::exchange(centered, true)) ball.center = point;
+    ball.radius = std::max(ball.radius, (point - ball.center).norm() + radius);
+  };
+  impl_->for_each_axis([&](const detail::MovingBody& body, std::size_t drive, double way, const Eigen::Vector3d& axis) {
+    if (body.member == 0 && group.parent(drive) < 0)
+      hold(axis, way + impl_->travel(group.drives()[drive]) + body.padding);
+  });
+  for (const detail::FixedBody& body : impl_->bodies.fixed)
+    if (body.member == 0) hold(body.center, body.bounds.radius + body.padding);
+  ball.center = base() * ball.center;
+  return ball;
 }
 
 void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
+#include "srmp/robot/sphere_cover.hpp"
 #include "srmp/scene/scene.hpp"
 
 namespace srmp {
@@ -43,6 +44,8 @@ struct CheckerOptions {
   CheckMode mode{CheckMode::exact};
   std::shared_ptr<CoverStore> covers{};   ///< where balls are looked up; nullptr: a store of the checker's own
   std::vector<std::string> companions{};  ///< other robots that move too
+  std::vector<std::string> absent{};      ///< robots left out, with all that they hold
+  bool companions_only{};                 ///< only what the robot and its companions do to each other is a collision
   /// Where tables of pairs of links are looked up (not by CheckMode::coal); nullptr: nowhere.
   std::shared_ptr<PairTableStore> pair_tables{};
 };
@@ -107,6 +110,9 @@ class Checker {
   /// dof entries: how far a unit of each joint moves any point of the robots, or of what they hold, at most, wherever
   /// the joints stand within their limits [m/rad; prismatic joints 1].
   Eigen::VectorXd reach() const;
+  /// Holds every point of the robot and of what it holds, companions left out, wherever the joints stand within their
+  /// limits; padding included. World frame.
+  Ball range() const;
   WorkspacePtr make_workspace() const;
 
   /// Limits are not looked at. All of these throw InvalidArgument unless configurations have dof() finite entries.

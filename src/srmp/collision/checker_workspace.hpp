@@ -33,6 +33,10 @@ struct Checker::Impl {
     return true;
   }
 
+  template <class AtAxis>
+  void for_each_axis(AtAxis&& at_axis) const;
+  double travel(const Drive& drive) const;
+
   detail::RobotGroup group;
   std::vector<std::shared_ptr<const PairTables>> tables;  // by member of the group
   detail::Bodies bodies;

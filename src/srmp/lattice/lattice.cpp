@@ -24,6 +24,7 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
                  Options options, MotionValidator validator, std::size_t workers)
     : joints_(robot.joints()),
       anchors_(std::move(anchors)),
+      anchor_count_(anchors_.size()),
       targets_(std::move(targets)),
       near_distance_(options.primitives.near_distance),
       snap_distance_(options.snap_distance),
@@ -57,11 +58,17 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
     scratch_key_[1] = static_cast<std::int32_t>(i);
     table_.insert(scratch_key_);
   }
+  scratch_key_[1] = 0;
+  for (Eigen::VectorXd& via : options.vias) {
+    scratch_key_[0] = static_cast<std::int32_t>(anchors_.size());
+    anchors_.push_back(std::move(via));
+    table_.insert(scratch_key_);
+  }
 }
 
 std::vector<search::StateId> Lattice::starts() const {
   std::vector<search::StateId> ids;
-  for (std::size_t i = 0; i < anchors_.size(); ++i) ids.push_back(static_cast<search::StateId>(i));
+  for (std::size_t i = 0; i < anchor_count_; ++i) ids.push_back(static_cast<search::StateId>(i));
   return ids;
 }
 
@@ -124,7 +131,7 @@ double Lattice::distance_to_targets(search::StateId state) const {
 double Lattice::distance_from_anchors(search::StateId state) const {
   read_configuration(state, q_);
   double least = search::infinity;
-  for (const Eigen::VectorXd& anchor : anchors_) least = std::min(least, distance(anchor, q_));
+  for (std::size_t i = 0; i < anchor_count_; ++i) least = std::min(least, distance(anchors_[i], q_));
   return least;
 }
 
@@ -210,6 +217,10 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
     const double cost = distance(q_, targets_[t]);
     if (cost <= snap_distance_)
       out.push_back({static_cast<search::StateId>(anchor_count() + t), std::max(cost, 1e-12)});
+  }
+  for (std::size_t i = anchor_count_; i < anchors_.size(); ++i) {
+    const auto via = static_cast<search::StateId>(i + targets_.size());
+    if (via != state) out.push_back({via, std::max(distance(q_, anchors_[i]), 1e-12)});
   }
   add_goal_snaps(state, out);
   const bool near = near_an_end(q_);

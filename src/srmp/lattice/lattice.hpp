@@ -34,7 +34,9 @@ using GoalSnap = std::function<std::vector<SnapGoal>(const Eigen::VectorXd& q)>;
 /// - States lie on a grid hung up at their anchor (grid unit 1e-4 degree or 1e-6 m, so that any mix of primitives meets
 ///   exactly); continuous joints wrap. Anchors are states 0, 1, …; targets follow.
 /// - An edge costs its joint-space length [rad; prismatic joints in m count as they are].
-/// - From every state a snap leads to each target within `snap_distance`.
+/// - From every state a snap leads to each target within `snap_distance`, and to each of the `vias`, which hold up
+/// grids
+///   of their own: waypoints of paths that are known already.
 /// - `goal_snap` may add goals while the search runs: each has one edge, from the state for which it was found, and
 /// none
 ///   on. The heuristics know the targets alone, and nothing of these goals but that they are goals. So no cost-to-come
@@ -46,6 +48,7 @@ class Lattice {
     PrimitiveSet primitives;
     double snap_distance{search::infinity};  ///< [rad], >= 0
     GoalSnap goal_snap{};                    ///< may be empty
+    std::vector<Eigen::VectorXd> vias{};     ///< free configurations that a snap leads to from everywhere
   };
 
   /// All anchors and targets must be free configurations within limits. Batches of edges are shared out to `workers`.
@@ -59,7 +62,7 @@ class Lattice {
 
   std::vector<search::StateId> starts() const;
   Eigen::VectorXd configuration(search::StateId state) const;
-  std::size_t anchor_count() const { return anchors_.size(); }
+  std::size_t anchor_count() const { return anchor_count_; }
   const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
   /// What `goal_snap` said of a goal; null for other states, targets too.
   const SnapGoal* snapped_goal(search::StateId state) const;
@@ -97,7 +100,8 @@ class Lattice {
   void read_configuration(search::StateId state, Eigen::VectorXd& q) const;
 
   const std::vector<Joint>& joints_;
-  std::vector<Eigen::VectorXd> anchors_;
+  std::vector<Eigen::VectorXd> anchors_;  // then the vias
+  std::size_t anchor_count_;
   std::vector<Eigen::VectorXd> targets_;
   double near_distance_;
   double snap_distance_;

@@ -9,6 +9,8 @@ std::string_view to_string(GoalType type) {
     case GoalType::joints: return "joints";
     case GoalType::pose: return "pose";
     case GoalType::position: return "position";
+    case GoalType::hold: return "hold";
+    case GoalType::aside: return "aside";
   }
   return "unknown";
 }
@@ -22,7 +24,14 @@ GoalConstraint GoalConstraint::pose(const Pose& pose) {
 
 GoalConstraint GoalConstraint::position(const Eigen::Vector3d& p) { return {GoalType::position, {p}}; }
 
+GoalConstraint GoalConstraint::hold() { return {GoalType::hold, {}}; }
+GoalConstraint GoalConstraint::aside() { return {GoalType::aside, {}}; }
+
 void GoalConstraint::validate() const {
+  if (type == GoalType::hold || type == GoalType::aside) {
+    if (!targets.empty()) throw InvalidArgument("a goal of type '" + std::string(to_string(type)) + "' has no target");
+    return;
+  }
   if (targets.empty()) throw InvalidArgument("the goal has no target; give at least one");
   position_tolerance.validate("goal position_tolerance");
   rotation_tolerance.validate("goal rotation_tolerance");

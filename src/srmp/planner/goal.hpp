@@ -13,6 +13,8 @@ enum class GoalType {
   joints,    ///< a configuration of the planned joints
   pose,      ///< position and orientation of the end effector, world frame
   position,  ///< position of the end effector, world frame; any orientation
+  hold,      ///< with plan_multi: the robot stays where it starts
+  aside,     ///< with plan_multi: it may move out of the others' way and end anywhere
 };
 
 std::string_view to_string(GoalType type);
@@ -22,7 +24,8 @@ std::string_view to_string(GoalType type);
 /// tolerances at worst.
 struct GoalConstraint {
   GoalType type{GoalType::joints};
-  /// One row a target. joints: dof numbers [rad or m]; pose: x, y, z, qx, qy, qz, qw; position: x, y, z [m].
+  /// One row a target; none with hold and aside. joints: dof numbers [rad or m]; pose: x, y, z, qx, qy, qz, qw;
+  /// position: x, y, z [m].
   std::vector<Eigen::VectorXd> targets;
   /// Each a number, or one for each axis of the target's own frame (position targets: of the world); infinity: that
   /// axis is free, and the solutions are spread over it.
@@ -32,6 +35,8 @@ struct GoalConstraint {
   static GoalConstraint joints(const Eigen::VectorXd& q);
   static GoalConstraint pose(const Pose& pose);
   static GoalConstraint position(const Eigen::Vector3d& p);
+  static GoalConstraint hold();
+  static GoalConstraint aside();
 
   /// Throws InvalidArgument: no target, wrong size, NaN, zero quaternion, a tolerance not above 0, all axes free.
   void validate() const;

@@ -89,11 +89,28 @@ void visit_fields(Auto& o, V&& field) {
   field("final_weight", o.final_weight, from_one);
 }
 template <class V>
-void visit_fields(XECBS& o, V&& field) {
+void visit_fields(CBS& o, V&& field) {
+  visit_fields(o.common, field);
+}
+template <class Options, class V>
+void visit_conflict_fields(Options& o, V&& field) {
   visit_fields(o.common, field);
   field("weight_low_level_heuristic", o.weight_low_level_heuristic, from_one);
   field("high_level_focal_suboptimality", o.high_level_focal_suboptimality, from_one);
   field("low_level_focal_suboptimality", o.low_level_focal_suboptimality, from_one);
+}
+template <class V>
+void visit_fields(ECBS& o, V&& field) {
+  visit_conflict_fields(o, field);
+}
+template <class V>
+void visit_fields(XECBS& o, V&& field) {
+  visit_conflict_fields(o, field);
+}
+template <class V>
+void visit_fields(Prioritised& o, V&& field) {
+  visit_fields(o.common, field);
+  field("weight_low_level_heuristic", o.weight_low_level_heuristic, from_one);
 }
 
 std::string option(const std::string& key) { return "option '" + key + "'"; }
@@ -231,19 +248,27 @@ struct Planner {
 
 const std::vector<Planner>& registry() {
   static const std::vector<Planner> planners{
-      {{"auto", "the quickest: guided searches in turns, both directions, four resolutions; anytime if asked", false},
+      {{"auto", "the quickest: guided searches in turns, both directions, four resolutions; anytime if asked", true,
+        true},
        Auto{},
        {}},
-      {{"Astar", "A*: the shortest path on the lattice", false}, AStar{}, {"a*"}},
-      {{"wAstar", "weighted A*: cost at most weight times the shortest; quick", false},
+      {{"Astar", "A*: the shortest path on the lattice", true, false}, AStar{}, {"a*"}},
+      {{"wAstar", "weighted A*: cost at most weight times the shortest; quick", true, false},
        WAStar{},
        {"wa*", "weightedastar"}},
-      {{"ARAstar", "ARA*: a first path quickly, then better ones until the time limit", false}, ARAStar{}, {"ara*"}},
-      {{"MHAstar", "MHA*: several heuristics share one search", false}, MHAStar{}, {"mha*"}},
-      {{"wPASE", "parallel weighted search; the same path for every number of threads", false},
+      {{"ARAstar", "ARA*: a first path quickly, then better ones until the time limit", true, false},
+       ARAStar{},
+       {"ara*"}},
+      {{"MHAstar", "MHA*: several heuristics share one search", true, false}, MHAStar{}, {"mha*"}},
+      {{"wPASE", "parallel weighted search; the same path for every number of threads", true, false},
        WPASE{},
        {"wpa*se", "wpastarse", "epa*se", "epase"}},
-      {{"xECBS", "many arms at once (not yet: plan_multi says so)", true}, XECBS{}, {}},
+      {{"CBS", "many robots: the least sum of costs on their lattices", false, true}, CBS{}, {}},
+      {{"ECBS", "many robots: sum of costs within a bound", false, true}, ECBS{}, {}},
+      {{"xECBS", "many robots: ECBS that learns from its own searches; quick", false, true}, XECBS{}, {}},
+      {{"prioritised", "many robots: one gives way to another; quick, nothing is proved", false, true},
+       Prioritised{},
+       {"prioritized", "pbs", "pp"}},
   };
   return planners;
 }

@@ -71,12 +71,32 @@ struct WPASE {
   int batch_size{16};   ///< edges evaluated together, > 0; part of the question: another batch may find another path
 };
 
-/// xECBS (Shaoul, Mishani, Likhachev, Li 2024), many arms. Accepted by make_planner; plan_multi does not run yet.
+/// CBS (Sharon, Stern, Felner, Sturtevant 2015), many robots: sum of costs optimal on their lattices in discrete time.
+struct CBS {
+  CommonOptions common{};
+};
+
+/// ECBS (Barer, Sharon, Stern, Felner 2014), many robots: sum of costs <= the product of its three factors * optimal.
+struct ECBS {
+  CommonOptions common{};
+  double weight_low_level_heuristic{50.0};     ///< >= 1
+  double high_level_focal_suboptimality{1.3};  ///< >= 1
+  double low_level_focal_suboptimality{1.3};   ///< >= 1
+};
+
+/// xECBS (Shaoul, Mishani, Likhachev, Li 2024): ECBS whose searches begin with what still holds of the last one, with
+/// further branches in which one robot gives way to another (multi::ConflictSearchOptions). The same bound.
 struct XECBS {
   CommonOptions common{};
   double weight_low_level_heuristic{50.0};     ///< >= 1
   double high_level_focal_suboptimality{1.3};  ///< >= 1
   double low_level_focal_suboptimality{1.3};   ///< >= 1
+};
+
+/// Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: fast; incomplete, and nothing is proved.
+struct Prioritised {
+  CommonOptions common{};
+  double weight_low_level_heuristic{50.0};  ///< >= 1
 };
 
 /// Eight greedy searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 3,
@@ -89,7 +109,7 @@ struct Auto {
   double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as there is time
 };
 
-using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS>;
+using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised>;
 
 /// A value as dictionaries bring it; strings hold numbers too ("5", "true").
 using OptionValue = std::variant<bool, double, std::string, std::vector<std::string>>;
@@ -118,7 +138,8 @@ std::string planner_id(const PlannerOptions& options);
 struct PlannerInfo {
   std::string id;
   std::string summary;
-  bool multi_robot{};
+  bool one_robot{};
+  bool many_robots{};
 };
 /// What make_planner knows.
 const std::vector<PlannerInfo>& available_planners();

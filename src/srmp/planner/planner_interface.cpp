@@ -8,12 +8,41 @@
 #include "srmp/io/joint_limits.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/io/scene_file.hpp"
+#include "srmp/planner/multi_robot.hpp"
 #include "srmp/planner/plan_many.hpp"
 #include "srmp/planner/problem_file.hpp"
 #include "srmp/planner/single_robot.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
+
+namespace {
+
+struct ArmCheckerPair {
+  std::unique_ptr<const ArmCheckers> plan, judge;
+  std::vector<Eigen::VectorXd> others;  // where the robots that stand still do
+};
+
+void require_multi_question(const Scene& scene, const std::string& robot, ConstVector start,
+                            const GoalConstraint& goal) {
+  goal.validate();
+  const RobotModel& model = *scene.robot(robot).model;
+  model.require_configuration(start, "start of '" + robot + "'");
+  if (goal.type == GoalType::joints)
+    for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
+}
+
+/// A robot that holds.
+Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::VectorXd& q) {
+  const RobotInstance& instance = scene.robot(robot);
+  const RowMatrix row = q.transpose(), zero = RowMatrix::Zero(1, q.size());
+  Trajectory trajectory{instance.model->joint_names(), row, zero, zero, Eigen::VectorXd::Zero(1), row};
+  trajectory.robot =
+      std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions});
+  return trajectory;
+}
+
+}  // namespace
 
 struct PlannerInterface::Impl {
   Scene scene;
@@ -22,6 +51,7 @@ struct PlannerInterface::Impl {
   mutable std::map<std::pair<std::string, CheckMode>, std::unique_ptr<Checker>> checkers;
   std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
   std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
+  ArmCheckerPair together;  // of the last plan_multi
   UserHeuristics heuristics;
   std::map<std::string, MotionLimits> motion_limits;  // of the user; other robots have default_limits
   PlanStatistics statistics;                          // of the last plan
@@ -33,6 +63,7 @@ struct PlannerInterface::Impl {
   void change(Change&& apply) {
     apply(scene);
     checkers.clear();
+    together = {};
     result.reset();
   }
 
@@ -60,6 +91,21 @@ struct PlannerInterface::Impl {
       ensure_covered(*robot.model, *covers);
       pair_tables->tables(robot.model, robot.parts);
     }
+  }
+
+  /// For robots that move together while the others stand as in `now`; kept for the next plan of the same.
+  const ArmCheckerPair& arm_checkers(const Scene& now, const std::vector<MultiRobotPart>& moving) {
+    std::vector<std::string> names;
+    std::vector<Eigen::VectorXd> others;
+    for (const MultiRobotPart& part : moving) names.push_back(part.robot);
+    for (const auto& [name, robot] : now.robots())
+      if (std::find(names.begin(), names.end(), name) == names.end()) others.push_back(robot.q);
+    if (together.plan && together.plan->names() == names && together.others == others) return together;
+    together.plan =
+        std::make_unique<ArmCheckers>(now, names, CheckerOptions{.covers = covers, .pair_tables = pair_tables});
+    together.judge = std::make_unique<ArmCheckers>(now, names, CheckerOptions{.mode = CheckMode::coal});
+    together.others = std::move(others);
+    return together;
   }
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
@@ -461,22 +507,42 @@ std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanReques
                          progress);
 }
 
-Trajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
-                                        const std::map<std::string, GoalConstraint>& goals, const Interrupt&) {
+MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
+                                             const std::map<std::string, GoalConstraint>& goals,
+                                             const Interrupt& interrupt) {
   std::vector<std::string> robots;
-  for (const auto& [name, start] : starts) {
-    impl_->model(name).require_configuration(start, "start of '" + name + "'");
-    if (!goals.contains(name)) throw InvalidArgument("robot '" + name + "' has a start but no goal");
-    robots.push_back(name);
-  }
-  for (const auto& [name, goal] : goals) {
+  for (const auto& [name, start] : starts) robots.push_back(name);
+  for (const auto& [name, goal] : goals)
     if (!starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
-    goal.validate();
+  const PlannerOptions& options = planner_options(robots);
+  require_heuristics(options, impl_->heuristic_names());
+  Scene scene = impl_->scene;
+  std::vector<MultiRobotPart> moving;
+  for (const auto& [name, start] : starts) {
+    const auto goal = goals.find(name);
+    const GoalConstraint& wanted = goal == goals.end() ? GoalConstraint::hold() : goal->second;
+    require_multi_question(scene, name, start, wanted);
+    const RobotInstance& instance = scene.robot(name);
+    if (wanted.type == GoalType::hold)
+      scene.set_qpos(name, start);
+    else
+      moving.push_back(
+          {name, start, wanted, impl_->limits_of(name),
+           std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})});
   }
-  planner_options(robots);
-  throw NotSupported(
-      "plan_multi is not there yet: planning for many robots at once comes with the many-arms release; "
-      "plan for one robot at a time with plan");
+  if (moving.empty()) throw InvalidArgument("plan_multi needs a goal for at least one of the robots");
+  impl_->cover_robots();
+  const ArmCheckerPair& checkers = impl_->arm_checkers(scene, moving);
+  const Deadline deadline(common_options(options).time_limit, interrupt);
+  impl_->request.reset();
+  impl_->result.reset();
+  impl_->statistics = {};
+  MultiTrajectory result =
+      plan_multi_robot({scene, std::move(moving), *checkers.plan, *checkers.judge, options, impl_->heuristics},
+                       deadline, impl_->statistics);
+  for (const auto& [name, start] : starts)
+    if (!result.robots.contains(name)) result.robots.emplace(name, at_rest(scene, name, start));
+  return result;
 }
 
 const PlanStatistics& PlannerInterface::get_planning_stats() const { return impl_->statistics; }

@@ -15,6 +15,7 @@
 #include "srmp/planner/verify.hpp"
 #include "srmp/robot/inverse_kinematics.hpp"
 #include "srmp/scene/scene.hpp"
+#include "srmp/trajectory/multi_trajectory.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
@@ -67,6 +68,12 @@ struct PlanStatistics {
   std::string bound_graph;          ///< as Solution::graph
   std::vector<Solution> solutions;  ///< every path that was returned or improved on; costs and bounds never rise
   int goal_index{-1};               ///< which of the goals (all targets of all constraints, in order) was reached
+
+  // Of plan_multi, whose costs are sums over the robots and whose goal_index says nothing.
+  std::map<std::string, double> robot_cost_rad;  ///< by name
+  std::uint64_t tree_nodes{};                    ///< of the constraint tree
+  double makespan_s{};                           ///< until the last robot is at its goal
+  double flow_time_s{};                          ///< sum of the times until each is
 };
 
 /// One plan of many.
@@ -234,9 +241,13 @@ class PlannerInterface {
   std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, std::optional<int> threads = {},
                                     const Interrupt& interrupt = {}, const Progress& progress = {});
 
-  /// Many arms at once. Not yet: throws NotSupported.
-  Trajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
-                        const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});
+  /// Motions of many robots together, on one clock, from `starts` to `goals`, both by robot name: collision-free among
+  /// each other too. A robot with a start and no goal holds still, as with GoalConstraint::hold; robots without a start
+  /// stand where set_qpos put them. Planned by the planner that make_planner chose for the robots of `starts`. Throws
+  /// PlanningError with a typed status and a sentence when there are none, InvalidArgument for a goal without a start,
+  /// and when no robot is to move.
+  MultiTrajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
+                             const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});
   /// Of the last plan, solved or not; status `exhausted` with zeros before the first.
   const PlanStatistics& get_planning_stats() const;
   /// What the last plan was asked, without options: those of make_planner count. None before the first, and once its

@@ -69,13 +69,6 @@ class PostProcess {
     return trajectory;
   }
 
-  static MotionLimits scaled(MotionLimits limits, const CommonOptions& options) {
-    limits.velocity *= options.velocity_scaling;
-    limits.acceleration *= options.acceleration_scaling;
-    limits.jerk *= options.acceleration_scaling;
-    return limits;
-  }
-
   /// The straight motions of a path without times, as long as one another: a certificate needs times.
   static Trajectory numbered(Trajectory path) {
     const Eigen::Index rows = path.positions.rows();
@@ -117,6 +110,13 @@ class PostProcess {
 };
 
 }  // namespace
+
+MotionLimits scaled(MotionLimits limits, const CommonOptions& options) {
+  limits.velocity *= options.velocity_scaling;
+  limits.acceleration *= options.acceleration_scaling;
+  limits.jerk *= options.acceleration_scaling;
+  return limits;
+}
 
 Trajectory post_process(const SingleRobotProblem& problem, const std::vector<Eigen::VectorXd>& path, std::size_t escape,
                         const Deadline& deadline, PlanStatistics& statistics) {

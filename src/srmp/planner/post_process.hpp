@@ -13,4 +13,7 @@ namespace srmp {
 Trajectory post_process(const SingleRobotProblem& problem, const std::vector<Eigen::VectorXd>& path, std::size_t escape,
                         const Deadline& deadline, PlanStatistics& statistics);
 
+/// The shares of the limits that the options leave.
+MotionLimits scaled(MotionLimits limits, const CommonOptions& options);
+
 }  // namespace srmp

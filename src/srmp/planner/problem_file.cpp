@@ -63,9 +63,12 @@ std::vector<std::string> planner_key(const Scene& scene, std::vector<std::string
 }
 
 void require_planner_for(const std::vector<std::string>& robots, const PlannerOptions& options) {
-  if (robots.size() > 1 && !std::holds_alternative<XECBS>(options))
-    throw InvalidArgument("planner '" + planner_id(options) + "' plans for one robot, but " +
-                          std::to_string(robots.size()) + " were named; use 'xECBS' for many");
+  const auto& known = available_planners();
+  const auto info = std::find_if(known.begin(), known.end(),
+                                 [&](const PlannerInfo& planner) { return planner.id == planner_id(options); });
+  if (robots.size() > 1 && !info->many_robots)
+    throw InvalidArgument("planner '" + info->id + "' plans for one robot, but " + std::to_string(robots.size()) +
+                          " were named; use 'xECBS' for many");
 }
 
 void require_question(const Scene& scene, const std::string& robot, ConstVector start,
@@ -74,6 +77,8 @@ void require_question(const Scene& scene, const std::string& robot, ConstVector 
   if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
   for (const GoalConstraint& goal : goals) {
     goal.validate();
+    if (goal.targets.empty())
+      throw InvalidArgument("a goal of type '" + std::string(to_string(goal.type)) + "' is for plan_multi");
     if (goal.type == GoalType::joints)
       for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
   }

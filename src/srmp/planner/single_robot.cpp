@@ -12,6 +12,7 @@
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/planner/escape.hpp"
 #include "srmp/planner/ik_snap.hpp"
+#include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
@@ -27,18 +28,6 @@ namespace {
 constexpr double start_mercy = 1e-6;  // a start outside a limit by no more is moved onto it [rad or m]
 
 using search::AnyHeuristic;
-
-/// Adds the time from construction to destruction.
-class PhaseTimer {
- public:
-  PhaseTimer(const Deadline& clock, double& total) : clock_(clock), total_(total), start_(clock.elapsed()) {}
-  ~PhaseTimer() { total_ += clock_.elapsed() - start_; }
-
- private:
-  const Deadline& clock_;
-  double& total_;
-  double start_;
-};
 
 /// A configuration that meets a goal.
 struct Target {
@@ -68,6 +57,19 @@ class SingleRobotPlan {
     if (!escape_.empty()) best_.insert(best_.begin(), escape_.begin(), escape_.end() - 1);
     verify_escape();
     return post_process(problem_, best_, escape_.empty() ? 0 : escape_.size() - 1, deadline_, statistics_);
+  }
+
+  RobotPath find() {
+    check_start();
+    find_targets();
+    find_path();
+    collect_check_statistics();
+    RobotPath found{start_, {}, {}, best_};
+    for (const Target& target : targets_) {
+      found.targets.push_back(target.q);
+      found.goal_indices.push_back(target.goal_index);
+    }
+    return found;
   }
 
   /// Sums what the workers' checks did; also called when a plan fails half-way.
@@ -397,9 +399,12 @@ class SingleRobotPlan {
                          {.weight = options.weight, .batch_size = static_cast<std::size_t>(options.batch_size)},
                          deadline_);
   }
-  search::Result run_search(Lattice&, const Starts&, const AnyHeuristic&, const XECBS&) {
-    throw NotSupported(
-        "xECBS plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for plan");
+  /// The planners for many robots.
+  template <class Multi>
+  search::Result run_search(Lattice&, const Starts&, const AnyHeuristic&, const Multi&) {
+    throw NotSupported(planner_id(problem_.options) +
+                       " plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for "
+                       "plan");
   }
 
   search::Result run_search(Lattice&, const Starts&, const AnyHeuristic&, const Auto&) {
@@ -688,6 +693,10 @@ class SingleRobotPlan {
 };
 
 }  // namespace
+
+RobotPath find_robot_path(const SingleRobotProblem& problem, const Deadline& deadline, PlanStatistics& statistics) {
+  return SingleRobotPlan(problem, deadline, statistics).find();
+}
 
 Trajectory plan_single_robot(const SingleRobotProblem& problem, const Deadline& deadline, PlanStatistics& statistics) {
   SingleRobotPlan plan(problem, deadline, statistics);

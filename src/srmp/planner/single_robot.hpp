@@ -21,4 +21,14 @@ struct SingleRobotProblem {
 /// Answers it; throws PlanningError. `statistics` is filled either way.
 Trajectory plan_single_robot(const SingleRobotProblem& problem, const Deadline& deadline, PlanStatistics& statistics);
 
+/// A way of one robot, before it is timed.
+struct RobotPath {
+  Eigen::VectorXd start;                   ///< free, within limits
+  std::vector<Eigen::VectorXd> targets;    ///< configurations that meet a goal, free
+  std::vector<int> goal_indices;           ///< of the targets: PlanStatistics::goal_index
+  std::vector<Eigen::VectorXd> waypoints;  ///< from start to one of them
+};
+/// The same question without timing, and without a way out of a start in collision; throws PlanningError.
+RobotPath find_robot_path(const SingleRobotProblem& problem, const Deadline& deadline, PlanStatistics& statistics);
+
 }  // namespace srmp

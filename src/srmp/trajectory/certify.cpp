@@ -293,19 +293,12 @@ class Certifier {
     const CubicMotion motion{times, t_.positions.bottomRows(rows),
                              t_.velocities.bottomRows(t_.velocities.rows() > 0 ? rows : 0)};
     const MotionProof proof = prove_motion(checker_, motion, *workspace, {options_.tightness, options_.deadline});
-    result_.clearance = proof.clearance;
-    result_.clearance_time = proof.time;
-    result_.body_a = proof.body_a;
-    result_.body_b = proof.body_b;
-    result_.clearance_proved = proof.proved;
-    for (const MotionProof::Part& part : proof.unproved)
-      result_.sampled.push_back({part.from, part.to, part.body_a, part.body_b});
+    result_.clearance = result_.clearance_proved = std::numeric_limits<double>::infinity();
+    add_proof(result_, proof);
     if (proof.free) return;
     const auto contacts = checker_.contacts(t_.state(proof.time).position, *workspace);
-    fault(FaultKind::collision,
-          (contacts.empty() ? "'" + proof.body_a + "' and '" + proof.body_b + "' touch" : contacts.front().describe()) +
-              " at " + to_text(proof.time) + " s",
-          proof.time);
+    if (!contacts.empty())
+      result_.faults.back().text = contacts.front().describe() + " at " + to_text(proof.time) + " s";
   }
 
   const Trajectory& t_;
@@ -319,6 +312,22 @@ class Certifier {
 };
 
 }  // namespace
+
+void add_proof(Certificate& certificate, const MotionProof& proof) {
+  if (proof.clearance < certificate.clearance || certificate.body_a.empty()) {
+    certificate.clearance = proof.clearance;
+    certificate.clearance_time = proof.time;
+    certificate.body_a = proof.body_a;
+    certificate.body_b = proof.body_b;
+  }
+  certificate.clearance_proved = std::min(certificate.clearance_proved, proof.proved);
+  for (const MotionProof::Part& part : proof.unproved)
+    certificate.sampled.push_back({part.from, part.to, part.body_a, part.body_b});
+  if (!proof.free)
+    certificate.faults.push_back(
+        {FaultKind::collision,
+         "'" + proof.body_a + "' and '" + proof.body_b + "' touch at " + to_text(proof.time) + " s", proof.time});
+}
 
 Certificate certify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
                     const CertifyOptions& options) {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "srmp/collision/checker.hpp"
+#include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/deadline.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
@@ -26,5 +27,8 @@ struct CertifyOptions {
 /// which has nothing in common with the one that planned.
 Certificate certify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
                     const CertifyOptions& options = {});
+
+/// What a proof says of a motion, taken into the certificate of that motion.
+void add_proof(Certificate& certificate, const MotionProof& proof);
 
 }  // namespace srmp

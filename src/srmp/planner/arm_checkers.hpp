@@ -1,0 +1,35 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "srmp/collision/checker.hpp"
+
+namespace srmp {
+
+/// Checkers for robots that move together: each alone in the scene, the others left out; and each two that can reach
+/// each other, by themselves. Where all of these say free, nothing touches.
+class ArmCheckers {
+ public:
+  /// Robots of the scene that are not named stand still.
+  ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options);
+
+  const std::vector<std::string>& names() const { return names_; }
+  std::size_t size() const { return names_.size(); }
+  const Checker& alone(std::size_t i) const { return *alone_[i]; }
+  /// i < j: what i and j do to each other; a configuration is i's, then j's. Null: they never meet.
+  const Checker* pair(std::size_t i, std::size_t j) const {
+    const auto found = pairs_.find({i, j});
+    return found == pairs_.end() ? nullptr : found->second.get();
+  }
+  bool may_meet(std::size_t i, std::size_t j) const { return pair(std::min(i, j), std::max(i, j)) != nullptr; }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::unique_ptr<const Checker>> alone_;
+  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<const Checker>> pairs_;
+};
+
+}  // namespace srmp

@@ -1,0 +1,156 @@
+#include "srmp/planner/arm_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "srmp/trajectory/motion_limits.hpp"
+
+namespace srmp {
+
+using multi::Move;
+using search::StateId;
+
+namespace {
+
+Eigen::VectorXd lattice_step(const RobotModel& robot, const ArmWorld::Options& options) {
+  Eigen::VectorXd step(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j)
+    step[static_cast<Eigen::Index>(j)] =
+        robot.joints()[j].kind == JointKind::prismatic ? options.prismatic_resolution : options.resolution;
+  return step;
+}
+
+}  // namespace
+
+class ArmWorld::Arm : public multi::Agent {
+ public:
+  Arm(const Checker& checker, ArmTask task, const Options& options)
+      : checker_(checker),
+        robot_(checker.robot()),
+        workspace_(checker.make_workspace()),
+        speed_(default_limits(robot_).velocity),
+        wait_cost_(0.1 * options.resolution),
+        task_(std::move(task)),
+        lattice_(robot_, {task_.start}, task_.targets,
+                 {.primitives = rich_primitives(robot_.joints(), lattice_step(robot_, options), parallel_pairs(robot_)),
+                  .vias = inner(task_.backbone)},
+                 [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
+    double left = 0.0;
+    rest_.assign(task_.backbone.size(), 0.0);
+    for (std::size_t k = task_.backbone.size(); k-- > 1;)
+      rest_[k - 1] = left += lattice_.distance(task_.backbone[k - 1], task_.backbone[k]);
+  }
+
+  StateId start() override { return 0; }
+  void successors(StateId state, std::vector<search::Successor>& out) override { lattice_.successors(state, out); }
+  bool is_goal(StateId state) override { return task_.anywhere || lattice_.is_goal(state); }
+  double heuristic(StateId state) override { return task_.anywhere ? 0.0 : lattice_.distance_to_targets(state); }
+  double wait_cost() override { return wait_cost_; }
+  int duration(StateId from, StateId to) override {
+    const double time = time_of(lattice_.configuration(from), lattice_.configuration(to));
+    return std::max(1, static_cast<int>(std::ceil(time / step_time - 1e-9)));
+  }
+
+  /// Along the backbone, from where one gets onto it.
+  double guide(StateId state) override {
+    double least = heuristic(state);
+    if (task_.backbone.size() < 3 || least == 0.0) return least;
+    const Eigen::VectorXd q = lattice_.configuration(state);
+    least = search::infinity;
+    for (std::size_t k = 0; k < rest_.size(); ++k)
+      least = std::min(least, lattice_.distance(q, task_.backbone[k]) + rest_[k]);
+    return least;
+  }
+
+  double evaluate(StateId from, StateId to) override {
+    const auto [known, added] = costs_.try_emplace(std::uint64_t{from} << 32 | to, 0.0);
+    if (added) {
+      const search::Edge edge{from, to, lattice_.distance(configuration(from), configuration(to))};
+      lattice_.evaluate({&edge, 1}, {&known->second, 1});
+    }
+    return known->second;
+  }
+
+  bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return checker_.is_motion_free(a, b, *workspace_, true);
+  }
+
+  double time_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+    return (robot_.difference(a, b).array().abs() / speed_.array()).maxCoeff();
+  }
+  double mean_speed() const { return speed_.mean(); }
+  Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
+  const RobotModel& robot() const { return robot_; }
+  std::size_t states() const { return lattice_.size(); }
+
+  double step_time{};  // [s]
+
+ private:
+  static std::vector<Eigen::VectorXd> inner(const std::vector<Eigen::VectorXd>& path) {
+    if (path.size() < 3) return {};
+    return {path.begin() + 1, path.end() - 1};
+  }
+
+  const Checker& checker_;
+  const RobotModel& robot_;
+  Checker::WorkspacePtr workspace_;
+  Eigen::VectorXd speed_;
+  double wait_cost_;
+  ArmTask task_;
+  std::vector<double> rest_;  // of the backbone, from each waypoint on
+  Lattice lattice_;
+  std::unordered_map<std::uint64_t, double> costs_;  // of edges
+};
+
+ArmWorld::ArmWorld(const ArmCheckers& checkers, std::vector<ArmTask> tasks, const Options& options)
+    : checkers_(checkers) {
+  for (std::size_t i = 0; i < checkers.size(); ++i) {
+    arms_.push_back(std::make_unique<Arm>(checkers.alone(i), std::move(tasks[i]), options));
+    step_time_ = std::max(step_time_, options.resolution / arms_.back()->mean_speed());
+    for (std::size_t j = i + 1; j < checkers.size(); ++j)
+      if (const Checker* pair = checkers.pair(i, j)) workspaces_.emplace(std::pair(i, j), pair->make_workspace());
+  }
+  for (const auto& arm : arms_) arm->step_time = step_time_;
+}
+ArmWorld::~ArmWorld() = default;
+
+multi::Agent& ArmWorld::agent(std::size_t i) { return *arms_[i]; }
+
+std::uint64_t ArmWorld::states() const {
+  std::uint64_t sum = 0;
+  for (const auto& arm : arms_) sum += arm->states();
+  return sum;
+}
+
+Eigen::VectorXd ArmWorld::at(std::size_t arm, const Move& move, int step) const {
+  const Arm& a = *arms_[arm];
+  const Eigen::VectorXd from = a.configuration(move.from);
+  if (move.waits() || step <= move.start) return from;
+  const double share = static_cast<double>(std::min(step, move.end) - move.start) / (move.end - move.start);
+  return from + share * a.robot().difference(from, a.configuration(move.to));
+}
+
+bool ArmWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
+  const auto [first, last] = multi::overlap(move_a, move_b);
+  if (first >= last) return false;
+  return !are_apart(a, at(a, move_a, first), at(a, move_a, last), b, at(b, move_b, first), at(b, move_b, last));
+}
+
+bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
+                         const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b) {
+  if (a > b) return are_apart(b, from_b, to_b, a, from_a, to_a);
+  const Checker* checker = checkers_.pair(a, b);
+  if (!checker) return true;
+  ++pair_checks_;
+  from_.resize(from_a.size() + from_b.size());
+  to_.resize(from_.size());
+  from_ << from_a, from_b;
+  to_ << to_a, to_b;
+  return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}));
+}
+
+bool ArmWorld::is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+  return arms_[arm]->is_free(from, to);
+}
+
+}  // namespace srmp

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "srmp/lattice/lattice.hpp"
+#include "srmp/multi/world.hpp"
+#include "srmp/planner/arm_checkers.hpp"
+
+namespace srmp {
+
+/// What an arm is to do, found for it alone.
+struct ArmTask {
+  Eigen::VectorXd start;                  ///< free
+  std::vector<Eigen::VectorXd> targets;   ///< free
+  std::vector<Eigen::VectorXd> backbone;  ///< a free path from start to a target that leads the search; may be empty
+  bool anywhere{};                        ///< every configuration is a goal
+};
+
+/// Arms on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
+class ArmWorld : public multi::World {
+ public:
+  struct Options {
+    double resolution{};            ///< lattice step of revolute joints [rad]
+    double prismatic_resolution{};  ///< [m]
+  };
+
+  /// References outlive this. One task an arm, in the order of the checkers' names.
+  ArmWorld(const ArmCheckers& checkers, std::vector<ArmTask> tasks, const Options& options);
+  ~ArmWorld() override;
+
+  std::size_t size() const override { return arms_.size(); }
+  multi::Agent& agent(std::size_t i) override;
+  bool may_meet(std::size_t a, std::size_t b) const override { return checkers_.may_meet(a, b); }
+  bool meet(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override;
+
+  /// Where the arm is at a step of its move.
+  Eigen::VectorXd at(std::size_t arm, const multi::Move& move, int step) const;
+  const RobotModel& robot(std::size_t arm) const { return checkers_.alone(arm).robot(); }
+  double step_time() const { return step_time_; }  ///< [s] at full speed
+
+  /// Motions of the arms together, straight from a to b.
+  bool are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
+                 const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b);
+  bool is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+
+  std::uint64_t pair_checks() const { return pair_checks_; }
+  std::uint64_t states() const;
+
+ private:
+  class Arm;
+  const ArmCheckers& checkers_;
+  std::vector<std::unique_ptr<Arm>> arms_;
+  std::map<std::pair<std::size_t, std::size_t>, Checker::WorkspacePtr> workspaces_;
+  Eigen::VectorXd from_, to_;  // of a pair
+  double step_time_{};
+  std::uint64_t pair_checks_{};
+};
+
+}  // namespace srmp
