@@ -89,6 +89,13 @@ double Checker::Workspace::gap(const Pair& pair) const {
   return (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0).norm() - radius;
 }
 
+/// What the distance of the pair is hardly more than, from its gap: there are points of a body all around its sphere's
+/// middle, or near it.
+double Checker::Workspace::farthest(const Pair& pair, double gap) const {
+  const double a = bodies_.moving[pair.a].bounds.radius;
+  return gap + 2.0 * (pair.b_fixed ? a : a + bodies_.moving[pair.b].bounds.radius);
+}
+
 double Checker::Workspace::ask(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough) {
   ++statistics.narrow_phase;
   if (!a.pieces && !b.pieces) return narrow_.solids(pair.formula, a, b, margin);
@@ -232,8 +239,7 @@ Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double
   cuts = 2;
   if (apart > margin) return Judgement::proved;
   const Judgement unproved = motion < motion_floor ? Judgement::contact : Judgement::undecided;
-  // The middle of a body is hardly farther than this; no need to ask what cannot be proved.
-  if (motion > apart + 2 * bodies_.moving[pair.a].bounds.radius) {
+  if (motion > farthest(pair, apart)) {  // no need to ask what cannot be proved
     if (apart > pair.padding) return unproved;
     return in_contact(pair) ? Judgement::contact : unproved;
   }

@@ -54,6 +54,7 @@ class Checker::Workspace {
 
   void place(ConstVector q);
   double gap(const detail::Pair& pair) const;
+  double farthest(const detail::Pair& pair, double gap) const;
   bool table_proves(const detail::Pair& pair, double from, double to);
   double hull_distance(const detail::Pair& pair, double margin, double suffices);
   double distance(const detail::Pair& pair, double margin, double enough);

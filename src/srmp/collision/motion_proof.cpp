@@ -239,8 +239,7 @@ Prover::Verdict Prover::judge(Open& open, bool& finest) {
   };
   finest = motion < Checker::motion_floor;
   if (apart > margin) return prove(apart - pair.padding - motion - NarrowPhase::tolerance);
-  // The middle of a body is hardly farther than this; no need to ask what cannot be proved.
-  if (!finest && motion + goal > apart + 2.0 * workspace_.body_a(pair).bounds.radius) {
+  if (!finest && motion + goal > workspace_.farthest(pair, apart)) {  // no need to ask what cannot be proved
     if (apart > pair.padding || !workspace_.in_contact(pair, false)) return cut_for(apart + motion / 2.0);
     return meet(pair, pair.padding);
   }
