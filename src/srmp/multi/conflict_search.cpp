@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
-#include <queue>
 #include <set>
 #include <tuple>
 
@@ -59,19 +57,40 @@ struct TreeNode {
   std::vector<Constraint> constraints;
   std::set<Pair> ahead;  // (a, b): b gives way to a
   std::map<Pair, PathConflicts> conflicts;
-  double cost{};
   bool complete{true};  // only children that lose no solution led here
   std::uint64_t number{};
 
-  int conflict_count() const {
-    int count = 0;
-    for (const auto& [pair, found] : conflicts) count += found.count;
-    return count;
+  // Of the above, for the orders of OPEN:
+  double cost{}, lower_sum{};
+  int meetings{};
+
+  void sum_up() {
+    cost = lower_sum = 0.0;
+    meetings = 0;
+    for (const PathPtr& path : paths) cost += path->cost;
+    for (const double l : lower) lower_sum += l;
+    for (const auto& [pair, found] : conflicts) meetings += found.count;
   }
-  double lower_sum() const {
-    double sum = 0.0;
-    for (const double l : lower) sum += l;
-    return sum;
+};
+
+using NodePtr = std::shared_ptr<TreeNode>;
+
+struct ByLower {  // complete ones first
+  bool operator()(const NodePtr& a, const NodePtr& b) const {
+    return std::tuple(!a->complete, a->lower_sum, a->number) < std::tuple(!b->complete, b->lower_sum, b->number);
+  }
+};
+
+struct ByCost {
+  bool operator()(const NodePtr& a, const NodePtr& b) const {
+    return std::tuple(a->cost, a->number) < std::tuple(b->cost, b->number);
+  }
+};
+
+struct ByConflicts {  // the younger first
+  bool operator()(const NodePtr& a, const NodePtr& b) const {
+    return std::tuple(a->conflicts.size(), a->meetings, a->cost, b->number) <
+           std::tuple(b->conflicts.size(), b->meetings, b->cost, a->number);
   }
 };
 
@@ -84,45 +103,35 @@ class ConflictSearch {
     if (!add_root()) return result_;
     while (!open_.empty()) {
       if (const auto stop = search::stop_status(deadline_)) return ended(*stop);
-      const auto at = select();
-      std::shared_ptr<TreeNode> node = *at;
+      const NodePtr node = take();
       if (node->conflicts.empty()) return solved(*node);
-      open_.erase(at);
       if (!branch(*node)) return result_;
     }
     return ended(Status::exhausted);
   }
 
  private:
-  using Open = std::vector<std::shared_ptr<TreeNode>>;
-
-  /// Least sum of the lower bounds of complete nodes that are open: what no solution costs less than.
-  double lower_bound() {
-    double lower = search::infinity;
-    for (const auto& node : open_)
-      if (node->complete) lower = std::min(lower, node->lower_sum());
-    lower_ = std::max(lower_, lower == search::infinity ? 0.0 : lower);
-    return lower_;
+  void push(NodePtr node) {
+    node->number = result_.statistics.tree_nodes++;
+    node->sum_up();
+    open_.insert(node);
+    beyond_.insert(std::move(node));
   }
 
-  /// From the nodes within the bound the one with the fewest conflicts; every fourth time a complete one, so that the
-  /// bound rises.
-  Open::iterator select() {
-    const double limit = options_.bound() * lower_bound() * (1.0 + 1e-12);
-    const bool complete = options_.priorities && ++turn_ % 4 == 0;
-    auto best = open_.end();
-    const auto rank = [](const TreeNode& node) {
-      return std::tuple(node.conflicts.size(), node.conflict_count(), node.cost, -static_cast<double>(node.number));
-    };
-    for (auto it = open_.begin(); it != open_.end(); ++it) {
-      if ((*it)->cost > limit || (complete && !(*it)->complete)) continue;
-      if (best == open_.end() || rank(**it) < rank(**best)) best = it;
-    }
-    if (best != open_.end()) return best;
-    const auto by_lower = [](const auto& a, const auto& b) {  // complete ones first
-      return std::tuple(!a->complete, a->lower_sum(), a->number) < std::tuple(!b->complete, b->lower_sum(), b->number);
-    };
-    return std::min_element(open_.begin(), open_.end(), by_lower);
+  /// Takes out of OPEN the node within the bound that has the fewest conflicts; when there is none, and every fourth
+  /// time beside priorities, the one of the least lower bound, so that the bound rises.
+  NodePtr take() {
+    NodePtr node = *open_.begin();
+    if (node->complete) lower_ = std::max(lower_, node->lower_sum);  // what no solution costs less than
+    const double limit = options_.priorities_only ? search::infinity : options_.bound() * lower_ * (1.0 + 1e-12);
+    for (; !beyond_.empty() && (*beyond_.begin())->cost <= limit; beyond_.erase(beyond_.begin()))
+      focal_.insert(*beyond_.begin());
+    const bool prove = options_.priorities && ++turn_ % 4 == 0;
+    if (!focal_.empty() && !prove) node = *focal_.begin();
+    open_.erase(node);
+    beyond_.erase(node);
+    focal_.erase(node);
+    return node;
   }
 
   bool add_root() {
@@ -138,11 +147,6 @@ class ConflictSearch {
     }
     push(std::move(root));
     return true;
-  }
-
-  void push(std::shared_ptr<TreeNode> node) {
-    node->number = result_.statistics.tree_nodes++;
-    open_.push_back(std::move(node));
   }
 
   /// Children of a node with a conflict; false: time is up.
@@ -198,7 +202,7 @@ class ConflictSearch {
   }
 
   /// Replans one agent of a child and opens it, if there is a way; false: time is up.
-  bool finish(std::shared_ptr<TreeNode> child, std::size_t agent) {
+  bool finish(NodePtr child, std::size_t agent) {
     const std::vector<std::size_t> before = all_ahead_of(*child, agent);
     const PathPtr last = child->paths[agent];
     const Status status = replan(*child, agent, last.get(), before);
@@ -232,8 +236,6 @@ class ConflictSearch {
     low.evaluations += found.statistics.evaluations;
     low.memory = std::max(low.memory, found.statistics.memory);
     if (found.status != Status::solved) return found.status;
-    if (node.paths[agent]) node.cost -= node.paths[agent]->cost;
-    node.cost += found.path.cost;
     node.lower[agent] = std::max(node.lower[agent], found.lower);
     node.paths[agent] = std::make_shared<const TimedPath>(std::move(found.path));
     find_conflicts(node, agent);
@@ -255,11 +257,8 @@ class ConflictSearch {
 
   ConflictSearchResult solved(const TreeNode& node) {
     ConflictSearchResult result = ended(Status::solved);
-    result.cost = 0.0;
-    for (const PathPtr& path : node.paths) {
-      result.paths.push_back(*path);
-      result.cost += path->cost;
-    }
+    for (const PathPtr& path : node.paths) result.paths.push_back(*path);
+    result.cost = node.cost;
     result.lower = std::min(lower_, result.cost);
     return result;
   }
@@ -274,7 +273,9 @@ class ConflictSearch {
   World& world_;
   const ConflictSearchOptions& options_;
   const Deadline& deadline_;
-  Open open_;
+  std::set<NodePtr, ByLower> open_;       // all that are open
+  std::set<NodePtr, ByCost> beyond_;      // those whose cost is not known to be within the bound
+  std::set<NodePtr, ByConflicts> focal_;  // the others
   double lower_{0.0};
   std::uint64_t turn_{0};
   ConflictSearchResult result_;

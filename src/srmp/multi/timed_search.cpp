@@ -193,7 +193,7 @@ class TimedSearch {
         const double cost = agent_.evaluate(node.move.from, node.move.to);
         if (cost == search::infinity) return drop();
         const double more = parent.g + cost - node.g;
-        node.g += more;
+        node.g = parent.g + cost;
         node.f += more;
         node.lead += more;
       }
