@@ -15,15 +15,15 @@ double ConflictSearchOptions::bound() const {
 
 namespace {
 
-/// The conflict with the part of a rest that is a wait of one step: the first in which the two meet.
+/// The conflict with the one step of every wait at which the two first meet.
 Conflict first_step(World& world, Conflict conflict) {
   const auto [first, last] = overlap(conflict.moves[0], conflict.moves[1]);
   conflict.step = first;
-  if (conflict.moves[0].end != forever && conflict.moves[1].end != forever) return conflict;
   const Move whole[2]{conflict.moves[0], conflict.moves[1]};
+  if (!whole[0].waits() && !whole[1].waits()) return conflict;
   for (int step = first; step < last; ++step) {
     for (const int side : {0, 1})
-      if (whole[side].end == forever) conflict.moves[side] = {whole[side].from, whole[side].from, step, step + 1};
+      if (whole[side].waits()) conflict.moves[side] = {whole[side].from, whole[side].from, step, step + 1};
     conflict.step = step;
     if (world.meet(conflict.agents[0], conflict.moves[0], conflict.agents[1], conflict.moves[1])) break;
   }
@@ -34,8 +34,7 @@ Conflict first_step(World& world, Conflict conflict) {
 
 PathConflicts conflicts_of(World& world, const OtherPath& a, const OtherPath& b) {
   PathConflicts found;
-  const auto& in_a = a.path->moves;
-  const auto& in_b = b.path->moves;
+  const std::vector<Move> in_a = without_steps(a.path->moves), in_b = without_steps(b.path->moves);
   for (std::size_t i = 0, k = 0; i < in_a.size() && k < in_b.size();) {
     if (world.meet(a.agent, in_a[i], b.agent, in_b[k]) && found.count++ == 0)
       found.first = first_step(world, {{a.agent, b.agent}, {in_a[i], in_b[k]}});
@@ -103,6 +102,7 @@ class ConflictSearch {
     if (!add_root()) return result_;
     while (!open_.empty()) {
       if (const auto stop = search::stop_status(deadline_)) return ended(*stop);
+      if (spent()) return ended(Status::timed_out);
       const NodePtr node = take();
       if (node->conflicts.empty()) return solved(*node);
       if (!branch(*node)) return result_;
@@ -111,6 +111,9 @@ class ConflictSearch {
   }
 
  private:
+  std::uint64_t effort() const { return result_.statistics.low.evaluations; }
+  bool spent() const { return effort() >= options_.max_evaluations; }
+
   void push(NodePtr node) {
     node->number = result_.statistics.tree_nodes++;
     node->sum_up();
@@ -210,6 +213,10 @@ class ConflictSearch {
       result_ = ended(*stop);
       return false;
     }
+    if (spent() && status != Status::solved) {
+      result_ = ended(Status::timed_out);
+      return false;
+    }
     if (status == Status::solved) push(std::move(child));
     return true;
   }
@@ -227,7 +234,8 @@ class ConflictSearch {
     TimedSearchOptions options{.bound = options_.guide_weight * options_.low_focal,
                                .guide_weight = options_.guide_weight,
                                .focal = options_.low_focal};
-    if (!before.empty()) options.max_expansions = options_.max_priority_expansions;
+    options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, effort());
+    if (!before.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
     TimedSearchResult found =
         timed_search(world_, agent, mine, avoid, others, options_.experience ? last : nullptr, options, deadline_);
     search::Statistics& low = result_.statistics.low;

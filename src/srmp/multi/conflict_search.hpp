@@ -24,8 +24,10 @@ struct ConflictSearchOptions {
   /// Ma, Harabor, Stuckey, Li, Koenig 2019). They find paths sooner and have no say in the bound.
   bool priorities{false};
   bool priorities_only{false};  ///< no complete children: fast, and nothing is proved
-  /// Of a search that gives way: more, and the child is dropped.
-  std::uint64_t max_priority_expansions{20'000};
+  /// Moves looked at by a search that gives way: more, and the child is dropped.
+  std::uint64_t max_priority_evaluations{20'000};
+  /// Moves looked at by all searches together: more, and the answer is timed_out.
+  std::uint64_t max_evaluations{std::numeric_limits<std::uint64_t>::max()};
 
   /// cost <= bound() * optimum of the agents' graphs.
   double bound() const;

@@ -25,6 +25,11 @@ struct Node {
   bool done{};   // out of OPEN
 };
 
+struct OtherMoves {
+  std::size_t agent;
+  std::vector<Move> moves;
+};
+
 /// Lowest key first; ties by number: first come, first served.
 template <class Key>
 class Heap {
@@ -47,8 +52,6 @@ class TimedSearch {
         me_(agent),
         agent_(world.agent(agent)),
         constraints_(constraints),
-        avoid_(avoid),
-        others_(others),
         options_(options) {
     for (const Constraint& constraint : constraints) {
       const Move& move = constraint.conflict.moves[constraint.side];
@@ -56,6 +59,8 @@ class TimedSearch {
     }
     for (const auto& paths : {avoid, others})
       for (const OtherPath& other : paths) horizon_ = std::max(horizon_, other.path->arrival());
+    for (const OtherPath& other : avoid) avoid_.push_back({other.agent, without_steps(other.path->moves)});
+    for (const OtherPath& other : others) others_.push_back({other.agent, without_steps(other.path->moves)});
   }
 
   TimedSearchResult run(const TimedPath* experience, const Deadline& deadline) {
@@ -65,12 +70,12 @@ class TimedSearch {
       if (const auto stop = search::stop_status(deadline)) return ended(*stop);
       Node& node = nodes_[*next];
       if (!node.evaluated) {
+        if (statistics_.evaluations++ >= options_.max_evaluations) return ended(Status::timed_out);
         evaluate(*next);
         continue;
       }
       node.done = true;
       if (node.final) return solved(*next);
-      if (statistics_.expansions >= options_.max_expansions) return ended(Status::timed_out);
       expand(*next);
     }
     return ended(Status::exhausted);
@@ -123,13 +128,13 @@ class TimedSearch {
   bool forbidden(const Move& move) const {
     for (const Constraint& constraint : constraints_)
       if (world_.forbids(constraint, move)) return true;
-    for (const OtherPath& other : avoid_)
+    for (const OtherMoves& other : avoid_)
       if (meets(move, other)) return true;
     return false;
   }
 
-  bool meets(const Move& move, const OtherPath& other) const {
-    for (const Move& its : other.path->moves) {
+  bool meets(const Move& move, const OtherMoves& other) const {
+    for (const Move& its : other.moves) {
       if (its.end <= move.start) continue;
       if (its.start >= move.end) break;
       if (world_.meet(me_, move, other.agent, its)) return true;
@@ -139,7 +144,7 @@ class TimedSearch {
 
   int count_met(const Move& move) const {
     int count = 0;
-    for (const OtherPath& other : others_) count += meets(move, other);
+    for (const OtherMoves& other : others_) count += meets(move, other);
     return count;
   }
 
@@ -189,7 +194,6 @@ class TimedSearch {
           known != best_.end() && known->second <= node.g)
         return drop();
       if (!node.move.waits()) {
-        ++statistics_.evaluations;
         const double cost = agent_.evaluate(node.move.from, node.move.to);
         if (cost == search::infinity) return drop();
         const double more = parent.g + cost - node.g;
@@ -212,7 +216,7 @@ class TimedSearch {
       for (int step = rest.start; step < last; ++step)
         if (world_.forbids(constraint, {rest.from, rest.from, step, step + 1})) return false;
     }
-    return std::none_of(avoid_.begin(), avoid_.end(), [&](const OtherPath& other) { return meets(rest, other); });
+    return std::none_of(avoid_.begin(), avoid_.end(), [&](const OtherMoves& other) { return meets(rest, other); });
   }
 
   void expand(NodeId id) {
@@ -261,7 +265,7 @@ class TimedSearch {
   std::size_t me_;
   Agent& agent_;
   std::span<const Constraint> constraints_;
-  std::span<const OtherPath> avoid_, others_;
+  std::vector<OtherMoves> avoid_, others_;
   TimedSearchOptions options_;
   int horizon_{0};
   std::vector<Node> nodes_;
@@ -274,6 +278,17 @@ class TimedSearch {
 };
 
 }  // namespace
+
+std::vector<Move> without_steps(const std::vector<Move>& moves) {
+  std::vector<Move> merged;
+  for (const Move& move : moves) {
+    if (!merged.empty() && merged.back().waits() && move.waits())
+      merged.back().end = move.end;
+    else
+      merged.push_back(move);
+  }
+  return merged;
+}
 
 TimedSearchResult timed_search(World& world, std::size_t agent, std::span<const Constraint> constraints,
                                std::span<const OtherPath> avoid, std::span<const OtherPath> others,

@@ -20,11 +20,11 @@ struct TimedSearchOptions {
   double bound{1.0};         ///< cost <= bound * optimal cost under the constraints, >= 1; infinity: no matter
   double guide_weight{1.0};  ///< of Agent::guide, >= 1: states are taken up by cost-to-come + guide_weight * guide
   double focal{1.0};         ///< >= 1: among states within this factor of the best, the one that meets fewest others
-  std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};
+  std::uint64_t max_evaluations{std::numeric_limits<std::uint64_t>::max()};  ///< moves looked at
 };
 
 struct TimedSearchResult {
-  /// solved, exhausted (no way under these constraints), timed_out (also for max_expansions) or cancelled
+  /// solved, exhausted (no way under these constraints), timed_out (also for max_evaluations) or cancelled
   Status status{Status::exhausted};
   TimedPath path;
   double lower{};  ///< no way under the constraints costs less

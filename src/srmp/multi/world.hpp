@@ -33,6 +33,9 @@ struct TimedPath {
   int arrival() const { return moves.back().start; }
 };
 
+/// The same way with consecutive waits as one.
+std::vector<Move> without_steps(const std::vector<Move>& moves);
+
 /// One agent by itself: a graph whose edges take time.
 class Agent {
  public:
