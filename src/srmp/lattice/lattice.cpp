@@ -20,9 +20,9 @@ double shortest(double difference) { return std::remainder(difference, 2.0 * std
 
 }  // namespace
 
-Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, std::vector<Eigen::VectorXd> targets,
-                 Options options, MotionValidator validator, std::size_t workers)
-    : joints_(robot.joints()),
+Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> anchors,
+                 std::vector<Eigen::VectorXd> targets, Options options, MotionValidator validator, std::size_t workers)
+    : joints_(joints),
       anchors_(std::move(anchors)),
       anchor_count_(anchors_.size()),
       targets_(std::move(targets)),
@@ -30,9 +30,9 @@ Lattice::Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, 
       snap_distance_(options.snap_distance),
       goal_snap_(std::move(options.goal_snap)),
       validator_(std::move(validator)),
-      table_(robot.dof() + 1),
-      scratch_key_(robot.dof() + 1, 0),
-      q_(static_cast<Eigen::Index>(robot.dof())),
+      table_(joints.size() + 1),
+      scratch_key_(joints.size() + 1, 0),
+      q_(static_cast<Eigen::Index>(joints.size())),
       ends_(workers, {q_, q_}),
       workers_(workers) {
   for (const Joint& joint : joints_) unit_.push_back(grid_unit(joint));

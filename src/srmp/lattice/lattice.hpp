@@ -53,6 +53,11 @@ class Lattice {
 
   /// All anchors and targets must be free configurations within limits. Batches of edges are shared out to `workers`.
   Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, std::vector<Eigen::VectorXd> targets,
+          Options options, MotionValidator validator, std::size_t workers = 1)
+      : Lattice(robot.joints(), std::move(anchors), std::move(targets), std::move(options), std::move(validator),
+                workers) {}
+  /// The same for any joints, which outlive it.
+  Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> anchors, std::vector<Eigen::VectorXd> targets,
           Options options, MotionValidator validator, std::size_t workers = 1);
 
   // --- search::Graph

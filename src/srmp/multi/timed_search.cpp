@@ -48,11 +48,7 @@ class TimedSearch {
  public:
   TimedSearch(World& world, std::size_t agent, std::span<const Constraint> constraints,
               std::span<const OtherPath> avoid, std::span<const OtherPath> others, const TimedSearchOptions& options)
-      : world_(world),
-        me_(agent),
-        agent_(world.agent(agent)),
-        constraints_(constraints),
-        options_(options) {
+      : world_(world), me_(agent), agent_(world.agent(agent)), constraints_(constraints), options_(options) {
     for (const Constraint& constraint : constraints) {
       const Move& move = constraint.conflict.moves[constraint.side];
       horizon_ = std::max(horizon_, move.end == forever ? move.start + 1 : move.end);

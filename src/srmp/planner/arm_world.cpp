@@ -78,6 +78,7 @@ class ArmWorld::Arm : public multi::Agent {
   double time_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     return (robot_.difference(a, b).array().abs() / speed_.array()).maxCoeff();
   }
+  const ArmTask& task() const { return task_; }
   double mean_speed() const { return speed_.mean(); }
   Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
   const RobotModel& robot() const { return robot_; }
@@ -131,14 +132,46 @@ Eigen::VectorXd ArmWorld::at(std::size_t arm, const Move& move, int step) const 
 }
 
 bool ArmWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
+  if (a > b) return meet(b, move_b, a, move_a);
   const auto [first, last] = multi::overlap(move_a, move_b);
   if (first >= last) return false;
-  return !are_apart(a, at(a, move_a, first), at(a, move_a, last), b, at(b, move_b, first), at(b, move_b, last));
+  // Of a wait only the place counts, and the time as far as the other one moves.
+  const auto since = [first = first](const Move& move, int step) {
+    return move.waits() ? 0u : static_cast<std::uint32_t>(step - first);
+  };
+  const bool still = move_a.waits() && move_b.waits();
+  const Meeting key{static_cast<std::uint32_t>(a),
+                    static_cast<std::uint32_t>(b),
+                    move_a.from,
+                    move_a.to,
+                    since(move_a, move_a.start),
+                    since(move_a, move_a.end),
+                    move_b.from,
+                    move_b.to,
+                    since(move_b, move_b.start),
+                    still ? 0u : static_cast<std::uint32_t>(last - first)};
+  const auto [known, added] = meetings_.try_emplace(key, false);
+  if (added)
+    known->second =
+        !are_apart(a, at(a, move_a, first), at(a, move_a, last), b, at(b, move_b, first), at(b, move_b, last));
+  return known->second;
 }
 
+std::size_t ArmWorld::MeetingHash::operator()(const Meeting& key) const {
+  std::uint64_t hash = 0;
+  for (const std::uint32_t number : key) hash = (hash ^ number) * 0x9e3779b97f4a7c15u ^ hash >> 29;
+  return hash;
+}
+
+int ArmWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  return std::max(1, static_cast<int>(std::ceil(arms_[arm]->time_of(from, to) / step_time_ - 1e-9)));
+}
+
+const ArmTask& ArmWorld::task(std::size_t arm) const { return arms_[arm]->task(); }
+
 bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
-                         const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b) {
-  if (a > b) return are_apart(b, from_b, to_b, a, from_a, to_a);
+                         const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free) {
+  if (a > b) return are_apart(b, from_b, to_b, a, from_a, to_a, start_is_free);
   const Checker* checker = checkers_.pair(a, b);
   if (!checker) return true;
   ++pair_checks_;
@@ -146,7 +179,7 @@ bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eig
   to_.resize(from_.size());
   from_ << from_a, from_b;
   to_ << to_a, to_b;
-  return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}));
+  return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}), start_is_free);
 }
 
 bool ArmWorld::is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {

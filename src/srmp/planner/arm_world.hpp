@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <map>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -39,10 +41,13 @@ class ArmWorld : public multi::World {
   Eigen::VectorXd at(std::size_t arm, const multi::Move& move, int step) const;
   const RobotModel& robot(std::size_t arm) const { return checkers_.alone(arm).robot(); }
   double step_time() const { return step_time_; }  ///< [s] at full speed
+  /// Steps that a straight motion takes, > 0.
+  int duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
+  const ArmTask& task(std::size_t arm) const;
 
-  /// Motions of the arms together, straight from a to b.
+  /// Two straight motions at the same time. `start_is_free`: they are known to be apart where they begin.
   bool are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
-                 const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b);
+                 const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free = false);
   bool is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
   std::uint64_t pair_checks() const { return pair_checks_; }
@@ -56,6 +61,12 @@ class ArmWorld : public multi::World {
   Eigen::VectorXd from_, to_;  // of a pair
   double step_time_{};
   std::uint64_t pair_checks_{};
+  /// Two moves of two arms, times since the later of their starts.
+  using Meeting = std::array<std::uint32_t, 10>;
+  struct MeetingHash {
+    std::size_t operator()(const Meeting& key) const;
+  };
+  std::unordered_map<Meeting, bool, MeetingHash> meetings_;  // known already
 };
 
 }  // namespace srmp

@@ -1,12 +1,13 @@
 #include "srmp/planner/coupled_path.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "srmp/trajectory/path.hpp"
 
 namespace srmp {
 
-double CoupledPath::length(std::size_t arm) const { return path_length(positions[arm]); }
+double CoupledPath::length(std::size_t i) const { return path_length(positions[i]); }
 
 double CoupledPath::length() const {
   double sum = 0.0;
@@ -14,8 +15,16 @@ double CoupledPath::length() const {
   return sum;
 }
 
-CoupledPath coupled_path(const ArmWorld& world, const std::vector<multi::TimedPath>& paths) {
-  CoupledPath coupled;
+CoupledPath coupled_path(const ArmWorld& world, std::size_t arm, const std::vector<Eigen::VectorXd>& waypoints) {
+  CoupledPath path{{arm}, {0.0}, {stack_waypoints(waypoints)}};
+  for (std::size_t k = 1; k < waypoints.size(); ++k)
+    path.steps.push_back(path.steps.back() + world.duration(arm, waypoints[k - 1], waypoints[k]));
+  return path;
+}
+
+CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
+                         const std::vector<multi::TimedPath>& paths) {
+  CoupledPath coupled{arms, {}, {}};
   std::vector<int> steps{0};
   for (const multi::TimedPath& path : paths)
     for (const multi::Move& move : path.moves) steps.push_back(move.start);
@@ -23,21 +32,72 @@ CoupledPath coupled_path(const ArmWorld& world, const std::vector<multi::TimedPa
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   coupled.steps.assign(steps.begin(), steps.end());
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const auto rows = static_cast<Eigen::Index>(steps.size());
-    RowMatrix q;
-    std::size_t at = 0;
-    for (Eigen::Index row = 0; row < rows; ++row) {
+    const RobotModel& robot = world.robot(arms[i]);
+    RowMatrix q(static_cast<Eigen::Index>(steps.size()), static_cast<Eigen::Index>(robot.dof()));
+    auto move = paths[i].moves.begin();
+    for (Eigen::Index row = 0; row < q.rows(); ++row) {
       const int step = steps[static_cast<std::size_t>(row)];
-      while (paths[i].moves[at].end <= step) ++at;
-      const Eigen::VectorXd here = world.at(i, paths[i].moves[at], step);
-      if (row == 0) q.resize(rows, here.size());
+      while (move->end <= step) ++move;
+      const Eigen::VectorXd here = world.at(arms[i], *move, step);
       q.row(row) = here.transpose();
-      if (row > 0)
-        q.row(row) = q.row(row - 1) + world.robot(i).difference(q.row(row - 1).transpose(), here).transpose();
+      if (row > 0) q.row(row) = q.row(row - 1) + robot.difference(q.row(row - 1).transpose(), here).transpose();
     }
     coupled.positions.push_back(std::move(q));
   }
   return coupled;
+}
+
+namespace {
+
+/// Where arms[i] is at a step; rests at the end.
+Eigen::VectorXd position_at(const CoupledPath& path, std::size_t i, double step) {
+  const RowMatrix& q = path.positions[i];
+  const auto next = std::upper_bound(path.steps.begin(), path.steps.end(), step);
+  if (next == path.steps.end()) return q.bottomRows(1).transpose();
+  const auto row = static_cast<Eigen::Index>(next - path.steps.begin());
+  const double from = path.steps[static_cast<std::size_t>(row - 1)];
+  return (q.row(row - 1) + (step - from) / (*next - from) * (q.row(row) - q.row(row - 1))).transpose();
+}
+
+std::vector<double> all_steps(const CoupledPath& a, const CoupledPath& b) {
+  std::vector<double> steps = a.steps;
+  steps.insert(steps.end(), b.steps.begin(), b.steps.end());
+  std::sort(steps.begin(), steps.end());
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  return steps;
+}
+
+}  // namespace
+
+CoupledPath side_by_side(const CoupledPath& a, const CoupledPath& b) {
+  CoupledPath both{{}, all_steps(a, b), {}};
+  std::vector<std::tuple<std::size_t, const CoupledPath*, std::size_t>> arms;
+  for (const CoupledPath* path : {&a, &b})
+    for (std::size_t i = 0; i < path->arms.size(); ++i) arms.emplace_back(path->arms[i], path, i);
+  std::sort(arms.begin(), arms.end());
+  for (const auto& [arm, path, i] : arms) {
+    RowMatrix q(static_cast<Eigen::Index>(both.size()), path->positions[i].cols());
+    for (std::size_t row = 0; row < both.size(); ++row)
+      q.row(static_cast<Eigen::Index>(row)) = position_at(*path, i, both.steps[row]).transpose();
+    both.arms.push_back(arm);
+    both.positions.push_back(std::move(q));
+  }
+  return both;
+}
+
+bool meet(ArmWorld& world, const CoupledPath& a, const CoupledPath& b) {
+  const std::vector<double> steps = all_steps(a, b);
+  for (std::size_t i = 0; i < a.arms.size(); ++i)
+    for (std::size_t j = 0; j < b.arms.size(); ++j) {
+      if (!world.may_meet(a.arms[i], b.arms[j])) continue;
+      for (std::size_t row = 0; row < std::max<std::size_t>(steps.size() - 1, 1); ++row) {
+        const double from = steps[row], to = steps[std::min(row + 1, steps.size() - 1)];
+        if (!world.are_apart(a.arms[i], position_at(a, i, from), position_at(a, i, to), b.arms[j],
+                             position_at(b, j, from), position_at(b, j, to), row > 0))
+          return true;
+      }
+    }
+  return false;
 }
 
 namespace {
@@ -59,6 +119,7 @@ class Shortener {
   }
 
  private:
+  std::size_t number(std::size_t arm) const { return path_.arms[arm]; }
   bool late() const { return deadline_.stop_requested(); }
 
   Eigen::VectorXd at(std::size_t arm, std::size_t row) const {
@@ -80,12 +141,12 @@ class Shortener {
   bool can_straighten(std::size_t arm, std::size_t a, std::size_t b) {
     if (late()) return false;
     const Eigen::VectorXd from = at(arm, a), to = at(arm, b);
-    if (!short_way(arm, from, to) || !world_.is_free_alone(arm, from, to)) return false;
+    if (!short_way(arm, from, to) || !world_.is_free_alone(number(arm), from, to)) return false;
     for (std::size_t other = 0; other < path_.positions.size(); ++other) {
-      if (other == arm || !world_.may_meet(arm, other)) continue;
+      if (other == arm || !world_.may_meet(number(arm), number(other))) continue;
       for (std::size_t row = a; row < b; ++row)
-        if (!world_.are_apart(arm, between(arm, a, b, row), between(arm, a, b, row + 1), other, at(other, row),
-                              at(other, row + 1)))
+        if (!world_.are_apart(number(arm), between(arm, a, b, row), between(arm, a, b, row + 1), number(other),
+                              at(other, row), at(other, row + 1), true))
           return false;
     }
     return true;
@@ -93,7 +154,7 @@ class Shortener {
 
   /// Continuous joints that have been unwrapped by more than half a turn would go the other way round.
   bool short_way(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
-    return (world_.robot(arm).difference(from, to) - (to - from)).cwiseAbs().maxCoeff() < 1e-9;
+    return (world_.robot(number(arm)).difference(from, to) - (to - from)).cwiseAbs().maxCoeff() < 1e-9;
   }
 
   /// From each row to the farthest that the arm can go straight to.
@@ -125,11 +186,12 @@ class Shortener {
     for (std::size_t arm = 0; arm < path_.positions.size(); ++arm) {
       if (late()) return false;
       const Eigen::VectorXd from = at(arm, a), to = at(arm, b);
-      if (!short_way(arm, from, to) || !world_.is_free_alone(arm, from, to)) return false;
+      if (!short_way(arm, from, to) || !world_.is_free_alone(number(arm), from, to)) return false;
     }
     for (std::size_t arm = 0; arm < path_.positions.size(); ++arm)
       for (std::size_t other = arm + 1; other < path_.positions.size(); ++other)
-        if (!world_.are_apart(arm, at(arm, a), at(arm, b), other, at(other, a), at(other, b))) return false;
+        if (!world_.are_apart(number(arm), at(arm, a), at(arm, b), number(other), at(other, a), at(other, b), true))
+          return false;
     return true;
   }
 

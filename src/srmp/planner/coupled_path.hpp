@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
@@ -8,22 +9,31 @@
 
 namespace srmp {
 
-/// Many arms' ways side by side: between two rows every arm moves straight, all in the same time.
+/// Ways of arms side by side: between two rows every arm moves straight, all in the same time; after the last they
+/// rest.
 struct CoupledPath {
-  std::vector<double> steps;         ///< n, increasing
+  std::vector<std::size_t> arms;     ///< numbers in the world, increasing
+  std::vector<double> steps;         ///< n, increasing, from 0
   std::vector<RowMatrix> positions;  ///< one an arm, n x its dof, continuous joints unwrapped
 
   std::size_t size() const { return steps.size(); }
-  double length(std::size_t arm) const;  ///< joint-space [rad, prismatic joints m]
-  double length() const;                 ///< sum over the arms
+  double length(std::size_t i) const;  ///< of arms[i], joint-space [rad, prismatic joints m]
+  double length() const;               ///< sum over the arms
 };
 
+/// One arm along waypoints, as fast as it can.
+CoupledPath coupled_path(const ArmWorld& world, std::size_t arm, const std::vector<Eigen::VectorXd>& waypoints);
 /// Rows wherever an arm's move ends.
-CoupledPath coupled_path(const ArmWorld& world, const std::vector<multi::TimedPath>& paths);
+CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
+                         const std::vector<multi::TimedPath>& paths);
+/// Two at the same time.
+CoupledPath side_by_side(const CoupledPath& a, const CoupledPath& b);
 
-/// Shorter for every arm, or as long, and free where `path` is: arm by arm, parts of its way become straight motions at
-/// constant speed while the others do as before (its own waits go too); then corners are taken away for all at once.
-/// Stops at the deadline with what it has.
+/// Does an arm of the one meet an arm of the other?
+bool meet(ArmWorld& world, const CoupledPath& a, const CoupledPath& b);
+
+/// Shorter, and free where `path` is: all arms at once go straight between rows where they can; then arm by arm, while
+/// the others do as before (its own waits go too). No arm's way becomes longer. Stops at the deadline with what it has.
 CoupledPath shortened(CoupledPath path, ArmWorld& world, const Deadline& deadline);
 
 }  // namespace srmp

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
 
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/multi/conflict_search.hpp"
+#include "srmp/planner/arm_team.hpp"
 #include "srmp/planner/arm_world.hpp"
+#include "srmp/planner/composite_search.hpp"
 #include "srmp/planner/coupled_path.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
@@ -148,32 +152,149 @@ class MultiRobotPlan {
 
   // --- all of them
 
+  /// Arms that are planned together, and what is known of them: no way of theirs costs less than `lower`.
+  struct Group {
+    CoupledPath path;
+    double lower{};
+    int number{};
+  };
+
+  /// Each arm alone first; those that meet are planned together (independence detection: Standley 2010).
   void find_paths() {
-    const multi::ConflictSearchOptions options = search_options(problem_.options);
-    world_ = std::make_unique<ArmWorld>(
-        problem_.checkers, tasks_, ArmWorld::Options{common_.resolution * M_PI / 180.0, common_.prismatic_resolution});
-    multi::ConflictSearchResult found;
-    {
-      const PhaseTimer timer(deadline_, statistics_.search_time_s);
-      found = multi::conflict_search(*world_, options, deadline_);
+    const ArmWorld::Options lattice{common_.resolution * M_PI / 180.0, common_.prismatic_resolution};
+    world_ = std::make_unique<ArmWorld>(problem_.checkers, std::move(tasks_), lattice);
+    const bool apart_first =
+        !std::holds_alternative<CBS>(problem_.options) && !std::holds_alternative<ECBS>(problem_.options);
+    if (apart_first)
+      for (std::size_t i = 0; i < count_; ++i) add_group(alone(i));
+    else
+      for (const std::vector<std::size_t>& arms : connected()) add_group(together(arms));
+    while (const auto pair = first_that_meet()) {
+      const CoupledPath &a = groups_[pair->first].path, &b = groups_[pair->second].path;
+      std::vector<std::size_t> arms;
+      std::merge(a.arms.begin(), a.arms.end(), b.arms.begin(), b.arms.end(), std::back_inserter(arms));
+      groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(pair->second));
+      groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(pair->first));
+      add_group(together(arms));
     }
-    count(found);
-    require_solved(found);
+    statistics_.states += world_->states();
+    for (const Group& group : groups_) statistics_.search_cost_rad += group.path.length();
+    for (const Group& group : groups_) clusters_.push_back({shortened_path(group.path)});
+    statistics_.edge_checks += world_->pair_checks();
+    set_costs();
+  }
+
+  void add_group(Group group) {
+    group.number = next_number_++;
+    groups_.push_back(std::move(group));
+  }
+
+  Group alone(std::size_t i) const {
+    const ArmTask& task = world_->task(i);
+    const std::vector<Eigen::VectorXd> stay{task.start};
+    return {coupled_path(*world_, i, task.anywhere ? stay : task.backbone), direct(i)};
+  }
+
+  /// Straight to the nearest goal.
+  double direct(std::size_t i) const {
+    const ArmTask& task = world_->task(i);
+    double least = task.anywhere ? 0.0 : search::infinity;
+    for (const Eigen::VectorXd& target : task.targets)
+      least = std::min(least, world_->robot(i).difference(task.start, target).norm());
+    return least;
+  }
+
+  /// Arms that can meet, by way of others too.
+  std::vector<std::vector<std::size_t>> connected() const {
+    std::vector<std::vector<std::size_t>> all;
+    std::vector<char> taken(count_, false);
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (taken[i]) continue;
+      std::vector<std::size_t> arms{i};
+      taken[i] = true;
+      for (std::size_t k = 0; k < arms.size(); ++k)
+        for (std::size_t j = 0; j < count_; ++j)
+          if (!taken[j] && world_->may_meet(arms[k], j)) {
+            arms.push_back(j);
+            taken[j] = true;
+          }
+      std::sort(arms.begin(), arms.end());
+      all.push_back(std::move(arms));
+    }
+    return all;
+  }
+
+  std::optional<std::pair<std::size_t, std::size_t>> first_that_meet() {
+    const PhaseTimer timer(deadline_, statistics_.search_time_s);
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+      for (std::size_t j = i + 1; j < groups_.size(); ++j) {
+        const std::pair numbers = std::minmax({groups_[i].number, groups_[j].number});
+        if (apart_.contains(numbers)) continue;
+        if (meet(*world_, groups_[i].path, groups_[j].path)) return std::pair(i, j);
+        apart_.insert(numbers);
+      }
+    return std::nullopt;
+  }
+
+  /// Conflict-based search and, where the planner may, one search for all arms' joints, in turns with more and more
+  /// effort: the one is better at arms that get by, the other at arms that are in each other's way.
+  Group together(const std::vector<std::size_t>& arms) {
+    const PhaseTimer timer(deadline_, statistics_.search_time_s);
+    const bool composite =
+        std::holds_alternative<Auto>(problem_.options) || std::holds_alternative<XECBS>(problem_.options);
+    multi::ConflictSearchOptions options = search_options(problem_.options);
+    double lower = 0.0;
+    for (const std::size_t i : arms) lower += direct(i);
+    for (std::uint64_t effort = 1;; effort *= 4) {
+      if (composite) options.max_evaluations = 256 * effort;
+      ArmTeam team(*world_, arms);
+      const multi::ConflictSearchResult found = multi::conflict_search(team, options, deadline_);
+      count(found);
+      lower = std::max(lower, found.lower);
+      if (found.status == Status::solved) return {coupled_path(*world_, arms, found.paths), lower};
+      if (!composite || deadline_.stop_requested()) require_solved(found);
+      CompositeResult one = composite_search(
+          *world_, arms,
+          {.lattice = {common_.resolution * M_PI / 180.0, common_.prismatic_resolution}, .max_expansions = 16 * effort},
+          deadline_);
+      statistics_.expansions += one.statistics.expansions;
+      statistics_.generated += one.statistics.generated;
+      if (one.status == Status::solved && one.path.length() <= options.bound() * lower)
+        return {std::move(one.path), lower};
+      if (deadline_.stop_requested()) require_solved(found);
+    }
+  }
+
+  CoupledPath shortened_path(const CoupledPath& path) {
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
-    path_ = coupled_path(*world_, found.paths);
-    statistics_.search_cost_rad = path_.length();
-    if (common_.shortcut) path_ = shortened(std::move(path_), *world_, deadline_);
-    statistics_.path_cost_rad = path_.length();
-    for (std::size_t i = 0; i < count_; ++i) statistics_.robot_cost_rad[name(i)] = path_.length(i);
-    prove(found);
+    return common_.shortcut ? shortened(path, *world_, deadline_) : path;
+  }
+
+  /// Of the paths as they will be returned.
+  void set_costs() {
+    double lower = 0.0;
+    statistics_.path_cost_rad = 0.0;
+    for (const Group& group : groups_) lower += group.lower;
+    for (const Cluster& cluster : clusters_)
+      for (std::size_t i = 0; i < cluster.path.arms.size(); ++i)
+        statistics_.path_cost_rad += statistics_.robot_cost_rad[name(cluster.path.arms[i])] = cluster.path.length(i);
+    const double cost = std::min(statistics_.path_cost_rad, statistics_.search_cost_rad);
+    const bool proved = !std::holds_alternative<Prioritised>(problem_.options);
+    statistics_.bound = !proved         ? search::infinity
+                        : cost <= lower ? 1.0
+                        : lower > 0.0   ? cost / lower
+                                        : search::infinity;
+    statistics_.bound_graph = "the robots' lattices of " + to_text(common_.resolution) + " degrees, in steps of " +
+                              to_text(world_->step_time()) + " s";
+    statistics_.solutions = {
+        {deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph}};
   }
 
   void count(const multi::ConflictSearchResult& found) {
     statistics_.expansions += found.statistics.low.expansions;
     statistics_.generated += found.statistics.low.generated;
-    statistics_.tree_nodes = found.statistics.tree_nodes;
-    statistics_.states += world_->states();
-    statistics_.edge_checks += found.statistics.low.evaluations + world_->pair_checks();
+    statistics_.tree_nodes += found.statistics.tree_nodes;
+    statistics_.edge_checks += found.statistics.low.evaluations;
   }
 
   void require_solved(const multi::ConflictSearchResult& found) const {
@@ -192,72 +313,126 @@ class MultiRobotPlan {
     }
   }
 
-  void prove(const multi::ConflictSearchResult& found) {
-    const double cost = std::min(statistics_.path_cost_rad, found.cost);
-    const bool proved = !std::holds_alternative<Prioritised>(problem_.options);
-    statistics_.bound = !proved               ? search::infinity
-                        : cost <= found.lower ? 1.0
-                        : found.lower > 0.0   ? cost / found.lower
-                                              : search::infinity;
-    statistics_.bound_graph = "the robots' lattices of " + to_text(common_.resolution) + " degrees, in steps of " +
-                              to_text(world_->step_time()) + " s";
-    statistics_.solutions.push_back(
-        {deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph});
-  }
-
   // --- time and proof
+
+  /// Groups of arms that are timed together, so that what one does while another does something stays so.
+  struct Cluster {
+    CoupledPath path;
+    double deviation{-1.0};  // at the corners; below 0: not timed yet
+    std::vector<Trajectory> trajectories{};
+    std::vector<Certificate> certificates{};
+  };
 
   MultiTrajectory post_process() {
     const Deadline until(std::max(deadline_.remaining(), 0.0) + mercy, [this] { return deadline_.cancelled(); });
+    if (common_.timing == "none")
+      while (clusters_.size() > 1) merge_clusters(0, 1);
+    do {
+      for (Cluster& cluster : clusters_)
+        if (cluster.deviation < 0.0) time_and_certify(cluster, until);
+    } while (common_.certify && !certify_clusters(until));
+    set_costs();
+    MultiTrajectory result;
+    for (Cluster& cluster : clusters_)
+      for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) {
+        Trajectory& trajectory = cluster.trajectories[i];
+        if (common_.certify) take_certificate(trajectory, cluster.path.arms[i], std::move(cluster.certificates[i]));
+        result.robots.emplace(name(cluster.path.arms[i]), std::move(trajectory));
+      }
+    set_times(result);
+    return result;
+  }
+
+  void take_certificate(Trajectory& trajectory, std::size_t arm, Certificate certificate) const {
+    if (!certificate.holds())
+      throw Error("internal error: the trajectory found for '" + name(arm) + "' is wrong (" +
+                  certificate.faults.front().text + "); nothing is returned. Please report this");
+    certificate.bound = statistics_.bound;
+    certificate.bound_graph = statistics_.bound_graph;
+    trajectory.certificate = std::make_shared<const Certificate>(std::move(certificate));
+  }
+
+  /// The ways that were found for both, which do not meet, shortened together.
+  void merge_clusters(std::size_t i, std::size_t j) {
+    const CoupledPath raw = side_by_side(raw_path(clusters_[i].path.arms), raw_path(clusters_[j].path.arms));
+    clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(j));
+    clusters_[i] = {shortened_path(raw)};
+  }
+
+  /// As the search found it.
+  CoupledPath raw_path(const std::vector<std::size_t>& arms) const {
+    std::optional<CoupledPath> raw;
+    for (const Group& group : groups_)
+      if (std::binary_search(arms.begin(), arms.end(), group.path.arms.front()))
+        raw = raw ? side_by_side(*raw, group.path) : group.path;
+    return *raw;
+  }
+
+  /// Corners that cannot be proved free shrink.
+  void time_and_certify(Cluster& cluster, const Deadline& until) {
     for (double deviation = common_.blend_deviation;; deviation *= shrink) {
       if (deviation < least_deviation) deviation = 0.0;
-      MultiTrajectory result = in_time(deviation);
-      set_times(result);
-      if (!common_.certify) return result;
-      std::vector<Certificate> certificates = certified(result, until);
-      const auto all = [&](auto&& holds) { return std::all_of(certificates.begin(), certificates.end(), holds); };
-      const bool proved = all([](const Certificate& c) { return c.proved_free(); });
-      const bool rounded = deviation > 0.0 && common_.timing == "toppra";
-      if (rounded && !proved && !until.stop_requested()) continue;
-      for (std::size_t i = 0; i < count_; ++i) {
-        if (!certificates[i].holds())
-          throw Error("internal error: the trajectory found for '" + name(i) + "' is wrong (" +
-                      certificates[i].faults.front().text + "); nothing is returned. Please report this");
-        result.robots.at(name(i)).certificate = std::make_shared<const Certificate>(std::move(certificates[i]));
-      }
-      return result;
+      cluster.deviation = deviation;
+      cluster.trajectories = in_time(cluster.path, deviation);
+      if (!common_.certify) return;
+      cluster.certificates = certified(cluster, until);
+      const bool proved = std::all_of(cluster.certificates.begin(), cluster.certificates.end(),
+                                      [](const Certificate& c) { return c.proved_free(); });
+      if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
     }
   }
 
-  Trajectory all_in_time(double deviation) {
+  /// Proves arms of different clusters apart; false: two that are not have become one.
+  bool certify_clusters(const Deadline& until) {
+    for (std::size_t i = 0; i < clusters_.size(); ++i)
+      for (std::size_t j = i + 1; j < clusters_.size(); ++j) {
+        Cluster &a = clusters_[i], &b = clusters_[j];
+        std::vector<Certificate> of_a = a.certificates, of_b = b.certificates;
+        bool apart = true;
+        for (std::size_t k = 0; k < a.path.arms.size() && apart; ++k)
+          for (std::size_t l = 0; l < b.path.arms.size() && apart; ++l)
+            apart = certify_pair({a.path.arms[k], a.trajectories[k], of_a[k]},
+                                 {b.path.arms[l], b.trajectories[l], of_b[l]}, until);
+        if (!apart) {
+          merge_clusters(i, j);
+          return false;
+        }
+        a.certificates = std::move(of_a);
+        b.certificates = std::move(of_b);
+      }
+    return true;
+  }
+
+  std::vector<Trajectory> in_time(const CoupledPath& path, double deviation) {
     const PhaseTimer timer(deadline_, statistics_.timing_time_s);
     std::vector<std::string> names;
     MotionLimits limits;
     Eigen::VectorXd reach;
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (const std::size_t i : path.arms) {
       const MotionLimits own = scaled(problem_.moving[i].limits, common_);
-      for (const std::string& joint : problem_.checkers.alone(i).robot().joint_names())
-        names.push_back(name(i) + "/" + joint);
+      for (const std::string& joint : world_->robot(i).joint_names()) names.push_back(name(i) + "/" + joint);
       append(limits.velocity, own.velocity);
       append(limits.acceleration, own.acceleration);
       append(limits.jerk, own.jerk);
       append(reach, problem_.checkers.alone(i).reach());
       limits.continuous.insert(limits.continuous.end(), own.continuous.begin(), own.continuous.end());
     }
-    RowMatrix waypoints(static_cast<Eigen::Index>(path_.size()), limits.velocity.size());
+    RowMatrix waypoints(static_cast<Eigen::Index>(path.size()), limits.velocity.size());
     Eigen::Index first = 0;
-    for (const RowMatrix& q : path_.positions) {
+    for (const RowMatrix& q : path.positions) {
       waypoints.middleCols(first, q.cols()) = q;
       first += q.cols();
     }
-    if (common_.timing == "none")
-      return {names, waypoints, RowMatrix(0, waypoints.cols()), RowMatrix(0, waypoints.cols()), {}, waypoints};
+    if (common_.timing == "none") {
+      const RowMatrix none(0, waypoints.cols());
+      return parts({names, waypoints, none, none, {}, waypoints}, path);
+    }
     TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
                           .sample_period = common_.sample_period,
                           .blend_deviation = deviation};
     options.reach = reach;
-    options.is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(a, b); };
-    return time_parameterize(waypoints, names, limits, options);
+    options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
+    return parts(time_parameterize(waypoints, names, limits, options), path);
   }
 
   static void append(Eigen::VectorXd& to, const Eigen::VectorXd& more) {
@@ -265,40 +440,40 @@ class MultiRobotPlan {
     to.tail(more.size()) = more;
   }
 
-  /// Of all robots.
-  bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  /// Of all robots of a path.
+  bool is_motion_free(const CoupledPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     Eigen::Index first = 0;
     std::vector<Eigen::VectorXd> from, to;
-    for (const RowMatrix& q : path_.positions) {
+    for (const RowMatrix& q : path.positions) {
       from.emplace_back(a.segment(first, q.cols()));
       to.emplace_back(b.segment(first, q.cols()));
       first += q.cols();
     }
-    for (std::size_t i = 0; i < count_; ++i) {
-      const auto& alone = problem_.checkers.alone(i);
+    for (std::size_t i = 0; i < path.arms.size(); ++i) {
+      const auto& alone = problem_.checkers.alone(path.arms[i]);
       if (!alone.is_motion_free(from[i], to[i], *alone.make_workspace())) return false;
     }
-    for (std::size_t i = 0; i < count_; ++i)
-      for (std::size_t j = i + 1; j < count_; ++j)
-        if (!world_->are_apart(i, from[i], to[i], j, from[j], to[j])) return false;
+    for (std::size_t i = 0; i < path.arms.size(); ++i)
+      for (std::size_t j = i + 1; j < path.arms.size(); ++j)
+        if (!world_->are_apart(path.arms[i], from[i], to[i], path.arms[j], from[j], to[j])) return false;
     return true;
   }
 
-  MultiTrajectory in_time(double deviation) {
-    const Trajectory all = all_in_time(deviation);
-    MultiTrajectory result;
+  /// What each arm does.
+  std::vector<Trajectory> parts(const Trajectory& all, const CoupledPath& path) const {
+    std::vector<Trajectory> result;
     Eigen::Index first = 0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const Eigen::Index columns = path_.positions[i].cols();
+    for (std::size_t i = 0; i < path.arms.size(); ++i) {
+      const Eigen::Index columns = path.positions[i].cols();
       const auto part = [&](const RowMatrix& of) -> RowMatrix { return of.middleCols(first, columns); };
-      Trajectory one{problem_.checkers.alone(i).robot().joint_names(),
+      Trajectory one{world_->robot(path.arms[i]).joint_names(),
                      part(all.positions),
                      part(all.velocities),
                      part(all.accelerations),
                      all.times,
                      part(all.waypoints)};
-      one.robot = problem_.moving[i].placed;
-      result.robots.emplace(name(i), std::move(one));
+      one.robot = problem_.moving[path.arms[i]].placed;
+      result.push_back(std::move(one));
       first += columns;
     }
     return result;
@@ -318,56 +493,65 @@ class MultiRobotPlan {
     return trajectory.times[row];
   }
 
-  std::vector<Certificate> certified(const MultiTrajectory& result, const Deadline& until) {
-    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+  /// Straight motions as long as one another where there are no times: a certificate needs some.
+  static Trajectory numbered(Trajectory path) {
+    const Eigen::Index rows = path.positions.rows();
+    if (!path.timed()) path.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
+    return path;
+  }
+
+  std::vector<Certificate> certified(const Cluster& cluster, const Deadline& until) {
     std::vector<Certificate> certificates;
-    std::vector<Trajectory> timed;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const MultiRobotPart& part = problem_.moving[i];
-      Trajectory trajectory = result.robots.at(name(i));
-      CertifyOptions options{.limits = trajectory.timed(), .jerk = common_.timing == "ruckig", .deadline = &until};
-      if (!trajectory.timed())
-        trajectory.times = Eigen::VectorXd::LinSpaced(trajectory.positions.rows(), 0.0,
-                                                      static_cast<double>(trajectory.positions.rows() - 1));
-      Certificate certificate = certify(trajectory, problem_.judges.alone(i), scaled(part.limits, common_), options);
-      if (part.goal.type != GoalType::aside)
-        certificate.goal_error =
-            goal_miss({part.goal}, problem_.judges.alone(i), trajectory.positions.bottomRows(1).transpose()).error;
-      certificate.bound = statistics_.bound;
-      certificate.bound_graph = statistics_.bound_graph;
-      certificates.push_back(std::move(certificate));
-      timed.push_back(std::move(trajectory));
+    const std::vector<std::size_t>& arms = cluster.path.arms;
+    for (std::size_t i = 0; i < arms.size(); ++i) {
+      const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+      const MultiRobotPart& part = problem_.moving[arms[i]];
+      const Trajectory& trajectory = cluster.trajectories[i];
+      const CertifyOptions options{
+          .limits = trajectory.timed(), .jerk = common_.timing == "ruckig", .deadline = &until};
+      certificates.push_back(
+          certify(numbered(trajectory), problem_.judges.alone(arms[i]), scaled(part.limits, common_), options));
+      if (part.goal.type == GoalType::aside) continue;
+      const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
+      certificates.back().goal_error = goal_miss({part.goal}, problem_.judges.alone(arms[i]), end).error;
     }
-    for (std::size_t i = 0; i < count_; ++i)
-      for (std::size_t j = i + 1; j < count_; ++j)
-        if (const Checker* judge = problem_.judges.pair(i, j))
-          certify_pair(*judge, i, timed[i], certificates[i], j, timed[j], certificates[j], until);
+    for (std::size_t i = 0; i < arms.size(); ++i)
+      for (std::size_t j = i + 1; j < arms.size(); ++j)
+        certify_pair({arms[i], cluster.trajectories[i], certificates[i]},
+                     {arms[j], cluster.trajectories[j], certificates[j]}, until);
     return certificates;
   }
 
-  void certify_pair(const Checker& judge, std::size_t i, const Trajectory& a, Certificate& of_a, std::size_t j,
-                    const Trajectory& b, Certificate& of_b, const Deadline& until) {
-    const auto side_by_side = [](const RowMatrix& left, const RowMatrix& right) {
-      RowMatrix both(left.rows(), left.cols() + right.cols());
-      both << left, right;
-      return both;
-    };
-    const RowMatrix positions = side_by_side(a.positions, b.positions),
-                    velocities = side_by_side(a.velocities, b.velocities);
-    const auto workspace = judge.make_workspace();
-    MotionProof proof = prove_motion(judge, {a.times, positions, velocities}, *workspace, {0.5, &until});
-    add_proof(of_a, proof);
+  struct Certified {
+    std::size_t arm;
+    const Trajectory& trajectory;
+    Certificate& certificate;
+  };
+
+  /// What the two do to each other; false: they are not proved apart, though there was time.
+  bool certify_pair(Certified a, Certified b, const Deadline& until) {
+    if (a.arm > b.arm) return certify_pair(b, a, until);
+    const Checker* judge = problem_.judges.pair(a.arm, b.arm);
+    if (!judge) return true;
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    // By these names the first arm's joints come first.
+    const Trajectory both = MultiTrajectory{{{"a", numbered(a.trajectory)}, {"b", numbered(b.trajectory)}}}.merged();
+    const auto workspace = judge->make_workspace();
+    MotionProof proof = prove_motion(*judge, {both.times, both.positions, both.velocities}, *workspace, {0.5, &until});
+    const bool apart = proof.free && (proof.unproved.empty() || until.stop_requested());
+    add_proof(a.certificate, proof);
     // As the other one names the bodies.
     const auto swap = [&](std::string& mine, std::string& other) {
-      const std::string prefix = name(j) + "/";
+      const std::string prefix = name(b.arm) + "/";
       if (other.starts_with(prefix)) other.erase(0, prefix.size());
-      const auto& links = problem_.checkers.alone(i).robot().link_names();
-      if (std::find(links.begin(), links.end(), mine) != links.end()) mine = name(i) + "/" + mine;
+      const auto& links = world_->robot(a.arm).link_names();
+      if (std::find(links.begin(), links.end(), mine) != links.end()) mine = name(a.arm) + "/" + mine;
       std::swap(mine, other);
     };
     swap(proof.body_a, proof.body_b);
     for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
-    add_proof(of_b, proof);
+    add_proof(b.certificate, proof);
+    return apart;
   }
 
   static constexpr double mercy = 0.010;  // as in post_process.cpp
@@ -382,7 +566,10 @@ class MultiRobotPlan {
   PlannerOptions options_alone_;
   std::vector<ArmTask> tasks_;
   std::unique_ptr<ArmWorld> world_;
-  CoupledPath path_;
+  std::vector<Group> groups_;
+  int next_number_{0};
+  std::set<std::pair<int, int>> apart_;  // groups, by number
+  std::vector<Cluster> clusters_;
 };
 
 }  // namespace

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "srmp/core/status.hpp"
+#include "srmp/planner/coupled_path.hpp"
+#include "srmp/search/graph.hpp"
+
+namespace srmp {
+
+struct CompositeOptions {
+  ArmWorld::Options lattice;
+  double weight{50.0};             ///< as Auto::weight
+  std::uint64_t max_expansions{};  ///< of one search of the portfolio
+};
+
+struct CompositeResult {
+  Status status{Status::exhausted};  ///< solved, exhausted, timed_out (also for max_expansions) or cancelled
+  CoupledPath path;
+  search::Statistics statistics;
+};
+
+/// Arms as one robot with all their joints: guided searches in turns from both ends, at several resolutions, as `auto`
+/// makes them for one arm, also with guides that lead one arm before the others. Finds ways that arms can only go
+/// together; gets harder with every arm. Arms whose goal is anywhere end where they start.
+CompositeResult composite_search(ArmWorld& world, const std::vector<std::size_t>& arms, const CompositeOptions& options,
+                                 const Deadline& deadline);
+
+}  // namespace srmp
