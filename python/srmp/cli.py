@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm | cmake-dir."""
+"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm, multi | cmake-dir."""
 
 from __future__ import annotations
 
@@ -502,11 +502,9 @@ def mbm(
     out: str | None,
 ) -> None:
     """MotionBenchMaker: solve its problems and print a table per scenario."""
-    from srmp._files import write_json
     from srmp.bench import mbm as benchmark
 
-    if out and not Path(out).parent.is_dir():
-        raise click.BadParameter(f"--out: the folder {Path(out).parent} does not exist.")
+    _require_folder(out)
     planner_options = parse_key_values(options)
     files = benchmark.robot_files(data, robot, geometry)
     _cover_first(files.urdf, [str(files.folder)])
@@ -521,8 +519,65 @@ def mbm(
         time_limit=time_limit,
         progress=_progress_bar,
     )
+    _report(result, benchmark.format_statistics, out)
+
+
+@bench.command()
+@click.option("--scenario", required=True, help="A file, or ring, binpick, shelves, grid or mixed.")
+@click.option("--robots", type=int, help="How many, of generated scenarios.")
+@click.option("--problems", default="", help="Numbers, such as 1-10 or 1,3,5-7; default: all, or the first 50.")
+@_planner_options(time_limit=20.0)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of generated problems.")
+@click.option(
+    "--data",
+    type=click.Path(exists=True, file_okay=False),
+    help="Folder with MotionBenchMaker's robots; default: those of example-robot-data.",
+)
+@click.option("--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row a problem.")
+def multi(
+    scenario: str,
+    robots: int | None,
+    problems: str,
+    planner: str,
+    options: tuple[str, ...],
+    time_limit: float,
+    seed: int,
+    data: str | None,
+    out: str | None,
+) -> None:
+    """Several robots at once: solve the problems of a scenario and print a table."""
+    from srmp.bench import multi as benchmark
+    from srmp.bench import scenarios
+
+    _require_folder(out)
+    planner_options = parse_key_values(options)
+    for model in scenarios.find(scenario, robots, seed, data).world.models:
+        _cover_first(model.urdf, model.package_dirs)
+    result = benchmark.run(
+        scenario,
+        robots,
+        problems=problems,
+        planner_id=planner,
+        options=planner_options,
+        time_limit=time_limit,
+        seed=seed,
+        data=data,
+        progress=_progress_bar,
+    )
+    _report(result, benchmark.format_statistics, out)
+
+
+def _require_folder(out: str | None) -> None:
+    if out and not Path(out).parent.is_dir():
+        raise click.BadParameter(f"--out: the folder {Path(out).parent} does not exist.")
+
+
+def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: str | None) -> None:
+    """The table, the problems that are none, and the result file."""
+    from srmp._files import write_json
+
     if result["rows"]:
-        click.echo(benchmark.format_statistics(result["rows"]))
+        click.echo(table(result["rows"]))
     for row in result["rows"]:
         if row["status"] in ("start_invalid", "goal_invalid"):
             click.echo(f"{row['problem']} is no valid problem: {row['reason']}")

@@ -20,7 +20,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -37,7 +37,9 @@ _STATISTICS = (
     *("expansions", "memory_bytes", "edge_checks"),
     *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
 )
-_PROFILES = ("times", "positions", "velocities", "accelerations")
+PROFILES = ("times", "positions", "velocities", "accelerations")
+_Problem = TypeVar("_Problem")
+Progress: TypeAlias = Callable[[Sequence[_Problem]], contextlib.AbstractContextManager[Iterator[_Problem]]]
 
 
 # --- problems ---------------------------------------------------------------------------------------------------------
@@ -236,14 +238,14 @@ class Runner:
         row.update((key, stats[key]) for key in _STATISTICS)
         row["joint_names"] = planner.get_joint_names(self._files.name)
         if trajectory is None:
-            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "certificate", *_PROFILES)))
+            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "certificate", *PROFILES)))
             return row
         row["path"] = trajectory.waypoints
         row["path_cost_rad"] = stats["path_cost_rad"]
         row["ee_cost_m"] = end_effector_length(planner, self._files.name, trajectory.waypoints)
         row["bound"] = stats["bound"]
         row["certificate"] = certificate_row(trajectory.certificate)
-        row.update((name, getattr(trajectory, name)) for name in _PROFILES)
+        row.update((name, getattr(trajectory, name)) for name in PROFILES)
         return row
 
 
@@ -270,7 +272,7 @@ def run(
     options: Mapping[str, str] | None = None,
     geometry: str = "urdf",
     time_limit: float = 10.0,
-    progress: Callable[[list[Problem]], contextlib.AbstractContextManager[Iterator[Problem]]] | None = None,
+    progress: Progress[Problem] | None = None,
 ) -> dict[str, Any]:
     """Runs the chosen problems and returns {"header": …, "rows": […]}.
 
@@ -279,34 +281,38 @@ def run(
     files = robot_files(data, robot, geometry)
     numbers = parse_numbers(problems) if problems else None
     runner = Runner(files, planner_id, options or {}, time_limit)
-    rows: list[dict[str, Any]] = []
     with open_problems(files.folder, robot, scenarios, numbers) as chosen:
-        complete = True
-        with progress(chosen) if progress else contextlib.nullcontext(iter(chosen)) as sequence:
-            try:
-                for problem in sequence:
-                    rows.append(runner.run(problem))
-            except KeyboardInterrupt:
-                complete = False
-    header = {
-        "benchmark": "MotionBenchMaker",
-        "complete": complete,
-        "created": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
-        "versions": versions(),
-        "cpu": cpu_name(),
-        "cores": os.cpu_count(),
-        "options": {
-            "data": str(data),
-            "robot": robot,
-            "scenarios": sorted({problem.scenario for problem in chosen}),
-            "problems": problems or "all",
-            "planner": planner_id,
-            "planner_options": dict(options or {}),
-            "geometry": geometry,
-            "time_limit": time_limit,
-        },
+        rows, complete = solve_all(chosen, runner.run, progress)
+    described = {
+        "data": str(data),
+        "robot": robot,
+        "scenarios": sorted({problem.scenario for problem in chosen}),
+        "problems": problems or "all",
+        "planner": planner_id,
+        "planner_options": dict(options or {}),
+        "geometry": geometry,
+        "time_limit": time_limit,
     }
-    return {"header": header, "rows": rows}
+    return {"header": run_header("MotionBenchMaker", complete, described), "rows": rows}
+
+
+def solve_all(
+    problems: Sequence[_Problem], solve: Callable[[_Problem], dict[str, Any]], progress: Progress[_Problem] | None
+) -> tuple[list[dict[str, Any]], bool]:
+    """The rows, and whether they are all: Ctrl-C ends it early, with the rows that were finished."""
+    rows: list[dict[str, Any]] = []
+    with progress(problems) if progress else contextlib.nullcontext(iter(problems)) as sequence:
+        try:
+            for problem in sequence:
+                rows.append(solve(problem))
+        except KeyboardInterrupt:
+            return rows, False
+    return rows, True
+
+
+def run_header(benchmark: str, complete: bool, options: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+    return header(benchmark, complete=complete, created=created, cores=os.cpu_count(), options=options, **more)
 
 
 def status_name(status: Any) -> str:
@@ -388,22 +394,26 @@ def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatist
     )
 
 
+COLUMNS = (
+    *("scenario", "solved/valid/total", "median", "mean", "p95", "max", "cost [rad]", "end effector [m]"),
+    *("timing + proof", "proved"),
+)
+
+
+def cells(entry: ScenarioStatistics) -> list[str]:
+    """What stands under COLUMNS."""
+    times = (entry.time_median, entry.time_mean, entry.time_p95, entry.time_max)
+    return [
+        entry.scenario,
+        f"{entry.solved}/{entry.valid}/{entry.total}",
+        *("–" if math.isnan(time) else format_seconds(time) for time in times),
+        "–" if math.isnan(entry.mean_cost_rad) else f"{entry.mean_cost_rad:.2f}",
+        "–" if math.isnan(entry.mean_ee_cost_m) else f"{entry.mean_ee_cost_m:.2f}",
+        "–" if math.isnan(entry.after_median) else format_seconds(entry.after_median),
+        str(entry.proved),
+    ]
+
+
 def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
     """The table that `srmp bench mbm` prints: times until the path is ready, joint-space and end-effector length."""
-    header = ["scenario", "solved/valid/total", "median", "mean", "p95", "max", "cost [rad]", "end effector [m]"]
-    header += ["timing + proof", "proved"]
-    table = []
-    for entry in statistics(rows):
-        times = (entry.time_median, entry.time_mean, entry.time_p95, entry.time_max)
-        table.append(
-            [
-                entry.scenario,
-                f"{entry.solved}/{entry.valid}/{entry.total}",
-                *("–" if math.isnan(time) else format_seconds(time) for time in times),
-                "–" if math.isnan(entry.mean_cost_rad) else f"{entry.mean_cost_rad:.2f}",
-                "–" if math.isnan(entry.mean_ee_cost_m) else f"{entry.mean_ee_cost_m:.2f}",
-                "–" if math.isnan(entry.after_median) else format_seconds(entry.after_median),
-                str(entry.proved),
-            ]
-        )
-    return format_table(header, table, rule_before_last=True)
+    return format_table(COLUMNS, [cells(entry) for entry in statistics(rows)], rule_before_last=True)

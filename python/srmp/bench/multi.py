@@ -1,0 +1,164 @@
+"""Several robots at once: plans the problems of a scenario together and writes one row for each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import srmp
+from srmp._table import format_table
+from srmp.bench import mbm
+from srmp.bench.scenarios import Problem, Scenario, find
+
+_STATISTICS = ("plan_time_s", "total_time_s", "path_cost_rad", "bound", "makespan_s", "flow_time_s", "expansions")
+_TREE = ("tree_nodes",)
+
+
+@dataclass(frozen=True)
+class Numbered:
+    scenario: str
+    number: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.scenario}/{self.number:04d}"
+
+
+class Runner:
+    """Plans one problem after the other in the scenario's world, which is read once."""
+
+    def __init__(self, scenario: Scenario, planner_id: str, options: Mapping[str, str], time_limit: float) -> None:
+        self._scenario = scenario
+        self._planner = scenario.world.build()
+        names = [robot.name for robot in scenario.world.robots]
+        self._planner.make_planner(names, {"planner_id": planner_id, "time_limit": time_limit, **options})
+
+    def run(self, numbered: Numbered) -> dict[str, Any]:
+        """One row of the result file. Only problems that cannot even be posed raise."""
+        problem = self._scenario.problem(numbered.number)
+        goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, q) for name, q in problem.goals.items()}
+        trajectory, reason = None, ""
+        try:
+            trajectory = self._planner.plan_multi(problem.starts, goals)
+            status = "solved"
+        except srmp.PlanningError as error:
+            status, reason = mbm.status_name(error.status), str(error)
+        row: dict[str, Any] = {"problem": numbered.name, "status": status, "reason": reason, **problem.about}
+        stats = self._planner.get_planning_stats()
+        row.update((key, stats[key]) for key in (*_STATISTICS, *_TREE))
+        row["robots"] = {name: self._robot_row(name, problem, stats, trajectory) for name in problem.starts}
+        row["ee_cost_m"] = None if trajectory is None else sum(robot["ee_cost_m"] for robot in row["robots"].values())
+        row["certificate"] = _joint_certificate([robot["certificate"] for robot in row["robots"].values()])
+        return row
+
+    def _robot_row(self, name: str, problem: Problem, stats: Mapping[str, Any], found: Any | None) -> dict[str, Any]:
+        base = next(robot.base for robot in self._scenario.world.robots if robot.name == name)
+        row: dict[str, Any] = {
+            "joint_names": self._planner.get_joint_names(name),
+            "base": list(base),
+            "start": problem.starts[name],
+            "goal": problem.goals[name],
+        }
+        if found is None:
+            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "certificate", *mbm.PROFILES)))
+            return row
+        trajectory = found[name]
+        row["path"] = trajectory.waypoints
+        row["path_cost_rad"] = stats["robot_cost_rad"][name]
+        row["ee_cost_m"] = mbm.end_effector_length(self._planner, name, trajectory.waypoints)
+        row["certificate"] = mbm.certificate_row(trajectory.certificate)
+        row.update((profile, getattr(trajectory, profile)) for profile in mbm.PROFILES)
+        return row
+
+
+def _joint_certificate(certificates: Sequence[Mapping[str, Any] | None]) -> dict[str, Any] | None:
+    """Of all robots together; None where a robot has none."""
+    known = [certificate for certificate in certificates if certificate is not None]
+    if len(known) < len(certificates):
+        return None
+    return {
+        "holds": all(certificate["holds"] for certificate in known),
+        "proved_free": all(certificate["proved_free"] for certificate in known),
+        "clearance": min(certificate["clearance"] for certificate in known),
+    }
+
+
+def run(
+    scenario: str,
+    robots: int | None = None,
+    *,
+    problems: str = "",
+    planner_id: str = "auto",
+    options: Mapping[str, str] | None = None,
+    time_limit: float = 20.0,
+    seed: int = 0,
+    data: str | Path | None = None,
+    progress: mbm.Progress[Numbered] | None = None,
+) -> dict[str, Any]:
+    """Runs the chosen problems of a scenario (a file, or a name that `find` knows): {"header": …, "rows": […]}.
+
+    Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
+    """
+    found = find(scenario, robots, seed, data)
+    runner = Runner(found, planner_id, options or {}, time_limit)
+    rows, complete = mbm.solve_all(_choose(found, problems), runner.run, progress)
+    described = {
+        "scenario": scenario,
+        "robots": len(found.world.robots),
+        "problems": problems or f"{found.numbers[0]}-{found.numbers[-1]}",
+        "planner": planner_id,
+        "planner_options": dict(options or {}),
+        "time_limit": time_limit,
+        "seed": seed,
+        "data": data,
+    }
+    header = mbm.run_header("several robots", complete, described, scenario=found.world.to_dict())
+    return {"header": header, "rows": rows}
+
+
+def _choose(scenario: Scenario, problems: str) -> list[Numbered]:
+    numbers = sorted(mbm.parse_numbers(problems)) if problems else list(scenario.numbers)
+    if 0 in numbers:
+        raise srmp.InvalidArgument(f"problems '{problems}': they are numbered from 1.")
+    if not scenario.endless:
+        numbers = [number for number in numbers if number in scenario.numbers]
+    if not numbers:
+        raise srmp.InvalidArgument(f"problems '{problems}': '{scenario.name}' has 1 to {scenario.numbers[-1]}.")
+    return [Numbered(scenario.name, number) for number in numbers]
+
+
+# --- statistics -------------------------------------------------------------------------------------------------------
+
+
+def variation(rows: Sequence[Mapping[str, Any]]) -> float:
+    """Of the summed end-effector lengths over the repetitions of a problem, the mean over problems; NaN: none has two.
+
+    The coefficient of variation: standard deviation (of the n - 1 kind) by mean.
+    """
+    lengths: dict[int, list[float]] = {}
+    for row in rows:
+        if row["status"] == "solved" and "base" in row:
+            lengths.setdefault(row["base"], []).append(row["ee_cost_m"])
+    ratios = [np.std(some, ddof=1) / np.mean(some) for some in lengths.values() if len(some) > 1]
+    return float(np.mean(ratios)) if ratios else math.nan
+
+
+def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The table that `srmp bench multi` prints: that of `srmp bench mbm`, then what several robots have besides."""
+    entry, *_ = mbm.statistics(rows)
+    solved = [row for row in rows if row["status"] == "solved"]
+    clearances = [row["certificate"]["clearance"] for row in solved if row["certificate"]]
+    nodes = f"{np.median([row['tree_nodes'] for row in solved]):.0f}" if solved else "–"
+    makespan = f"{np.mean([row['makespan_s'] for row in solved]):.2f} s" if solved else "–"
+    clearance = f"{1e3 * min(clearances):.2g} mm" if clearances else "–"
+    header = [*mbm.COLUMNS, "nodes", "makespan", "clearance"]
+    table = format_table(header, [[*mbm.cells(entry), nodes, makespan, clearance]])
+    share = variation(rows)
+    if math.isnan(share):
+        return table
+    return f"{table}\nrepetitions: the summed end-effector length varies by {share:.1%} (standard deviation by mean)"

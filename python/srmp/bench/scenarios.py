@@ -1,0 +1,466 @@
+"""Scenarios of several robots in one scene: read from a file, or generated.
+
+A file says where the robots stand, boxes, held cylinders and named states of all robots together; each ordered pair
+of two states is a problem. A generator places N robots and draws problems by inverse kinematics: the same scenario,
+robots, seed and number give the same problem, whatever else is asked for.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import itertools
+import json
+import sys
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+import srmp
+from srmp.bench.mbm import GROUPS, robot_files
+
+Configurations = dict[str, np.ndarray]
+"""Robot name: (dof,) [rad]."""
+Target = Callable[[np.random.Generator], srmp.Pose]
+"""Draws where a robot's tool is to be: its tip at the position, z the direction in which it points."""
+
+DOWN = srmp.Pose.from_rpy([0, 0, 0], [np.pi, 0, 0])
+FORWARD = srmp.Pose.from_rpy([0, 0, 0], [0, np.pi / 2, 0])
+TRIES = 200
+
+
+# --- what stands where ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Model:
+    """A kind of robot. `tip`: from the end effector's link to the tip of its tool, along the link's z [m]."""
+
+    urdf: Path
+    srdf: Path
+    package_dirs: tuple[str, ...]
+    group: str
+    fixed_joints: Mapping[str, float]
+    base_link: str
+    """What stands on a table, never moves, and may therefore touch the objects."""
+    end_effector: str
+    home: tuple[float, ...]
+    tip: float
+    reach: tuple[float, float]
+    """How far from its base it reaches the table, tool down: least and most [m]."""
+
+
+@dataclass(frozen=True)
+class Robot:
+    name: str
+    model: Model
+    position: tuple[float, float, float]
+    yaw: float
+
+    @property
+    def base(self) -> srmp.Pose:
+        return srmp.Pose.from_rpy(self.position, [0, 0, self.yaw])
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A box with edge lengths `size`, or a cylinder along z whose `size` is radius and length [m]."""
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    pose: srmp.Pose
+
+    def add_to(self, planner: srmp.PlannerInterface) -> None:
+        if self.kind == "box":
+            planner.add_box(self.name, self.size, self.pose)
+        else:
+            planner.add_cylinder(self.name, *self.size, self.pose)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"name": self.name, "type": self.kind, "size": self.size, "pose": list(self.pose)}
+
+
+@dataclass(frozen=True)
+class Held:
+    """A shape (its pose that in the link) that moves with a robot's link."""
+
+    shape: Shape
+    robot: str
+    link: str
+    may_touch: tuple[str, ...]
+
+    def add_to(self, planner: srmp.PlannerInterface) -> None:
+        self.shape.add_to(planner)
+        planner.attach_object(self.shape.name, self.robot, self.link, list(self.may_touch), self.shape.pose)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {**self.shape.to_dict(), "robot": self.robot, "link": self.link, "may_touch": self.may_touch}
+
+
+@dataclass(frozen=True)
+class World:
+    robots: tuple[Robot, ...]
+    shapes: tuple[Shape, ...]
+    held: tuple[Held, ...] = ()
+
+    @property
+    def models(self) -> list[Model]:
+        """Each once."""
+        return list({robot.model.urdf: robot.model for robot in self.robots}.values())
+
+    def build(self) -> srmp.PlannerInterface:
+        planner = srmp.PlannerInterface()
+        for robot in self.robots:
+            planner.add_articulation(
+                urdf_path=str(robot.model.urdf),
+                srdf_path=str(robot.model.srdf),
+                name=robot.name,
+                end_effector=robot.model.end_effector,
+                group=robot.model.group,
+                fixed_joints=dict(robot.model.fixed_joints),
+                package_dirs=list(robot.model.package_dirs),
+                base_pose=robot.base,
+            )
+        for item in (*self.shapes, *self.held):
+            item.add_to(planner)
+        for robot, shape in itertools.product(self.robots, self.shapes):
+            planner.set_allowed_collision(f"{robot.name}/{robot.model.base_link}", shape.name)
+        return planner
+
+    def to_dict(self) -> dict[str, Any]:
+        """All that somebody else needs to build it again; poses: x, y, z [m], quaternion x, y, z, w."""
+        robots = {
+            robot.name: {
+                "urdf": robot.model.urdf,
+                "srdf": robot.model.srdf,
+                "package_dirs": robot.model.package_dirs,
+                "fixed_joints": robot.model.fixed_joints,
+                "base_link": robot.model.base_link,
+                "base": list(robot.base),
+            }
+            for robot in self.robots
+        }
+        return {
+            "robots": robots,
+            "objects": [shape.to_dict() for shape in self.shapes],
+            "held": [held.to_dict() for held in self.held],
+        }
+
+
+@dataclass(frozen=True)
+class Problem:
+    number: int
+    starts: Configurations
+    goals: Configurations
+    about: Mapping[str, Any]
+    """What else the result is to say of it."""
+
+
+class Scenario(Protocol):
+    name: str
+    world: World
+    numbers: range
+    """The problems there are, or, of generators, which there are as many of as one likes, those run by default."""
+    endless: bool
+
+    def problem(self, number: int) -> Problem: ...
+
+
+# --- robots -----------------------------------------------------------------------------------------------------------
+
+
+def example_robot_data() -> Path | None:
+    """robots/ of the example-robot-data package, where pip put it."""
+    for path in sys.path:
+        folder = Path(path) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
+        if folder.is_dir():
+            return folder
+    return None
+
+
+# name: URDF and SRDF in example-robot-data, and the planning group there
+_EXAMPLES = {
+    "panda": ("panda_description/urdf/panda.urdf", "panda_description/srdf/panda.srdf", "arm"),
+    "ur5": ("ur_description/urdf/ur5_robot.urdf", "ur_description/srdf/ur5.srdf", "manipulator"),
+}
+_FINGERS = {"panda_finger_joint1": 0.04, "panda_finger_joint2": 0.04}
+_ARMS: dict[str, dict[str, Any]] = {
+    "panda": {
+        "base_link": "panda_link0",
+        "end_effector": "panda_hand",
+        "home": (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
+        "tip": 0.1034,
+        "reach": (0.35, 0.7),
+    },
+    "ur5": {
+        "base_link": "base_link",
+        "end_effector": "tool0",
+        "home": (0.0, -1.8, 1.9, -1.67, -1.57, 0.0),
+        "tip": 0.17,
+        "reach": (0.35, 0.65),
+    },
+}
+
+
+def find_model(name: str, data: str | Path | None) -> Model:
+    """The robot of MotionBenchMaker's folder `data`, else that of example-robot-data."""
+    arm = _ARMS[name]
+    if data is not None:
+        files = robot_files(data, name, "urdf")
+        return Model(files.urdf, files.srdf, (str(files.folder),), GROUPS[name], fixed_joints={}, **arm)
+    folder = example_robot_data()
+    if folder is None:
+        raise srmp.FileError(
+            f"There is no {name}: say where MotionBenchMaker's robots are (--data), or pip install example-robot-data."
+        )
+    urdf, srdf, group = _EXAMPLES[name]
+    fingers = _FINGERS if name == "panda" else {}
+    return Model(folder / urdf, folder / srdf, (str(folder.parents[1]),), group, fixed_joints=fingers, **arm)
+
+
+# --- files ------------------------------------------------------------------------------------------------------------
+
+
+class FileScenario:
+    """Named states of all robots; its problems are the ordered pairs of two of them, numbered from 1."""
+
+    endless = False
+
+    def __init__(self, path: str | Path, data: str | Path | None = None) -> None:
+        self._path = Path(path)
+        content = self._read()
+        self.name = str(content.get("name", self._path.stem))
+        panda = find_model("panda", data)
+        try:
+            self._load(content, panda)
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            what = f"there is no {error}" if isinstance(error, KeyError) else str(error)
+            raise srmp.FileError(f"{self._path} is no scenario of several robots: {what}.") from error
+        self._pairs = list(itertools.permutations(self._states, 2))
+        self.numbers = range(1, len(self._pairs) + 1)
+
+    def _read(self) -> Mapping[str, Any]:
+        try:
+            content = json.loads(self._path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise srmp.FileError(f"{self._path} cannot be read: {error}.") from error
+        if not isinstance(content, dict):
+            raise srmp.FileError(f"{self._path} is no scenario of several robots: it is not a JSON object.")
+        return content
+
+    def _load(self, content: Mapping[str, Any], panda: Model) -> None:
+        robots = tuple(
+            Robot(f"panda_{k}", panda, _numbers(base["position"], 3, f"bases[{k}].position"), float(base["yaw"]))
+            for k, base in enumerate(content["bases"])
+        )
+        shapes = tuple(
+            Shape(
+                str(box["name"]),
+                "box",
+                _numbers(box["size"], 3, f"the size of {box['name']}"),
+                srmp.Pose(p=_numbers(box["position"], 3, f"the position of {box['name']}")),
+            )
+            for box in content["boxes"]
+        )
+        held = tuple(_held(k, item, robots) for k, item in enumerate(content.get("attached_cylinders", [])))
+        self.world = World(robots, shapes, held)
+        self._states: dict[str, Configurations] = {}
+        for state, rows in content["states"].items():
+            if len(rows) != len(robots):
+                raise ValueError(f"state '{state}' has {len(rows)} configurations for {len(robots)} robots")
+            self._states[state] = {
+                robot.name: np.array(_numbers(row, len(panda.home), f"state '{state}'"))
+                for robot, row in zip(robots, rows, strict=True)
+            }
+
+    def problem(self, number: int) -> Problem:
+        start, goal = self._pairs[number - 1]
+        return Problem(number, self._states[start], self._states[goal], {"from": start, "to": goal})
+
+
+_AXES = {"x": [0, np.pi / 2, 0], "y": [-np.pi / 2, 0, 0], "z": [0, 0, 0]}  # roll, pitch, yaw that bring z there
+
+
+def _held(number: int, item: Mapping[str, Any], robots: Sequence[Robot]) -> Held:
+    where = f"attached_cylinders[{number}]"
+    axis, index = str(item["axis"]), item["robot"]
+    if axis.removesuffix(" of the link") not in _AXES:
+        raise ValueError(f"the axis of {where} is '{axis}', not x, y or z of the link")
+    if not isinstance(index, int) or not 0 <= index < len(robots):
+        raise ValueError(f"{where} is held by robot {index}; there are robots 0 to {len(robots) - 1}")
+    pose = srmp.Pose.from_rpy(_numbers(item["position"], 3, f"{where}.position"), _AXES[axis[0]])
+    shape = Shape(f"held_{number}", "cylinder", (float(item["radius"]), float(item["length"])), pose)
+    return Held(shape, robots[index].name, str(item["link"]), tuple(item["may_touch"]))
+
+
+def _numbers(values: Sequence[Any], count: int, what: str) -> tuple[float, ...]:
+    numbers = tuple(float(value) for value in values)
+    if len(numbers) != count or not np.all(np.isfinite(numbers)):
+        raise ValueError(f"{what} must be {count} numbers")
+    return numbers
+
+
+# --- generators -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Layout:
+    world: World
+    targets: Callable[[np.random.Generator], Sequence[Target]]
+    """Where the robots' tools are to be, all together: one Target a robot."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A generator: robots it is run with, robots it can have, repetitions of each problem with goals moved a little."""
+
+    make: Callable[[int, Callable[[str], Model]], Layout]
+    robots: int
+    allowed: range
+    repetitions: int = 1
+    problems: int = 50
+
+
+class GeneratedScenario:
+    """All starts are free together, and so are all goals, as PlannerInterface.is_state_colliding sees it.
+
+    With repetitions, problem k is repetition (k - 1) % n of base problem (k - 1) // n: repetition 0 as drawn, the goals
+    of the others moved by up to 2 degrees in one joint of each robot, as in Shaoul et al. 2024.
+    """
+
+    endless = True
+
+    def __init__(self, name: str, robots: int | None, seed: int, data: str | Path | None) -> None:
+        kind = KINDS[name]
+        robots = kind.robots if robots is None else robots
+        if robots not in kind.allowed:
+            allowed = f"{kind.allowed[0]} to {kind.allowed[-1]}"
+            raise srmp.InvalidArgument(f"robots {robots}: '{name}' takes {allowed}.")
+        if seed < 0:
+            raise srmp.InvalidArgument(f"seed {seed} is below 0.")
+        self.name = name
+        self.numbers = range(1, kind.problems + 1)
+        self._repetitions, self._seed = kind.repetitions, seed
+        layout = kind.make(robots, functools.cache(lambda model: find_model(model, data)))
+        self.world, self._targets = layout.world, layout.targets
+        self._base = functools.lru_cache(maxsize=1)(self._draw)
+
+    @functools.cached_property
+    def _planner(self) -> srmp.PlannerInterface:
+        return self.world.build()
+
+    def problem(self, number: int) -> Problem:
+        base, repetition = divmod(number - 1, self._repetitions)
+        starts, goals = self._base(base)
+        about = {} if self._repetitions == 1 else {"base": base, "repetition": repetition}
+        if repetition:
+            goals = self._moved(goals, self._random(base, repetition))
+        return Problem(number, starts, goals, about)
+
+    def _random(self, *numbers: int) -> np.random.Generator:
+        return np.random.default_rng([self._seed, zlib.crc32(self.name.encode()), *numbers])
+
+    def _draw(self, base: int) -> tuple[Configurations, Configurations]:
+        random = self._random(base)
+        return self._together(random, base), self._together(random, base)
+
+    def _together(self, random: np.random.Generator, base: int) -> Configurations:
+        for _ in range(TRIES):
+            if (found := self._place_all(random)) is not None:
+                return found
+        raise srmp.Error(f"no problem {base} of '{self.name}' was found in {TRIES} tries.")
+
+    def _place_all(self, random: np.random.Generator) -> Configurations | None:
+        """Robot after robot, free of those that stand already and of the others at home."""
+        for robot in self.world.robots:
+            self._planner.set_qpos(robot.name, robot.model.home)
+        placed: Configurations = {}
+        for robot, target in zip(self.world.robots, self._targets(random), strict=True):
+            q = self._place(robot, target, random)
+            if q is None:
+                return None
+            placed[robot.name] = q
+        return placed
+
+    def _place(self, robot: Robot, target: Target, random: np.random.Generator) -> np.ndarray | None:
+        to_link = srmp.Pose(p=[0, 0, -robot.model.tip])
+        for _ in range(10):
+            pose = target(random) @ to_link
+            for q in self._planner.compute_ik(robot.name, pose, robot.model.home, max_solutions=2, seeds=8):
+                if self._stands_free(robot.name, q):
+                    return np.array(q)
+        return None
+
+    def _stands_free(self, name: str, q: np.ndarray) -> bool:
+        """Leaves the robot there if it is."""
+        if self._planner.is_state_colliding(name, q):
+            return False
+        self._planner.set_qpos(name, q)
+        return True
+
+    def _moved(self, goals: Configurations, random: np.random.Generator) -> Configurations:
+        for name, q in goals.items():
+            self._planner.set_qpos(name, q)
+        return {name: self._moved_one(name, q, random) for name, q in goals.items()}
+
+    def _moved_one(self, name: str, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        limits = self._planner.get_joint_limits(name)
+        for _ in range(TRIES):
+            moved, joint = q.copy(), int(random.integers(len(q)))
+            moved[joint] += np.deg2rad(random.uniform(-2, 2))
+            if limits[joint, 0] <= moved[joint] <= limits[joint, 1] and self._stands_free(name, moved):
+                return moved
+        return q
+
+
+def _floor(half: float) -> Shape:
+    return Shape("floor", "box", (2 * half, 2 * half, 0.02), srmp.Pose(p=[0, 0, -0.01]))
+
+
+def _around(robot: Robot, radius: tuple[float, float], azimuth: tuple[float, float], z: tuple[float, float]) -> Target:
+    """Tool down, `radius` and `azimuth` from the robot's base, `z` above it."""
+
+    def draw(random: np.random.Generator) -> srmp.Pose:
+        r, angle, height = (random.uniform(*interval) for interval in (radius, azimuth, z))
+        place = srmp.Pose(p=[r * np.cos(angle), r * np.sin(angle), height])
+        return robot.base @ place @ DOWN @ srmp.Pose.from_rpy([0, 0, 0], [0, 0, random.uniform(-np.pi, np.pi)])
+
+    return draw
+
+
+def _grid(robots: int, model: Callable[[str], Model]) -> Layout:
+    """Rows and columns 1 m apart, hands anywhere around their arms."""
+    columns = int(np.ceil(np.sqrt(robots)))
+    places = [divmod(k, columns) for k in range(robots)]
+    middle = np.mean(places, axis=0)
+    panda = model("panda")
+    arms = tuple(
+        Robot(f"panda_{k}", panda, (float(column - middle[1]), float(row - middle[0]), 0.0), 0.0)
+        for k, (row, column) in enumerate(places)
+    )
+    aims = [_around(arm, panda.reach, (-np.pi, np.pi), (0.05, 0.5)) for arm in arms]
+    return Layout(World(arms, (_floor(columns / 2 + 1),)), lambda random: aims)
+
+
+KINDS = {
+    "grid": Kind(_grid, robots=8, allowed=range(2, 65)),
+}
+
+
+def find(scenario: str, robots: int | None = None, seed: int = 0, data: str | Path | None = None) -> Scenario:
+    """The scenario of that name, or in that file."""
+    if scenario in KINDS:
+        return GeneratedScenario(scenario, robots, seed, data)
+    if not Path(scenario).is_file():
+        near = difflib.get_close_matches(scenario, KINDS, n=1)
+        hint = f", did you mean '{near[0]}'?" if near else "."
+        raise srmp.InvalidArgument(f"scenario '{scenario}' is neither a file nor one of {', '.join(KINDS)}{hint}")
+    found = FileScenario(scenario, data)
+    if robots not in (None, len(found.world.robots)):
+        raise srmp.InvalidArgument(f"robots {robots}: {scenario} has {len(found.world.robots)}.")
+    return found
