@@ -18,6 +18,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import cubics
 import numpy as np
 import recheck_mbm
 
@@ -31,21 +32,11 @@ TOLERANCE = 1e-6  # of a limit
 TIMES = ("plan_time_s", "total_time_s", "timing_time_s", "verification_time_s")
 
 
-def states(trajectory: srmp.Trajectory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions, velocities and accelerations (k, dof) at 1 kHz and at the end: the cubics, in Bernstein's form."""
-    times, q, v = trajectory.times, trajectory.positions, trajectory.velocities
-    at = np.append(np.arange(times[0], times[-1], 1 / RATE), times[-1])
-    row = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
-    h = np.diff(times)[row][:, None]
-    u = (at - times[row])[:, None] / h
-    points = np.array([q[row], q[row] + v[row] * h / 3, q[row + 1] - v[row + 1] * h / 3, q[row + 1]])
-    velocities, w = 3 * np.diff(points, axis=0) / h, 1 - u
-    accelerations = 2 * np.diff(velocities, axis=0) / h
-    return (
-        w**3 * points[0] + 3 * w**2 * u * points[1] + 3 * w * u**2 * points[2] + u**3 * points[3],
-        w**2 * velocities[0] + 2 * w * u * velocities[1] + u**2 * velocities[2],
-        w * accelerations[0] + u * accelerations[1],
-    )
+def states(trajectory: srmp.Trajectory) -> tuple[np.ndarray, ...]:
+    """Positions, velocities and accelerations (k, dof) at 1 kHz and at the end."""
+    times = trajectory.times
+    at = cubics.instants(times[0], times[-1], RATE)
+    return cubics.states(times, trajectory.positions, trajectory.velocities, at)
 
 
 def broken_limits(world: recheck_mbm.World, trajectory: srmp.Trajectory) -> list[str]:

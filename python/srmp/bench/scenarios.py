@@ -14,9 +14,9 @@ import json
 import sys
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
@@ -27,10 +27,12 @@ Configurations = dict[str, np.ndarray]
 """Robot name: (dof,) [rad]."""
 Target = Callable[[np.random.Generator], srmp.Pose]
 """Draws where a robot's tool is to be: its tip at the position, z the direction in which it points."""
+FindModel: TypeAlias = Callable[[str], "Model"]
 
 DOWN = srmp.Pose.from_rpy([0, 0, 0], [np.pi, 0, 0])
-FORWARD = srmp.Pose.from_rpy([0, 0, 0], [0, np.pi / 2, 0])
+FORWARD = srmp.Pose.from_rpy([0, 0, 0], [np.pi, -np.pi / 2, 0])
 TRIES = 200
+CLEARANCE = 0.01  # of starts and goals [m]
 
 
 # --- what stands where ------------------------------------------------------------------------------------------------
@@ -41,7 +43,7 @@ class Model:
     """A kind of robot. `tip`: from the end effector's link to the tip of its tool, along the link's z [m]."""
 
     urdf: Path
-    srdf: Path
+    srdf: Path | None
     package_dirs: tuple[str, ...]
     group: str
     fixed_joints: Mapping[str, float]
@@ -118,7 +120,7 @@ class World:
         for robot in self.robots:
             planner.add_articulation(
                 urdf_path=str(robot.model.urdf),
-                srdf_path=str(robot.model.srdf),
+                srdf_path=str(robot.model.srdf or ""),
                 name=robot.name,
                 end_effector=robot.model.end_effector,
                 group=robot.model.group,
@@ -183,44 +185,76 @@ def example_robot_data() -> Path | None:
     return None
 
 
-# name: URDF and SRDF in example-robot-data, and the planning group there
-_EXAMPLES = {
-    "panda": ("panda_description/urdf/panda.urdf", "panda_description/srdf/panda.srdf", "arm"),
-    "ur5": ("ur_description/urdf/ur5_robot.urdf", "ur_description/srdf/ur5.srdf", "manipulator"),
+@dataclass(frozen=True)
+class Arm:
+    """A kind of arm as this module places it, and where example-robot-data has it."""
+
+    urdf: str
+    base_link: str
+    end_effector: str
+    home: tuple[float, ...]
+    tip: float
+    reach: tuple[float, float]
+    srdf: str = ""
+    group: str = ""
+    fixed_joints: Mapping[str, float] = field(default_factory=dict)
+
+
+ARMS = {
+    "panda": Arm(
+        "panda_description/urdf/panda.urdf",
+        "panda_link0",
+        "panda_hand",
+        home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
+        tip=0.1034,
+        reach=(0.35, 0.7),
+        srdf="panda_description/srdf/panda.srdf",
+        group="arm",
+        fixed_joints={"panda_finger_joint1": 0.04},
+    ),
+    "ur5": Arm(
+        "ur_description/urdf/ur5_robot.urdf",
+        "base_link",
+        "tool0",
+        home=(0.0, -1.8, 1.9, -1.67, -1.57, 0.0),
+        tip=0.2,
+        reach=(0.35, 0.65),
+    ),
+    "xarm7": Arm(
+        "xarm_description/urdf/xarm7.urdf",
+        "link_base",
+        "link_eef",
+        home=(0.0, -0.6, 0.0, 0.9, 0.0, 1.5, 0.0),
+        tip=0.1,
+        reach=(0.3, 0.55),
+    ),
+    "ur10": Arm(
+        "ur_description/urdf/ur10_robot.urdf",
+        "base_link",
+        "tool0",
+        home=(0.0, -1.8, 2.1, -1.87, -1.57, 0.0),
+        tip=0.1,
+        reach=(0.45, 0.9),
+    ),
 }
-_FINGERS = {"panda_finger_joint1": 0.04, "panda_finger_joint2": 0.04}
-_ARMS: dict[str, dict[str, Any]] = {
-    "panda": {
-        "base_link": "panda_link0",
-        "end_effector": "panda_hand",
-        "home": (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
-        "tip": 0.1034,
-        "reach": (0.35, 0.7),
-    },
-    "ur5": {
-        "base_link": "base_link",
-        "end_effector": "tool0",
-        "home": (0.0, -1.8, 1.9, -1.67, -1.57, 0.0),
-        "tip": 0.17,
-        "reach": (0.35, 0.65),
-    },
-}
+OF_DATA = ("panda", "ur5")
+"""Those that MotionBenchMaker's folder has too."""
 
 
 def find_model(name: str, data: str | Path | None) -> Model:
     """The robot of MotionBenchMaker's folder `data`, else that of example-robot-data."""
-    arm = _ARMS[name]
+    arm = ARMS[name]
+    placed = (arm.base_link, arm.end_effector, arm.home, arm.tip, arm.reach)
     if data is not None:
         files = robot_files(data, name, "urdf")
-        return Model(files.urdf, files.srdf, (str(files.folder),), GROUPS[name], fixed_joints={}, **arm)
+        return Model(files.urdf, files.srdf, (str(files.folder),), GROUPS[name], {}, *placed)
     folder = example_robot_data()
     if folder is None:
         raise srmp.FileError(
             f"There is no {name}: say where MotionBenchMaker's robots are (--data), or pip install example-robot-data."
         )
-    urdf, srdf, group = _EXAMPLES[name]
-    fingers = _FINGERS if name == "panda" else {}
-    return Model(folder / urdf, folder / srdf, (str(folder.parents[1]),), group, fixed_joints=fingers, **arm)
+    srdf = folder / arm.srdf if arm.srdf else None
+    return Model(folder / arm.urdf, srdf, (str(folder.parents[1]),), arm.group, arm.fixed_joints, *placed)
 
 
 # --- files ------------------------------------------------------------------------------------------------------------
@@ -319,11 +353,13 @@ class Layout:
 class Kind:
     """A generator: robots it is run with, robots it can have, repetitions of each problem with goals moved a little."""
 
-    make: Callable[[int, Callable[[str], Model]], Layout]
+    make: Callable[[int, FindModel, Sequence[str]], Layout]
     robots: int
     allowed: range
     repetitions: int = 1
     problems: int = 50
+    mixed: bool = False
+    """Not Pandas alone: all ARMS there are, in turns."""
 
 
 class GeneratedScenario:
@@ -346,7 +382,8 @@ class GeneratedScenario:
         self.name = name
         self.numbers = range(1, kind.problems + 1)
         self._repetitions, self._seed = kind.repetitions, seed
-        layout = kind.make(robots, functools.cache(lambda model: find_model(model, data)))
+        names = (tuple(ARMS) if data is None else OF_DATA) if kind.mixed else ("panda",)
+        layout = kind.make(robots, functools.cache(lambda model: find_model(model, data)), names)
         self.world, self._targets = layout.world, layout.targets
         self._base = functools.lru_cache(maxsize=1)(self._draw)
 
@@ -397,8 +434,8 @@ class GeneratedScenario:
         return None
 
     def _stands_free(self, name: str, q: np.ndarray) -> bool:
-        """Leaves the robot there if it is."""
-        if self._planner.is_state_colliding(name, q):
+        """Leaves the robot there if it is, CLEARANCE away from everything."""
+        if self._planner.is_state_colliding(name, q) or self._planner.distance_to_collision(name, q) < CLEARANCE:
             return False
         self._planner.set_qpos(name, q)
         return True
@@ -418,37 +455,137 @@ class GeneratedScenario:
         return q
 
 
+def _box(name: str, size: Sequence[float], centre: Sequence[float]) -> Shape:
+    return Shape(name, "box", tuple(size), srmp.Pose(p=centre))
+
+
 def _floor(half: float) -> Shape:
-    return Shape("floor", "box", (2 * half, 2 * half, 0.02), srmp.Pose(p=[0, 0, -0.01]))
+    return _box("floor", (2 * half, 2 * half, 0.02), (0, 0, -0.01))
 
 
-def _around(robot: Robot, radius: tuple[float, float], azimuth: tuple[float, float], z: tuple[float, float]) -> Target:
-    """Tool down, `radius` and `azimuth` from the robot's base, `z` above it."""
+def _name(model: str, number: int) -> str:
+    return f"{model}_{number}"
+
+
+def _spin(random: np.random.Generator) -> srmp.Pose:
+    """About the direction in which the tool points: half a turn, as grippers of two fingers need no more."""
+    return srmp.Pose.from_rpy([0, 0, 0], [0, 0, random.uniform(-np.pi / 2, np.pi / 2)])
+
+
+def _uniform(random: np.random.Generator, *intervals: tuple[float, float]) -> list[float]:
+    return [random.uniform(*interval) for interval in intervals]
+
+
+def _around(robot: Robot, azimuth: tuple[float, float], height: tuple[float, float]) -> Target:
+    """Tool down, within the robot's reach, at an angle from its front [rad] and a height above its base [m]."""
 
     def draw(random: np.random.Generator) -> srmp.Pose:
-        r, angle, height = (random.uniform(*interval) for interval in (radius, azimuth, z))
-        place = srmp.Pose(p=[r * np.cos(angle), r * np.sin(angle), height])
-        return robot.base @ place @ DOWN @ srmp.Pose.from_rpy([0, 0, 0], [0, 0, random.uniform(-np.pi, np.pi)])
+        r, angle, z = _uniform(random, robot.model.reach, azimuth, height)
+        return robot.base @ srmp.Pose(p=[r * np.cos(angle), r * np.sin(angle), z]) @ DOWN @ _spin(random)
 
     return draw
 
 
-def _grid(robots: int, model: Callable[[str], Model]) -> Layout:
-    """Rows and columns 1 m apart, hands anywhere around their arms."""
+def _always(targets: Sequence[Target]) -> Callable[[np.random.Generator], Sequence[Target]]:
+    return lambda random: targets
+
+
+def _grid(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+    """Rows and columns 1 m apart, hands anywhere around their arms: those of neighbours meet."""
     columns = int(np.ceil(np.sqrt(robots)))
     places = [divmod(k, columns) for k in range(robots)]
     middle = np.mean(places, axis=0)
-    panda = model("panda")
     arms = tuple(
-        Robot(f"panda_{k}", panda, (float(column - middle[1]), float(row - middle[0]), 0.0), 0.0)
+        Robot(_name("panda", k), model("panda"), (float(column - middle[1]), float(row - middle[0]), 0.0), 0.0)
         for k, (row, column) in enumerate(places)
     )
-    aims = [_around(arm, panda.reach, (-np.pi, np.pi), (0.05, 0.5)) for arm in arms]
-    return Layout(World(arms, (_floor(columns / 2 + 1),)), lambda random: aims)
+    aims = [_around(arm, (-np.pi, np.pi), (0.05, 0.5)) for arm in arms]
+    return Layout(World(arms, (_floor(columns / 2 + 1),)), _always(aims))
+
+
+def _circle(robots: int, radius: float, model: FindModel, names: Sequence[str]) -> tuple[Robot, ...]:
+    """Evenly around the origin, facing it, the kinds of `names` in turns."""
+    angles = [2 * np.pi * k / robots for k in range(robots)]
+    return tuple(
+        Robot(_name(name, k), model(name), (radius * np.cos(angle), radius * np.sin(angle), 0.0), angle - np.pi)
+        for k, (angle, name) in enumerate(zip(angles, itertools.cycle(names), strict=False))
+    )
+
+
+def _ring(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+    """Around a table, at least 0.65 m apart, hands over the table."""
+    radius = max(0.65, 0.325 / np.sin(np.pi / robots))
+    arms = _circle(robots, radius, model, names)
+    table = Shape("table", "cylinder", (radius + 0.3, 0.05), srmp.Pose(p=[0, 0, -0.025]))
+    return Layout(World(arms, (table,)), _always([_around(arm, (-1.0, 1.0), (0.03, 0.35)) for arm in arms]))
+
+
+_BINS = [(x, y) for x in (-0.17, 0.17) for y in (-0.17, 0.17)]
+
+
+def _bin(name: str, x: float, y: float) -> list[Shape]:
+    """0.3 m wide inside, 0.12 m high, open above."""
+    sides = [(0.155, 0.0), (-0.155, 0.0), (0.0, 0.155), (0.0, -0.155)]
+    walls = [
+        _box(f"{name}_wall_{k}", (0.01, 0.32, 0.12) if dx else (0.32, 0.01, 0.12), (x + dx, y + dy, 0.06))
+        for k, (dx, dy) in enumerate(sides)
+    ]
+    return [_box(f"{name}_floor", (0.3, 0.3, 0.01), (x, y, 0.005)), *walls]
+
+
+def _binpick(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+    """Around four bins, each hand in a bin of its own, drawn anew for start and goal."""
+    arms = _circle(robots, 0.55, model, names)
+    shapes = [shape for k, place in enumerate(_BINS) for shape in _bin(f"bin_{k}", *place)]
+
+    def into(x: float, y: float) -> Target:
+        def draw(random: np.random.Generator) -> srmp.Pose:
+            inside = _uniform(random, (x - 0.08, x + 0.08), (y - 0.08, y + 0.08), (0.03, 0.1))
+            return srmp.Pose(p=inside) @ DOWN @ _spin(random)
+
+        return draw
+
+    bins = [into(*place) for place in _BINS]
+    return Layout(
+        World(arms, (_floor(1.0), *shapes)), lambda random: [bins[k] for k in random.permutation(len(bins))[:robots]]
+    )
+
+
+_SHELF = {  # edge lengths, centre [m]
+    "board_0": ((0.3, 2.0, 0.02), (0.65, 0.0, 0.1)),
+    "board_1": ((0.3, 2.0, 0.02), (0.65, 0.0, 0.45)),
+    "board_2": ((0.3, 2.0, 0.02), (0.65, 0.0, 0.8)),
+    "back": ((0.02, 2.0, 0.72), (0.81, 0.0, 0.45)),
+    "side_left": ((0.3, 0.02, 0.72), (0.65, 1.01, 0.45)),
+    "side_right": ((0.3, 0.02, 0.72), (0.65, -1.01, 0.45)),
+}
+
+
+def _shelves(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+    """Side by side 0.45 m apart before a shelf, hands level between two boards or above them."""
+    arms = tuple(
+        Robot(_name("panda", k), model("panda"), (0.0, 0.45 * (k - (robots - 1) / 2), 0.0), 0.0) for k in range(robots)
+    )
+
+    def before(arm: Robot) -> Target:
+        def draw(random: np.random.Generator) -> srmp.Pose:
+            x, dy, dz, heading = _uniform(random, (0.55, 0.7), (-0.4, 0.4), (0.12, 0.24), (-0.35, 0.35))
+            board = (0.1, 0.45, 0.8)[random.integers(3)]
+            place = srmp.Pose.from_rpy([x, arm.position[1] + dy, board + dz], [0, 0, heading])
+            return place @ FORWARD @ _spin(random)
+
+        return draw
+
+    shapes = [_box(name, *box) for name, box in _SHELF.items()]
+    return Layout(World(arms, (_floor(1.5), *shapes)), _always([before(arm) for arm in arms]))
 
 
 KINDS = {
+    "ring": Kind(_ring, robots=4, allowed=range(2, 17)),
+    "binpick": Kind(_binpick, robots=4, allowed=range(2, 5), repetitions=5, problems=75),
+    "shelves": Kind(_shelves, robots=3, allowed=range(2, 5), repetitions=5, problems=75),
     "grid": Kind(_grid, robots=8, allowed=range(2, 65)),
+    "mixed": Kind(_ring, robots=4, allowed=range(2, 17), mixed=True),
 }
 
 
