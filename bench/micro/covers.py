@@ -26,6 +26,7 @@ import srmp
 from srmp._cover import statistics
 from srmp._files import write_json
 from srmp.bench import mbm
+from srmp.bench.scenarios import example_robot_data
 
 # name: (a robot of MotionBenchMaker, or a file of example-robot-data)
 ROBOTS = {
@@ -41,15 +42,6 @@ ROBOTS = {
     "UR5 with Robotiq gripper": ("", "ur_description/urdf/ur5_gripper.urdf"),
     "UR10": ("", "ur_description/urdf/ur10_robot.urdf"),
 }
-
-
-def example_robot_data() -> Path | None:
-    """Where pip put it."""
-    for path in sys.path:
-        folder = Path(path) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
-        if folder.is_dir():
-            return folder
-    return None
 
 
 def locate(data: Path | None, examples: Path | None, robot: str, file: str) -> tuple[Path, list[str]] | None:

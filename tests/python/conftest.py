@@ -1,4 +1,6 @@
+import importlib
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,19 @@ def mbm_dir():
     if not folder or not Path(folder, "panda", "panda.urdf").exists():
         pytest.skip("set SRMP_MBM_DIR to a folder with MotionBenchMaker robots and problems to run this test")
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def suite():
+    """Imports a program of bench/suites, which judges answers by Pinocchio's and Coal's Python packages."""
+    sys.path.append(str(Path(__file__).parents[2] / "bench" / "suites"))
+
+    def load(name):
+        for package in ("pinocchio", "coal", "yaml"):
+            pytest.importorskip(package, reason=f"the re-check needs {package}: pip install 'srmp[test]'")
+        return importlib.import_module(name)
+
+    return load
 
 
 @pytest.fixture

@@ -1,9 +1,6 @@
 """Paths on MotionBenchMaker problems, judged by programs that are not srmp: Pinocchio's and Coal's Python packages."""
 
-import importlib.util
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,26 +9,14 @@ from click.testing import CliRunner
 import srmp
 from srmp.cli import main
 
-SUITES = Path(__file__).parents[2] / "bench" / "suites"
-
-
-def suite(name):
-    for package in ("pinocchio", "coal", "yaml"):
-        pytest.importorskip(package, reason=f"the re-check needs {package}: pip install 'srmp[test]'")
-    spec = importlib.util.spec_from_file_location(name, SUITES / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
 
 @pytest.fixture(scope="module")
-def recheck():
+def recheck(suite):
     return suite("recheck_mbm")
 
 
 @pytest.fixture(scope="module")
-def certificates(recheck):  # which it builds on
+def certificates(suite):
     return suite("certificates")
 
 

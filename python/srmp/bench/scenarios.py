@@ -138,9 +138,9 @@ class World:
         """All that somebody else needs to build it again; poses: x, y, z [m], quaternion x, y, z, w."""
         robots = {
             robot.name: {
-                "urdf": robot.model.urdf,
-                "srdf": robot.model.srdf,
-                "package_dirs": robot.model.package_dirs,
+                "urdf": robot.model.urdf.resolve(),
+                "srdf": robot.model.srdf and robot.model.srdf.resolve(),
+                "package_dirs": [Path(folder).resolve() for folder in robot.model.package_dirs],
                 "fixed_joints": robot.model.fixed_joints,
                 "base_link": robot.model.base_link,
                 "base": list(robot.base),
