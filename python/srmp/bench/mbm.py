@@ -32,7 +32,7 @@ END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link
 # The planning group that the problems are for, where no request says it.
 GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
 _MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
-_STATISTICS = (
+STATISTICS = (
     *("plan_time_s", "total_time_s", "search_time_s", "timing_time_s", "verification_time_s"),
     *("expansions", "memory_bytes", "edge_checks"),
     *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
@@ -235,7 +235,7 @@ class Runner:
     ) -> dict[str, Any]:
         stats = planner.get_planning_stats()
         row: dict[str, Any] = {"problem": problem.name, "status": status, "reason": reason}
-        row.update((key, stats[key]) for key in _STATISTICS)
+        row.update((key, stats[key]) for key in STATISTICS)
         row["joint_names"] = planner.get_joint_names(self._files.name)
         if trajectory is None:
             row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "certificate", *PROFILES)))

@@ -15,8 +15,7 @@ from srmp._table import format_table
 from srmp.bench import mbm
 from srmp.bench.scenarios import Problem, Scenario, find
 
-_STATISTICS = ("plan_time_s", "total_time_s", "path_cost_rad", "bound", "makespan_s", "flow_time_s", "expansions")
-_TREE = ("tree_nodes",)
+_STATISTICS = (*mbm.STATISTICS, "path_cost_rad", "bound", "tree_nodes", "makespan_s", "flow_time_s")
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Runner:
             status, reason = mbm.status_name(error.status), str(error)
         row: dict[str, Any] = {"problem": numbered.name, "status": status, "reason": reason, **problem.about}
         stats = self._planner.get_planning_stats()
-        row.update((key, stats[key]) for key in (*_STATISTICS, *_TREE))
+        row.update((key, stats[key]) for key in _STATISTICS)
         row["robots"] = {name: self._robot_row(name, problem, stats, trajectory) for name in problem.starts}
         row["ee_cost_m"] = None if trajectory is None else sum(robot["ee_cost_m"] for robot in row["robots"].values())
         row["certificate"] = _joint_certificate([robot["certificate"] for robot in row["robots"].values()])
@@ -71,9 +70,16 @@ class Runner:
         row["path"] = trajectory.waypoints
         row["path_cost_rad"] = stats["robot_cost_rad"][name]
         row["ee_cost_m"] = mbm.end_effector_length(self._planner, name, trajectory.waypoints)
-        row["certificate"] = mbm.certificate_row(trajectory.certificate)
+        row["certificate"] = _certificate(trajectory)
         row.update((profile, getattr(trajectory, profile)) for profile in mbm.PROFILES)
         return row
+
+
+def _certificate(trajectory: srmp.Trajectory) -> dict[str, Any] | None:
+    """As for one robot, and which pair the clearance is of."""
+    certificate = trajectory.certificate
+    row = mbm.certificate_row(certificate)
+    return row if row is None else {**row, "nearest": [certificate.body_a, certificate.body_b]}
 
 
 def _joint_certificate(certificates: Sequence[Mapping[str, Any] | None]) -> dict[str, Any] | None:
@@ -81,10 +87,11 @@ def _joint_certificate(certificates: Sequence[Mapping[str, Any] | None]) -> dict
     known = [certificate for certificate in certificates if certificate is not None]
     if len(known) < len(certificates):
         return None
+    closest = min(known, key=lambda certificate: certificate["clearance"])
     return {
         "holds": all(certificate["holds"] for certificate in known),
         "proved_free": all(certificate["proved_free"] for certificate in known),
-        "clearance": min(certificate["clearance"] for certificate in known),
+        **{key: closest[key] for key in ("clearance", "nearest")},
     }
 
 
