@@ -7,6 +7,7 @@ robots, seed and number give the same problem, whatever else is asked for.
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 import functools
 import itertools
@@ -16,7 +17,7 @@ import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -27,7 +28,6 @@ Configurations = dict[str, np.ndarray]
 """Robot name: (dof,) [rad]."""
 Target = Callable[[np.random.Generator], srmp.Pose]
 """Draws where a robot's tool is to be: its tip at the position, z the direction in which it points."""
-FindModel: TypeAlias = Callable[[str], "Model"]
 
 DOWN = srmp.Pose.from_rpy([0, 0, 0], [np.pi, 0, 0])
 FORWARD = srmp.Pose.from_rpy([0, 0, 0], [np.pi, -np.pi / 2, 0])
@@ -43,10 +43,11 @@ class Model:
     """A kind of robot. `tip`: from the end effector's link to the tip of its tool, along the link's z [m]."""
 
     urdf: Path
-    srdf: Path | None
-    package_dirs: tuple[str, ...]
-    group: str
-    fixed_joints: Mapping[str, float]
+    srdf: Path | None = None
+    package_dirs: tuple[str, ...] = ()
+    group: str = ""
+    fixed_joints: Mapping[str, float] = field(default_factory=dict)
+    _: dataclasses.KW_ONLY
     base_link: str
     """What stands on a table, never moves, and may therefore touch the objects."""
     end_effector: str
@@ -60,8 +61,11 @@ class Model:
 class Robot:
     name: str
     model: Model
-    position: tuple[float, float, float]
-    yaw: float
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+
+    def at(self, x: float, y: float, yaw: float = 0.0) -> Robot:
+        return dataclasses.replace(self, position=(float(x), float(y), 0.0), yaw=float(yaw))
 
     @property
     def base(self) -> srmp.Pose:
@@ -185,53 +189,39 @@ def example_robot_data() -> Path | None:
     return None
 
 
-@dataclass(frozen=True)
-class Arm:
-    """A kind of arm as this module places it, and where example-robot-data has it."""
-
-    urdf: str
-    base_link: str
-    end_effector: str
-    home: tuple[float, ...]
-    tip: float
-    reach: tuple[float, float]
-    srdf: str = ""
-    group: str = ""
-    fixed_joints: Mapping[str, float] = field(default_factory=dict)
-
-
+# Files as example-robot-data has them.
 ARMS = {
-    "panda": Arm(
-        "panda_description/urdf/panda.urdf",
-        "panda_link0",
-        "panda_hand",
+    "panda": Model(
+        Path("panda_description/urdf/panda.urdf"),
+        Path("panda_description/srdf/panda.srdf"),
+        group="arm",
+        fixed_joints={"panda_finger_joint1": 0.04},
+        base_link="panda_link0",
+        end_effector="panda_hand",
         home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
         tip=0.1034,
         reach=(0.35, 0.7),
-        srdf="panda_description/srdf/panda.srdf",
-        group="arm",
-        fixed_joints={"panda_finger_joint1": 0.04},
     ),
-    "ur5": Arm(
-        "ur_description/urdf/ur5_robot.urdf",
-        "base_link",
-        "tool0",
+    "ur5": Model(
+        Path("ur_description/urdf/ur5_robot.urdf"),
+        base_link="base_link",
+        end_effector="tool0",
         home=(0.0, -1.8, 1.9, -1.67, -1.57, 0.0),
         tip=0.2,
         reach=(0.35, 0.65),
     ),
-    "xarm7": Arm(
-        "xarm_description/urdf/xarm7.urdf",
-        "link_base",
-        "link_eef",
+    "xarm7": Model(
+        Path("xarm_description/urdf/xarm7.urdf"),
+        base_link="link_base",
+        end_effector="link_eef",
         home=(0.0, -0.6, 0.0, 0.9, 0.0, 1.5, 0.0),
         tip=0.1,
         reach=(0.3, 0.55),
     ),
-    "ur10": Arm(
-        "ur_description/urdf/ur10_robot.urdf",
-        "base_link",
-        "tool0",
+    "ur10": Model(
+        Path("ur_description/urdf/ur10_robot.urdf"),
+        base_link="base_link",
+        end_effector="tool0",
         home=(0.0, -1.8, 2.1, -1.87, -1.57, 0.0),
         tip=0.1,
         reach=(0.45, 0.9),
@@ -243,18 +233,24 @@ OF_DATA = ("panda", "ur5")
 
 def find_model(name: str, data: str | Path | None) -> Model:
     """The robot of MotionBenchMaker's folder `data`, else that of example-robot-data."""
-    arm = ARMS[name]
-    placed = (arm.base_link, arm.end_effector, arm.home, arm.tip, arm.reach)
     if data is not None:
         files = robot_files(data, name, "urdf")
-        return Model(files.urdf, files.srdf, (str(files.folder),), GROUPS[name], {}, *placed)
+        return dataclasses.replace(
+            ARMS[name],
+            urdf=files.urdf,
+            srdf=files.srdf,
+            package_dirs=(str(files.folder),),
+            group=GROUPS[name],
+            fixed_joints={},  # its fingers are fixed in the URDF
+        )
     folder = example_robot_data()
     if folder is None:
         raise srmp.FileError(
             f"There is no {name}: say where MotionBenchMaker's robots are (--data), or pip install example-robot-data."
         )
+    arm = ARMS[name]
     srdf = folder / arm.srdf if arm.srdf else None
-    return Model(folder / arm.urdf, srdf, (str(folder.parents[1]),), arm.group, arm.fixed_joints, *placed)
+    return dataclasses.replace(arm, urdf=folder / arm.urdf, srdf=srdf, package_dirs=(str(folder.parents[1]),))
 
 
 # --- files ------------------------------------------------------------------------------------------------------------
@@ -353,7 +349,8 @@ class Layout:
 class Kind:
     """A generator: robots it is run with, robots it can have, repetitions of each problem with goals moved a little."""
 
-    make: Callable[[int, FindModel, Sequence[str]], Layout]
+    make: Callable[[Sequence[Robot]], Layout]
+    """Places the robots."""
     robots: int
     allowed: range
     repetitions: int = 1
@@ -383,7 +380,8 @@ class GeneratedScenario:
         self.numbers = range(1, kind.problems + 1)
         self._repetitions, self._seed = kind.repetitions, seed
         names = (tuple(ARMS) if data is None else OF_DATA) if kind.mixed else ("panda",)
-        layout = kind.make(robots, functools.cache(lambda model: find_model(model, data)), names)
+        models = {model: find_model(model, data) for model in names[:robots]}
+        layout = kind.make([Robot(f"{n}_{k}", models[n]) for k, n in zip(range(robots), itertools.cycle(names))])
         self.world, self._targets = layout.world, layout.targets
         self._base = functools.lru_cache(maxsize=1)(self._draw)
 
@@ -463,10 +461,6 @@ def _floor(half: float) -> Shape:
     return _box("floor", (2 * half, 2 * half, 0.02), (0, 0, -0.01))
 
 
-def _name(model: str, number: int) -> str:
-    return f"{model}_{number}"
-
-
 def _spin(random: np.random.Generator) -> srmp.Pose:
     """About the direction in which the tool points: half a turn, as grippers of two fingers need no more."""
     return srmp.Pose.from_rpy([0, 0, 0], [0, 0, random.uniform(-np.pi / 2, np.pi / 2)])
@@ -490,34 +484,33 @@ def _always(targets: Sequence[Target]) -> Callable[[np.random.Generator], Sequen
     return lambda random: targets
 
 
-def _grid(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+def _grid(robots: Sequence[Robot]) -> Layout:
     """Rows and columns 1 m apart, hands anywhere around their arms: those of neighbours meet."""
-    columns = int(np.ceil(np.sqrt(robots)))
-    places = [divmod(k, columns) for k in range(robots)]
+    columns = int(np.ceil(np.sqrt(len(robots))))
+    places = [divmod(k, columns) for k in range(len(robots))]
     middle = np.mean(places, axis=0)
-    arms = tuple(
-        Robot(_name("panda", k), model("panda"), (float(column - middle[1]), float(row - middle[0]), 0.0), 0.0)
-        for k, (row, column) in enumerate(places)
-    )
-    aims = [_around(arm, (-np.pi, np.pi), (0.05, 0.5)) for arm in arms]
-    return Layout(World(arms, (_floor(columns / 2 + 1),)), _always(aims))
+    placed = [
+        robot.at(column - middle[1], row - middle[0]) for robot, (row, column) in zip(robots, places, strict=True)
+    ]
+    aims = [_around(robot, (-np.pi, np.pi), (0.05, 0.5)) for robot in placed]
+    return Layout(World(tuple(placed), (_floor(columns / 2 + 1),)), _always(aims))
 
 
-def _circle(robots: int, radius: float, model: FindModel, names: Sequence[str]) -> tuple[Robot, ...]:
-    """Evenly around the origin, facing it, the kinds of `names` in turns."""
-    angles = [2 * np.pi * k / robots for k in range(robots)]
+def _circle(robots: Sequence[Robot], radius: float) -> tuple[Robot, ...]:
+    """Evenly around the origin, facing it."""
+    angles = [2 * np.pi * k / len(robots) for k in range(len(robots))]
     return tuple(
-        Robot(_name(name, k), model(name), (radius * np.cos(angle), radius * np.sin(angle), 0.0), angle - np.pi)
-        for k, (angle, name) in enumerate(zip(angles, itertools.cycle(names), strict=False))
+        robot.at(radius * np.cos(angle), radius * np.sin(angle), angle - np.pi)
+        for robot, angle in zip(robots, angles, strict=True)
     )
 
 
-def _ring(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+def _ring(robots: Sequence[Robot]) -> Layout:
     """Around a table, at least 0.65 m apart, hands over the table."""
-    radius = max(0.65, 0.325 / np.sin(np.pi / robots))
-    arms = _circle(robots, radius, model, names)
+    radius = max(0.65, 0.325 / np.sin(np.pi / len(robots)))
+    placed = _circle(robots, radius)
     table = Shape("table", "cylinder", (radius + 0.3, 0.05), srmp.Pose(p=[0, 0, -0.025]))
-    return Layout(World(arms, (table,)), _always([_around(arm, (-1.0, 1.0), (0.03, 0.35)) for arm in arms]))
+    return Layout(World(placed, (table,)), _always([_around(robot, (-1.0, 1.0), (0.03, 0.35)) for robot in placed]))
 
 
 _BINS = [(x, y) for x in (-0.17, 0.17) for y in (-0.17, 0.17)]
@@ -533,9 +526,8 @@ def _bin(name: str, x: float, y: float) -> list[Shape]:
     return [_box(f"{name}_floor", (0.3, 0.3, 0.01), (x, y, 0.005)), *walls]
 
 
-def _binpick(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+def _binpick(robots: Sequence[Robot]) -> Layout:
     """Around four bins, each hand in a bin of its own, drawn anew for start and goal."""
-    arms = _circle(robots, 0.55, model, names)
     shapes = [shape for k, place in enumerate(_BINS) for shape in _bin(f"bin_{k}", *place)]
 
     def into(x: float, y: float) -> Target:
@@ -547,7 +539,8 @@ def _binpick(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
 
     bins = [into(*place) for place in _BINS]
     return Layout(
-        World(arms, (_floor(1.0), *shapes)), lambda random: [bins[k] for k in random.permutation(len(bins))[:robots]]
+        World(_circle(robots, 0.55), (_floor(1.0), *shapes)),
+        lambda random: [bins[k] for k in random.permutation(len(bins))[: len(robots)]],
     )
 
 
@@ -561,23 +554,21 @@ _SHELF = {  # edge lengths, centre [m]
 }
 
 
-def _shelves(robots: int, model: FindModel, names: Sequence[str]) -> Layout:
+def _shelves(robots: Sequence[Robot]) -> Layout:
     """Side by side 0.45 m apart before a shelf, hands level between two boards or above them."""
-    arms = tuple(
-        Robot(_name("panda", k), model("panda"), (0.0, 0.45 * (k - (robots - 1) / 2), 0.0), 0.0) for k in range(robots)
-    )
+    placed = [robot.at(0.0, 0.45 * (k - (len(robots) - 1) / 2)) for k, robot in enumerate(robots)]
 
-    def before(arm: Robot) -> Target:
+    def before(robot: Robot) -> Target:
         def draw(random: np.random.Generator) -> srmp.Pose:
             x, dy, dz, heading = _uniform(random, (0.55, 0.7), (-0.4, 0.4), (0.12, 0.24), (-0.35, 0.35))
             board = (0.1, 0.45, 0.8)[random.integers(3)]
-            place = srmp.Pose.from_rpy([x, arm.position[1] + dy, board + dz], [0, 0, heading])
+            place = srmp.Pose.from_rpy([x, robot.position[1] + dy, board + dz], [0, 0, heading])
             return place @ FORWARD @ _spin(random)
 
         return draw
 
     shapes = [_box(name, *box) for name, box in _SHELF.items()]
-    return Layout(World(arms, (_floor(1.5), *shapes)), _always([before(arm) for arm in arms]))
+    return Layout(World(tuple(placed), (_floor(1.5), *shapes)), _always([before(robot) for robot in placed]))
 
 
 KINDS = {
