@@ -344,3 +344,41 @@ def test_the_recheck_agrees_with_every_pair_asked_for(recheck, motions):
         assert bool(world.touching(q)) == every
         answers.add(every)
     assert answers == {True, False}
+
+
+# --- all of it --------------------------------------------------------------------------------------------------------
+
+
+def test_a_scenario_from_file_to_re_check(recheck, write, data, tmp_path):
+    """Of the first problem the start is invalid: a named state in which the arms touch."""
+    content = changed(
+        lambda c: c.update(states={"crossed": [[-1.2, *APART["states"]["ready"][0][1:]]] * 2, **c["states"]})
+    )
+    content["bases"] = [{"position": [0, 0.25, 0.1], "yaw": 0}, {"position": [0, -0.25, 0.1], "yaw": 0}]
+    content["states"]["crossed"][1] = [1.2, *APART["states"]["ready"][0][1:]]
+    out = tmp_path / "results.json"
+    arguments = ["bench", "multi", "--scenario", write(content), "--planner", "xECBS", "--problems", "1,5"]
+    arguments += ["--out", str(out), *(["--data", data] if data else [])]
+    outcome = CliRunner().invoke(main, arguments)
+    assert outcome.exit_code == 0, outcome.output
+    assert "apart" in outcome.output
+    assert "1/1/2" in outcome.output
+    assert "apart/0001 is no valid problem: " in outcome.output
+    results = json.loads(out.read_text())
+    assert results["header"]["complete"]
+    invalid, solved = results["rows"]
+    assert (invalid["status"], invalid["from"], invalid["to"]) == ("start_invalid", "crossed", "ready")
+    assert invalid["robots"]["panda_0"]["path"] is None
+    assert (solved["status"], solved["from"], solved["to"]) == ("solved", "ready", "left")
+    assert solved["certificate"]["holds"]
+    assert solved["certificate"]["clearance"] > 0
+    assert solved["tree_nodes"] >= 1
+    assert solved["bound"] >= 1
+    robots = solved["robots"].values()
+    assert solved["path_cost_rad"] == pytest.approx(sum(robot["path_cost_rad"] for robot in robots))
+    assert solved["ee_cost_m"] == pytest.approx(sum(robot["ee_cost_m"] for robot in robots))
+    assert solved["makespan_s"] == pytest.approx(max(robot["times"][-1] for robot in robots))
+    for robot in robots:
+        assert robot["path"][0] == robot["start"]
+        assert len(robot["times"]) == len(robot["positions"]) == len(robot["velocities"])
+    assert recheck.recheck(results) == {"checked": 1, "rate_hz": 1000.0, "faults": []}

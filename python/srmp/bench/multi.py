@@ -49,7 +49,7 @@ class Runner:
             status, reason = mbm.status_name(error.status), str(error)
         row: dict[str, Any] = {"problem": numbered.name, "status": status, "reason": reason, **problem.about}
         stats = self._planner.get_planning_stats()
-        row.update((key, stats[key]) for key in _STATISTICS)
+        row.update((key, stats.get(key)) for key in _STATISTICS)  # of a refused question: fewer
         row["robots"] = {name: self._robot_row(name, problem, stats, trajectory) for name in problem.starts}
         row["ee_cost_m"] = None if trajectory is None else sum(robot["ee_cost_m"] for robot in row["robots"].values())
         row["certificate"] = _joint_certificate([robot["certificate"] for robot in row["robots"].values()])
