@@ -3,10 +3,11 @@
     python bench/suites/recheck_multi.py results.json [--rate 1000] [--out recheck.json]
 
 Builds the scenario that the result file's header describes, moves all robots on their common clock through the cubics
-of their timed trajectories, 1000 times a second, and says which pair touches: links of one robot that its SRDF (or the
-header) does not allow to, links of two robots, links and objects, held objects and all of these; and which robot does
-not begin at its start or end at its goal. What stands fast on a base is not compared with objects or other bases: these
-never move. Exit code 1 when anything touches. Needs pin, coal (pip install pin coal).
+of their timed trajectories, 1000 times a second, and says which pair touches: links of one robot, of two robots, links
+and objects, held objects and all of these; and which robot does not begin at its start or end at its goal. Links of one
+robot may touch where its SRDF says so; without one, those with one joint between them and those that the header lists.
+What stands fast on a base is not compared with objects or other bases: these never move. Exit code 1 when anything
+touches. Needs pin, coal (pip install pin coal).
 """
 
 from __future__ import annotations
@@ -110,9 +111,18 @@ class World:
             self.model, model, self.geometry, geometry, 0, to_se3(robot["base"])
         )
         self._allowed.update(pairs_allowed(name, robot))
+        if not robot["srdf"]:
+            self._allowed.update(self._side_by_side(name))
         fixed = {f"{name}/{joint}": float(value) for joint, value in robot["fixed_joints"].items()}
         self._rest.update(fixed)
         self._rest.update(mimicked(text, fixed))
+
+    def _side_by_side(self, robot: str) -> Iterator[frozenset[str]]:
+        """Links with one joint between them."""
+        parts = [part for part in self.geometry.geometryObjects if self.body(part).startswith(f"{robot}/")]
+        for a, b in itertools.permutations(parts, 2):
+            if self.model.parents[b.parentJoint] == a.parentJoint:
+                yield frozenset((self.body(a), self.body(b)))
 
     def _add_held(self, item: Mapping[str, Any]) -> None:
         frame = self.model.frames[self.model.getFrameId(f"{item['robot']}/{item['link']}")]

@@ -263,7 +263,7 @@ def straight(starts, goals, world):
         for name, q in starts.items()
     }
     rows = [{"problem": "made/0001", "status": "solved", "robots": robots}]
-    return json.loads(json.dumps(plain({"header": {"scenario": world.to_dict()}, "rows": rows})))
+    return json.loads(json.dumps(plain({"header": {"scenario": world.to_dict(world.build())}, "rows": rows})))
 
 
 @pytest.fixture(scope="module")
@@ -309,6 +309,23 @@ def test_the_recheck_finds_what_touches(recheck, motions, moved, bodies):
     (fault,) = recheck.recheck(motions(**moved))["faults"]
     pair = fault.removeprefix("made/0001: ").partition(" touch at ")[0].split(" and ")
     assert all(body in name for body, name in zip(sorted(bodies), sorted(pair), strict=True)), fault
+
+
+def test_links_side_by_side_may_touch_where_no_srdf_says_so(recheck, motions):
+    """As in srmp: one moving joint between them."""
+    results = motions()
+    for robot in results["header"]["scenario"]["robots"].values():
+        robot["srdf"] = None
+    world = recheck.World(results["header"]["scenario"])
+    chosen = {
+        frozenset(world.body(world.geometry.geometryObjects[i]) for i in (pair.first, pair.second))
+        for pair in world.geometry.collisionPairs
+    }
+    assert frozenset(("panda_0/panda_link1", "panda_0/panda_link2")) not in chosen
+    assert frozenset(("panda_0/panda_link1", "panda_0/panda_link3")) in chosen
+    results["header"]["scenario"]["robots"]["panda_0"]["allowed"] = [["panda_link1", "panda_link3"]]
+    less = recheck.World(results["header"]["scenario"])
+    assert len(less.geometry.collisionPairs) == len(world.geometry.collisionPairs) - 1
 
 
 def test_the_recheck_is_about_start_and_goal_too(recheck, motions):

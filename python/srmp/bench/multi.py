@@ -37,6 +37,10 @@ class Runner:
         names = [robot.name for robot in scenario.world.robots]
         self._planner.make_planner(names, {"planner_id": planner_id, "time_limit": time_limit, **options})
 
+    def describe(self) -> dict[str, Any]:
+        """The scenario's world in full."""
+        return self._scenario.world.to_dict(self._planner)
+
     def run(self, numbered: Numbered) -> dict[str, Any]:
         """One row of the result file. Only problems that cannot even be posed raise."""
         problem = self._scenario.problem(numbered.number)
@@ -124,7 +128,7 @@ def run(
         "seed": seed,
         "data": data,
     }
-    header = mbm.run_header("several robots", complete, described, scenario=found.world.to_dict())
+    header = mbm.run_header("several robots", complete, described, scenario=runner.describe())
     return {"header": header, "rows": rows}
 
 

@@ -138,13 +138,17 @@ class World:
             planner.set_allowed_collision(f"{robot.name}/{robot.model.base_link}", shape.name)
         return planner
 
-    def to_dict(self) -> dict[str, Any]:
-        """All that somebody else needs to build it again; poses: x, y, z [m], quaternion x, y, z, w."""
+    def to_dict(self, planner: srmp.PlannerInterface) -> dict[str, Any]:
+        """All that somebody else needs to build it again; poses: x, y, z [m], quaternion x, y, z, w.
+
+        planner: as built; knows which links always touch where no SRDF says it.
+        """
         robots = {
             robot.name: {
                 "urdf": robot.model.urdf.resolve(),
                 "srdf": robot.model.srdf and robot.model.srdf.resolve(),
                 "package_dirs": [Path(folder).resolve() for folder in robot.model.package_dirs],
+                "allowed": planner.get_always_colliding(robot.name),
                 "fixed_joints": robot.model.fixed_joints,
                 "base_link": robot.model.base_link,
                 "base": list(robot.base),
