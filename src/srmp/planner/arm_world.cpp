@@ -75,6 +75,8 @@ class ArmWorld::Arm : public multi::Agent {
     return checker_.is_motion_free(a, b, *workspace_, true);
   }
 
+  bool is_free(const Eigen::VectorXd& q) { return checker_.is_free(q, *workspace_); }
+
   double time_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     return (robot_.difference(a, b).array().abs() / speed_.array()).maxCoeff();
   }
@@ -181,6 +183,26 @@ bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eig
   to_ << to_a, to_b;
   return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}), start_is_free);
 }
+
+std::vector<char> ArmWorld::which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
+                                        const std::vector<Eigen::VectorXd>& points) {
+  std::vector<char> apart(points.size(), true);
+  const std::pair<std::size_t, std::size_t> pair = std::minmax(a, b);
+  const Checker* checker = checkers_.pair(pair.first, pair.second);
+  if (!checker || points.empty()) return apart;
+  const Eigen::Index rows = static_cast<Eigen::Index>(points.size()), dof = points.front().size();
+  RowMatrix both(rows, dof + q.size());
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    both.row(i).segment(a < b ? 0 : dof, q.size()) = q.transpose();
+    both.row(i).segment(a < b ? q.size() : 0, dof) = points[static_cast<std::size_t>(i)].transpose();
+  }
+  const auto free = std::make_unique<bool[]>(points.size());
+  checker->are_free(both, {free.get(), points.size()}, *workspaces_.at(pair));
+  std::copy(free.get(), free.get() + points.size(), apart.begin());
+  return apart;
+}
+
+bool ArmWorld::is_free_alone(std::size_t arm, const Eigen::VectorXd& q) { return arms_[arm]->is_free(q); }
 
 bool ArmWorld::is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
   return arms_[arm]->is_free(from, to);

@@ -13,6 +13,7 @@
 #include "srmp/planner/coupled_path.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
+#include "srmp/planner/roadmap_search.hpp"
 #include "srmp/planner/single_robot.hpp"
 #include "srmp/planner/verify.hpp"
 #include "srmp/trajectory/parameterize.hpp"
@@ -245,8 +246,15 @@ class MultiRobotPlan {
     multi::ConflictSearchOptions options = search_options(problem_.options);
     double lower = 0.0;
     for (const std::size_t i : arms) lower += direct(i);
+    std::size_t level = 0, levels = 0;
     for (std::uint64_t effort = 1;; effort *= 4) {
-      if (composite) options.max_evaluations = 256 * effort;
+      if (composite) {
+        for (; level < most_levels && level <= levels; ++level)
+          if (const auto path = on_roadmaps(arms, level, effort); path && path->length() <= options.bound() * lower)
+            return {*path, lower};
+        ++levels;
+        options.max_evaluations = 256 * effort;
+      }
       ArmTeam team(*world_, arms);
       const multi::ConflictSearchResult found = multi::conflict_search(team, options, deadline_);
       count(found);
@@ -255,7 +263,7 @@ class MultiRobotPlan {
       if (!composite || deadline_.stop_requested()) require_solved(found);
       CompositeResult one = composite_search(
           *world_, arms,
-          {.lattice = {common_.resolution * M_PI / 180.0, common_.prismatic_resolution}, .max_expansions = 16 * effort},
+          {.lattice = {common_.resolution * M_PI / 180.0, common_.prismatic_resolution}, .max_expansions = 32 * effort},
           deadline_);
       statistics_.expansions += one.statistics.expansions;
       statistics_.generated += one.statistics.generated;
@@ -263,6 +271,18 @@ class MultiRobotPlan {
         return {std::move(one.path), lower};
       if (deadline_.stop_requested()) require_solved(found);
     }
+  }
+
+  /// On roadmaps that are the richer the more effort there was before.
+  std::optional<CoupledPath> on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
+                                         std::uint64_t effort) {
+    if (roadmaps_.size() <= level) roadmaps_.push_back(std::make_unique<RoadmapSearch>(*world_, 2 << level));
+    RoadmapSearch::Result found = roadmaps_[level]->run(arms, 16'000 * effort, 2'000 * effort, deadline_);
+    statistics_.expansions += found.expansions;
+    fprintf(stderr, "  maps %zu arms %zu st %d exp %lu at %.1f ms\n", level, arms.size(), (int)found.status,
+            found.expansions, deadline_.elapsed() * 1e3);
+    if (found.status != Status::solved) return std::nullopt;
+    return std::move(found.path);
   }
 
   CoupledPath shortened_path(const CoupledPath& path) {
@@ -554,7 +574,8 @@ class MultiRobotPlan {
     return apart;
   }
 
-  static constexpr double mercy = 0.010;  // as in post_process.cpp
+  static constexpr std::size_t most_levels = 4;  // of roadmaps
+  static constexpr double mercy = 0.010;         // as in post_process.cpp
   static constexpr double shrink = 0.25;
   static constexpr double least_deviation = 1e-4;  // [m]
 
@@ -566,6 +587,7 @@ class MultiRobotPlan {
   PlannerOptions options_alone_;
   std::vector<ArmTask> tasks_;
   std::unique_ptr<ArmWorld> world_;
+  std::vector<std::unique_ptr<RoadmapSearch>> roadmaps_;  // richer and richer
   std::vector<Group> groups_;
   int next_number_{0};
   std::set<std::pair<int, int>> apart_;  // groups, by number

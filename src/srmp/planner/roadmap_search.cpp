@@ -1,0 +1,346 @@
+#include "srmp/planner/roadmap_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <string>
+#include <unordered_map>
+
+#include "srmp/search/lazy_tree.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double spacing = 0.25;   // of points on a way [rad, prismatic joints m]
+constexpr std::size_t tries = 12;  // for an aside
+constexpr std::size_t most_points = 10000;
+constexpr double greed = 12.0;  // weight of the way that is left
+constexpr double pause = 0.02;  // cost of a step in itself, so that arms move at the same time
+
+}  // namespace
+
+RoadmapSearch::RoadmapSearch(ArmWorld& world, std::size_t asides)
+    : world_(world), asides_(asides), maps_(world.size()), has_asides_(world.size(), false) {}
+
+// --- roadmaps
+
+/// Joins two points by a straight motion, known to be free, and points on it.
+void RoadmapSearch::join(Roadmap& map, std::size_t arm, Point from, Point to) const {
+  const Eigen::VectorXd start = map.points[from], way = world_.robot(arm).difference(start, map.points[to]);
+  const int parts = std::max(1, static_cast<int>(std::ceil(way.norm() / spacing)));
+  Point last = from;
+  for (int k = 1; k <= parts; ++k) {
+    Point next = to;
+    if (k < parts) {
+      next = static_cast<Point>(map.points.size());
+      map.points.push_back(start + static_cast<double>(k) / parts * way);
+      map.next.emplace_back();
+    }
+    const double length = way.norm() / parts;
+    map.next[last].push_back({next, length});
+    map.next[next].push_back({last, length});
+    last = next;
+  }
+}
+
+void RoadmapSearch::make_way(std::size_t arm) {
+  Roadmap& map = maps_[arm];
+  if (!map.points.empty()) return;
+  const ArmTask& task = world_.task(arm);
+  map.points = task.anywhere ? std::vector<Eigen::VectorXd>{task.start} : task.backbone;
+  map.next.resize(map.points.size());
+  map.goal = static_cast<Point>(map.points.size() - 1);
+  for (Point k = 1; k <= map.goal; ++k) join(map, arm, k - 1, k);
+  map.way = static_cast<std::ptrdiff_t>(map.points.size());
+}
+
+/// Points near the way's corners, one or two joints moved: the shortest ways round first.
+std::vector<Eigen::VectorXd> RoadmapSearch::asides(std::size_t arm) {
+  const RobotModel& robot = world_.robot(arm);
+  const Roadmap& map = maps_[arm];
+  const Eigen::VectorXd &start = map.points.front(), &goal = map.points[map.goal];
+  const auto dof = static_cast<Eigen::Index>(robot.dof());
+  std::vector<Eigen::VectorXd> found;
+  const auto add = [&](Eigen::VectorXd q) {
+    if (!robot.limit_violation(q)) found.push_back(std::move(q));
+  };
+  for (Point corner = 0; corner <= map.goal; ++corner)
+    for (Eigen::Index j = 0; j < dof; ++j)
+      for (const double turn : {-1.2, -0.8, -0.4, 0.4, 0.8, 1.2}) {
+        Eigen::VectorXd q = map.points[corner];
+        q[j] += turn;
+        add(q);
+        for (Eigen::Index k = j + 1; k < dof; ++k)
+          for (const double other : {-0.8, 0.8}) {
+            Eigen::VectorXd both = q;
+            both[k] += other;
+            add(both);
+          }
+      }
+  const auto detour = [&](const Eigen::VectorXd& q) {
+    return robot.difference(start, q).norm() + robot.difference(q, goal).norm();
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < found.size(); ++i) order.emplace_back(detour(found[i]), i);
+  std::sort(order.begin(), order.end());
+  std::vector<Eigen::VectorXd> sorted;
+  for (const auto& [cost, i] : order) sorted.push_back(found[i]);
+  return sorted;
+}
+
+/// With how many of the points of other arms' ways q goes, as a share.
+double RoadmapSearch::out_of_the_way(std::size_t arm, const Eigen::VectorXd& q) {
+  std::ptrdiff_t all = 0, apart = 0;
+  for (std::size_t other = 0; other < world_.size(); ++other) {
+    if (other == arm || !world_.may_meet(arm, other)) continue;
+    const Roadmap& map = maps_[other];
+    const std::vector<Eigen::VectorXd> way(map.points.begin(), map.points.begin() + map.way);
+    const std::vector<char> found = world_.which_apart(arm, q, other, way);
+    all += map.way;
+    apart += std::count(found.begin(), found.end(), 1);
+  }
+  return all ? static_cast<double>(apart) / static_cast<double>(all) : 1.0;
+}
+
+void RoadmapSearch::make_asides(std::size_t arm) {
+  make_way(arm);
+  if (std::exchange(has_asides_[arm], true)) return;
+  for (std::size_t other = 0; other < world_.size(); ++other)
+    if (world_.may_meet(arm, other)) make_way(other);
+  Roadmap& map = maps_[arm];
+  const Point corners = map.goal + 1;
+  const std::vector<Eigen::VectorXd> near = asides(arm);
+  const std::size_t tried = tries * asides_;
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t n = 0; n < tried; ++n) {
+    const std::size_t i = n * near.size() / tried;
+    if (world_.is_free_alone(arm, near[i])) ranked.emplace_back(-out_of_the_way(arm, near[i]), i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::size_t> kept;  // of `near`, and the points that they became
+  std::vector<Point> points;
+  for (Point corner = 0; corner < corners; ++corner) {  // the best that each corner has a way to
+    std::size_t found = 0;
+    for (const auto& [share, i] : ranked) {
+      if (found == asides_ || map.points.size() > most_points) break;
+      const auto known = std::find(kept.begin(), kept.end(), i);
+      if (!world_.is_free_alone(arm, map.points[corner], near[i])) continue;
+      ++found;
+      if (known != kept.end()) {
+        join(map, arm, corner, points[static_cast<std::size_t>(known - kept.begin())]);
+        continue;
+      }
+      const auto aside = static_cast<Point>(map.points.size());
+      map.points.push_back(near[i]);
+      map.next.emplace_back();
+      for (const Point other : points)
+        if (world_.is_free_alone(arm, map.points[other], near[i])) join(map, arm, other, aside);
+      kept.push_back(i);
+      points.push_back(aside);
+      join(map, arm, corner, aside);
+    }
+  }
+  // The way that is left (Dijkstra).
+  map.to_goal.assign(map.points.size(), search::infinity);
+  std::priority_queue<std::pair<double, Point>, std::vector<std::pair<double, Point>>, std::greater<>> open;
+  const auto reach = [&](Point p, double cost) {
+    if (cost >= map.to_goal[p]) return;
+    map.to_goal[p] = cost;
+    open.emplace(cost, p);
+  };
+  if (world_.task(arm).anywhere)
+    for (Point p = 0; p < map.points.size(); ++p) map.to_goal[p] = 0.0;
+  else
+    reach(map.goal, 0.0);
+  while (!open.empty()) {
+    const auto [cost, p] = open.top();
+    open.pop();
+    if (cost > map.to_goal[p]) continue;
+    for (const Roadmap::Way& way : map.next[p]) reach(way.to, cost + way.length);
+  }
+}
+
+// --- pairs
+
+bool RoadmapSearch::together(std::size_t a, Point p, std::size_t b, Point q) {
+  if (a > b) return together(b, q, a, p);
+  if (!world_.may_meet(a, b)) return true;
+  auto& rows = together_[{a, b}];
+  rows.resize(maps_[a].points.size());
+  std::vector<std::int8_t>& row = rows[p];
+  if (row.size() < maps_[b].points.size()) {
+    const std::vector<char> apart = world_.which_apart(a, maps_[a].points[p], b, maps_[b].points);
+    row.assign(apart.begin(), apart.end());
+  }
+  return row[q];
+}
+
+bool RoadmapSearch::pass(std::size_t a, Point from_a, Point to_a, std::size_t b, Point from_b, Point to_b) {
+  if (a > b) return pass(b, from_b, to_b, a, from_a, to_a);
+  if (!world_.may_meet(a, b)) return true;
+  const std::array<std::uint32_t, 6> key{static_cast<std::uint32_t>(a), from_a, to_a,
+                                         static_cast<std::uint32_t>(b), from_b, to_b};
+  const auto [known, added] = passes_.try_emplace(key, false);
+  if (added)
+    known->second = world_.are_apart(a, maps_[a].points[from_a], maps_[a].points[to_a], b, maps_[b].points[from_b],
+                                     maps_[b].points[to_b], true);
+  return known->second;
+}
+
+// --- the search
+
+class RoadmapSearch::Query {
+ public:
+  Query(RoadmapSearch& maps, const std::vector<std::size_t>& arms) : maps_(maps), arms_(arms) {}
+
+  Result run(std::uint64_t max_expansions, std::uint64_t max_checks, const Deadline& deadline) {
+    Result result;
+    const std::uint64_t checks = maps_.world_.pair_checks();
+    const State start(arms_.size(), u'\0');
+    add(start, 0.0, no_node);
+    while (!open_.empty()) {
+      const std::uint32_t id = open_.top().second;
+      open_.pop();
+      if (const auto stop = search::stop_status(deadline)) return {*stop, {}, result.expansions};
+      const Node node = nodes_[id];
+      if (const auto known = best_.find(node.state); known != best_.end() && known->second <= node.cost) continue;
+      if (node.parent != no_node && !is_free(nodes_[node.parent].state, node.state)) continue;
+      best_[node.state] = node.cost;
+      if (node.left == 0.0) return {Status::solved, path_to(id), result.expansions};
+      if (result.expansions++ >= max_expansions || maps_.world_.pair_checks() - checks > max_checks)
+        return {Status::timed_out, {}, result.expansions};
+      expand(id);
+    }
+    return result;
+  }
+
+ private:
+  using State = std::u16string;  // a point an arm
+  static constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
+  struct Node {
+    State state;
+    double cost, left;
+    std::uint32_t parent;
+  };
+  struct Hash {
+    std::size_t operator()(const State& state) const {
+      std::uint64_t hash = 0;
+      for (const char16_t p : state) hash = (hash ^ p) * 0x9e3779b97f4a7c15u ^ hash >> 29;
+      return hash;
+    }
+  };
+
+  static Point at(const State& state, std::size_t i) { return state[i]; }
+  const Roadmap& map(std::size_t i) const { return maps_.maps_[arms_[i]]; }
+
+  void add(const State& state, double cost, std::uint32_t parent) {
+    if (const auto known = best_.find(state); known != best_.end() && known->second <= cost) return;
+    double left = 0.0;
+    for (std::size_t i = 0; i < arms_.size(); ++i) left += map(i).to_goal[at(state, i)];
+    if (left == search::infinity) return;
+    nodes_.push_back({state, cost, left, parent});
+    open_.emplace(cost + greed * left, static_cast<std::uint32_t>(nodes_.size() - 1));
+  }
+
+  bool fits(const State& state, std::size_t i) {
+    for (std::size_t k = 0; k < arms_.size(); ++k)
+      if (k != i && !maps_.together(arms_[i], at(state, i), arms_[k], at(state, k))) return false;
+    return true;
+  }
+
+  bool is_free(const State& from, const State& to) {
+    for (std::size_t i = 0; i < arms_.size(); ++i)
+      for (std::size_t k = i + 1; k < arms_.size(); ++k)
+        if ((from[i] != to[i] || from[k] != to[k]) &&
+            !maps_.pass(arms_[i], at(from, i), at(to, i), arms_[k], at(from, k), at(to, k)))
+          return false;
+    return true;
+  }
+
+  /// Each arm by itself; and as many as can go on towards their goals, in order and in reverse order.
+  void expand(std::uint32_t id) {
+    const State from = nodes_[id].state;
+    const double cost = nodes_[id].cost + pause;
+    for (const bool backward : {false, true}) {
+      State all = from;
+      double way = 0.0;
+      int moved = 0;
+      for (std::size_t n = 0; n < arms_.size(); ++n) {
+        const std::size_t i = backward ? arms_.size() - 1 - n : n;
+        const Roadmap::Way* next = onwards(i, at(from, i));
+        if (!next) continue;
+        all[i] = static_cast<char16_t>(next->to);
+        if (fits(all, i)) {
+          way += next->length;
+          ++moved;
+        } else {
+          all[i] = from[i];
+        }
+      }
+      if (moved > 1) add(all, cost + way, id);
+    }
+    for (std::size_t i = 0; i < arms_.size(); ++i)
+      for (const Roadmap::Way& next : map(i).next[at(from, i)]) {
+        State one = from;
+        one[i] = static_cast<char16_t>(next.to);
+        if (fits(one, i)) add(one, cost + next.length, id);
+      }
+  }
+
+  /// Null: the arm is at its goal.
+  const Roadmap::Way* onwards(std::size_t i, Point from) const {
+    const Roadmap& map = this->map(i);
+    const Roadmap::Way* best = nullptr;
+    double least = map.to_goal[from];
+    for (const Roadmap::Way& next : map.next[from])
+      if (map.to_goal[next.to] < least) {
+        least = map.to_goal[next.to];
+        best = &next;
+      }
+    return best;
+  }
+
+  CoupledPath path_to(std::uint32_t id) const {
+    std::vector<State> states;
+    for (; id != no_node; id = nodes_[id].parent) states.push_back(nodes_[id].state);
+    std::reverse(states.begin(), states.end());
+    CoupledPath path{arms_, {0.0}, {}};
+    for (std::size_t i = 0; i < arms_.size(); ++i) {
+      std::vector<Eigen::VectorXd> rows{map(i).points[at(states[0], i)]};
+      for (std::size_t k = 1; k < states.size(); ++k)
+        rows.push_back(rows.back() +
+                       maps_.world_.robot(arms_[i]).difference(rows.back(), map(i).points[at(states[k], i)]));
+      RowMatrix q(static_cast<Eigen::Index>(rows.size()), rows[0].size());
+      for (std::size_t k = 0; k < rows.size(); ++k) q.row(static_cast<Eigen::Index>(k)) = rows[k].transpose();
+      path.positions.push_back(std::move(q));
+    }
+    for (std::size_t k = 1; k < states.size(); ++k) {
+      int longest = 1;
+      for (std::size_t i = 0; i < arms_.size(); ++i)
+        longest = std::max(longest, maps_.world_.duration(arms_[i], map(i).points[at(states[k - 1], i)],
+                                                          map(i).points[at(states[k], i)]));
+      path.steps.push_back(path.steps.back() + longest);
+    }
+    return path;
+  }
+
+  RoadmapSearch& maps_;
+  const std::vector<std::size_t>& arms_;
+  std::vector<Node> nodes_;
+  std::unordered_map<State, double, Hash> best_;
+  std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
+      open_;
+};
+
+RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, std::uint64_t max_expansions,
+                                         std::uint64_t max_checks, const Deadline& deadline) {
+  for (const std::size_t arm : arms) {
+    make_asides(arm);
+    if (deadline.stop_requested()) return {Status::timed_out, {}, 0};
+  }
+  return Query(*this, arms).run(max_expansions, max_checks, deadline);
+}
+
+}  // namespace srmp

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "srmp/core/status.hpp"
+#include "srmp/planner/coupled_path.hpp"
+
+namespace srmp {
+
+/// What one arm may do in RoadmapSearch: points on its own way from start to goal and on ways aside, to places where it
+/// is in nobody's way.
+struct Roadmap {
+  struct Way {
+    std::uint32_t to{};
+    double length{};  ///< [rad, prismatic joints m]
+  };
+  std::vector<Eigen::VectorXd> points;  ///< free; 0: the start
+  std::vector<std::vector<Way>> next;   ///< of each point: where free straight motions lead
+  std::uint32_t goal{};
+  std::ptrdiff_t way{};         ///< number of points on its own way, which come first
+  std::vector<double> to_goal;  ///< of each point: length of the way that is left
+};
+
+/// Arms on roadmaps of their own, searched together: a greedy search over the product of the roadmaps (tensor roadmaps:
+/// Svestka, Overmars 1998; Solovey, Salzman, Halperin 2016) whose pairs of points, and then of motions, are looked at
+/// once and remembered. Quick where arms need only wait for each other or step aside; says nothing when it fails.
+class RoadmapSearch {
+ public:
+  /// Roadmaps of all arms of the world, each made when first needed; with so many places aside for each corner of its
+  /// way.
+  RoadmapSearch(ArmWorld& world, std::size_t asides);
+
+  struct Result {
+    Status status{Status::exhausted};  ///< solved, exhausted (these roadmaps hold no way), timed_out (also for too many
+                                       ///< expansions or checks) or cancelled
+    CoupledPath path;
+    std::uint64_t expansions{};
+  };
+  /// `max_checks`: of motions of two arms.
+  Result run(const std::vector<std::size_t>& arms, std::uint64_t max_expansions, std::uint64_t max_checks,
+             const Deadline& deadline);
+
+ private:
+  using Point = std::uint32_t;
+  class Query;
+
+  void make_way(std::size_t arm);
+  void make_asides(std::size_t arm);
+  void join(Roadmap& map, std::size_t arm, Point from, Point to) const;
+  std::vector<Eigen::VectorXd> asides(std::size_t arm);
+  double out_of_the_way(std::size_t arm, const Eigen::VectorXd& q);
+  bool together(std::size_t a, Point p, std::size_t b, Point q);
+  bool pass(std::size_t a, Point from_a, Point to_a, std::size_t b, Point from_b, Point to_b);
+
+  ArmWorld& world_;
+  std::size_t asides_;
+  std::vector<Roadmap> maps_;     // no points: not made yet
+  std::vector<char> has_asides_;  // by arm
+  /// [a, b]: of each point of a, of each point of b: do they go together? -1: not known.
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<std::vector<std::int8_t>>> together_;
+  std::map<std::array<std::uint32_t, 6>, bool> passes_;
+};
+
+}  // namespace srmp
