@@ -50,10 +50,16 @@ namespace {
 using PathPtr = std::shared_ptr<const TimedPath>;
 using Pair = std::pair<std::size_t, std::size_t>;  // first < second
 
+/// The constraints of a node: its own, then its parent's.
+struct Link {
+  Constraint constraint;
+  std::shared_ptr<const Link> before;
+};
+
 struct TreeNode {
   std::vector<PathPtr> paths;
   std::vector<double> lower;  // by agent
-  std::vector<Constraint> constraints;
+  std::shared_ptr<const Link> constraints;
   std::set<Pair> ahead;  // (a, b): b gives way to a
   std::map<Pair, PathConflicts> conflicts;
   bool complete{true};  // only children that lose no solution led here
@@ -100,37 +106,40 @@ class ConflictSearch {
 
   ConflictSearchResult run() {
     if (!add_root()) return result_;
-    while (!open_.empty()) {
+    while (true) {
       if (const auto stop = search::stop_status(deadline_)) return ended(*stop);
       if (spent()) return ended(Status::timed_out);
+      if (open_.empty()) return ended(Status::exhausted);
       const NodePtr node = take();
       if (node->conflicts.empty()) return solved(*node);
-      if (!branch(*node)) return result_;
+      branch(*node);
     }
-    return ended(Status::exhausted);
   }
 
  private:
   std::uint64_t effort() const { return result_.statistics.low.evaluations; }
   bool spent() const { return effort() >= options_.max_evaluations; }
 
+  /// Opens a node; null: nothing.
   void push(NodePtr node) {
+    if (!node) return;
     node->number = result_.statistics.tree_nodes++;
-    node->sum_up();
     open_.insert(node);
     beyond_.insert(std::move(node));
   }
 
   /// Takes out of OPEN the node within the bound that has the fewest conflicts; when there is none, and every fourth
-  /// time beside priorities, the one of the least lower bound, so that the bound rises.
+  /// time where there is something to prove, the one of the least lower bound, the oldest first: the bound rises, and
+  /// no node waits for ever behind a jam that looks nearly solved.
   NodePtr take() {
     NodePtr node = *open_.begin();
     if (node->complete) lower_ = std::max(lower_, node->lower_sum);  // what no solution costs less than
     const double limit = options_.priorities_only ? search::infinity : options_.bound() * lower_ * (1.0 + 1e-12);
     for (; !beyond_.empty() && (*beyond_.begin())->cost <= limit; beyond_.erase(beyond_.begin()))
       focal_.insert(*beyond_.begin());
-    const bool prove = options_.priorities && ++turn_ % 4 == 0;
-    if (!focal_.empty() && !prove) node = *focal_.begin();
+    const bool optimal = options_.bound() == 1.0 && !options_.priorities;  // all of focal_ has the least lower bound
+    proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++turn_ % 4 == 0);
+    if (!proves_) node = *focal_.begin();
     open_.erase(node);
     beyond_.erase(node);
     focal_.erase(node);
@@ -148,29 +157,48 @@ class ConflictSearch {
       result_ = ended(status);
       return false;
     }
+    root->sum_up();
     push(std::move(root));
     return true;
   }
 
-  /// Children of a node with a conflict; false: time is up.
-  bool branch(TreeNode& node) {
+  /// Opens the children of a node with a conflict.
+  void branch(const TreeNode& node) {
     const Conflict conflict = choose(node);
-    const Pair pair{conflict.agents[0], conflict.agents[1]};
-    const bool first_ahead = gives_way(node, pair.second, pair.first);
-    const bool second_ahead = gives_way(node, pair.first, pair.second);
-    if (first_ahead || second_ahead) return give_way(node, first_ahead ? pair.second : pair.first);
-    if (node.complete && !options_.priorities_only)
-      for (const int side : {0, 1})
-        if (!add_child(node, {conflict, side})) return false;
+    for (const int side : {0, 1})
+      if (gives_way(node, conflict.agents[side], conflict.agents[1 - side]))
+        return push(replanned(std::make_shared<TreeNode>(node), conflict.agents[side]));
+    if (node.complete && !options_.priorities_only && add_constrained(node, conflict)) return;
     if (options_.priorities || options_.priorities_only)
       for (const int side : {0, 1}) {
         auto child = std::make_shared<TreeNode>(node);
         child->complete = false;
-        const std::size_t after = conflict.agents[side], before = conflict.agents[1 - side];
-        child->ahead.insert({before, after});
-        if (!finish(std::move(child), after)) return false;
+        child->ahead.insert({conflict.agents[1 - side], conflict.agents[side]});
+        push(replanned(std::move(child), conflict.agents[side]));
       }
-    return true;
+  }
+
+  /// The two children that lose no solution. True: in place of them the node itself, with a way found for one of them
+  /// that meets fewer others and is as good as the node's bound asks (bypass: Boyarski, Felner, Sharon, Stern 2015);
+  /// never where the bound is to rise.
+  bool add_constrained(const TreeNode& node, const Conflict& conflict) {
+    NodePtr children[2];
+    for (const int side : {0, 1}) {
+      const std::size_t agent = conflict.agents[side];
+      auto child = std::make_shared<TreeNode>(node);
+      child->constraints = std::make_shared<const Link>(Link{{conflict, side}, node.constraints});
+      children[side] = child = replanned(std::move(child), agent);
+      if (!child || proves_ || child->meetings >= node.meetings ||
+          child->paths[agent]->cost > low_bound() * node.lower[agent])
+        continue;
+      child->constraints = node.constraints;
+      child->lower = node.lower;
+      child->sum_up();
+      push(std::move(child));
+      return true;
+    }
+    for (NodePtr& child : children) push(std::move(child));
+    return false;
   }
 
   /// The earliest; of those the one of the first agents.
@@ -195,45 +223,26 @@ class ConflictSearch {
     return all;
   }
 
-  bool give_way(const TreeNode& node, std::size_t agent) { return finish(std::make_shared<TreeNode>(node), agent); }
-
-  bool add_child(const TreeNode& node, Constraint constraint) {
-    auto child = std::make_shared<TreeNode>(node);
-    const std::size_t agent = constraint.agent();
-    child->constraints.push_back(std::move(constraint));
-    return finish(std::move(child), agent);
-  }
-
-  /// Replans one agent of a child and opens it, if there is a way; false: time is up.
-  bool finish(NodePtr child, std::size_t agent) {
-    const std::vector<std::size_t> before = all_ahead_of(*child, agent);
+  /// The child, with a new way for one agent; null: there is none, or time is up.
+  NodePtr replanned(NodePtr child, std::size_t agent) {
     const PathPtr last = child->paths[agent];
-    const Status status = replan(*child, agent, last.get(), before);
-    if (const auto stop = search::stop_status(deadline_)) {
-      result_ = ended(*stop);
-      return false;
-    }
-    if (spent() && status != Status::solved) {
-      result_ = ended(Status::timed_out);
-      return false;
-    }
-    if (status == Status::solved) push(std::move(child));
-    return true;
+    if (replan(*child, agent, last.get(), all_ahead_of(*child, agent)) != Status::solved) return nullptr;
+    child->sum_up();
+    return child;
   }
 
   Status replan(TreeNode& node, std::size_t agent, const TimedPath* last, const std::vector<std::size_t>& before) {
     std::vector<Constraint> mine;
-    for (const Constraint& constraint : node.constraints)
-      if (constraint.agent() == agent) mine.push_back(constraint);
+    for (const Link* link = node.constraints.get(); link; link = link->before.get())
+      if (link->constraint.agent() == agent) mine.push_back(link->constraint);
     std::vector<OtherPath> avoid, others;
     for (std::size_t i = 0; i < world_.size(); ++i) {
       if (i == agent || !node.paths[i] || !world_.may_meet(agent, i)) continue;
       const bool ahead = std::binary_search(before.begin(), before.end(), i);
       (ahead ? avoid : others).push_back({i, node.paths[i].get()});
     }
-    TimedSearchOptions options{.bound = options_.guide_weight * options_.low_focal,
-                               .guide_weight = options_.guide_weight,
-                               .focal = options_.low_focal};
+    TimedSearchOptions options{
+        .bound = low_bound(), .guide_weight = options_.guide_weight, .focal = options_.low_focal};
     options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, effort());
     if (!before.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
     TimedSearchResult found =
@@ -249,6 +258,9 @@ class ConflictSearch {
     find_conflicts(node, agent);
     return Status::solved;
   }
+
+  /// A way costs at most this times the lower bound that its search found.
+  double low_bound() const { return options_.guide_weight * options_.low_focal; }
 
   void find_conflicts(TreeNode& node, std::size_t agent) {
     for (std::size_t i = 0; i < world_.size(); ++i) {
@@ -285,6 +297,7 @@ class ConflictSearch {
   std::set<NodePtr, ByCost> beyond_;      // those whose cost is not known to be within the bound
   std::set<NodePtr, ByConflicts> focal_;  // the others
   double lower_{0.0};
+  bool proves_{};  // the node was taken for its lower bound
   std::uint64_t turn_{0};
   ConflictSearchResult result_;
 };

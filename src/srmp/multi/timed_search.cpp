@@ -130,11 +130,10 @@ class TimedSearch {
   }
 
   bool meets(const Move& move, const OtherMoves& other) const {
-    for (const Move& its : other.moves) {
-      if (its.end <= move.start) continue;
-      if (its.start >= move.end) break;
-      if (world_.meet(me_, move, other.agent, its)) return true;
-    }
+    const auto& its = other.moves;
+    auto at = std::ranges::upper_bound(its, move.start, {}, &Move::end);  // the first that lasts after its beginning
+    for (; at != its.end() && at->start < move.end; ++at)
+      if (world_.meet(me_, move, other.agent, *at)) return true;
     return false;
   }
 
