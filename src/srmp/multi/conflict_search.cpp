@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <set>
 #include <tuple>
 
@@ -153,7 +154,7 @@ class ConflictSearch {
     for (std::size_t i = 0; i < world_.size(); ++i) {
       const Status status = replan(*root, i, nullptr, {});
       if (status == Status::solved) continue;
-      result_.stuck_agent = i;
+      if (status == Status::exhausted) result_.stuck_agent = i;
       result_ = ended(status);
       return false;
     }

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <memory>
-#include <string>
+#include <limits>
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
@@ -38,12 +36,14 @@ struct ConflictSearchStatistics {
   search::Statistics low;      ///< of all agents' searches
 };
 
+inline constexpr std::size_t no_agent = std::numeric_limits<std::size_t>::max();
+
 struct ConflictSearchResult {
   Status status{Status::exhausted};
-  std::vector<TimedPath> paths;   ///< one an agent; empty unless solved
-  double cost{search::infinity};  ///< sum over the agents
-  double lower{};                 ///< no solution costs less
-  std::size_t stuck_agent{};      ///< exhausted: whose graph holds no way
+  std::vector<TimedPath> paths;       ///< one an agent; empty unless solved
+  double cost{search::infinity};      ///< sum over the agents
+  double lower{};                     ///< no solution costs less
+  std::size_t stuck_agent{no_agent};  ///< exhausted: whose graph by itself holds no way; no_agent: each holds one
   ConflictSearchStatistics statistics;
 };
 

@@ -1,8 +1,11 @@
 #include "srmp/multi/timed_search.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <queue>
+#include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "srmp/search/lazy_tree.hpp"
 
@@ -44,15 +47,26 @@ class Heap {
   std::priority_queue<std::pair<Key, NodeId>, std::vector<std::pair<Key, NodeId>>, std::greater<>> heap_;
 };
 
+/// The step from which on the constraint forbids nothing.
+int end_of(const Constraint& constraint) {
+  int end = 0;
+  for (const Move& move : constraint.conflict.moves)
+    end = std::max(end, move.end == forever ? move.start + 1 : move.end);
+  return end;
+}
+
 class TimedSearch {
  public:
   TimedSearch(World& world, std::size_t agent, std::span<const Constraint> constraints,
               std::span<const OtherPath> avoid, std::span<const OtherPath> others, const TimedSearchOptions& options)
-      : world_(world), me_(agent), agent_(world.agent(agent)), constraints_(constraints), options_(options) {
-    for (const Constraint& constraint : constraints) {
-      const Move& move = constraint.conflict.moves[constraint.side];
-      horizon_ = std::max(horizon_, move.end == forever ? move.start + 1 : move.end);
-    }
+      : world_(world),
+        me_(agent),
+        agent_(world.agent(agent)),
+        constraints_(constraints),
+        options_(options),
+        wait_cost_(agent_.wait_cost()) {
+    if (!(wait_cost_ > 0.0)) refuse("wait_cost is " + to_text(wait_cost_) + ", it must be more than 0");
+    for (const Constraint& constraint : constraints) horizon_ = std::max(horizon_, end_of(constraint));
     for (const auto& paths : {avoid, others})
       for (const OtherPath& other : paths) horizon_ = std::max(horizon_, other.path->arrival());
     for (const OtherPath& other : avoid) avoid_.push_back({other.agent, without_steps(other.path->moves)});
@@ -61,7 +75,7 @@ class TimedSearch {
 
   TimedSearchResult run(const TimedPath* experience, const Deadline& deadline) {
     add_start();
-    if (experience) add_experience(*experience);
+    if (experience && !nodes_.empty()) add_experience(*experience);
     while (const std::optional<NodeId> next = select()) {
       if (const auto stop = search::stop_status(deadline)) return ended(*stop);
       Node& node = nodes_[*next];
@@ -85,11 +99,20 @@ class TimedSearch {
     return std::uint64_t{state} << 32 | static_cast<std::uint32_t>(std::min(step, horizon_));
   }
 
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw InvalidArgument("agent " + std::to_string(me_) + ": " + what);
+  }
+
+  static double estimate(double value, std::string_view what, StateId state) {
+    search::require_estimate(value, what, state);
+    return value;
+  }
+
   NodeId add(Node node) {
-    node.f = node.g + agent_.heuristic(node.move.to);
+    const StateId state = node.move.to;
+    node.f = node.g + (node.final ? 0.0 : estimate(agent_.heuristic(state), "heuristic", state));
     if (node.f == search::infinity) return no_node;
-    node.lead = node.g + options_.guide_weight * (node.final ? 0.0 : agent_.guide(node.move.to));
-    if (node.final) node.f = node.g;
+    node.lead = node.g + options_.guide_weight * (node.final ? 0.0 : estimate(agent_.guide(state), "guide", state));
     nodes_.push_back(node);
     const auto id = static_cast<NodeId>(nodes_.size() - 1);
     enter(id);
@@ -113,7 +136,7 @@ class TimedSearch {
     for (const Move& move : path.moves) {
       if (move.end == forever) return;
       Node node{.move = move, .g = nodes_[parent].g, .met = nodes_[parent].met, .parent = parent, .evaluated = true};
-      node.g += move.waits() ? agent_.wait_cost() : agent_.evaluate(move.from, move.to);
+      node.g += move.waits() ? wait_cost_ : agent_.evaluate(move.from, move.to);
       if (forbidden(move)) return;
       node.met += count_met(move);
       parent = add(node);
@@ -190,6 +213,8 @@ class TimedSearch {
         return drop();
       if (!node.move.waits()) {
         const double cost = agent_.evaluate(node.move.from, node.move.to);
+        if (!(parent.g + cost >= node.g))
+          search::require_evaluation({node.move.from, node.move.to, node.g - parent.g}, cost);
         if (cost == search::infinity) return drop();
         const double more = parent.g + cost - node.g;
         node.g = parent.g + cost;
@@ -206,9 +231,7 @@ class TimedSearch {
 
   bool can_rest(const Move& rest) const {
     for (const Constraint& constraint : constraints_) {
-      const Move& move = constraint.conflict.moves[constraint.side];
-      const int last = move.end == forever ? move.start + 1 : move.end;
-      for (int step = rest.start; step < last; ++step)
+      for (int step = rest.start; step < end_of(constraint); ++step)
         if (world_.forbids(constraint, {rest.from, rest.from, step, step + 1})) return false;
     }
     return std::none_of(avoid_.begin(), avoid_.end(), [&](const OtherMoves& other) { return meets(rest, other); });
@@ -225,12 +248,17 @@ class TimedSearch {
     if (agent_.is_goal(state))
       add({.move = {state, state, step, forever}, .g = node.g, .met = node.met, .parent = id, .final = true});
     if (step < horizon_)
-      add({.move = {state, state, step, step + 1}, .g = node.g + agent_.wait_cost(), .met = node.met, .parent = id});
+      add({.move = {state, state, step, step + 1}, .g = node.g + wait_cost_, .met = node.met, .parent = id});
     successors_.clear();
     agent_.successors(state, successors_);
     statistics_.generated += successors_.size();
     for (const search::Successor& next : successors_) {
-      const int end = step + agent_.duration(state, next.state);
+      search::require_edge({state, next.state, next.cost});
+      const int duration = agent_.duration(state, next.state);
+      if (duration < 1)
+        refuse("the edge from state " + std::to_string(state) + " to " + std::to_string(next.state) + " takes " +
+               std::to_string(duration) + " steps, it must be at least 1");
+      const int end = step + duration;
       if (const auto known = best_.find(key(next.state, end));
           known != best_.end() && known->second <= node.g + next.cost)
         continue;
@@ -262,6 +290,7 @@ class TimedSearch {
   std::span<const Constraint> constraints_;
   std::vector<OtherMoves> avoid_, others_;
   TimedSearchOptions options_;
+  double wait_cost_;
   int horizon_{0};
   std::vector<Node> nodes_;
   Heap<Key> by_f_, by_lead_, waiting_;

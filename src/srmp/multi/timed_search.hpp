@@ -1,9 +1,8 @@
 #pragma once
 
-#include <optional>
+#include <cstdint>
+#include <limits>
 #include <span>
-#include <utility>
-#include <vector>
 
 #include "srmp/core/deadline.hpp"
 #include "srmp/multi/world.hpp"

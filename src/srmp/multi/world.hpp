@@ -82,6 +82,7 @@ class World {
   virtual bool meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) = 0;
   /// Does the constraint forbid its agent's `move`? At least the conflict's own move must be forbidden, and in any
   /// solution what one side's constraint forbids, or what the other's does, must not happen: then no solution is lost.
+  /// Nothing is forbidden that begins when both moves of the conflict have ended.
   virtual bool forbids(const Constraint& constraint, const Move& move) const {
     return constraint.conflict.moves[constraint.side] == move;
   }

@@ -206,6 +206,30 @@ class BestGoal {
   double cost_{infinity};
 };
 
+/// Throws InvalidArgument unless `value` may stand for a cost to the goal; `what` names it.
+inline void require_estimate(double value, std::string_view what, StateId s) {
+  if (value >= 0.0) return;
+  throw InvalidArgument("the " + std::string(what) + " of state " + std::to_string(s) + " is " + to_text(value) +
+                        ", it must be 0 or more, or infinity");
+}
+
+inline std::string name_of(const Edge& edge) {
+  return "the edge from state " + std::to_string(edge.from) + " to " + std::to_string(edge.to);
+}
+
+/// Throws InvalidArgument unless the edge's lower bound is finite and more than 0.
+inline void require_edge(const Edge& edge) {
+  if (edge.cost > 0.0 && edge.cost < infinity) return;
+  throw InvalidArgument(name_of(edge) + " has cost " + to_text(edge.cost) + ", it must be finite and more than 0");
+}
+
+/// Throws InvalidArgument unless the edge's true cost is no less than its lower bound.
+inline void require_evaluation(const Edge& edge, double cost) {
+  if (cost >= edge.cost) return;
+  throw InvalidArgument(name_of(edge) + " was evaluated to " + to_text(cost) + ", below its lower bound " +
+                        to_text(edge.cost));
+}
+
 /// The table together with the graph and the heuristic that fill it. `reached(s)` is called whenever the best candidate
 /// of s has improved; the planner answers by (re)queueing it.
 template <Graph G, Heuristic H>
@@ -250,7 +274,7 @@ class LazyTree {
     graph_.evaluate(std::span<const Edge>(batch_), std::span<double>(true_costs_));
     statistics.evaluations += edges.size();
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      if (!(true_costs_[i] >= batch_[i].cost)) refuse_evaluation(batch_[i], true_costs_[i]);
+      require_evaluation(batch_[i], true_costs_[i]);
       table.settle(edges[i], true_costs_[i]);
     }
   }
@@ -287,19 +311,13 @@ class LazyTree {
   }
 
   void enter_heuristic(StateId s, double h) {
-    if (!(h >= 0.0)) {
-      throw InvalidArgument("the heuristic of state " + std::to_string(s) + " is " + to_text(h) +
-                            ", it must be 0 or more, or infinity");
-    }
+    require_estimate(h, "heuristic", s);
     table[s].heuristic = h;
   }
 
   /// Checks a successor; false when it leads to no goal.
   bool admit(StateId from, const Successor& next) {
-    if (!(next.cost > 0.0 && next.cost < infinity)) {
-      throw InvalidArgument("the edge from state " + std::to_string(from) + " to " + std::to_string(next.state) +
-                            " has cost " + to_text(next.cost) + ", it must be finite and more than 0");
-    }
+    require_edge({from, next.state, next.cost});
     table.ensure(next.state);
     return heuristic(next.state) < infinity;
   }
@@ -323,11 +341,6 @@ class LazyTree {
   void offer(StateId s, EdgeId e, Reached&& reached) {
     const Edge edge = table.edge(e);
     if (edge.cost < infinity && table.offer(e, table[s].cost + edge.cost)) reached(edge.to);
-  }
-
-  [[noreturn]] static void refuse_evaluation(const Edge& edge, double cost) {
-    throw InvalidArgument("the edge from state " + std::to_string(edge.from) + " to " + std::to_string(edge.to) +
-                          " was evaluated to " + to_text(cost) + ", below its lower bound " + to_text(edge.cost));
   }
 
   G& graph_;
