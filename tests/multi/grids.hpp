@@ -8,6 +8,7 @@
 #include <memory>
 #include <queue>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -219,7 +220,9 @@ class BruteForce {
       if (cost > best_.at(code)) continue;
       const std::vector<Stage> joint = decode(code);
       if (std::ranges::all_of(joint, &Stage::rests)) return cost;
-      step(joint, {}, {}, cost);
+      std::vector<Place> places;
+      std::vector<Stage> next;
+      step(joint, places, next, cost);
     }
     return infinity;
   }
@@ -258,7 +261,7 @@ class BruteForce {
   }
 
   /// All that the agents from number next.size() on may do in a step, those before them being at `places`.
-  void step(const std::vector<Stage>& joint, std::vector<Place> places, std::vector<Stage> next, double cost) {
+  void step(const std::vector<Stage>& joint, std::vector<Place>& places, std::vector<Stage>& next, double cost) {
     const std::size_t i = next.size();
     if (i == joint.size()) return reach(next, cost);
     const auto take = [&](Place place, unsigned left, bool rests, double more) {
@@ -284,7 +287,7 @@ class BruteForce {
   }
 
   TestWorld& world_;
-  std::map<std::uint64_t, double> best_;
+  std::unordered_map<std::uint64_t, double> best_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
