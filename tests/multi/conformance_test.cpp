@@ -150,6 +150,30 @@ BOOST_AUTO_TEST_CASE(every_planner_stops_when_time_is_up_or_the_caller_cancels) 
   }
 }
 
+BOOST_AUTO_TEST_CASE(whatever_effort_is_allowed_what_is_said_is_true) {
+  for (const Planner& planner : all_planners()) {
+    int late = 0;
+    for (std::size_t i = 0; i < questions().size(); i += 5) {
+      const auto& [seed, optimum] = questions()[i];
+      BOOST_TEST_CONTEXT(planner.name << " seed " << seed) {
+        const auto world = random_world(seed);
+        ConflictSearchOptions options = planner.options;
+        options.max_priority_evaluations = seed % 30;
+        options.max_evaluations = 10 + 3 * seed;
+        const ConflictSearchResult result = plan(*world, options);
+        BOOST_TEST(result.statistics.low.evaluations <= options.max_evaluations);
+        BOOST_TEST(result.lower <= optimum * (1.0 + 1e-9));
+        if (result.status == Status::solved)
+          check_result(*world, result, options.bound(), optimum);
+        else
+          BOOST_TEST((result.status == Status::timed_out));
+        late += result.status != Status::solved;
+      }
+    }
+    BOOST_TEST(late > 0);
+  }
+}
+
 BOOST_AUTO_TEST_CASE(priorities_alone_learn_that_two_cannot_pass) {
   GridWorld world = grid({"a.b"}, {"b.a"});
   const ConflictSearchResult result = plan(world, {.priorities_only = true});

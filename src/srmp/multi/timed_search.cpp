@@ -80,7 +80,8 @@ class TimedSearch {
       if (const auto stop = search::stop_status(deadline)) return ended(*stop);
       Node& node = nodes_[*next];
       if (!node.evaluated) {
-        if (statistics_.evaluations++ >= options_.max_evaluations) return ended(Status::timed_out);
+        if (statistics_.evaluations == options_.max_evaluations) return ended(Status::timed_out);
+        ++statistics_.evaluations;
         evaluate(*next);
         continue;
       }
