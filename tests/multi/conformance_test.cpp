@@ -211,6 +211,9 @@ BOOST_AUTO_TEST_CASE(agents_that_break_their_contract_are_refused) {
     world.agents[0].problem.graph.find(1, 2)->cost = bad;
     check_throws<InvalidArgument>([&] { plan(world, {}); }, "was evaluated to " + to_text(bad));
   }
+  GridWorld rounded = good;
+  rounded.agents[0].problem.graph.find(1, 2)->cost = 1.0 - 1e-12;  // counts as 1
+  BOOST_TEST(plan(rounded, {}).cost == 2.0);
   for (const double bad : {std::nan(""), 0.0, -1.0}) {
     GridWorld world = good;
     world.agents[0].wait = bad;

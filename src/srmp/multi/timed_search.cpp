@@ -14,6 +14,7 @@ namespace srmp::multi {
 namespace {
 
 using NodeId = std::uint32_t;
+constexpr double rounding = 1e-9;  // that an edge's cost may fall short of its lower bound by
 constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
 
 struct Node {
@@ -213,14 +214,14 @@ class TimedSearch {
           known != best_.end() && known->second <= node.g)
         return drop();
       if (!node.move.waits()) {
-        const double cost = agent_.evaluate(node.move.from, node.move.to);
-        if (!(parent.g + cost >= node.g))
-          search::require_evaluation({node.move.from, node.move.to, node.g - parent.g}, cost);
+        const double cost = agent_.evaluate(node.move.from, node.move.to), lower = node.g - parent.g;
+        if (!(cost >= lower - rounding * (1.0 + lower)))
+          search::require_evaluation({node.move.from, node.move.to, lower}, cost);
         if (cost == search::infinity) return drop();
-        const double more = parent.g + cost - node.g;
-        node.g = parent.g + cost;
-        node.f += more;
-        node.lead += more;
+        const double g = std::max(node.g, parent.g + cost);
+        node.f += g - node.g;
+        node.lead += g - node.g;
+        node.g = g;
       }
       if (forbidden(node.move)) return drop();
       node.met += count_met(node.move);

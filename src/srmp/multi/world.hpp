@@ -43,7 +43,8 @@ class Agent {
   virtual StateId start() = 0;
   /// Appends the outgoing edges, costs being lower bounds > 0; always the same, in the same order.
   virtual void successors(StateId state, std::vector<search::Successor>& out) = 0;
-  /// The edge's true cost, no less than its lower bound; infinity when there is no such edge. May be asked again.
+  /// The edge's true cost, no less than its lower bound but for rounding; infinity when there is no such edge. May be
+  /// asked again.
   virtual double evaluate(StateId from, StateId to) = 0;
   virtual bool is_goal(StateId state) = 0;
   /// A consistent heuristic: never more than the cost of a way to a goal. Infinity: no goal from here.
