@@ -190,7 +190,7 @@ bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace,
   return workspace.is_motion_free(a_is_free);
 }
 
-void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) const {
+void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, bool by_balls) const {
   if (free.size() != static_cast<std::size_t>(q.rows()))
     throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
                           std::to_string(free.size()) + " answers");
@@ -202,9 +202,9 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) 
     std::fill(free.begin(), free.end(), false);
     return;
   }
-  bool by_balls = impl_->batch.has_value();
-  for (Eigen::Index i = 0; i < q.rows() && by_balls; ++i) by_balls = impl_->balls_reach(q.row(i).transpose());
-  if (!by_balls) {
+  bool has_balls = impl_->batch.has_value();
+  for (Eigen::Index i = 0; i < q.rows() && has_balls; ++i) has_balls = impl_->balls_reach(q.row(i).transpose());
+  if (!has_balls) {
     for (std::size_t i = 0; i < free.size(); ++i) {
       workspace.place(q.row(static_cast<Eigen::Index>(i)).transpose());
       free[i] = workspace.is_free_here();
@@ -214,7 +214,7 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace) 
   for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
     const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
     workspace.judge_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
-                          free.subspan(first, count));
+                          free.subspan(first, count), by_balls || impl_->mode == CheckMode::conservative);
   }
 }
 

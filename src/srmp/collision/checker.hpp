@@ -122,8 +122,9 @@ class Checker {
   bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free = false) const;
 
   /// is_free of each row, 16 at a time; `free` has as many entries as q has rows. With CheckMode::conservative, what
-  /// balls cannot prove free counts as not free. Throws InvalidArgument as is_free does, naming the row.
-  void are_free(ConstRows q, std::span<bool> free, Workspace& workspace) const;
+  /// balls cannot prove free counts as not free; with `by_balls` too, unless CheckMode::coal has none. Throws
+  /// InvalidArgument as is_free does, naming the row.
+  void are_free(ConstRows q, std::span<bool> free, Workspace& workspace, bool by_balls = false) const;
 
   /// Proves a motion free by Coal's distances alone: an independent check of is_motion_free (motion_proof.hpp).
   MotionCertificate certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const;

@@ -390,7 +390,7 @@ bool Checker::Workspace::settle_lane(ConstVector q, std::span<const UndecidedPai
 }
 
 /// Up to 16 rows.
-void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free) {
+void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free, bool by_balls) {
   const BatchChecker& batch = *impl.batch;
   const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_);
   ++statistics.blocks;
@@ -401,7 +401,7 @@ void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free) {
     while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
     const bool undecided = lanes.undecided >> lane & 1;
     free[lane] = !undecided && !(lanes.colliding >> lane & 1);
-    if (undecided && impl.mode == CheckMode::exact)
+    if (undecided && !by_balls)
       free[lane] = settle_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
     else
       ++statistics.states_by_balls;

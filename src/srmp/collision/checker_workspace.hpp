@@ -80,7 +80,7 @@ class Checker::Workspace {
   bool is_motion_free(bool a_is_free);
   bool settle_by_coal();
   bool settle_lane(ConstVector q, std::span<const UndecidedPair> open);
-  void judge_block(ConstRows q, std::span<bool> free);
+  void judge_block(ConstRows q, std::span<bool> free, bool by_balls);
 
   // --- any motion near a configuration
   void start_any_motion(std::uint64_t active);

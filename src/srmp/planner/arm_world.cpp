@@ -197,7 +197,7 @@ std::vector<char> ArmWorld::which_apart(std::size_t a, const Eigen::VectorXd& q,
     both.row(i).segment(a < b ? q.size() : 0, dof) = points[static_cast<std::size_t>(i)].transpose();
   }
   const auto free = std::make_unique<bool[]>(points.size());
-  checker->are_free(both, {free.get(), points.size()}, *workspaces_.at(pair));
+  checker->are_free(both, {free.get(), points.size()}, *workspaces_.at(pair), true);
   std::copy(free.get(), free.get() + points.size(), apart.begin());
   return apart;
 }

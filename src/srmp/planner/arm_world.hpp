@@ -48,7 +48,7 @@ class ArmWorld : public multi::World {
   /// Two straight motions at the same time. `start_is_free`: they are known to be apart where they begin.
   bool are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
                  const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free = false);
-  /// Of each point of b: are the two apart when a is at q?
+  /// Of each point of b: are the two surely apart when a is at q? By balls alone: quick, and never true wrongly.
   std::vector<char> which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
                                 const std::vector<Eigen::VectorXd>& points);
   bool is_free_alone(std::size_t arm, const Eigen::VectorXd& q);

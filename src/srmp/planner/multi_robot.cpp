@@ -246,14 +246,14 @@ class MultiRobotPlan {
     multi::ConflictSearchOptions options = search_options(problem_.options);
     double lower = 0.0;
     for (const std::size_t i : arms) lower += direct(i);
-    std::size_t level = 0, levels = 0;
+    std::size_t level = 0, levels = 1;
     for (std::uint64_t effort = 1;; effort *= 4) {
       if (composite) {
         for (; level < most_levels && level <= levels; ++level)
           if (const auto path = on_roadmaps(arms, level, effort); path && path->length() <= options.bound() * lower)
             return {*path, lower};
         ++levels;
-        options.max_evaluations = 256 * effort;
+        options.max_evaluations = 128 * effort;
       }
       ArmTeam team(*world_, arms);
       const multi::ConflictSearchResult found = multi::conflict_search(team, options, deadline_);
@@ -263,7 +263,7 @@ class MultiRobotPlan {
       if (!composite || deadline_.stop_requested()) require_solved(found);
       CompositeResult one = composite_search(
           *world_, arms,
-          {.lattice = {common_.resolution * M_PI / 180.0, common_.prismatic_resolution}, .max_expansions = 32 * effort},
+          {.lattice = {common_.resolution * M_PI / 180.0, common_.prismatic_resolution}, .max_expansions = 16 * effort},
           deadline_);
       statistics_.expansions += one.statistics.expansions;
       statistics_.generated += one.statistics.generated;
@@ -277,10 +277,8 @@ class MultiRobotPlan {
   std::optional<CoupledPath> on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
                                          std::uint64_t effort) {
     if (roadmaps_.size() <= level) roadmaps_.push_back(std::make_unique<RoadmapSearch>(*world_, 2 << level));
-    RoadmapSearch::Result found = roadmaps_[level]->run(arms, 16'000 * effort, 2'000 * effort, deadline_);
+    RoadmapSearch::Result found = roadmaps_[level]->run(arms, 16'000, 2'000 * effort, deadline_);
     statistics_.expansions += found.expansions;
-    fprintf(stderr, "  maps %zu arms %zu st %d exp %lu at %.1f ms\n", level, arms.size(), (int)found.status,
-            found.expansions, deadline_.elapsed() * 1e3);
     if (found.status != Status::solved) return std::nullopt;
     return std::move(found.path);
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <queue>
 #include <string>
 #include <unordered_map>
@@ -14,10 +13,11 @@ namespace srmp {
 namespace {
 
 constexpr double spacing = 0.25;   // of points on a way [rad, prismatic joints m]
-constexpr std::size_t tries = 12;  // for an aside
-constexpr std::size_t most_points = 10000;
-constexpr double greed = 12.0;  // weight of the way that is left
-constexpr double pause = 0.02;  // cost of a step in itself, so that arms move at the same time
+constexpr std::size_t tries = 32;  // for an aside
+constexpr std::size_t most_points = 10'000;
+constexpr std::uint32_t most_stations = 2;  // of a way
+constexpr double greed = 12.0;              // weight of the way that is left
+constexpr double pause = 0.02;              // cost of a step in itself, so that arms move at the same time
 
 }  // namespace
 
@@ -26,19 +26,20 @@ RoadmapSearch::RoadmapSearch(ArmWorld& world, std::size_t asides)
 
 // --- roadmaps
 
-/// Joins two points by a straight motion, known to be free, and points on it.
-void RoadmapSearch::join(Roadmap& map, std::size_t arm, Point from, Point to) const {
-  const Eigen::VectorXd start = map.points[from], way = world_.robot(arm).difference(start, map.points[to]);
+/// Points from one of the map's to q by a straight motion, known to be free; q is the last unless it is there already.
+void RoadmapSearch::add_straight(Roadmap& map, std::size_t arm, Point from, const Eigen::VectorXd& q,
+                                 std::optional<Point> known) const {
+  const Eigen::VectorXd start = map.points[from], way = world_.robot(arm).difference(start, q);
   const int parts = std::max(1, static_cast<int>(std::ceil(way.norm() / spacing)));
+  const double length = way.norm() / parts;
   Point last = from;
   for (int k = 1; k <= parts; ++k) {
-    Point next = to;
-    if (k < parts) {
+    Point next = known.value_or(0);
+    if (k < parts || !known) {
       next = static_cast<Point>(map.points.size());
-      map.points.push_back(start + static_cast<double>(k) / parts * way);
+      map.points.push_back(k < parts ? Eigen::VectorXd(start + static_cast<double>(k) / parts * way) : q);
       map.next.emplace_back();
     }
-    const double length = way.norm() / parts;
     map.next[last].push_back({next, length});
     map.next[next].push_back({last, length});
     last = next;
@@ -49,14 +50,24 @@ void RoadmapSearch::make_way(std::size_t arm) {
   Roadmap& map = maps_[arm];
   if (!map.points.empty()) return;
   const ArmTask& task = world_.task(arm);
-  map.points = task.anywhere ? std::vector<Eigen::VectorXd>{task.start} : task.backbone;
-  map.next.resize(map.points.size());
-  map.goal = static_cast<Point>(map.points.size() - 1);
-  for (Point k = 1; k <= map.goal; ++k) join(map, arm, k - 1, k);
-  map.way = static_cast<std::ptrdiff_t>(map.points.size());
+  map.points = {task.start};
+  map.next.resize(1);
+  for (std::size_t k = 1; k < task.backbone.size() && !task.anywhere; ++k) {
+    const Eigen::VectorXd corner = task.backbone[k];
+    add_straight(map, arm, map.goal, corner);
+    map.goal = static_cast<Point>(map.points.size() - 1);
+  }
 }
 
-/// Points near the way's corners, one or two joints moved: the shortest ways round first.
+/// Where ways aside begin: points all along an arm's way, its ends among them.
+std::vector<RoadmapSearch::Point> RoadmapSearch::stations(const Roadmap& map) {
+  std::vector<Point> found;
+  const Point count = std::min(most_stations, map.goal + 1);
+  for (Point k = 0; k < count; ++k) found.push_back(count > 1 ? k * map.goal / (count - 1) : 0);
+  return found;
+}
+
+/// Points near the way's stations, one or two joints moved: the shortest ways round first.
 std::vector<Eigen::VectorXd> RoadmapSearch::asides(std::size_t arm) {
   const RobotModel& robot = world_.robot(arm);
   const Roadmap& map = maps_[arm];
@@ -66,7 +77,7 @@ std::vector<Eigen::VectorXd> RoadmapSearch::asides(std::size_t arm) {
   const auto add = [&](Eigen::VectorXd q) {
     if (!robot.limit_violation(q)) found.push_back(std::move(q));
   };
-  for (Point corner = 0; corner <= map.goal; ++corner)
+  for (const Point corner : stations(map))
     for (Eigen::Index j = 0; j < dof; ++j)
       for (const double turn : {-1.2, -0.8, -0.4, 0.4, 0.8, 1.2}) {
         Eigen::VectorXd q = map.points[corner];
@@ -96,9 +107,9 @@ double RoadmapSearch::out_of_the_way(std::size_t arm, const Eigen::VectorXd& q) 
   for (std::size_t other = 0; other < world_.size(); ++other) {
     if (other == arm || !world_.may_meet(arm, other)) continue;
     const Roadmap& map = maps_[other];
-    const std::vector<Eigen::VectorXd> way(map.points.begin(), map.points.begin() + map.way);
+    const std::vector<Eigen::VectorXd> way(map.points.begin(), map.points.begin() + map.goal + 1);
     const std::vector<char> found = world_.which_apart(arm, q, other, way);
-    all += map.way;
+    all += std::ssize(way);
     apart += std::count(found.begin(), found.end(), 1);
   }
   return all ? static_cast<double>(apart) / static_cast<double>(all) : 1.0;
@@ -110,7 +121,6 @@ void RoadmapSearch::make_asides(std::size_t arm) {
   for (std::size_t other = 0; other < world_.size(); ++other)
     if (world_.may_meet(arm, other)) make_way(other);
   Roadmap& map = maps_[arm];
-  const Point corners = map.goal + 1;
   const std::vector<Eigen::VectorXd> near = asides(arm);
   const std::size_t tried = tries * asides_;
   std::vector<std::pair<double, std::size_t>> ranked;
@@ -121,7 +131,7 @@ void RoadmapSearch::make_asides(std::size_t arm) {
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::size_t> kept;  // of `near`, and the points that they became
   std::vector<Point> points;
-  for (Point corner = 0; corner < corners; ++corner) {  // the best that each corner has a way to
+  for (const Point corner : stations(map)) {  // the best that each has a way to
     std::size_t found = 0;
     for (const auto& [share, i] : ranked) {
       if (found == asides_ || map.points.size() > most_points) break;
@@ -129,17 +139,16 @@ void RoadmapSearch::make_asides(std::size_t arm) {
       if (!world_.is_free_alone(arm, map.points[corner], near[i])) continue;
       ++found;
       if (known != kept.end()) {
-        join(map, arm, corner, points[static_cast<std::size_t>(known - kept.begin())]);
+        const Point there = points[static_cast<std::size_t>(known - kept.begin())];
+        add_straight(map, arm, corner, near[i], there);
         continue;
       }
-      const auto aside = static_cast<Point>(map.points.size());
-      map.points.push_back(near[i]);
-      map.next.emplace_back();
+      add_straight(map, arm, corner, near[i]);
+      const auto aside = static_cast<Point>(map.points.size() - 1);
       for (const Point other : points)
-        if (world_.is_free_alone(arm, map.points[other], near[i])) join(map, arm, other, aside);
+        if (world_.is_free_alone(arm, map.points[other], near[i])) add_straight(map, arm, other, near[i], aside);
       kept.push_back(i);
       points.push_back(aside);
-      join(map, arm, corner, aside);
     }
   }
   // The way that is left (Dijkstra).
@@ -173,6 +182,11 @@ bool RoadmapSearch::together(std::size_t a, Point p, std::size_t b, Point q) {
   if (row.size() < maps_[b].points.size()) {
     const std::vector<char> apart = world_.which_apart(a, maps_[a].points[p], b, maps_[b].points);
     row.assign(apart.begin(), apart.end());
+    // What balls cannot tell matters where the arms must be.
+    for (const Point end : {Point{0}, maps_[b].goal})
+      if (!row[end] && (p == 0 || p == maps_[a].goal))
+        row[end] =
+            world_.are_apart(a, maps_[a].points[p], maps_[a].points[p], b, maps_[b].points[end], maps_[b].points[end]);
   }
   return row[q];
 }

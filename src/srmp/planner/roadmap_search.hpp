@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "srmp/core/status.hpp"
@@ -21,7 +22,6 @@ struct Roadmap {
   std::vector<Eigen::VectorXd> points;  ///< free; 0: the start
   std::vector<std::vector<Way>> next;   ///< of each point: where free straight motions lead
   std::uint32_t goal{};
-  std::ptrdiff_t way{};         ///< number of points on its own way, which come first
   std::vector<double> to_goal;  ///< of each point: length of the way that is left
 };
 
@@ -50,7 +50,9 @@ class RoadmapSearch {
 
   void make_way(std::size_t arm);
   void make_asides(std::size_t arm);
-  void join(Roadmap& map, std::size_t arm, Point from, Point to) const;
+  void add_straight(Roadmap& map, std::size_t arm, Point from, const Eigen::VectorXd& q,
+                    std::optional<Point> known = {}) const;
+  static std::vector<Point> stations(const Roadmap& map);
   std::vector<Eigen::VectorXd> asides(std::size_t arm);
   double out_of_the_way(std::size_t arm, const Eigen::VectorXd& q);
   bool together(std::size_t a, Point p, std::size_t b, Point q);
