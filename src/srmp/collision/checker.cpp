@@ -181,13 +181,13 @@ bool Checker::is_free(ConstVector q, Workspace& workspace) const {
   return workspace.is_free_here();
 }
 
-bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free) const {
+bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free, bool by_balls) const {
   impl_->group.require_configuration(a, "start of the motion");
   impl_->group.require_configuration(b, "end of the motion");
   ++workspace.statistics.motions;
   if (!impl_->bodies.overlaps.empty()) return false;
   workspace.start_motion(a, b);
-  return workspace.is_motion_free(a_is_free);
+  return workspace.is_motion_free(a_is_free, by_balls || impl_->mode == CheckMode::conservative);
 }
 
 void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, bool by_balls) const {

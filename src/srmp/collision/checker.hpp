@@ -119,7 +119,9 @@ class Checker {
   bool is_free(ConstVector q, Workspace& workspace) const;
   /// Both ends included. `a_is_free`: the caller knows that is_free(a); pairs that this motion leaves alone need no
   /// look.
-  bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free = false) const;
+  /// `by_balls`: what balls cannot prove free counts as not free, as in CheckMode::conservative.
+  bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free = false,
+                      bool by_balls = false) const;
 
   /// is_free of each row, 16 at a time; `free` has as many entries as q has rows. With CheckMode::conservative, what
   /// balls cannot prove free counts as not free; with `by_balls` too, unless CheckMode::coal has none. Throws

@@ -364,7 +364,7 @@ bool Checker::Workspace::settle_by_coal() {
   return settle();
 }
 
-bool Checker::Workspace::is_motion_free(bool a_is_free) {
+bool Checker::Workspace::is_motion_free(bool a_is_free, bool by_balls) {
   start_is_free_ = a_is_free;
   if (active_ == 0) {
     if (a_is_free) return true;
@@ -373,7 +373,7 @@ bool Checker::Workspace::is_motion_free(bool a_is_free) {
   }
   if (!impl.batch || !impl.balls_reach(start_) || !impl.balls_reach(start_ + delta_)) return settle_by_coal();
   const Verdict verdict = ask_balls();
-  if (verdict == Verdict::undecided && impl.mode != CheckMode::conservative) return settle();
+  if (verdict == Verdict::undecided && !by_balls) return settle();
   ++statistics.motions_by_balls;
   return verdict == Verdict::free;
 }

@@ -77,7 +77,7 @@ class Checker::Workspace {
   void sort_open();
   bool settle();
   bool take(std::uint32_t pair, double t, double half_width);
-  bool is_motion_free(bool a_is_free);
+  bool is_motion_free(bool a_is_free, bool by_balls);
   bool settle_by_coal();
   bool settle_lane(ConstVector q, std::span<const UndecidedPair> open);
   void judge_block(ConstRows q, std::span<bool> free, bool by_balls);

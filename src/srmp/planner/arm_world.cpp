@@ -172,8 +172,9 @@ int ArmWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen
 const ArmTask& ArmWorld::task(std::size_t arm) const { return arms_[arm]->task(); }
 
 bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
-                         const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free) {
-  if (a > b) return are_apart(b, from_b, to_b, a, from_a, to_a, start_is_free);
+                         const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free,
+                         bool by_balls) {
+  if (a > b) return are_apart(b, from_b, to_b, a, from_a, to_a, start_is_free, by_balls);
   const Checker* checker = checkers_.pair(a, b);
   if (!checker) return true;
   ++pair_checks_;
@@ -181,7 +182,7 @@ bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eig
   to_.resize(from_.size());
   from_ << from_a, from_b;
   to_ << to_a, to_b;
-  return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}), start_is_free);
+  return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}), start_is_free, by_balls);
 }
 
 std::vector<char> ArmWorld::which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,

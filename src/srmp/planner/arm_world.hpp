@@ -45,9 +45,11 @@ class ArmWorld : public multi::World {
   int duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   const ArmTask& task(std::size_t arm) const;
 
-  /// Two straight motions at the same time. `start_is_free`: they are known to be apart where they begin.
+  /// Two straight motions at the same time. `start_is_free`: they are known to be apart where they begin; `by_balls`:
+  /// as in Checker::is_motion_free.
   bool are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
-                 const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free = false);
+                 const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free = false,
+                 bool by_balls = false);
   /// Of each point of b: are the two surely apart when a is at q? By balls alone: quick, and never true wrongly.
   std::vector<char> which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
                                 const std::vector<Eigen::VectorXd>& points);

@@ -14,6 +14,7 @@ using search::AnyHeuristic;
 using search::StateId;
 
 constexpr double scales[] = {3.0, 1.5, 0.75};  // of the resolution asked for
+constexpr std::uint64_t fine_from = 1024;      // expansions: before, lattices finer than asked for are left out
 constexpr std::size_t most_targets = 16;
 
 class CompositeSearch {
@@ -39,7 +40,8 @@ class CompositeSearch {
     CompositeResult answer;
     if (targets_.empty()) return answer;
     for (const double scale : scales)
-      for (const bool backward : {true, false}) members_.push_back({nullptr, {}, backward, scale});
+      if (scale >= 1.0 || options_.max_expansions >= fine_from)
+        for (const bool backward : {true, false}) members_.push_back({nullptr, {}, backward, scale});
     const auto make = [this](std::size_t i) { return make_member(members_[i]); };
     const auto found = search::portfolio<Lattice, AnyHeuristic>(
         members_.size(), make, {.weight = options_.weight, .max_expansions = options_.max_expansions}, deadline);
@@ -83,8 +85,13 @@ class CompositeSearch {
     }
   }
 
-  /// `a` is free.
+  bool is_end(const Eigen::VectorXd& q) const {
+    return q == start_ || std::find(targets_.begin(), targets_.end(), q) != targets_.end();
+  }
+
+  /// `a` is free. Where the arms must be, it matters how near they are exactly; elsewhere balls are quicker.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    const bool by_balls = !is_end(a) && !is_end(b);
     std::vector<char> moves(arms_.size());
     for (std::size_t i = 0; i < arms_.size(); ++i) {
       moves[i] = part_of(a, i) != part_of(b, i);
@@ -92,8 +99,8 @@ class CompositeSearch {
     }
     for (std::size_t i = 0; i < arms_.size(); ++i)
       for (std::size_t k = i + 1; k < arms_.size(); ++k)
-        if ((moves[i] || moves[k]) &&
-            !world_.are_apart(arms_[i], part_of(a, i), part_of(b, i), arms_[k], part_of(a, k), part_of(b, k), true))
+        if ((moves[i] || moves[k]) && !world_.are_apart(arms_[i], part_of(a, i), part_of(b, i), arms_[k], part_of(a, k),
+                                                        part_of(b, k), true, by_balls))
           return false;
     return true;
   }
