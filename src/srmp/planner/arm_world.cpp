@@ -106,7 +106,7 @@ class ArmWorld::Arm : public multi::Agent {
 };
 
 ArmWorld::ArmWorld(const ArmCheckers& checkers, std::vector<ArmTask> tasks, const Options& options)
-    : checkers_(checkers) {
+    : checkers_(checkers), options_(options) {
   for (std::size_t i = 0; i < checkers.size(); ++i) {
     arms_.push_back(std::make_unique<Arm>(checkers.alone(i), std::move(tasks[i]), options));
     step_time_ = std::max(step_time_, options.resolution / arms_.back()->mean_speed());

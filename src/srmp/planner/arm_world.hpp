@@ -44,6 +44,7 @@ class ArmWorld : public multi::World {
   /// Steps that a straight motion takes, > 0.
   int duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   const ArmTask& task(std::size_t arm) const;
+  const Options& options() const { return options_; }
 
   /// Two straight motions at the same time. `start_is_free`: they are known to be apart where they begin; `by_balls`:
   /// as in Checker::is_motion_free.
@@ -63,6 +64,7 @@ class ArmWorld : public multi::World {
  private:
   class Arm;
   const ArmCheckers& checkers_;
+  Options options_;
   std::vector<std::unique_ptr<Arm>> arms_;
   std::map<std::pair<std::size_t, std::size_t>, Checker::WorkspacePtr> workspaces_;
   Eigen::VectorXd from_, to_;  // of a pair

@@ -109,8 +109,8 @@ class CompositeSearch {
     Eigen::VectorXd step(static_cast<Eigen::Index>(joints_.size()));
     for (std::size_t j = 0; j < joints_.size(); ++j)
       step[static_cast<Eigen::Index>(j)] =
-          scale * (joints_[j].kind == JointKind::prismatic ? options_.lattice.prismatic_resolution
-                                                           : std::min(options_.lattice.resolution, M_PI / 2 / scale));
+          scale * (joints_[j].kind == JointKind::prismatic ? world_.options().prismatic_resolution
+                                                           : std::min(world_.options().resolution, M_PI / 2 / scale));
     PrimitiveSet set = rich_primitives(joints_, step, pairs_);
     PrimitiveFamily one_arm{"one arm", PrimitiveUse::towards, {}};  // the others stay
     for (std::size_t i = 0; i < arms_.size(); ++i) {

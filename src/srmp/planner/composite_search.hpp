@@ -10,7 +10,6 @@
 namespace srmp {
 
 struct CompositeOptions {
-  ArmWorld::Options lattice;
   double weight{50.0};             ///< as Auto::weight
   std::uint64_t max_expansions{};  ///< of one search of the portfolio
 };

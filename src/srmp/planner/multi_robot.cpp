@@ -237,8 +237,9 @@ class MultiRobotPlan {
     return std::nullopt;
   }
 
-  /// Conflict-based search and, where the planner may, one search for all arms' joints, in turns with more and more
-  /// effort: the one is better at arms that get by, the other at arms that are in each other's way.
+  /// Where the planner may, three searches in turns with more and more effort: on roadmaps, which is quick where arms
+  /// need only wait or step aside; conflict-based search, for arms that get by each other; and one search for all arms'
+  /// joints, for those that are in each other's way. Else conflict-based search alone.
   Group together(const std::vector<std::size_t>& arms) {
     const PhaseTimer timer(deadline_, statistics_.search_time_s);
     const bool composite =
@@ -261,15 +262,13 @@ class MultiRobotPlan {
       lower = std::max(lower, found.lower);
       if (found.status == Status::solved) return {coupled_path(*world_, arms, found.paths), lower};
       if (!composite || deadline_.stop_requested()) require_solved(found);
-      CompositeResult one = composite_search(
-          *world_, arms,
-          {.lattice = {common_.resolution * M_PI / 180.0, common_.prismatic_resolution}, .max_expansions = 16 * effort},
-          deadline_);
+      CompositeResult one = composite_search(*world_, arms, {.max_expansions = 16 * effort}, deadline_);
       statistics_.expansions += one.statistics.expansions;
       statistics_.generated += one.statistics.generated;
       if (one.status == Status::solved && one.path.length() <= options.bound() * lower)
         return {std::move(one.path), lower};
-      if (deadline_.stop_requested()) require_solved(found);
+      const bool no_more = found.status == Status::exhausted && one.status == Status::exhausted;
+      if (no_more || deadline_.stop_requested()) require_solved(found);
     }
   }
 
@@ -303,7 +302,7 @@ class MultiRobotPlan {
                         : lower > 0.0   ? cost / lower
                                         : search::infinity;
     statistics_.bound_graph = "the robots' lattices of " + to_text(common_.resolution) + " degrees, in steps of " +
-                              to_text(world_->step_time()) + " s";
+                              to_text(world_->step_time()) + " s, waiting counted";
     statistics_.solutions = {
         {deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph}};
   }
