@@ -785,16 +785,19 @@ void bind_planning(nb::class_<Self>& cls) {
       .def(
           "plan_multi",
           [](Self& self, const std::map<std::string, ArrayLike>& starts,
-             const std::map<std::string, GoalConstraint>& goals) {
+             const std::map<std::string, GoalConstraint>& goals,
+             const std::optional<std::map<std::string, Trajectory>>& obstacles) {
+            const std::map<std::string, Trajectory> committed = obstacles.value_or(std::map<std::string, Trajectory>{});
             std::map<std::string, Eigen::VectorXd> q;
             for (const auto& [name, start] : starts) q[name] = start.vector("start of '" + name + "'");
             return self.use([&](PlannerInterface& p) {
-              return run_interruptible([&] { return p.plan_multi(q, goals, python_interrupted); });
+              return run_interruptible([&] { return p.plan_multi(q, goals, committed, python_interrupted); });
             });
           },
-          nb::arg("starts"), nb::arg("goals"),
+          nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),
           nb::sig("def plan_multi(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
-                  "goals: collections.abc.Mapping[str, GoalConstraint]) -> MultiTrajectory"),
+                  "goals: collections.abc.Mapping[str, GoalConstraint], "
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> MultiTrajectory"),
           "Motions of many robots together, on one clock, collision-free among each other too.\n\n"
           "starts: (dof,) [rad or m] by robot name; goals: by robot name. A robot with a start and no goal holds still "
           "(GoalConstraint.hold()\n"
@@ -803,9 +806,22 @@ void bind_planning(nb::class_<Self>& cls) {
           "Planned by the planner that make_planner chose for the robots of `starts`. The GIL is released; Ctrl-C "
           "stops "
           "it.\n\n"
-          "Raises PlanningError, with a status and a reason, when there are none; InvalidArgument for a goal without a "
-          "start, wrong\n"
-          "sizes and NaN, and when no robot is to move.")
+          "obstacles: timed Trajectory by robot name, that other robots of the scene are committed to. They begin at "
+          "time 0 too, the\n"
+          "robots rest where they end, and are not asked to move. The planned motions end among them so, and begin, "
+          "all "
+          "together, as\n"
+          "soon as they get by, in steps of 0.1 s; until then they rest at the starts. Certificates cover the "
+          "obstacles; "
+          "a scan over\n"
+          "the time to begin is not complete.\n\n"
+          "Raises PlanningError, with a status and a reason, when there are none (a start where an obstacle begins or "
+          "ends is\n"
+          "start_invalid; exhausted names links and time when there is no time to begin); InvalidArgument for a goal "
+          "without a start,\n"
+          "wrong sizes and NaN, when no robot is to move, and for an obstacle that has a start, has no times, does not "
+          "begin at time\n"
+          "0, leaves the joint limits or has not the robot's joints.")
       .def(
           "get_planning_stats",
           [](Self& self) { return self.use([](auto& p) { return to_dict(p.get_planning_stats()); }); },

@@ -8,6 +8,7 @@
 #include "srmp/io/joint_limits.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/io/scene_file.hpp"
+#include "srmp/planner/committed.hpp"
 #include "srmp/planner/multi_robot.hpp"
 #include "srmp/planner/plan_many.hpp"
 #include "srmp/planner/problem_file.hpp"
@@ -509,6 +510,7 @@ std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanReques
 
 MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
                                              const std::map<std::string, GoalConstraint>& goals,
+                                             const std::map<std::string, Trajectory>& obstacles,
                                              const Interrupt& interrupt) {
   std::vector<std::string> robots;
   for (const auto& [name, start] : starts) robots.push_back(name);
@@ -517,6 +519,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   const PlannerOptions& options = planner_options(robots);
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
+  stand_at_ends(scene, starts, obstacles, common_options(options));
   std::vector<MultiRobotPart> moving;
   for (const auto& [name, start] : starts) {
     const auto goal = goals.find(name);
@@ -537,9 +540,10 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   impl_->request.reset();
   impl_->result.reset();
   impl_->statistics = {};
-  MultiTrajectory result =
-      plan_multi_robot({scene, std::move(moving), *checkers.plan, *checkers.judge, options, impl_->heuristics},
-                       deadline, impl_->statistics);
+  const MultiRobotProblem problem{scene,           std::move(moving), *checkers.plan,
+                                  *checkers.judge, options,           impl_->heuristics};
+  MultiTrajectory result = obstacles.empty() ? plan_multi_robot(problem, deadline, impl_->statistics)
+                                             : plan_around(problem, starts, obstacles, deadline, impl_->statistics);
   for (const auto& [name, start] : starts)
     if (!result.robots.contains(name)) result.robots.emplace(name, at_rest(scene, name, start));
   return result;

@@ -246,8 +246,15 @@ class PlannerInterface {
   /// stand where set_qpos put them. Planned by the planner that make_planner chose for the robots of `starts`. Throws
   /// PlanningError with a typed status and a sentence when there are none, InvalidArgument for a goal without a start,
   /// and when no robot is to move.
+  ///
+  /// `obstacles`: timed motions that other robots of the scene are committed to. They begin at time 0 too, the robots
+  /// rest where they end, and are not asked to move. The planned motions end among them so, and begin, all together, as
+  /// soon as they get by: an explicit rest at the starts comes first (planner/committed.hpp, which says what is
+  /// refused). Starts where a committed motion begins or ends are `start_invalid`, goals where one ends `goal_invalid`;
+  /// `exhausted` names links and time when there is no time to begin.
   MultiTrajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
-                             const std::map<std::string, GoalConstraint>& goals, const Interrupt& interrupt = {});
+                             const std::map<std::string, GoalConstraint>& goals,
+                             const std::map<std::string, Trajectory>& obstacles = {}, const Interrupt& interrupt = {});
   /// Of the last plan, solved or not; status `exhausted` with zeros before the first.
   const PlanStatistics& get_planning_stats() const;
   /// What the last plan was asked, without options: those of make_planner count. None before the first, and once its

@@ -1,0 +1,422 @@
+#include "srmp/planner/committed.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "srmp/collision/motion_proof.hpp"
+#include "srmp/planner/phase_timer.hpp"
+#include "srmp/planner/post_process.hpp"
+#include "srmp/trajectory/certify.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double delay_step = 0.1;    // [s]
+constexpr double look_period = 0.05;  // [s] of the quick look before a proof
+constexpr double mercy = 0.010;       // [s] as in post_process.cpp
+
+double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
+
+/// A robot that stays.
+Trajectory rest(const std::vector<std::string>& joints, const RowMatrix& rows, double duration) {
+  const RowMatrix zero = RowMatrix::Zero(rows.rows(), rows.cols());
+  return {joints, rows, zero, zero, Eigen::VectorXd::LinSpaced(rows.rows(), 0.0, duration), rows.topRows(1)};
+}
+
+Trajectory rest_at(const Trajectory& motion, Eigen::Index row) {
+  return rest(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
+}
+
+Trajectory delayed(const Trajectory& motion, double delay) {
+  if (delay == 0.0) return motion;
+  Trajectory result = rest(motion.joint_names, motion.positions.row(0).replicate(2, 1), delay).followed_by(motion);
+  result.robot = motion.robot;
+  return result;
+}
+
+// --- two motions at once
+
+/// Where a robot is at a time in [from, to], during which its velocity does not jump.
+void copy_state(const Trajectory& motion, double time, double from, double to, Eigen::Ref<Eigen::RowVectorXd> position,
+                Eigen::Ref<Eigen::RowVectorXd> velocity) {
+  position = motion.sample(time).transpose();
+  if (from >= end_of(motion))
+    velocity.setZero();
+  else if (motion.velocities.rows() > 0)
+    velocity = motion.state(time).velocity.transpose();
+  else
+    velocity = (motion.sample(to) - motion.sample(from)).transpose() / (to - from);
+}
+
+/// The times between which no velocity jumps: at its end a robot rests, without velocities it turns at every row.
+std::vector<double> jumps(const Trajectory& a, const Trajectory& b) {
+  std::set<double> times{0.0};
+  for (const Trajectory* motion : {&a, &b}) {
+    times.insert(end_of(*motion));
+    if (motion->velocities.rows() == 0) times.insert(motion->times.begin(), motion->times.end());
+  }
+  return {times.begin(), times.end()};
+}
+
+std::vector<double> rows_within(const Trajectory& a, const Trajectory& b, double from, double to) {
+  std::set<double> times{from, to};
+  for (const Trajectory* motion : {&a, &b})
+    for (const double time : motion->times)
+      if (time > from && time < to) times.insert(time);
+  return {times.begin(), times.end()};
+}
+
+MotionProof prove_part(const Checker& judge, const Trajectory& a, const Trajectory& b, double from, double to,
+                       Checker::Workspace& workspace, const ProofOptions& options) {
+  const std::vector<double> rows = rows_within(a, b, from, to);
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  const Eigen::Index of_a = a.positions.cols(), of_b = b.positions.cols();
+  const Eigen::VectorXd times = Eigen::Map<const Eigen::VectorXd>(rows.data(), n);
+  RowMatrix positions(n, of_a + of_b), velocities(n, of_a + of_b);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    copy_state(a, times[i], from, to, positions.row(i).head(of_a), velocities.row(i).head(of_a));
+    copy_state(b, times[i], from, to, positions.row(i).tail(of_b), velocities.row(i).tail(of_b));
+  }
+  return prove_motion(judge, {times, positions, velocities}, workspace, options);
+}
+
+/// Of a and then b, whose joints stand in this order in the judge's configurations.
+MotionProof prove_apart(const Checker& judge, const Trajectory& a, const Trajectory& b, const ProofOptions& options) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto workspace = judge.make_workspace();
+  const std::vector<double> times = jumps(a, b);
+  MotionProof all{.free = true, .clearance = infinity, .proved = infinity};
+  for (std::size_t i = 0; i == 0 || i + 1 < times.size(); ++i) {
+    MotionProof part = prove_part(judge, a, b, times[i], times[std::min(i + 1, times.size() - 1)], *workspace, options);
+    if (!part.free) return part;
+    part.unproved.insert(part.unproved.begin(), all.unproved.begin(), all.unproved.end());
+    part.proved = std::min(part.proved, all.proved);
+    if (i > 0 && all.clearance <= part.clearance) {
+      part.clearance = all.clearance;
+      part.time = all.time;
+      part.body_a = all.body_a;
+      part.body_b = all.body_b;
+    }
+    all = std::move(part);
+  }
+  return all;
+}
+
+/// A contact at samples; a proof takes longer to find one.
+std::optional<double> look(const Checker& judge, const Trajectory& a, const Trajectory& b,
+                           Checker::Workspace& workspace) {
+  const double end = std::max(end_of(a), end_of(b));
+  Eigen::VectorXd both(a.positions.cols() + b.positions.cols());
+  for (int i = 0; i * look_period <= end; ++i) {
+    both << a.sample(i * look_period), b.sample(i * look_period);
+    if (!judge.is_free(both, workspace)) return i * look_period;
+  }
+  return std::nullopt;
+}
+
+// --- the plan
+
+class PlanAround {
+ public:
+  PlanAround(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
+             const CommittedMotions& committed, const Deadline& deadline, PlanStatistics& statistics)
+      : problem_(problem),
+        common_(common_options(problem.options)),
+        committed_(committed),
+        deadline_(deadline),
+        statistics_(statistics) {
+    for (const auto& [name, start] : starts) {
+      const auto& joints = problem.scene.robot(name).model->joint_names();
+      waiting_.emplace(name, rest(joints, start.transpose(), 0.0));
+    }
+  }
+
+  MultiTrajectory run() {
+    {
+      const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+      find_pairs();
+      for (const Pair& pair : pairs_) require_start(pair);
+    }
+    planned_ = plan_multi_robot(problem_, deadline_, statistics_);
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    const double delay = first_delay();
+    for (auto& [name, trajectory] : planned_.robots) begin_after(delay, trajectory);
+    if (common_.certify) certify_all();
+    return std::move(planned_);
+  }
+
+ private:
+  /// A robot that is planned, or holds, and a committed one that it can meet.
+  struct Pair {
+    std::string robot, other;
+    const Checker* judge;
+  };
+
+  [[noreturn]] void fail(Status status, const std::string& reason) const { throw PlanningError(status, reason); }
+
+  void find_pairs() {
+    std::vector<std::string> moving, holding;
+    for (const MultiRobotPart& part : problem_.moving) moving.push_back(part.robot);
+    for (const auto& [name, motion] : waiting_)
+      if (std::find(moving.begin(), moving.end(), name) == moving.end()) holding.push_back(name);
+    team_ = add_pairs(moving);
+    if (!holding.empty()) held_ = add_pairs(holding);
+  }
+
+  /// The judges of these robots and the committed ones.
+  std::unique_ptr<const ArmCheckers> add_pairs(const std::vector<std::string>& robots) {
+    std::vector<std::string> names = robots;
+    for (const auto& [name, motion] : committed_) names.push_back(name);
+    auto judges = std::make_unique<const ArmCheckers>(problem_.scene, names, CheckerOptions{.mode = CheckMode::coal});
+    for (std::size_t i = 0; i < robots.size(); ++i)
+      for (std::size_t j = robots.size(); j < names.size(); ++j)
+        if (const Checker* judge = judges->pair(i, j)) pairs_.push_back({names[i], names[j], judge});
+    return judges;
+  }
+
+  // --- what no delay can help
+
+  void require_start(const Pair& pair) const {
+    const Trajectory &here = waiting_.at(pair.robot), &motion = committed_.at(pair.other);
+    const auto require = [&](const Trajectory& at, const std::string& does) {
+      const MotionProof proof = prove_apart(*pair.judge, here, at, {.tightness = 0.0});
+      if (!proof.free)
+        fail(Status::start_invalid, "the committed motion of '" + pair.other + "' " + does + " '" + pair.robot +
+                                        "' starts: " + touching(pair, proof));
+    };
+    require(rest_at(motion, 0), "begins where");
+    require(rest_at(motion, motion.positions.rows() - 1), "ends where");
+    if (moves(pair.robot)) return;
+    if (const auto when = meets_waiting(pair))
+      fail(Status::exhausted, "the committed motion of '" + pair.other + "' passes through '" + pair.robot +
+                                  "', which holds: " + when->text);
+  }
+
+  bool moves(const std::string& robot) const {
+    return std::any_of(problem_.moving.begin(), problem_.moving.end(),
+                       [&](const MultiRobotPart& part) { return part.robot == robot; });
+  }
+
+  /// Of a link of the robot, or an object that it holds.
+  std::string full_name(const std::string& robot, const std::string& body) const {
+    const auto& links = problem_.scene.robot(robot).model->link_names();
+    return std::find(links.begin(), links.end(), body) == links.end() ? body : robot + "/" + body;
+  }
+
+  std::string touching(const Pair& pair, const MotionProof& proof) const {
+    return "'" + full_name(pair.robot, proof.body_a) + "' and '" + proof.body_b + "' are in collision";
+  }
+
+  struct Meeting {
+    double time;
+    std::string text;
+  };
+
+  /// Of a proof that failed.
+  Meeting meeting(const Pair& pair, const MotionProof& proof) const {
+    const bool touch = !proof.free;
+    const double time = touch ? proof.time : proof.unproved.front().from;
+    const std::string& a = touch ? proof.body_a : proof.unproved.front().body_a;
+    const std::string& b = touch ? proof.body_b : proof.unproved.front().body_b;
+    return {time, "'" + full_name(pair.robot, a) + "' and '" + b + "' " + (touch ? "touch" : "cannot be proved apart") +
+                      " at " + to_text(time) + " s"};
+  }
+
+  /// A robot that rests all the while.
+  std::optional<Meeting> meets_waiting(const Pair& pair) const {
+    const MotionProof proof = prove(pair, waiting_.at(pair.robot), {.tightness = 0.0, .deadline = &deadline_});
+    if (proof.free && proof.unproved.empty()) return std::nullopt;
+    return meeting(pair, proof);
+  }
+
+  MotionProof prove(const Pair& pair, const Trajectory& motion, const ProofOptions& options) const {
+    MotionProof proof = prove_apart(*pair.judge, motion, committed_.at(pair.other), options);
+    stop_if_late();
+    return proof;
+  }
+
+  void stop_if_late() const {
+    if (deadline_.cancelled()) fail(Status::cancelled, "the plan was cancelled while the others' motions were awaited");
+    if (deadline_.expired())
+      fail(Status::timed_out, "no time to begin that suits the committed motions was found within the time limit of " +
+                                  to_text(common_.time_limit) + " s");
+  }
+
+  // --- when to begin
+
+  double first_delay() {
+    double latest = 0.0;
+    for (const auto& [name, motion] : committed_) latest = std::max(latest, end_of(motion));
+    std::optional<Meeting> waiting;
+    for (int i = 0;; ++i) {
+      const double delay = std::min(i * delay_step, latest);
+      const auto met = first_meeting(delay);
+      if (!met) return delay;
+      if (i == 0) waiting = first_while_waiting();
+      const double next = std::min((i + 1) * delay_step, latest);
+      if (delay < latest && (!waiting || next <= waiting->time)) continue;
+      if (waiting)
+        fail(Status::exhausted,
+             "a committed motion passes through where a robot waits, and it cannot leave in time: " + waiting->text);
+      fail(Status::exhausted,
+           "no time to begin suits the committed motions: begun after " + to_text(delay) + " s, " + met->text);
+    }
+  }
+
+  /// With all motions begun after `delay`.
+  std::optional<Meeting> first_meeting(double delay) const {
+    std::map<std::string, Trajectory> moved;
+    for (const auto& [name, motion] : planned_.robots) moved.emplace(name, delayed(motion, delay));
+    for (const Pair& pair : pairs_) {
+      if (!moved.contains(pair.robot)) continue;
+      const auto workspace = pair.judge->make_workspace();
+      const Trajectory &motion = moved.at(pair.robot), &other = committed_.at(pair.other);
+      stop_if_late();
+      if (const auto time = look(*pair.judge, motion, other, *workspace)) return meeting_at(pair, motion, *time);
+    }
+    for (const Pair& pair : pairs_) {
+      if (!moved.contains(pair.robot)) continue;
+      const MotionProof proof = prove(pair, moved.at(pair.robot), {.tightness = 0.0, .deadline = &deadline_});
+      if (!proof.free || !proof.unproved.empty()) return meeting(pair, proof);
+    }
+    return std::nullopt;
+  }
+
+  Meeting meeting_at(const Pair& pair, const Trajectory& motion, double time) const {
+    const Trajectory& other = committed_.at(pair.other);
+    Eigen::VectorXd both(motion.positions.cols() + other.positions.cols());
+    both << motion.sample(time), other.sample(time);
+    const auto contacts = pair.judge->contacts(both, *pair.judge->make_workspace());
+    MotionProof proof{.free = false, .time = time};
+    if (!contacts.empty()) {
+      proof.body_a = contacts.front().body_a;
+      proof.body_b = contacts.front().body_b;
+    }
+    return meeting(pair, proof);
+  }
+
+  /// Later than that nothing may begin.
+  std::optional<Meeting> first_while_waiting() const {
+    std::optional<Meeting> first;
+    for (const Pair& pair : pairs_)
+      if (moves(pair.robot))
+        if (const auto met = meets_waiting(pair); met && (!first || met->time < first->time)) first = met;
+    return first;
+  }
+
+  void begin_after(double delay, Trajectory& trajectory) {
+    const bool goes = (trajectory.positions.rowwise() - trajectory.positions.row(0)).cwiseAbs().maxCoeff() > 0.0;
+    Trajectory later = delayed(trajectory, delay);
+    later.certificate = trajectory.certificate;  // until it has its own
+    trajectory = std::move(later);
+    if (goes) statistics_.flow_time_s += delay;
+    statistics_.makespan_s = std::max(statistics_.makespan_s, end_of(trajectory));
+  }
+
+  // --- proof
+
+  /// By judges that know no robot standing where a committed motion ends.
+  void certify_all() {
+    const Deadline until(std::max(deadline_.remaining(), 0.0) + mercy, [this] { return deadline_.cancelled(); });
+    std::map<std::string, Certificate> certificates;
+    for (std::size_t i = 0; i < problem_.moving.size(); ++i) {
+      const MultiRobotPart& part = problem_.moving[i];
+      const Trajectory& trajectory = planned_.at(part.robot);
+      Certificate certificate = certify(trajectory, team_->alone(i), scaled(part.limits, common_),
+                                        {.jerk = common_.timing == "ruckig", .deadline = &until});
+      certificate.goal_error = trajectory.certificate->goal_error;
+      certificate.bound = trajectory.certificate->bound;
+      certificate.bound_graph = trajectory.certificate->bound_graph;
+      certificates.emplace(part.robot, std::move(certificate));
+    }
+    for (std::size_t i = 0; i < team_->size(); ++i)
+      for (std::size_t j = i + 1; j < team_->size(); ++j) certify_pair(i, j, certificates, until);
+    for (auto& [name, certificate] : certificates) {
+      if (!certificate.holds())
+        throw Error("internal error: the trajectory found for '" + name + "' is wrong (" +
+                    certificate.faults.front().text + "); nothing is returned. Please report this");
+      planned_.robots.at(name).certificate = std::make_shared<const Certificate>(std::move(certificate));
+    }
+  }
+
+  void certify_pair(std::size_t i, std::size_t j, std::map<std::string, Certificate>& certificates,
+                    const Deadline& until) const {
+    const std::string &a = team_->names()[i], &b = team_->names()[j];
+    const Checker* judge = team_->pair(i, j);
+    if (!judge || committed_.contains(a)) return;
+    const bool other = committed_.contains(b);
+    MotionProof proof = prove_apart(*judge, planned_.at(a), other ? committed_.at(b) : planned_.at(b), {0.5, &until});
+    add_proof(certificates.at(a), proof);
+    if (other) return;
+    const auto swap = [&](std::string& mine, std::string& theirs) {  // as the other one names the bodies
+      mine = full_name(a, mine);
+      if (theirs.starts_with(b + "/")) theirs.erase(0, b.size() + 1);
+      std::swap(mine, theirs);
+    };
+    swap(proof.body_a, proof.body_b);
+    for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
+    add_proof(certificates.at(b), proof);
+  }
+
+  const MultiRobotProblem& problem_;
+  const CommonOptions& common_;
+  const CommittedMotions& committed_;
+  const Deadline& deadline_;
+  PlanStatistics& statistics_;
+  std::map<std::string, Trajectory> waiting_;  // at the starts
+  std::unique_ptr<const ArmCheckers> team_, held_;
+  std::vector<Pair> pairs_;
+  MultiTrajectory planned_;
+};
+
+}  // namespace
+
+void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& starts,
+                   const CommittedMotions& committed, const CommonOptions& options) {
+  if (!committed.empty() && options.timing == "none")
+    throw InvalidArgument(
+        "obstacles ask for motions in time, but the planner's timing is 'none'; use 'toppra' or 'ruckig'");
+  for (const auto& [name, motion] : committed) {
+    const RobotModel& model = *scene.robot(name).model;
+    if (starts.contains(name))
+      throw InvalidArgument("robot '" + name +
+                            "' has a start and is an obstacle too; it is either planned or committed");
+    const auto require = [&](bool fine, const std::string& why) {
+      if (!fine) throw InvalidArgument("obstacle '" + name + "': " + why);
+    };
+    try {
+      motion.validate();
+    } catch (const InvalidArgument& error) {
+      require(false, error.what());
+    }
+    require(motion.timed(), "the trajectory has no times; a committed motion must say where it is when");
+    require(motion.times[0] == 0.0,
+            "the trajectory begins at " + to_text(motion.times[0]) + " s; all motions begin together at time 0");
+    const Checker checker(scene, name, {.mode = CheckMode::coal});
+    const Certificate certificate =
+        certify(motion, checker, default_limits(model), {.limits = false, .collisions = false, .at_rest = false});
+    if (!certificate.holds()) require(false, certificate.faults.front().text);
+  }
+  for (const auto& [name, motion] : committed) {
+    const Eigen::VectorXd end = motion.positions.bottomRows(1).transpose();
+    scene.set_qpos(name, scene.robot(name).model->clamped(end, std::numeric_limits<double>::infinity()));
+  }
+}
+
+MultiTrajectory plan_around(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
+                            const CommittedMotions& committed, const Deadline& deadline, PlanStatistics& statistics) {
+  try {
+    MultiTrajectory result = PlanAround(problem, starts, committed, deadline, statistics).run();
+    statistics.total_time_s = deadline.elapsed();
+    return result;
+  } catch (const PlanningError& error) {
+    statistics.status = error.status();
+    statistics.reason = error.what();
+    statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
+    throw;
+  }
+}
+
+}  // namespace srmp
