@@ -201,6 +201,8 @@ BOOST_AUTO_TEST_CASE(wrong_obstacles_are_refused) {
   refused("right", Trajectory{}, "obstacle 'right': trajectory: it has no rows");
   planner.make_planner({"left"}, srmp::XECBS{.common = {.timing = "none"}});
   refused("right", sweep(), "timing is 'none'");
+  planner.make_planner({"left"}, srmp::WAStar{});
+  refused("right", sweep(), "planner 'wAstar' plans for one robot");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

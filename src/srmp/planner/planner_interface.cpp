@@ -33,6 +33,15 @@ void require_multi_question(const Scene& scene, const std::string& robot, ConstV
     for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
 }
 
+/// One robot may have been given a planner that knows no others.
+void require_for_many(const PlannerOptions& options) {
+  for (const PlannerInfo& info : available_planners())
+    if (info.id == planner_id(options) && !info.many_robots)
+      throw InvalidArgument("planner '" + info.id +
+                            "' plans for one robot, with plan; make_planner one for many, such as 'xECBS', for "
+                            "plan_multi");
+}
+
 /// A robot that holds.
 Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::VectorXd& q) {
   const RobotInstance& instance = scene.robot(robot);
@@ -517,6 +526,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   for (const auto& [name, goal] : goals)
     if (!starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
   const PlannerOptions& options = planner_options(robots);
+  require_for_many(options);
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
   stand_at_ends(scene, starts, obstacles, common_options(options));

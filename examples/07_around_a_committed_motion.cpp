@@ -1,0 +1,48 @@
+// One arm is planned around a motion that another one is committed to.
+//
+// The Python program 07_around_a_committed_motion.py is the same and prints the same numbers.
+
+#include <cstdio>
+#include <numbers>
+
+#include "printing.hpp"
+#include "srmp/planner/planner_interface.hpp"
+
+using srmp::GoalConstraint;
+using std::numbers::pi;
+
+int main() {
+  srmp::PlannerInterface planner;
+  for (const char* name : {"left", "right"}) {
+    const bool left = name[0] == 'l';
+    planner.add_articulation({.urdf_path = SRMP_DATA_DIR "/arm7.urdf",
+                              .srdf_path = SRMP_DATA_DIR "/arm7.srdf",
+                              .name = name,
+                              .end_effector = "arm7_hand"},
+                             left ? srmp::Pose{} : srmp::Pose::from_rpy({0.6, 0, 0}, {0, 0, pi}));
+  }
+  planner.add_box("table", {3, 3, 0.1}, {.p = {0.3, 0, -0.051}});
+
+  // The hand in front of the arm, which is turned about its base.
+  const auto turned = [&](double angle) {
+    Eigen::VectorXd q = planner.robot("left").group_states().at("ready");
+    q[0] = angle;
+    return q;
+  };
+
+  // The right arm's motion may come from anywhere: another planner, another computer. Here it is planned first.
+  planner.set_qpos("left", turned(-pi / 2));
+  planner.make_planner({"right"}, srmp::WAStar{.common = {.time_limit = 30}});
+  const srmp::Trajectory committed = planner.plan("right", turned(-0.9), GoalConstraint::joints(turned(0.9)));
+
+  // The left arm crosses the same place in the other direction. It rests until there is a way past.
+  planner.make_planner({"left"}, srmp::XECBS{.common = {.time_limit = 30}});
+  const srmp::MultiTrajectory planned = planner.plan_multi(
+      {{"left", turned(-0.9)}}, {{"left", GoalConstraint::joints(turned(0.9))}}, {{"right", committed}});
+  const srmp::Trajectory& trajectory = planned.at("left");
+
+  std::printf("right: %.17g s\n", committed.duration());
+  std::printf("left: %.17g s, of which it waits %.17g s\n", trajectory.duration(), trajectory.times[1]);
+  std::printf("proved free: %s\n", trajectory.certificate->proved_free() ? "yes" : "no");
+  for (const auto& q : trajectory.waypoints.rowwise()) print_numbers(q);
+}

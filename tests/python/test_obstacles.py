@@ -1,0 +1,219 @@
+"""plan_multi(..., obstacles=): arms planned around motions that others are committed to."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+import srmp
+
+NAN = float("nan")
+
+
+@pytest.fixture
+def two():
+    """Two of the package's arms across a table, 0.6 m apart: their hands meet half way."""
+    planner = srmp.PlannerInterface()
+    for name, pose in (("left", srmp.Pose()), ("right", srmp.Pose.from_rpy([0.6, 0, 0], [0, 0, pi]))):
+        planner.add_articulation(
+            urdf_path=srmp.data_path("arm7.urdf"),
+            srdf_path=srmp.data_path("arm7.srdf"),
+            name=name,
+            end_effector="arm7_hand",
+            base_pose=pose,
+        )
+    planner.add_box("table", size=[3, 3, 0.1], pose=srmp.Pose(p=[0.3, 0, -0.051]))
+    planner.make_planner(["left"], {"planner_id": "xECBS", "time_limit": 20})
+    return planner
+
+
+def turned(angle):
+    """The hand in front of the arm, which is turned about its base."""
+    return np.array([angle, 0, 0, pi / 2, 0, pi / 2, 0])
+
+
+def goal(q):
+    return srmp.GoalConstraint(srmp.GoalType.JOINTS, q)
+
+
+def sweep(planner, duration=3.0, first=-0.9, last=0.9):
+    """Smooth: at rest at both ends."""
+    rows = np.array([turned(first), turned(last)])
+    return srmp.Trajectory(planner.get_joint_names("right"), rows, [0, duration], np.zeros((2, 7)))
+
+
+def plan(planner, obstacle, start=-0.9, end=0.9):
+    return planner.plan_multi({"left": turned(start)}, {"left": goal(turned(end))}, obstacles={"right": obstacle})
+
+
+def wait(trajectory):
+    moved = np.flatnonzero((trajectory.positions != trajectory.positions[0]).any(axis=1))
+    return trajectory.times[moved[0] - 1]
+
+
+def scenario():
+    robots = {
+        name: {
+            "urdf": srmp.data_path("arm7.urdf"),
+            "srdf": srmp.data_path("arm7.srdf"),
+            "package_dirs": [],
+            "base": base,
+            "fixed_joints": {},
+        }
+        for name, base in (("left", [0, 0, 0, 0, 0, 0, 1]), ("right", [0.6, 0, 0, 0, 0, 1, 0]))
+    }
+    return {"robots": robots, "held": [], "objects": []}
+
+
+@pytest.mark.parametrize("duration", [0.8, 2.0, 5.0])
+def test_it_waits_until_the_other_has_passed(two, duration):
+    obstacle = sweep(two, duration)
+    trajectory = plan(two, obstacle)["left"]
+    assert trajectory.times[0] == 0
+    assert 0 < wait(trajectory) <= duration
+    assert not trajectory.velocities[:2].any()
+    certificate = trajectory.certificate
+    assert certificate.holds
+    assert certificate.proved_free
+    assert certificate.clearance_proved > 0
+    np.testing.assert_allclose(trajectory.positions[-1], turned(0.9), atol=1e-9)
+    stats = two.get_planning_stats()
+    assert stats["makespan_s"] == trajectory.duration
+    assert stats["flow_time_s"] == pytest.approx(trajectory.duration)
+
+
+@pytest.mark.parametrize("duration", [0.8, 2.0, 5.0])
+@pytest.mark.parametrize("way", [(-0.9, 0.9), (0.9, -0.9)], ids=["against", "with"])
+def test_the_arms_keep_apart_all_the_time(two, duration, way):
+    """At each instant the other arm is set there, and the scene asked, which knows nothing of plans and times."""
+    obstacle = sweep(two, duration)
+    trajectory = plan(two, obstacle, *way)["left"]
+    two.remove_object("table")  # stands below, 1 mm under the bases
+    least = np.inf
+    for time in np.arange(0, max(duration, trajectory.duration) + 0.02, 0.02):
+        two.set_qpos("right", obstacle.sample(time))
+        q = trajectory.sample(time)
+        assert not two.is_state_colliding("left", q)
+        least = min(least, two.distance_to_collision("left", q))
+    assert least > 0
+    assert trajectory.certificate.clearance_proved <= least + 1e-9
+
+
+@pytest.mark.parametrize("duration", [0.8, 2.0])
+def test_pinocchio_and_coal_find_no_contact_at_1_khz(two, suite, duration):
+    recheck = suite("recheck_multi")
+    world = recheck.World(scenario())
+    motions = {"left": plan(two, sweep(two, duration))["left"], "right": sweep(two, duration)}
+    robots = {
+        name: {
+            "joint_names": motion.joint_names,
+            "times": motion.times,
+            "positions": motion.positions,
+            "velocities": motion.velocities,
+        }
+        for name, motion in motions.items()
+    }
+    assert [world.touching(q) for q in recheck.motion(world, robots, 1000.0)[1] if world.touching(q)] == []
+    # Begun at once, they would meet.
+    robots["left"]["times"] = np.maximum(motions["left"].times - wait(motions["left"]), 0)[1:]
+    for key in ("positions", "velocities"):
+        robots["left"][key] = robots["left"][key][1:]
+    assert any(world.touching(q) for q in recheck.motion(world, robots, 1000.0)[1])
+
+
+def test_straight_motions_and_sudden_stops_are_obstacles_too(two):
+    """No velocities: straight between rows."""
+    rows = np.array([turned(angle) for angle in (-0.9, 0.3, -0.2, 0.9)])
+    obstacle = srmp.Trajectory(two.get_joint_names("right"), rows, [0, 0.7, 1.1, 2.0])
+    trajectory = plan(two, obstacle)["left"]
+    assert trajectory.certificate.proved_free
+    for time in np.arange(0, max(2.0, trajectory.duration), 0.02):
+        two.set_qpos("right", obstacle.sample(time))
+        assert not two.is_state_colliding("left", trajectory.sample(time))
+
+
+@pytest.mark.parametrize("planner_id", ["CBS", "ECBS", "xECBS", "prioritised", "auto"])
+@pytest.mark.parametrize("timing", ["toppra", "ruckig"])
+def test_every_planner_for_many_plans_for_one(two, planner_id, timing):
+    two.make_planner("left", {"planner_id": planner_id, "timing": timing, "time_limit": 20})
+    trajectory = plan(two, sweep(two))["left"]
+    assert wait(trajectory) > 0
+    assert trajectory.certificate.proved_free
+
+
+def test_without_certificates_it_waits_as_long(two):
+    certified = plan(two, sweep(two))["left"]
+    two.make_planner("left", {"planner_id": "xECBS", "certify": False})
+    bare = plan(two, sweep(two))["left"]
+    assert bare.certificate is None
+    assert bare.positions.tobytes() == certified.positions.tobytes()
+
+
+def test_the_same_every_time(two):
+    first, second = (plan(two, sweep(two))["left"] for _ in range(2))
+    assert first.times.tobytes() == second.times.tobytes()
+    assert first.positions.tobytes() == second.positions.tobytes()
+
+
+def test_no_obstacles_no_wait(two):
+    two.set_qpos("right", turned(-2.0))
+    starts, goals = {"left": turned(-0.9)}, {"left": goal(turned(0.9))}
+    trajectories = [two.plan_multi(starts, goals, obstacles=none)["left"] for none in (None, {})]
+    trajectories.append(two.plan_multi(starts, goals, obstacles={"right": sweep(two, 2.0, -2.0, -2.1)})["left"])
+    assert {trajectory.positions.tobytes() for trajectory in trajectories} == {trajectories[0].positions.tobytes()}
+    assert wait(trajectories[0]) == 0
+    assert two.get_qpos("right").tolist() == turned(-2.0).tolist()  # the scene is as it was
+
+
+FAILURES = [
+    ((2.0, -0.9, 0.0), (-0.9, 0.0), "goal_invalid", "right/arm7_"),
+    ((2.0, 0.0, 0.9), (0.0, 0.9), "start_invalid", "'right' begins where 'left' starts: 'left/arm7_"),
+    ((2.0, -0.9, 0.0), (0.0, 0.9), "start_invalid", "'right' ends where 'left' starts: 'left/arm7_"),
+    (
+        (0.4, -0.9, 0.9),
+        (0.0, 0.9),
+        "exhausted",
+        "passes through where a robot waits.*'left/arm7_.*'right/arm7_.* touch at",
+    ),
+]
+
+
+@pytest.mark.parametrize(("motion", "way", "status", "sentence"), FAILURES, ids=[row[2] for row in FAILURES])
+def test_what_cannot_be_says_why(two, motion, way, status, sentence):
+    with pytest.raises(srmp.PlanningError, match=sentence) as error:
+        plan(two, sweep(two, *motion), *way)
+    assert error.value.status == srmp.Status[status]
+    assert two.get_planning_stats()["status"] == srmp.Status[status]
+    assert two.get_planning_stats()["reason"] == str(error.value)
+
+
+def with_start(planner):
+    planner.plan_multi({"left": turned(0)}, {"left": goal(turned(1))}, obstacles={"left": sweep(planner)})
+
+
+def named(planner, names):
+    return srmp.Trajectory(names, [turned(-0.9), turned(0.9)], [0, 1])
+
+
+REFUSED = [
+    (lambda p: p.plan_multi({"left": turned(0)}, {}, obstacles={"rihgt": sweep(p)}), "did you mean 'right'"),
+    (with_start, "'left' has a start and is an obstacle too"),
+    (lambda p: plan(p, named(p, list("abcdefg"))), "obstacle 'right': the joints are 'a'.* but those of robot 'right'"),
+    (lambda p: plan(p, named(p, p.get_joint_names("right")[::-1])), "obstacle 'right': .*another order"),
+    (
+        lambda p: plan(p, srmp.Trajectory(p.get_joint_names("right"), [turned(-0.9)])),
+        "obstacle 'right': the trajectory has no times",
+    ),
+    (lambda p: plan(p, sweep(p).slice(1, 2)), "obstacle 'right': the trajectory begins at 1 s"),
+    (lambda p: plan(p, sweep(p, 1.0, -0.9, 9.0)), "obstacle 'right': arm7_joint1: the position is 9.* its limits are"),
+    (lambda p: plan(p, sweep(p, 1.0, -0.9, NAN)), "trajectory: positions, row 1"),
+    (lambda p: p.make_planner("left", {"timing": "none"}) or plan(p, sweep(p)), "timing is 'none'"),
+    (lambda p: p.make_planner("left", srmp.WAStar()) or plan(p, sweep(p)), "'wAstar' plans for one robot"),
+]
+
+
+@pytest.mark.parametrize(("call", "sentence"), REFUSED)
+def test_wrong_obstacles_are_refused(two, call, sentence):
+    with pytest.raises(srmp.InvalidArgument, match=sentence) as error:
+        call(two)
+    assert "\n" not in str(error.value)
