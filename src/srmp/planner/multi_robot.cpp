@@ -5,18 +5,15 @@
 #include <optional>
 #include <set>
 
-#include "srmp/collision/motion_proof.hpp"
 #include "srmp/multi/conflict_search.hpp"
 #include "srmp/planner/arm_team.hpp"
 #include "srmp/planner/arm_world.hpp"
 #include "srmp/planner/composite_search.hpp"
 #include "srmp/planner/coupled_path.hpp"
+#include "srmp/planner/coupled_post_process.hpp"
 #include "srmp/planner/phase_timer.hpp"
-#include "srmp/planner/post_process.hpp"
 #include "srmp/planner/roadmap_search.hpp"
 #include "srmp/planner/single_robot.hpp"
-#include "srmp/planner/verify.hpp"
-#include "srmp/trajectory/parameterize.hpp"
 
 namespace srmp {
 
@@ -180,9 +177,12 @@ class MultiRobotPlan {
     }
     statistics_.states += world_->states();
     for (const Group& group : groups_) statistics_.search_cost_rad += group.path.length();
-    for (const Group& group : groups_) clusters_.push_back({shortened_path(group.path)});
+    for (const Group& group : groups_) {
+      const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
+      shortened_.push_back(common_.shortcut ? shortened(group.path, *world_, deadline_) : group.path);
+    }
     statistics_.edge_checks += world_->pair_checks();
-    set_costs();
+    set_costs(shortened_);
   }
 
   void add_group(Group group) {
@@ -282,19 +282,14 @@ class MultiRobotPlan {
     return std::move(found.path);
   }
 
-  CoupledPath shortened_path(const CoupledPath& path) {
-    const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
-    return common_.shortcut ? shortened(path, *world_, deadline_) : path;
-  }
-
   /// Of the paths as they will be returned.
-  void set_costs() {
+  void set_costs(const std::vector<CoupledPath>& paths) {
     double lower = 0.0;
     statistics_.path_cost_rad = 0.0;
     for (const Group& group : groups_) lower += group.lower;
-    for (const Cluster& cluster : clusters_)
-      for (std::size_t i = 0; i < cluster.path.arms.size(); ++i)
-        statistics_.path_cost_rad += statistics_.robot_cost_rad[name(cluster.path.arms[i])] = cluster.path.length(i);
+    for (const CoupledPath& path : paths)
+      for (std::size_t i = 0; i < path.arms.size(); ++i)
+        statistics_.path_cost_rad += statistics_.robot_cost_rad[name(path.arms[i])] = path.length(i);
     const double cost = std::min(statistics_.path_cost_rad, statistics_.search_cost_rad);
     const bool proved = !std::holds_alternative<Prioritised>(problem_.options);
     statistics_.bound = !proved         ? search::infinity
@@ -305,6 +300,14 @@ class MultiRobotPlan {
                               to_text(world_->step_time()) + " s, waiting counted";
     statistics_.solutions = {
         {deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph}};
+  }
+
+  MultiTrajectory post_process() {
+    std::vector<CoupledPath> raw;
+    for (const Group& group : groups_) raw.push_back(group.path);
+    return coupled_post_process(
+        problem_, *world_, raw, shortened_, [this](const std::vector<CoupledPath>& paths) { set_costs(paths); },
+        deadline_, statistics_);
   }
 
   void count(const multi::ConflictSearchResult& found) {
@@ -330,251 +333,7 @@ class MultiRobotPlan {
     }
   }
 
-  // --- time and proof
-
-  /// Groups of arms that are timed together, so that what one does while another does something stays so.
-  struct Cluster {
-    CoupledPath path;
-    double deviation{-1.0};  // at the corners; below 0: not timed yet
-    std::vector<Trajectory> trajectories{};
-    std::vector<Certificate> certificates{};
-  };
-
-  MultiTrajectory post_process() {
-    const Deadline until(std::max(deadline_.remaining(), 0.0) + mercy, [this] { return deadline_.cancelled(); });
-    if (common_.timing == "none")
-      while (clusters_.size() > 1) merge_clusters(0, 1);
-    do {
-      for (Cluster& cluster : clusters_)
-        if (cluster.deviation < 0.0) time_and_certify(cluster, until);
-    } while (common_.certify && !certify_clusters(until));
-    set_costs();
-    MultiTrajectory result;
-    for (Cluster& cluster : clusters_)
-      for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) {
-        Trajectory& trajectory = cluster.trajectories[i];
-        if (common_.certify) take_certificate(trajectory, cluster.path.arms[i], std::move(cluster.certificates[i]));
-        result.robots.emplace(name(cluster.path.arms[i]), std::move(trajectory));
-      }
-    set_times(result);
-    return result;
-  }
-
-  void take_certificate(Trajectory& trajectory, std::size_t arm, Certificate certificate) const {
-    if (!certificate.holds())
-      throw Error("internal error: the trajectory found for '" + name(arm) + "' is wrong (" +
-                  certificate.faults.front().text + "); nothing is returned. Please report this");
-    certificate.bound = statistics_.bound;
-    certificate.bound_graph = statistics_.bound_graph;
-    trajectory.certificate = std::make_shared<const Certificate>(std::move(certificate));
-  }
-
-  /// The ways that were found for both, which do not meet, shortened together.
-  void merge_clusters(std::size_t i, std::size_t j) {
-    const CoupledPath raw = side_by_side(raw_path(clusters_[i].path.arms), raw_path(clusters_[j].path.arms));
-    clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(j));
-    clusters_[i] = {shortened_path(raw)};
-  }
-
-  /// As the search found it.
-  CoupledPath raw_path(const std::vector<std::size_t>& arms) const {
-    std::optional<CoupledPath> raw;
-    for (const Group& group : groups_)
-      if (std::binary_search(arms.begin(), arms.end(), group.path.arms.front()))
-        raw = raw ? side_by_side(*raw, group.path) : group.path;
-    return *raw;
-  }
-
-  /// Corners that cannot be proved free shrink.
-  void time_and_certify(Cluster& cluster, const Deadline& until) {
-    for (double deviation = common_.blend_deviation;; deviation *= shrink) {
-      if (deviation < least_deviation) deviation = 0.0;
-      cluster.deviation = deviation;
-      cluster.trajectories = in_time(cluster.path, deviation);
-      if (!common_.certify) return;
-      cluster.certificates = certified(cluster, until);
-      const bool proved = std::all_of(cluster.certificates.begin(), cluster.certificates.end(),
-                                      [](const Certificate& c) { return c.proved_free(); });
-      if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
-    }
-  }
-
-  /// Proves arms of different clusters apart; false: two that are not have become one.
-  bool certify_clusters(const Deadline& until) {
-    for (std::size_t i = 0; i < clusters_.size(); ++i)
-      for (std::size_t j = i + 1; j < clusters_.size(); ++j) {
-        Cluster &a = clusters_[i], &b = clusters_[j];
-        std::vector<Certificate> of_a = a.certificates, of_b = b.certificates;
-        bool apart = true;
-        for (std::size_t k = 0; k < a.path.arms.size() && apart; ++k)
-          for (std::size_t l = 0; l < b.path.arms.size() && apart; ++l)
-            apart = certify_pair({a.path.arms[k], a.trajectories[k], of_a[k]},
-                                 {b.path.arms[l], b.trajectories[l], of_b[l]}, until);
-        if (!apart) {
-          merge_clusters(i, j);
-          return false;
-        }
-        a.certificates = std::move(of_a);
-        b.certificates = std::move(of_b);
-      }
-    return true;
-  }
-
-  std::vector<Trajectory> in_time(const CoupledPath& path, double deviation) {
-    const PhaseTimer timer(deadline_, statistics_.timing_time_s);
-    std::vector<std::string> names;
-    MotionLimits limits;
-    Eigen::VectorXd reach;
-    for (const std::size_t i : path.arms) {
-      const MotionLimits own = scaled(problem_.moving[i].limits, common_);
-      for (const std::string& joint : world_->robot(i).joint_names()) names.push_back(name(i) + "/" + joint);
-      append(limits.velocity, own.velocity);
-      append(limits.acceleration, own.acceleration);
-      append(limits.jerk, own.jerk);
-      append(reach, problem_.checkers.alone(i).reach());
-      limits.continuous.insert(limits.continuous.end(), own.continuous.begin(), own.continuous.end());
-    }
-    RowMatrix waypoints(static_cast<Eigen::Index>(path.size()), limits.velocity.size());
-    Eigen::Index first = 0;
-    for (const RowMatrix& q : path.positions) {
-      waypoints.middleCols(first, q.cols()) = q;
-      first += q.cols();
-    }
-    if (common_.timing == "none") {
-      const RowMatrix none(0, waypoints.cols());
-      return parts({names, waypoints, none, none, {}, waypoints}, path);
-    }
-    TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
-                          .sample_period = common_.sample_period,
-                          .blend_deviation = deviation};
-    options.reach = reach;
-    options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
-    return parts(time_parameterize(waypoints, names, limits, options), path);
-  }
-
-  static void append(Eigen::VectorXd& to, const Eigen::VectorXd& more) {
-    to.conservativeResize(to.size() + more.size());
-    to.tail(more.size()) = more;
-  }
-
-  /// Of all robots of a path.
-  bool is_motion_free(const CoupledPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    Eigen::Index first = 0;
-    std::vector<Eigen::VectorXd> from, to;
-    for (const RowMatrix& q : path.positions) {
-      from.emplace_back(a.segment(first, q.cols()));
-      to.emplace_back(b.segment(first, q.cols()));
-      first += q.cols();
-    }
-    for (std::size_t i = 0; i < path.arms.size(); ++i) {
-      const auto& alone = problem_.checkers.alone(path.arms[i]);
-      if (!alone.is_motion_free(from[i], to[i], *alone.make_workspace())) return false;
-    }
-    for (std::size_t i = 0; i < path.arms.size(); ++i)
-      for (std::size_t j = i + 1; j < path.arms.size(); ++j)
-        if (!world_->are_apart(path.arms[i], from[i], to[i], path.arms[j], from[j], to[j])) return false;
-    return true;
-  }
-
-  /// What each arm does.
-  std::vector<Trajectory> parts(const Trajectory& all, const CoupledPath& path) const {
-    std::vector<Trajectory> result;
-    Eigen::Index first = 0;
-    for (std::size_t i = 0; i < path.arms.size(); ++i) {
-      const Eigen::Index columns = path.positions[i].cols();
-      const auto part = [&](const RowMatrix& of) -> RowMatrix { return of.middleCols(first, columns); };
-      Trajectory one{world_->robot(path.arms[i]).joint_names(),
-                     part(all.positions),
-                     part(all.velocities),
-                     part(all.accelerations),
-                     all.times,
-                     part(all.waypoints)};
-      one.robot = problem_.moving[path.arms[i]].placed;
-      result.push_back(std::move(one));
-      first += columns;
-    }
-    return result;
-  }
-
-  void set_times(const MultiTrajectory& result) {
-    statistics_.makespan_s = result.duration();
-    statistics_.flow_time_s = 0.0;
-    for (const auto& [robot, trajectory] : result.robots) statistics_.flow_time_s += arrival(trajectory);
-  }
-
-  /// When the robot is at rest for good.
-  static double arrival(const Trajectory& trajectory) {
-    if (!trajectory.timed()) return 0.0;
-    Eigen::Index row = trajectory.positions.rows() - 1;
-    while (row > 0 && trajectory.positions.row(row - 1) == trajectory.positions.row(row)) --row;
-    return trajectory.times[row];
-  }
-
-  /// Straight motions as long as one another where there are no times: a certificate needs some.
-  static Trajectory numbered(Trajectory path) {
-    const Eigen::Index rows = path.positions.rows();
-    if (!path.timed()) path.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
-    return path;
-  }
-
-  std::vector<Certificate> certified(const Cluster& cluster, const Deadline& until) {
-    std::vector<Certificate> certificates;
-    const std::vector<std::size_t>& arms = cluster.path.arms;
-    for (std::size_t i = 0; i < arms.size(); ++i) {
-      const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-      const MultiRobotPart& part = problem_.moving[arms[i]];
-      const Trajectory& trajectory = cluster.trajectories[i];
-      const CertifyOptions options{
-          .limits = trajectory.timed(), .jerk = common_.timing == "ruckig", .deadline = &until};
-      certificates.push_back(
-          certify(numbered(trajectory), problem_.judges.alone(arms[i]), scaled(part.limits, common_), options));
-      if (part.goal.type == GoalType::aside) continue;
-      const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
-      certificates.back().goal_error = goal_miss({part.goal}, problem_.judges.alone(arms[i]), end).error;
-    }
-    for (std::size_t i = 0; i < arms.size(); ++i)
-      for (std::size_t j = i + 1; j < arms.size(); ++j)
-        certify_pair({arms[i], cluster.trajectories[i], certificates[i]},
-                     {arms[j], cluster.trajectories[j], certificates[j]}, until);
-    return certificates;
-  }
-
-  struct Certified {
-    std::size_t arm;
-    const Trajectory& trajectory;
-    Certificate& certificate;
-  };
-
-  /// What the two do to each other; false: they are not proved apart, though there was time.
-  bool certify_pair(Certified a, Certified b, const Deadline& until) {
-    if (a.arm > b.arm) return certify_pair(b, a, until);
-    const Checker* judge = problem_.judges.pair(a.arm, b.arm);
-    if (!judge) return true;
-    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    // By these names the first arm's joints come first.
-    const Trajectory both = MultiTrajectory{{{"a", numbered(a.trajectory)}, {"b", numbered(b.trajectory)}}}.merged();
-    const auto workspace = judge->make_workspace();
-    MotionProof proof = prove_motion(*judge, {both.times, both.positions, both.velocities}, *workspace, {0.5, &until});
-    const bool apart = proof.free && (proof.unproved.empty() || until.stop_requested());
-    add_proof(a.certificate, proof);
-    // As the other one names the bodies.
-    const auto swap = [&](std::string& mine, std::string& other) {
-      const std::string prefix = name(b.arm) + "/";
-      if (other.starts_with(prefix)) other.erase(0, prefix.size());
-      const auto& links = world_->robot(a.arm).link_names();
-      if (std::find(links.begin(), links.end(), mine) != links.end()) mine = name(a.arm) + "/" + mine;
-      std::swap(mine, other);
-    };
-    swap(proof.body_a, proof.body_b);
-    for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
-    add_proof(b.certificate, proof);
-    return apart;
-  }
-
   static constexpr std::size_t most_levels = 4;  // of roadmaps
-  static constexpr double mercy = 0.010;         // as in post_process.cpp
-  static constexpr double shrink = 0.25;
-  static constexpr double least_deviation = 1e-4;  // [m]
 
   const MultiRobotProblem& problem_;
   const CommonOptions& common_;
@@ -586,9 +345,9 @@ class MultiRobotPlan {
   std::unique_ptr<ArmWorld> world_;
   std::vector<std::unique_ptr<RoadmapSearch>> roadmaps_;  // richer and richer
   std::vector<Group> groups_;
+  std::vector<CoupledPath> shortened_;  // of each group
   int next_number_{0};
   std::set<std::pair<int, int>> apart_;  // groups, by number
-  std::vector<Cluster> clusters_;
 };
 
 }  // namespace

@@ -1,0 +1,296 @@
+#include "srmp/planner/coupled_post_process.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "srmp/collision/motion_proof.hpp"
+#include "srmp/planner/phase_timer.hpp"
+#include "srmp/planner/post_process.hpp"
+#include "srmp/planner/verify.hpp"
+#include "srmp/trajectory/parameterize.hpp"
+
+namespace srmp {
+
+namespace {
+
+class CoupledPostProcess {
+ public:
+  CoupledPostProcess(const MultiRobotProblem& problem, ArmWorld& world, const std::vector<CoupledPath>& raw,
+                     const std::vector<CoupledPath>& shortened, const Deadline& deadline, PlanStatistics& statistics)
+      : problem_(problem),
+        common_(common_options(problem.options)),
+        world_(world),
+        raw_(raw),
+        deadline_(deadline),
+        statistics_(statistics) {
+    for (const CoupledPath& path : shortened) clusters_.push_back({path});
+  }
+
+  MultiTrajectory run(const PathsKnown& paths_known) {
+    const Deadline until(std::max(deadline_.remaining(), 0.0) + mercy, [this] { return deadline_.cancelled(); });
+    // Arms timed apart must be proved apart.
+    if (common_.timing == "none" || !common_.certify)
+      while (clusters_.size() > 1) merge_clusters(0, 1);
+    do {
+      for (Cluster& cluster : clusters_)
+        if (cluster.deviation < 0.0) time_and_certify(cluster, until);
+    } while (common_.certify && !certify_clusters(until));
+    std::vector<CoupledPath> paths;
+    for (const Cluster& cluster : clusters_) paths.push_back(cluster.path);
+    paths_known(paths);
+    MultiTrajectory result;
+    for (Cluster& cluster : clusters_)
+      for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) {
+        Trajectory& trajectory = cluster.trajectories[i];
+        if (common_.certify) take_certificate(trajectory, cluster.path.arms[i], std::move(cluster.certificates[i]));
+        result.robots.emplace(name(cluster.path.arms[i]), std::move(trajectory));
+      }
+    set_times(result);
+    return result;
+  }
+
+ private:
+  /// Groups of arms that are timed together, so that what one does while another does something stays so.
+  struct Cluster {
+    CoupledPath path;
+    double deviation{-1.0};  // at the corners; below 0: not timed yet
+    std::vector<Trajectory> trajectories{};
+    std::vector<Certificate> certificates{};
+  };
+
+  void take_certificate(Trajectory& trajectory, std::size_t arm, Certificate certificate) const {
+    if (!certificate.holds())
+      throw Error("internal error: the trajectory found for '" + name(arm) + "' is wrong (" +
+                  certificate.faults.front().text + "); nothing is returned. Please report this");
+    certificate.bound = statistics_.bound;
+    certificate.bound_graph = statistics_.bound_graph;
+    trajectory.certificate = std::make_shared<const Certificate>(std::move(certificate));
+  }
+
+  /// The ways that were found for both, which do not meet, shortened together.
+  void merge_clusters(std::size_t i, std::size_t j) {
+    const CoupledPath raw = side_by_side(raw_path(clusters_[i].path.arms), raw_path(clusters_[j].path.arms));
+    clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(j));
+    const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
+    clusters_[i] = {common_.shortcut ? shortened(raw, world_, deadline_) : raw};
+  }
+
+  /// As the search found it.
+  CoupledPath raw_path(const std::vector<std::size_t>& arms) const {
+    std::optional<CoupledPath> raw;
+    for (const CoupledPath& path : raw_)
+      if (std::binary_search(arms.begin(), arms.end(), path.arms.front())) raw = raw ? side_by_side(*raw, path) : path;
+    return *raw;
+  }
+
+  /// Corners that cannot be proved free shrink.
+  void time_and_certify(Cluster& cluster, const Deadline& until) {
+    for (double deviation = common_.blend_deviation;; deviation *= shrink) {
+      if (deviation < least_deviation) deviation = 0.0;
+      cluster.deviation = deviation;
+      cluster.trajectories = in_time(cluster.path, deviation);
+      if (!common_.certify) return;
+      cluster.certificates = certified(cluster, until);
+      const bool proved = std::all_of(cluster.certificates.begin(), cluster.certificates.end(),
+                                      [](const Certificate& c) { return c.proved_free(); });
+      if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
+    }
+  }
+
+  /// Proves arms of different clusters apart; false: two that are not have become one.
+  bool certify_clusters(const Deadline& until) {
+    for (std::size_t i = 0; i < clusters_.size(); ++i)
+      for (std::size_t j = i + 1; j < clusters_.size(); ++j) {
+        Cluster &a = clusters_[i], &b = clusters_[j];
+        std::vector<Certificate> of_a = a.certificates, of_b = b.certificates;
+        bool apart = true;
+        for (std::size_t k = 0; k < a.path.arms.size() && apart; ++k)
+          for (std::size_t l = 0; l < b.path.arms.size() && apart; ++l)
+            apart = certify_pair({a.path.arms[k], a.trajectories[k], of_a[k]},
+                                 {b.path.arms[l], b.trajectories[l], of_b[l]}, until);
+        if (!apart) {
+          merge_clusters(i, j);
+          return false;
+        }
+        a.certificates = std::move(of_a);
+        b.certificates = std::move(of_b);
+      }
+    return true;
+  }
+
+  std::vector<Trajectory> in_time(const CoupledPath& path, double deviation) {
+    const PhaseTimer timer(deadline_, statistics_.timing_time_s);
+    std::vector<std::string> names;
+    MotionLimits limits;
+    Eigen::VectorXd reach;
+    for (const std::size_t i : path.arms) {
+      const MotionLimits own = scaled(problem_.moving[i].limits, common_);
+      for (const std::string& joint : world_.robot(i).joint_names()) names.push_back(name(i) + "/" + joint);
+      append(limits.velocity, own.velocity);
+      append(limits.acceleration, own.acceleration);
+      append(limits.jerk, own.jerk);
+      append(reach, problem_.checkers.alone(i).reach());
+      limits.continuous.insert(limits.continuous.end(), own.continuous.begin(), own.continuous.end());
+    }
+    RowMatrix waypoints(static_cast<Eigen::Index>(path.size()), limits.velocity.size());
+    Eigen::Index first = 0;
+    for (const RowMatrix& q : path.positions) {
+      waypoints.middleCols(first, q.cols()) = q;
+      first += q.cols();
+    }
+    if (common_.timing == "none") {
+      const RowMatrix none(0, waypoints.cols());
+      return parts({names, waypoints, none, none, {}, waypoints}, path);
+    }
+    TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
+                          .sample_period = common_.sample_period,
+                          .blend_deviation = deviation};
+    options.reach = reach;
+    options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
+    return parts(time_parameterize(waypoints, names, limits, options), path);
+  }
+
+  static void append(Eigen::VectorXd& to, const Eigen::VectorXd& more) {
+    to.conservativeResize(to.size() + more.size());
+    to.tail(more.size()) = more;
+  }
+
+  /// Of all robots of a path.
+  bool is_motion_free(const CoupledPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    Eigen::Index first = 0;
+    std::vector<Eigen::VectorXd> from, to;
+    for (const RowMatrix& q : path.positions) {
+      from.emplace_back(a.segment(first, q.cols()));
+      to.emplace_back(b.segment(first, q.cols()));
+      first += q.cols();
+    }
+    for (std::size_t i = 0; i < path.arms.size(); ++i) {
+      const auto& alone = problem_.checkers.alone(path.arms[i]);
+      if (!alone.is_motion_free(from[i], to[i], *alone.make_workspace())) return false;
+    }
+    for (std::size_t i = 0; i < path.arms.size(); ++i)
+      for (std::size_t j = i + 1; j < path.arms.size(); ++j)
+        if (!world_.are_apart(path.arms[i], from[i], to[i], path.arms[j], from[j], to[j])) return false;
+    return true;
+  }
+
+  /// What each arm does.
+  std::vector<Trajectory> parts(const Trajectory& all, const CoupledPath& path) const {
+    std::vector<Trajectory> result;
+    Eigen::Index first = 0;
+    for (std::size_t i = 0; i < path.arms.size(); ++i) {
+      const Eigen::Index columns = path.positions[i].cols();
+      const auto part = [&](const RowMatrix& of) -> RowMatrix { return of.middleCols(first, columns); };
+      Trajectory one{world_.robot(path.arms[i]).joint_names(),
+                     part(all.positions),
+                     part(all.velocities),
+                     part(all.accelerations),
+                     all.times,
+                     part(all.waypoints)};
+      one.robot = problem_.moving[path.arms[i]].placed;
+      result.push_back(std::move(one));
+      first += columns;
+    }
+    return result;
+  }
+
+  void set_times(const MultiTrajectory& result) {
+    statistics_.makespan_s = result.duration();
+    statistics_.flow_time_s = 0.0;
+    for (const auto& [robot, trajectory] : result.robots) statistics_.flow_time_s += arrival(trajectory);
+  }
+
+  /// When the robot is at rest for good.
+  static double arrival(const Trajectory& trajectory) {
+    if (!trajectory.timed()) return 0.0;
+    Eigen::Index row = trajectory.positions.rows() - 1;
+    while (row > 0 && trajectory.positions.row(row - 1) == trajectory.positions.row(row)) --row;
+    return trajectory.times[row];
+  }
+
+  /// Straight motions as long as one another where there are no times: a certificate needs some.
+  static Trajectory numbered(Trajectory path) {
+    const Eigen::Index rows = path.positions.rows();
+    if (!path.timed()) path.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
+    return path;
+  }
+
+  std::vector<Certificate> certified(const Cluster& cluster, const Deadline& until) {
+    std::vector<Certificate> certificates;
+    const std::vector<std::size_t>& arms = cluster.path.arms;
+    for (std::size_t i = 0; i < arms.size(); ++i) {
+      const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+      const MultiRobotPart& part = problem_.moving[arms[i]];
+      const Trajectory& trajectory = cluster.trajectories[i];
+      const CertifyOptions options{
+          .limits = trajectory.timed(), .jerk = common_.timing == "ruckig", .deadline = &until};
+      certificates.push_back(
+          certify(numbered(trajectory), problem_.judges.alone(arms[i]), scaled(part.limits, common_), options));
+      if (part.goal.type == GoalType::aside) continue;
+      const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
+      certificates.back().goal_error = goal_miss({part.goal}, problem_.judges.alone(arms[i]), end).error;
+    }
+    for (std::size_t i = 0; i < arms.size(); ++i)
+      for (std::size_t j = i + 1; j < arms.size(); ++j)
+        certify_pair({arms[i], cluster.trajectories[i], certificates[i]},
+                     {arms[j], cluster.trajectories[j], certificates[j]}, until);
+    return certificates;
+  }
+
+  struct Certified {
+    std::size_t arm;
+    const Trajectory& trajectory;
+    Certificate& certificate;
+  };
+
+  /// What the two do to each other; false: they are not proved apart.
+  bool certify_pair(Certified a, Certified b, const Deadline& until) {
+    if (a.arm > b.arm) return certify_pair(b, a, until);
+    const Checker* judge = problem_.judges.pair(a.arm, b.arm);
+    if (!judge) return true;
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    // By these names the first arm's joints come first.
+    const Trajectory both = MultiTrajectory{{{"a", numbered(a.trajectory)}, {"b", numbered(b.trajectory)}}}.merged();
+    const auto workspace = judge->make_workspace();
+    MotionProof proof = prove_motion(*judge, {both.times, both.positions, both.velocities}, *workspace, {0.5, &until});
+    const bool apart = proof.free && proof.unproved.empty();
+    add_proof(a.certificate, proof);
+    // As the other one names the bodies.
+    const auto swap = [&](std::string& mine, std::string& other) {
+      const std::string prefix = name(b.arm) + "/";
+      if (other.starts_with(prefix)) other.erase(0, prefix.size());
+      const auto& links = world_.robot(a.arm).link_names();
+      if (std::find(links.begin(), links.end(), mine) != links.end()) mine = name(a.arm) + "/" + mine;
+      std::swap(mine, other);
+    };
+    swap(proof.body_a, proof.body_b);
+    for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
+    add_proof(b.certificate, proof);
+    return apart;
+  }
+
+  static constexpr double mercy = 0.010;  // as in post_process.cpp
+  static constexpr double shrink = 0.25;
+  static constexpr double least_deviation = 1e-4;  // [m]
+
+  const std::string& name(std::size_t i) const { return problem_.moving[i].robot; }
+
+  const MultiRobotProblem& problem_;
+  const CommonOptions& common_;
+  ArmWorld& world_;
+  const std::vector<CoupledPath>& raw_;
+  const Deadline& deadline_;
+  PlanStatistics& statistics_;
+  std::vector<Cluster> clusters_;
+};
+
+}  // namespace
+
+MultiTrajectory coupled_post_process(const MultiRobotProblem& problem, ArmWorld& world,
+                                     const std::vector<CoupledPath>& raw, const std::vector<CoupledPath>& shortened,
+                                     const PathsKnown& paths_known, const Deadline& deadline,
+                                     PlanStatistics& statistics) {
+  return CoupledPostProcess(problem, world, raw, shortened, deadline, statistics).run(paths_known);
+}
+
+}  // namespace srmp

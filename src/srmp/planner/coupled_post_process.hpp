@@ -1,0 +1,22 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "srmp/planner/coupled_path.hpp"
+#include "srmp/planner/multi_robot.hpp"
+
+namespace srmp {
+
+/// Told of the paths that are returned, before they are sealed by certificates: costs and bound are known then.
+using PathsKnown = std::function<void(const std::vector<CoupledPath>& paths)>;
+
+/// Paths of groups of arms, in time and proved (post_process for many). Each group is timed by itself; where arms of
+/// two groups cannot be proved apart, the two become one, so that what one does while another does something stays so.
+/// `raw`: the groups as they were found, which do not meet; `shortened`: each for itself.
+MultiTrajectory coupled_post_process(const MultiRobotProblem& problem, ArmWorld& world,
+                                     const std::vector<CoupledPath>& raw, const std::vector<CoupledPath>& shortened,
+                                     const PathsKnown& paths_known, const Deadline& deadline,
+                                     PlanStatistics& statistics);
+
+}  // namespace srmp
