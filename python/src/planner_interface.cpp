@@ -87,10 +87,11 @@ auto run_interruptible(Plan&& plan) {
   return result;
 }
 
-Trajectory plan_one(PlannerInterface& planner, const std::string& robot, const Eigen::VectorXd& start,
-                    const std::vector<GoalConstraint>& goals, const OnSolution& on_solution) {
+/// The same; a PlanningError says what the planner did.
+template <class Plan>
+auto run_plan(const PlannerInterface& planner, Plan&& plan) {
   try {
-    return run_interruptible([&] { return planner.plan(robot, start, goals, python_interrupted, on_solution); });
+    return run_interruptible(plan);
   } catch (const PlanningError& error) {
     if (error.status() == Status::cancelled && PyErr_Occurred()) throw nb::python_error();
     raise(error, to_dict(planner.get_planning_stats()));
@@ -738,7 +739,9 @@ void bind_planning(nb::class_<Self>& cls) {
             const OnSolution tell = to_on_solution(on_solution);
             const Eigen::VectorXd q = start.vector("start of '" + name + "'");
             const std::vector<GoalConstraint> goals = to_goals(goal);
-            return self.use([&](PlannerInterface& p) { return plan_one(p, name, q, goals, tell); });
+            return self.use([&](PlannerInterface& p) {
+              return run_plan(p, [&] { return p.plan(name, q, goals, python_interrupted, tell); });
+            });
           },
           nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(),
           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
@@ -791,7 +794,7 @@ void bind_planning(nb::class_<Self>& cls) {
             std::map<std::string, Eigen::VectorXd> q;
             for (const auto& [name, start] : starts) q[name] = start.vector("start of '" + name + "'");
             return self.use([&](PlannerInterface& p) {
-              return run_interruptible([&] { return p.plan_multi(q, goals, committed, python_interrupted); });
+              return run_plan(p, [&] { return p.plan_multi(q, goals, committed, python_interrupted); });
             });
           },
           nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),

@@ -43,10 +43,11 @@ void require_for_many(const PlannerOptions& options) {
 }
 
 /// A robot that holds.
-Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::VectorXd& q) {
+Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::VectorXd& q, bool timed) {
   const RobotInstance& instance = scene.robot(robot);
-  const RowMatrix row = q.transpose(), zero = RowMatrix::Zero(1, q.size());
-  Trajectory trajectory{instance.model->joint_names(), row, zero, zero, Eigen::VectorXd::Zero(1), row};
+  const Eigen::Index rows = timed ? 1 : 0;
+  const RowMatrix row = q.transpose(), zero = RowMatrix::Zero(rows, q.size());
+  Trajectory trajectory{instance.model->joint_names(), row, zero, zero, Eigen::VectorXd::Zero(rows), row};
   trajectory.robot =
       std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions});
   return trajectory;
@@ -523,8 +524,10 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
                                              const Interrupt& interrupt) {
   std::vector<std::string> robots;
   for (const auto& [name, start] : starts) robots.push_back(name);
-  for (const auto& [name, goal] : goals)
+  for (const auto& [name, goal] : goals) {
+    impl_->scene.robot(name);  // throws with the nearest name
     if (!starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
+  }
   const PlannerOptions& options = planner_options(robots);
   require_for_many(options);
   require_heuristics(options, impl_->heuristic_names());
@@ -555,7 +558,8 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   MultiTrajectory result = obstacles.empty() ? plan_multi_robot(problem, deadline, impl_->statistics)
                                              : plan_around(problem, starts, obstacles, deadline, impl_->statistics);
   for (const auto& [name, start] : starts)
-    if (!result.robots.contains(name)) result.robots.emplace(name, at_rest(scene, name, start));
+    if (!result.robots.contains(name))
+      result.robots.emplace(name, at_rest(scene, name, start, common_options(options).timing != "none"));
   return result;
 }
 
