@@ -188,7 +188,7 @@ QUESTIONS = [
     (lambda p, q: p.make_planner([], {}), "at least one robot"),
     (lambda p, q: p.compute_fk("arm", q, "arm7_hnad"), "did you mean 'arm7_hand'"),
     (lambda p, q: p.is_state_colliding("arm", q[:3]), "7.*3"),
-    (lambda p, q: p.plan_multi({"arm": q}, {}), "'arm' has a start but no goal"),
+    (lambda p, q: p.plan_multi({}, {"arm": goal_of(q)}), "'arm' has a goal but no start"),
 ]
 
 

@@ -78,6 +78,11 @@ def world(mbm_dir, tmp_path, monkeypatch):
     return {"np": np}
 
 
+def box_lowered(listing):
+    """So that it is a table."""
+    return listing.replace("p=[0,0,0.4]", "p=[0, 0, -0.52]")
+
+
 def test_left_listing_as_printed_names_the_box_that_swallows_the_robot(world):
     exec(LEFT, world)
     with pytest.raises(srmp.PlanningError, match=r"'panda_link.' and .*'box'") as error:
@@ -86,7 +91,7 @@ def test_left_listing_as_printed_names_the_box_that_swallows_the_robot(world):
 
 
 def test_left_listing_with_the_box_as_a_table_is_a_trajectory(world):
-    exec(LEFT.replace("p=[0,0,0.4]", "p=[0, 0, -0.52]"), world)
+    exec(box_lowered(LEFT), world)
     exec(PLAN, world)
     trajectory, planner = world["trajectory"], world["planner"]
     assert trajectory.positions.shape[1] == 7
@@ -95,7 +100,21 @@ def test_left_listing_with_the_box_as_a_table_is_a_trajectory(world):
     assert not any(planner.is_state_colliding("panda", q) for q in trajectory.positions)
 
 
-def test_right_listing_runs_up_to_plan_multi(world):
-    exec(LEFT, world)
-    with pytest.raises(srmp.NotSupported, match="plan_multi is not there yet"):
+def test_right_listing_as_printed_names_the_links_that_meet(world):
+    exec(box_lowered(LEFT), world)
+    with pytest.raises(srmp.PlanningError, match=r"'panda_[^']*' and .*'panda2/panda_[^']*' overlap") as error:
         exec(RIGHT, world)
+    assert error.value.status in (srmp.Status.start_invalid, srmp.Status.goal_invalid)
+
+
+def test_right_listing_with_the_arms_farther_apart_is_a_trajectory(world):
+    exec(box_lowered(LEFT), world)
+    exec(RIGHT.replace("p=[0.5, 0, 0]", "p=[1.1, 0, 0]"), world)
+    trajectory, planner = world["trajectory"], world["planner"]
+    assert list(trajectory) == ["panda", "panda2"]
+    for name, target in (("panda", [0.6, 0, 0.5]), ("panda2", [0.6, -0.5, 1.0])):
+        one = trajectory[name]
+        np.testing.assert_array_equal(one.positions[0], world["q_start"])
+        assert np.linalg.norm(planner.compute_fk(name, one.positions[-1]).p - target) < 1e-4
+        assert one.certificate.holds
+        assert one.certificate.proved_free

@@ -1,0 +1,500 @@
+"""plan_multi: motions of many robots together, and what is said when there are none."""
+
+import hashlib
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import srmp
+from srmp import GoalConstraint, GoalType, Pose
+
+READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])  # the hand 0.43 m in front of the base, fingers down
+PLANNERS = ("auto", "CBS", "ECBS", "xECBS", "prioritised")
+
+
+def turned(angle):
+    """Ready, turned about the vertical axis."""
+    return READY + [angle, 0, 0, 0, 0, 0, 0]
+
+
+def joints(*targets):
+    return GoalConstraint(GoalType.JOINTS, list(targets))
+
+
+def world(bases, planner_id="xECBS", **options):
+    """Arms of the package at (x, y, yaw), by name."""
+    planner = srmp.PlannerInterface()
+    for name, (x, y, yaw) in bases.items():
+        planner.add_articulation(
+            urdf_path=srmp.data_path("arm7.urdf"),
+            srdf_path=srmp.data_path("arm7.srdf"),
+            name=name,
+            end_effector="arm7_hand",
+            base_pose=Pose.from_rpy([x, y, 0], [0, 0, yaw]),
+        )
+    planner.make_planner(list(bases), {"planner_id": planner_id, "time_limit": 20, **options})
+    return planner
+
+
+def two(planner_id="xECBS", distance=0.7, **options):
+    """Face to face; at 0.7 m hands that are both ready overlap, at 0.9 m they pass each other."""
+    return world({"left": (0, 0, 0), "right": (distance, 0, np.pi)}, planner_id, **options)
+
+
+def ring(**options):
+    """Four arms around a point that each of them reaches over."""
+    bases = {
+        f"arm{i}": (0.38 * np.cos(yaw), 0.38 * np.sin(yaw), yaw + np.pi)
+        for i, yaw in enumerate(np.arange(4) * np.pi / 2)
+    }
+    return world(bases, **options)
+
+
+STARTS = {"left": turned(0.6), "right": turned(0.6)}
+GOALS = {"left": joints(turned(-0.6)), "right": joints(turned(-0.6))}
+
+
+def in_contact(planner, trajectory):
+    """Instants, 1 ms apart, at which robots touch each other or an object."""
+    merged = trajectory.merged()
+    found = []
+    for t in np.arange(0.0, merged.duration + 1e-3, 1e-3):
+        positions = {name: one.sample(min(t, one.duration)) for name, one in trajectory.items()}
+        for name, q in positions.items():
+            planner.set_qpos(name, q)
+        if any(planner.is_state_colliding(name, q) for name, q in positions.items()):
+            found.append(t)
+    return found
+
+
+@pytest.mark.parametrize("planner_id", ["auto", "ECBS", "xECBS", "prioritised"])
+def test_arms_in_each_others_way_reach_their_goals(planner_id):
+    planner = two(planner_id)
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    for name in STARTS:
+        one = trajectory[name]
+        assert one.joint_names == planner.get_joint_names(name)
+        np.testing.assert_array_equal(one.positions[0], STARTS[name])
+        np.testing.assert_allclose(one.positions[-1], turned(-0.6), atol=1e-12)
+        assert one.times[0] == 0
+        assert one.certificate.holds
+        assert one.certificate.proved_free
+    assert in_contact(planner, trajectory) == []
+
+
+@pytest.mark.parametrize("planner_id", PLANNERS)
+def test_every_planner_answers_an_easy_question(planner_id):
+    planner = two(planner_id, distance=0.9)
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    statistics = planner.get_planning_stats()
+    assert statistics["path_cost_rad"] == pytest.approx(2.4)  # straight
+    assert statistics["bound"] == (float("inf") if planner_id == "prioritised" else 1)
+    assert all(one.certificate.proved_free for one in trajectory.values())
+
+
+def test_the_statistics():
+    planner = two()
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    statistics = planner.get_planning_stats()
+    assert statistics["status"] == srmp.Status.solved
+    assert statistics["reason"] == ""
+    assert set(statistics["robot_cost_rad"]) == {"left", "right"}
+    assert sum(statistics["robot_cost_rad"].values()) == pytest.approx(statistics["path_cost_rad"], rel=1e-12)
+    for name, cost in statistics["robot_cost_rad"].items():
+        waypoints = trajectory[name].waypoints
+        assert cost == pytest.approx(np.linalg.norm(np.diff(waypoints, axis=0), axis=1).sum(), rel=1e-9)
+    assert statistics["path_cost_rad"] <= statistics["search_cost_rad"] * (1 + 1e-12)
+    assert statistics["path_cost_rad"] >= 2.4 - 1e-9  # straight, one waits for the other
+    assert statistics["bound"] >= 1
+    assert "lattices of 15 degrees" in statistics["bound_graph"]
+    assert trajectory["left"].certificate.bound == statistics["bound"]
+    assert statistics["makespan_s"] == trajectory.duration == max(one.duration for one in trajectory.values())
+    assert statistics["makespan_s"] < statistics["flow_time_s"] <= 2 * statistics["makespan_s"]
+    assert 0 < statistics["plan_time_s"] <= statistics["total_time_s"]
+    assert statistics["expansions"] > 0
+
+
+def test_constraint_tree_nodes_are_counted():
+    planner = two("ECBS")
+    planner.plan_multi(STARTS, GOALS)
+    statistics = planner.get_planning_stats()
+    assert statistics["tree_nodes"] > 1
+    assert 1 <= statistics["bound"] <= 1.3 * 1.3 * 50
+
+
+def test_a_path_that_is_shown_optimal_has_bound_1():
+    planner = two("CBS", distance=0.9)
+    planner.plan_multi(STARTS, GOALS)
+    assert planner.get_planning_stats()["bound"] == 1
+
+
+# --- goals
+
+
+def test_pose_and_position_goals():
+    planner = two()
+    pose = planner.compute_fk("left", turned(-0.6))
+    point = planner.compute_fk("right", turned(-0.6)).p
+    trajectory = planner.plan_multi(
+        STARTS, {"left": GoalConstraint(GoalType.POSE, pose), "right": GoalConstraint(GoalType.POSITION, point)}
+    )
+    reached = planner.compute_fk("left", trajectory["left"].positions[-1])
+    assert np.linalg.norm(reached.p - pose.p) < 1e-3
+    assert abs(np.dot(reached.q, pose.q)) > 1 - 1e-4
+    assert np.linalg.norm(planner.compute_fk("right", trajectory["right"].positions[-1]).p - point) < 1e-3
+    assert all(one.certificate.goal_error <= 1 for one in trajectory.values())
+
+
+def test_any_of_several_targets_will_do():
+    planner = two()
+    trajectory = planner.plan_multi(
+        STARTS, {"left": joints(turned(-0.6), turned(0.9)), "right": joints(turned(-0.6), turned(0.8))}
+    )
+    np.testing.assert_allclose(trajectory["left"].positions[-1], turned(0.9), atol=1e-12)
+    np.testing.assert_allclose(trajectory["right"].positions[-1], turned(0.8), atol=1e-12)
+
+
+def test_targets_that_do_not_go_together_are_left_for_others():
+    """Both are nearest to ready, but there is room for one."""
+    planner = two()
+    goal = joints(READY, turned(-0.6))
+    trajectory = planner.plan_multi(STARTS, {"left": goal, "right": goal})
+    ends = [abs(one.positions[-1] - READY).max() < 1e-9 for one in trajectory.values()]
+    assert sum(ends) <= 1
+
+
+@pytest.mark.parametrize("goal", [{"right": GoalConstraint.hold()}, {}], ids=["hold", "no goal"])
+def test_who_holds_is_planned_around(goal):
+    planner = two()
+    starts = {"left": turned(0.6), "right": READY}
+    trajectory = planner.plan_multi(starts, {"left": GOALS["left"], **goal})
+    assert set(trajectory) == {"left", "right"}
+    assert (trajectory["right"].positions == READY).all()
+    assert trajectory["right"].duration == 0
+    assert planner.get_planning_stats()["path_cost_rad"] > 1.2 + 1e-6  # not straight
+    assert trajectory["left"].certificate.proved_free
+    assert in_contact(planner, trajectory) == []
+
+
+def test_a_robot_without_a_start_stands_where_set_qpos_put_it():
+    planner = two()
+    planner.make_planner(["left"], {"planner_id": "xECBS"})
+    planner.set_qpos("right", READY)
+    among = planner.plan_multi({"left": turned(0.6)}, {"left": GOALS["left"]})
+    assert list(among) == ["left"]
+    held = planner.plan_multi({"left": turned(0.6), "right": READY}, {"left": GOALS["left"]})  # by the planner of both
+    assert held["left"] == among["left"]
+    planner.set_qpos("right", turned(2.5))
+    planner.plan_multi({"left": turned(0.6)}, {"left": GOALS["left"]})
+    assert planner.get_planning_stats()["path_cost_rad"] == pytest.approx(1.2)
+
+
+def test_aside_makes_way_only_when_it_must():
+    planner = two()
+    aside = GoalConstraint.aside()
+    goals = {"left": joints(READY), "right": aside}  # where the right arm's hand is
+    trajectory = planner.plan_multi({"left": turned(0.9), "right": READY}, goals)
+    assert np.abs(trajectory["right"].positions[-1] - READY).max() > 0.05
+    np.testing.assert_allclose(trajectory["left"].positions[-1], READY, atol=1e-12)
+    assert in_contact(planner, trajectory) == []
+    trajectory = planner.plan_multi({"left": turned(0.9), "right": turned(0.9)}, goals)
+    assert (trajectory["right"].positions == turned(0.9)).all()
+    assert planner.get_planning_stats()["robot_cost_rad"]["right"] == 0
+
+
+def test_what_a_robot_holds_is_kept_clear_of_the_others():
+    """Hands alone pass each other."""
+    planner = two(distance=0.8)
+    planner.plan_multi(STARTS, GOALS)
+    assert planner.get_planning_stats()["path_cost_rad"] == pytest.approx(2.4)
+    planner.set_qpos("left", STARTS["left"])
+    hand = planner.compute_fk("left", STARTS["left"])
+    planner.add_box("stick", size=[0.4, 0.02, 0.02], pose=Pose(hand.p, Pose.from_rpy([0, 0, 0], [0, 0, 0.6]).q))
+    planner.attach_object("stick", "left", "arm7_hand", touch_links=["arm7_palm"])
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    assert planner.get_planning_stats()["path_cost_rad"] > 2.4 + 1e-6
+    assert all(one.certificate.proved_free for one in trajectory.values())
+    assert in_contact(planner, trajectory) == []
+
+
+def test_different_robots_in_one_scene():
+    planner = two()
+    planner.add_articulation(
+        urdf_text="""<robot name='slider'><link name='rail'/><link name='car'><collision><geometry>
+        <box size='0.1 0.1 0.3'/></geometry></collision></link><joint name='s' type='prismatic'><parent link='rail'/>
+        <child link='car'/><axis xyz='1 0 0'/><limit lower='-0.5' upper='0.5' velocity='1' effort='1'/></joint></robot>""",
+        name="slider",
+        end_effector="car",
+        base_pose=Pose([0.35, 0, 0.35]),
+    )
+    names = ["slider", "left", "right"]
+    planner.make_planner(names, {"planner_id": "xECBS", "time_limit": 20})
+    starts = {"left": turned(1.5), "right": turned(1.5), "slider": [0.0]}
+    goals = {"left": joints(turned(-1.5)), "right": GoalConstraint.hold(), "slider": GoalConstraint.aside()}
+    trajectory = planner.plan_multi(starts, goals)
+    assert list(trajectory) == sorted(names)
+    assert trajectory["slider"].positions.shape[1] == 1
+    assert in_contact(planner, trajectory) == []
+
+
+# --- what is returned
+
+
+def test_the_result_is_a_mapping():
+    trajectory = two().plan_multi(STARTS, GOALS)
+    assert len(trajectory) == 2
+    assert list(trajectory) == trajectory.keys() == ["left", "right"]
+    assert "left" in trajectory
+    assert "lft" not in trajectory
+    assert trajectory.values() == [trajectory["left"], trajectory["right"]]
+    assert dict(trajectory.items()) == {name: trajectory[name] for name in trajectory}
+    assert repr(trajectory) == f"MultiTrajectory(2 robots, {trajectory.duration!r} s)"
+    with pytest.raises(srmp.InvalidArgument, match="no trajectory of robot 'lft', did you mean 'left'"):
+        trajectory["lft"]
+
+
+def test_a_result_pickles_and_compares():
+    trajectory = two().plan_multi(STARTS, GOALS)
+    again = pickle.loads(pickle.dumps(trajectory))
+    assert again == trajectory
+    assert again["left"].certificate == trajectory["left"].certificate
+    assert srmp.MultiTrajectory(dict(trajectory.items())) == trajectory
+    assert srmp.MultiTrajectory({"left": trajectory["left"]}) != trajectory
+
+
+def test_merged_is_every_robots_motion_on_common_rows():
+    trajectory = ring().plan_multi(*quarter_turns())
+    merged = trajectory.merged()
+    assert merged.joint_names == [f"{name}/{joint}" for name in trajectory for joint in trajectory[name].joint_names]
+    assert merged.duration == trajectory.duration
+    assert set(np.concatenate([one.times for one in trajectory.values()])) == set(merged.times)
+    assert merged.certificate is None
+    for t in np.linspace(0, merged.duration, 301):
+        state = merged.state(t)
+        for k, one in enumerate(trajectory.values()):
+            mine = one.state(min(t, one.duration))
+            columns = slice(7 * k, 7 * k + 7)
+            np.testing.assert_allclose(state[0][columns], mine[0], atol=1e-9)
+            if t < one.duration:
+                np.testing.assert_allclose(state[1][columns], mine[1], atol=1e-6)
+
+
+def test_nothing_is_merged_of_robots_with_and_without_times():
+    timed = two().plan_multi(STARTS, GOALS)["left"]
+    untimed = two(timing="none").plan_multi(STARTS, GOALS)["right"]
+    with pytest.raises(srmp.InvalidArgument, match="some of the trajectories have times and others have not"):
+        srmp.MultiTrajectory({"left": timed, "right": untimed}).merged()
+    with pytest.raises(srmp.InvalidArgument, match="no robot to merge"):
+        srmp.MultiTrajectory({}).merged()
+
+
+def test_certificates_name_the_other_robot():
+    trajectory = two().plan_multi(STARTS, GOALS)
+    for name, other in (("left", "right"), ("right", "left")):
+        certificate = trajectory[name].certificate
+        assert 0 < certificate.clearance < 0.1
+        assert certificate.body_a in ("arm7_wrist", "arm7_palm", "arm7_hand", "arm7_forearm", "arm7_flange")
+        assert certificate.body_b.startswith(f"{other}/arm7_")
+
+
+@pytest.mark.parametrize("timing", ["toppra", "ruckig"])
+def test_limits_hold_whatever_times_them(timing):
+    planner = two(timing=timing)
+    planner.set_motion_limits("right", [0.5] * 7, [1.0] * 7, [10.0] * 7)
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    assert all(one.certificate.holds for one in trajectory.values())
+    assert np.abs(trajectory["right"].velocities).max() <= 0.5 + 1e-9
+    assert np.abs(trajectory["left"].velocities).max() > 0.1
+    assert in_contact(planner, trajectory) == []
+
+
+def test_a_path_without_times():
+    planner = two(timing="none")
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    rows = {one.positions.shape for one in trajectory.values()}
+    assert len(rows) == 1  # row by row together
+    assert all(len(one.times) == 0 for one in trajectory.values())
+    assert all(one.certificate.proved_free for one in trajectory.values())
+    merged = trajectory.merged()
+    assert merged.positions.shape == (rows.pop()[0], 14)
+    statistics = planner.get_planning_stats()
+    assert statistics["makespan_s"] == statistics["flow_time_s"] == 0
+    held = planner.plan_multi(STARTS, {"left": joints(turned(0.7))})
+    assert held.merged().positions.shape == (len(held["left"].positions), 14)
+
+
+def test_no_certificate_when_none_is_wanted():
+    trajectory = two(certify=False).plan_multi(STARTS, GOALS)
+    assert [one.certificate for one in trajectory.values()] == [None, None]
+
+
+def test_no_shortcut_when_none_is_wanted():
+    planner = two(shortcut=False)
+    planner.plan_multi(STARTS, GOALS)
+    statistics = planner.get_planning_stats()
+    assert statistics["path_cost_rad"] == pytest.approx(statistics["search_cost_rad"], rel=1e-12)
+
+
+# --- the same answer every time
+
+
+def quarter_turns():
+    names = [f"arm{i}" for i in range(4)]
+    return {name: turned(0.6) for name in names}, {name: joints(turned(-0.6)) for name in names}
+
+
+def answer(planner):
+    trajectory = planner.plan_multi(*quarter_turns()).merged()
+    statistics = planner.get_planning_stats()
+    counts = [statistics[key] for key in ("expansions", "generated", "tree_nodes", "states", "edge_checks", "bound")]
+    return trajectory.positions.tobytes() + trajectory.times.tobytes(), counts
+
+
+AGAIN = """
+import hashlib, sys
+sys.path.insert(0, sys.argv[1])
+from test_multi import answer, ring
+motion, counts = answer(ring())
+print(hashlib.sha256(motion).hexdigest(), counts)
+"""
+
+
+def test_the_same_bits_on_every_run_and_instruction_set():
+    planner = ring()
+    first = answer(planner)
+    assert first[1][0] > 4  # they are in each other's way
+    assert answer(planner) == first  # what is kept from the plan before changes nothing
+    assert answer(ring()) == first
+    printed = []
+    for backend in ("portable", "avx2", "avx512"):
+        result = subprocess.run(
+            [sys.executable, "-c", AGAIN, os.path.dirname(__file__)],
+            env={**os.environ, "SRMP_SIMD": backend},
+            capture_output=True,
+            text=True,
+        )
+        if "which this CPU does not have" not in result.stderr:
+            assert result.returncode == 0, result.stderr
+            printed.append(result.stdout)
+    assert len(printed) >= 1
+    assert set(printed) == {f"{hashlib.sha256(first[0]).hexdigest()} {first[1]}\n"}
+
+
+def test_the_order_of_the_dictionaries_does_not_matter():
+    starts, goals = quarter_turns()
+    backwards = ring().plan_multi(dict(reversed(starts.items())), dict(reversed(goals.items())))
+    assert backwards == ring().plan_multi(starts, goals)
+
+
+# --- time
+
+
+def test_the_time_limit_is_kept():
+    planner = two("CBS", time_limit=0.05)
+    with pytest.raises(srmp.PlanningError, match=r"no paths within the time limit of 0.05 s \(\d+ nodes") as error:
+        planner.plan_multi(STARTS, GOALS)
+    assert error.value.status == srmp.Status.timed_out
+    statistics = planner.get_planning_stats()
+    assert statistics["status"] == srmp.Status.timed_out
+    assert statistics["reason"] == str(error.value)
+    assert 0.05 <= statistics["total_time_s"] < 1
+    assert error.value.statistics == statistics
+
+
+def test_ctrl_c_stops_it():
+    planner = two("CBS", time_limit=60)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+        began = time.perf_counter()
+        with pytest.raises(KeyboardInterrupt):
+            planner.plan_multi(STARTS, GOALS)
+        assert time.perf_counter() - began < 30
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+# --- what is refused
+
+NAN = float("nan")
+REFUSED = [
+    ({"left": READY}, {"left": GOALS["left"], "right": GOALS["right"]}, "'right' has a goal but no start"),
+    (STARTS, {"lft": GOALS["left"]}, "'lft', did you mean 'left'"),
+    ({"lft": READY, "right": READY}, {}, "'lft', did you mean 'left'"),
+    ({"left": READY[:6], "right": READY}, GOALS, "start of 'left' has 6 values.*7 planned"),
+    ({"left": [NAN] * 7, "right": READY}, GOALS, "start of 'left': arm7_joint1 is NaN"),
+    ({"left": "up", "right": READY}, GOALS, "start of 'left' must be numbers, but is 'up'"),
+    (STARTS, {"left": joints(READY[:6])}, "goal of 'left' has 6 values"),
+    (STARTS, {"left": GoalConstraint.hold(), "right": GoalConstraint.hold()}, "a goal for at least one of the robots"),
+    (STARTS, {}, "a goal for at least one of the robots"),
+    ({"left": READY}, {"left": GOALS["left"]}, "no planner for 'left' yet; call make_planner first"),
+    ({}, {}, "at least one robot"),
+]
+
+
+@pytest.mark.parametrize(("starts", "goals", "sentence"), REFUSED)
+def test_wrong_questions_are_refused(starts, goals, sentence):
+    planner = two()
+    with pytest.raises(srmp.InvalidArgument, match=sentence) as error:
+        planner.plan_multi(starts, goals)
+    assert "\n" not in str(error.value)
+
+
+FAR = READY + [9, 0, 0, 0, 0, 0, 0]
+INVALID = [
+    ({"left": FAR, "right": READY}, GOALS, "start_invalid", "'left': the start.*arm7_joint1: 9 rad is above.*2.9 rad"),
+    (STARTS, {"left": joints(FAR)}, "goal_invalid", "'left'.*arm7_joint1: 9 rad is above.*2.9 rad"),
+    ({"left": READY, "right": READY}, GOALS, "start_invalid", "'left' and 'right'.*'arm7_.*'right/arm7_.*overlap by"),
+    (
+        STARTS,
+        {"left": joints(READY), "right": joints(READY)},
+        "goal_invalid",
+        "'left' and 'right'.*'arm7_.*'right/arm7_.*overlap by",
+    ),
+    ({"left": turned(0.6), "right": READY}, {"left": joints(READY)}, "goal_invalid", "'left'.*'right/arm7_.*overlap"),
+    (STARTS, {"left": GoalConstraint(GoalType.POSITION, [5, 0, 0])}, "goal_invalid", "'left'.*no configuration within"),
+]
+
+
+@pytest.mark.parametrize(("starts", "goals", "status", "sentence"), INVALID)
+def test_what_cannot_be_says_why(starts, goals, status, sentence):
+    planner = two()
+    with pytest.raises(srmp.PlanningError, match=sentence) as error:
+        planner.plan_multi(starts, goals)
+    assert error.value.status == getattr(srmp.Status, status)
+    assert "\n" not in str(error.value)
+    assert planner.plan_multi(STARTS, GOALS)["left"].certificate.holds  # nothing is left of it
+
+
+def test_planners_are_for_one_robot_or_for_many():
+    planner = two()
+    with pytest.raises(srmp.InvalidArgument, match=r"'wAstar' plans for one robot, but 2 were named; use 'xECBS'"):
+        planner.make_planner(["left", "right"], {"planner_id": "wAstar"})
+    planner.make_planner(["left"], srmp.WAStar())
+    with pytest.raises(srmp.InvalidArgument, match="a goal of type 'hold' is for plan_multi"):
+        planner.plan("left", READY, GoalConstraint.hold())
+
+
+def test_many_planners_for_one_robot():
+    planner = two(distance=5)
+    for options in (srmp.XECBS(), srmp.ECBS(), srmp.CBS(), srmp.Prioritised(), srmp.Auto()):
+        planner.make_planner(["left"], options)
+        trajectory = planner.plan_multi({"left": READY}, {"left": joints(turned(1.0))})
+        np.testing.assert_allclose(trajectory["left"].positions[-1], turned(1.0), atol=1e-12)
+
+
+def test_hold_and_aside_have_no_targets():
+    for goal, kind in ((GoalConstraint.hold(), "hold"), (GoalConstraint.aside(), "aside")):
+        assert len(goal.targets) == 0
+        assert pickle.loads(pickle.dumps(goal)) == goal
+        assert repr(goal).startswith(f"GoalConstraint({kind}")
+        with pytest.raises(srmp.InvalidArgument, match=f"a goal of type '{kind}' has no target"):
+            GoalConstraint(goal.type, [0.0] * 7)
+    assert GoalConstraint.hold() != GoalConstraint.aside()
