@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ PLANNERS = ("auto", "CBS", "ECBS", "xECBS", "prioritised")
 
 def turned(angle):
     """Ready, turned about the vertical axis."""
-    return READY + [angle, 0, 0, 0, 0, 0, 0]
+    return READY + np.array([angle, 0, 0, 0, 0, 0, 0])
 
 
 def joints(*targets):
@@ -229,7 +230,8 @@ def test_different_robots_in_one_scene():
     planner.add_articulation(
         urdf_text="""<robot name='slider'><link name='rail'/><link name='car'><collision><geometry>
         <box size='0.1 0.1 0.3'/></geometry></collision></link><joint name='s' type='prismatic'><parent link='rail'/>
-        <child link='car'/><axis xyz='1 0 0'/><limit lower='-0.5' upper='0.5' velocity='1' effort='1'/></joint></robot>""",
+        <child link='car'/><axis xyz='1 0 0'/><limit lower='-0.5' upper='0.5' velocity='1' effort='1'/></joint>
+        </robot>""",
         name="slider",
         end_effector="car",
         base_pose=Pose([0.35, 0, 0.35]),
@@ -375,7 +377,7 @@ def test_the_same_bits_on_every_run_and_instruction_set():
     printed = []
     for backend in ("portable", "avx2", "avx512"):
         result = subprocess.run(
-            [sys.executable, "-c", AGAIN, os.path.dirname(__file__)],
+            [sys.executable, "-c", AGAIN, Path(__file__).parent],
             env={**os.environ, "SRMP_SIMD": backend},
             capture_output=True,
             text=True,
@@ -447,7 +449,7 @@ def test_wrong_questions_are_refused(starts, goals, sentence):
     assert "\n" not in str(error.value)
 
 
-FAR = READY + [9, 0, 0, 0, 0, 0, 0]
+FAR = turned(9)
 INVALID = [
     ({"left": FAR, "right": READY}, GOALS, "start_invalid", "'left': the start.*arm7_joint1: 9 rad is above.*2.9 rad"),
     (STARTS, {"left": joints(FAR)}, "goal_invalid", "'left'.*arm7_joint1: 9 rad is above.*2.9 rad"),

@@ -107,9 +107,17 @@ def test_right_listing_as_printed_names_the_links_that_meet(world):
     assert error.value.status in (srmp.Status.start_invalid, srmp.Status.goal_invalid)
 
 
-def test_right_listing_with_the_arms_farther_apart_is_a_trajectory(world):
+def test_right_listing_with_the_second_arm_far_off_cannot_reach_its_goal(world):
+    """0.97 m from its shoulder to the hand; the arm is 0.86 m long."""
     exec(box_lowered(LEFT), world)
-    exec(RIGHT.replace("p=[0.5, 0, 0]", "p=[1.1, 0, 0]"), world)
+    with pytest.raises(srmp.PlanningError, match=r"'panda2': the goal is invalid: .*\[0.6, -0.5, 1\]") as error:
+        exec(RIGHT.replace("p=[0.5, 0, 0]", "p=[1.1, 0, 0]"), world)
+    assert error.value.status == srmp.Status.goal_invalid
+
+
+def test_right_listing_with_the_second_arm_a_little_farther_off_is_a_trajectory(world):
+    exec(box_lowered(LEFT), world)
+    exec(RIGHT.replace("p=[0.5, 0, 0]", "p=[0.8, 0, 0]"), world)
     trajectory, planner = world["trajectory"], world["planner"]
     assert list(trajectory) == ["panda", "panda2"]
     for name, target in (("panda", [0.6, 0, 0.5]), ("panda2", [0.6, -0.5, 1.0])):
