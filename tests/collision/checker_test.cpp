@@ -405,3 +405,97 @@ BOOST_AUTO_TEST_CASE(reach_knows_what_the_robot_holds_and_its_companions) {
   BOOST_TEST((both.head<2>() == holding));
   BOOST_TEST((both.tail<7>() == Checker(scene, "arm7").reach()));
 }
+
+namespace {
+
+/// Two planar arms face to face, 3 m apart, and a post in reach of the first.
+Scene arms_and_post() {
+  Scene scene;
+  RobotDescription description = robots::planar_description();
+  for (const char* name : {"left", "right"}) {
+    description.name = name;
+    scene.add_robot(RobotModel::load(description), at(name[0] == 'l' ? 0 : 3, 0, 0, 0, 0, name[0] == 'l' ? 0 : M_PI));
+  }
+  scene.add_object("post", Sphere{0.1}, at(0, 1.5, 0));
+  return scene;
+}
+
+bool free_at(const Checker& checker, const Eigen::VectorXd& q) {
+  const auto workspace = checker.make_workspace();
+  return checker.is_free(q, *workspace);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(absent_robots_are_left_out_with_what_they_hold) {
+  Scene scene = arms_and_post();
+  scene.set_qpos("right", Eigen::Vector2d(M_PI / 2, 0));
+  scene.add_object("held", Sphere{0.1}, at(1.5, 0, 0));
+  scene.attach_object("held", "right", "base");
+  const Eigen::Vector2d ahead(0, 0), at_post(M_PI / 2, 0);
+  for (const CheckMode mode : {CheckMode::coal, CheckMode::exact}) {
+    const Checker all(scene, "left", {.mode = mode}), alone(scene, "left", {.mode = mode, .absent = {"right"}});
+    BOOST_TEST(!free_at(all, ahead));
+    BOOST_TEST(free_at(alone, ahead));
+    BOOST_TEST(!free_at(alone, at_post));
+    BOOST_TEST(!alone.is_motion_free(ahead, at_post, *alone.make_workspace()));
+    BOOST_TEST(alone.contacts(ahead, *alone.make_workspace()).empty());
+  }
+}
+
+BOOST_AUTO_TEST_CASE(companions_only_sees_what_robots_do_to_each_other) {
+  const Scene scene = arms_and_post();
+  for (const CheckMode mode : {CheckMode::coal, CheckMode::exact}) {
+    const Checker pair(scene, "left", {.mode = mode, .companions = {"right"}, .companions_only = true});
+    BOOST_TEST(pair.dof() == 4u);
+    BOOST_TEST(!free_at(pair, Eigen::Vector4d(0, 0, 0, 0)));
+    BOOST_TEST(free_at(pair, Eigen::Vector4d(M_PI / 2, 0, 1, 0)));  // the left one in the post
+    BOOST_TEST(free_at(pair, Eigen::Vector4d(2, 3, 1, 0)));         // and folded onto itself
+    const Eigen::Vector4d apart(1.2, 0, 1.2, 0), other_side(-1.2, 0, -1.2, 0);
+    BOOST_TEST(!pair.is_motion_free(apart, other_side, *pair.make_workspace()));
+    const auto contacts = pair.contacts(Eigen::Vector4d(0, 0, 0, 0), *pair.make_workspace());
+    BOOST_REQUIRE(!contacts.empty());
+    BOOST_TEST(contacts.front().body_b.starts_with("right/"));
+  }
+}
+
+BOOST_AUTO_TEST_CASE(range_holds_the_robot_wherever_it_stands) {
+  Scene scene = arms_and_post();
+  const Ball empty = Checker(scene, "right").range();
+  scene.add_object("held", Sphere{0.1}, at(0, 0, 0));
+  scene.attach_object("held", "right", "tip", {"lower"}, at(0.4, 0, 0));
+  const Ball range = Checker(scene, "right").range();
+  BOOST_TEST(range.radius > empty.radius);
+  for (double a = -3; a <= 3; a += 0.5)
+    for (double b = -3; b <= 3; b += 0.5) {
+      scene.set_qpos("right", Eigen::Vector2d(a, b));
+      const auto& instance = scene.robot("right");
+      const Pose tip = instance.base * instance.model->compute_fk(instance.q, "tip", instance.other_positions);
+      const Eigen::Vector3d held = tip.p + tip.q * Eigen::Vector3d(0.4, 0, 0);
+      BOOST_TEST((held - range.center).norm() + 0.1 <= range.radius + 1e-9);
+    }
+  BOOST_TEST(range.radius < 2 * 2.5);
+}
+
+BOOST_AUTO_TEST_CASE(by_balls_alone_is_never_free_wrongly) {
+  const Scene scene = arms_and_post();
+  const Checker exact(scene, "left", {.companions = {"right"}, .companions_only = true});
+  const Checker coal(scene, "left", {.mode = CheckMode::coal, .companions = {"right"}, .companions_only = true});
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> turn(-1.5, 1.5);
+  const RowMatrix q = RowMatrix::NullaryExpr(200, 4, [&] { return turn(random); });
+  const auto ask = [&](const Checker& checker, bool by_balls) {
+    const auto free = std::make_unique<bool[]>(200);
+    checker.are_free(q, {free.get(), 200}, *checker.make_workspace(), by_balls);
+    return std::vector<bool>(free.get(), free.get() + 200);
+  };
+  const auto truth = ask(coal, false), balls_only = ask(exact, true);
+  BOOST_TEST((ask(exact, false) == truth));
+  BOOST_TEST((ask(coal, true) == truth));  // it has no balls
+  int proved = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    BOOST_TEST((!balls_only[i] || truth[i]));
+    proved += balls_only[i];
+  }
+  BOOST_TEST(2 * proved > std::count(truth.begin(), truth.end(), true));
+}

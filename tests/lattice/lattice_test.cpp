@@ -416,3 +416,43 @@ BOOST_AUTO_TEST_CASE(goal_snaps_asked_for_again_are_the_same_states) {
   BOOST_TEST(snapping.is_goal(1));
   BOOST_TEST(!snapping.is_goal(0));
 }
+
+BOOST_AUTO_TEST_CASE(a_snap_leads_to_every_via_which_has_a_grid_of_its_own) {
+  const auto robot = robots::planar();
+  const Vector2d via(0.567, -0.321);
+  Lattice lattice(*robot, {Vector2d(0, 0)}, {Vector2d(2, 2)},
+                  {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), search::infinity, {}, {via}},
+                  always_free);
+  const auto find = [&](search::StateId from, const Vector2d& q) {
+    for (const auto& next : successors(lattice, from))
+      if ((lattice.configuration(next.state) - q).norm() < 1e-5) return std::optional(next);  // two units of the grid
+    return std::optional<search::Successor>();
+  };
+  const auto snap = find(0, via);
+  BOOST_REQUIRE(snap);
+  BOOST_TEST(snap->cost == via.norm(), boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(!lattice.is_goal(snap->state));
+  BOOST_TEST(lattice.starts().size() == 1u);
+  BOOST_TEST(lattice.anchor_count() == 1u);
+  BOOST_TEST(find(successors(lattice, 0)[3].state, via).has_value());  // from everywhere
+  BOOST_TEST(find(snap->state, via + Vector2d(10 * degree, 0)).has_value());
+  BOOST_TEST(find(snap->state, Vector2d(2, 2)).has_value());
+}
+
+BOOST_AUTO_TEST_CASE(joints_of_two_robots_make_one_lattice) {
+  const auto a = robots::planar(), b = robots::planar3();
+  std::vector<Joint> joints = a->joints();
+  joints.insert(joints.end(), b->joints().begin(), b->joints().end());
+  const Eigen::VectorXd start = Eigen::VectorXd::Zero(5), goal = Eigen::VectorXd::Constant(5, 0.5);
+  Lattice lattice(joints, {start}, {goal}, {axis_primitives(joints, Eigen::VectorXd::Constant(5, 30 * degree)), 0.0},
+                  always_free);
+  BOOST_TEST(successors(lattice, 0).size() == 10 + 10);  // whole and third
+  BOOST_TEST(lattice.distance(start, goal) == goal.norm(), boost::test_tools::tolerance(1e-12));
+  Lattice alone(*a, {Vector2d(0, 0)}, {Vector2d(0.5, 0.5)},
+                {axis_primitives(a->joints(), Vector2d::Constant(30 * degree)), 0.0}, always_free);
+  Lattice from_joints(a->joints(), {Vector2d(0, 0)}, {Vector2d(0.5, 0.5)},
+                      {axis_primitives(a->joints(), Vector2d::Constant(30 * degree)), 0.0}, always_free);
+  const auto one = successors(alone, 0), other = successors(from_joints, 0);
+  BOOST_REQUIRE(one.size() == other.size());
+  for (std::size_t i = 0; i < one.size(); ++i) BOOST_TEST(one[i].cost == other[i].cost);
+}
