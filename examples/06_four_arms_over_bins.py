@@ -31,10 +31,8 @@ at = {name: planner.compute_ik(name, over[i], reference=ready)[0] for i, name in
 next_bins = {name: GoalConstraint(GoalType.POSE, over[(i + 3) % 4]) for i, name in enumerate(ARMS)}
 own_bins = {name: GoalConstraint(GoalType.JOINTS, q) for name, q in at.items()}
 
-trajectories = []
 for goals in (next_bins, own_bins):
     trajectory = planner.plan_multi(at, goals)
-    trajectories.append(trajectory)
     for name, motion in trajectory.items():
         print(f"{name}: {motion.duration:.17g} s, {motion.certificate.clearance:.17g} m clear")
         for q in motion.waypoints:

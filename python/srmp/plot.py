@@ -106,8 +106,12 @@ def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) ->
         axes.margins(y=0.22)
 
 
-def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, title: str = "") -> None:
-    """Writes a picture of the scene and the motion, early arms dark, late ones bright; the suffix says the format.
+def draw_motion(
+    path: str | Path, scene: SceneDrawing, motion: MotionDrawing | Sequence[MotionDrawing], title: str = ""
+) -> None:
+    """Writes a picture of the scene and the motions, early arms dark, late ones bright; the suffix says the format.
+
+    Several motions have one clock.
 
     Raises ModuleNotFoundError when matplotlib is not installed.
     """
@@ -120,9 +124,10 @@ def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, ti
     figure = Figure(figsize=(9, 8), dpi=150, facecolor="white")
     FigureCanvasAgg(figure)  # no window, no global state
     axes: Any = figure.add_axes((-0.02, -0.03, 0.96, 0.98), projection="3d", computed_zorder=False)
-    lower, upper = _bounds(scene, motion)
-    times = np.asarray(motion.times, dtype=float)
-    scale = Normalize(times[0], max(times[-1], times[0] + 1e-9))
+    motions = [motion] if isinstance(motion, MotionDrawing) else list(motion)
+    lower, upper = _bounds(scene, motions)
+    every_time = np.concatenate([np.asarray(one.times, dtype=float) for one in motions])
+    scale = Normalize(every_time.min(), max(every_time.max(), every_time.min() + 1e-9))
     colours = colormaps["plasma"]
 
     _draw_floor(axes, lower, upper)
@@ -132,11 +137,13 @@ def draw_motion(path: str | Path, scene: SceneDrawing, motion: MotionDrawing, ti
         _draw_cylinder(axes, radius, length, np.asarray(pose, dtype=float))
     for radius, centre in scene.spheres:
         _draw_sphere(axes, radius, np.asarray(centre, dtype=float))
-    for k, (arm, time) in enumerate(zip(motion.arms, times, strict=True)):
-        last = k in (0, len(times) - 1)
-        _draw_arm(axes, np.asarray(arm, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
-    tip = np.asarray(motion.end_effector_path, dtype=float)
-    axes.plot(*tip.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
+    for one in motions:
+        times = np.asarray(one.times, dtype=float)
+        for k, (arm, time) in enumerate(zip(one.arms, times, strict=True)):
+            last = k in (0, len(times) - 1)
+            _draw_arm(axes, np.asarray(arm, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
+        tip = np.asarray(one.end_effector_path, dtype=float)
+        axes.plot(*tip.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
 
     _frame(axes, lower, upper)
     _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))
@@ -193,9 +200,11 @@ def _truncated(colours: Any) -> Any:
     return ListedColormap(colours(np.linspace(0.0, 0.9, 256)))
 
 
-def _bounds(scene: SceneDrawing, motion: MotionDrawing) -> tuple[np.ndarray, np.ndarray]:
-    points = [np.zeros((1, 3)), np.asarray(motion.end_effector_path, dtype=float).reshape(-1, 3)]
-    points += [np.asarray(arm, dtype=float) for arm in motion.arms]
+def _bounds(scene: SceneDrawing, motions: Sequence[MotionDrawing]) -> tuple[np.ndarray, np.ndarray]:
+    points = [np.zeros((1, 3))]
+    for motion in motions:
+        points.append(np.asarray(motion.end_effector_path, dtype=float).reshape(-1, 3))
+        points += [np.asarray(arm, dtype=float) for arm in motion.arms]
     for size, pose in scene.boxes:
         points.append(_transform(np.asarray(pose, dtype=float), _CUBE_CORNERS * np.asarray(size, dtype=float)))
     for radius, length, pose in scene.cylinders:

@@ -64,6 +64,12 @@ def test_cpp_and_python_print_the_same(example, built):
     assert run(built / "examples" / example.stem) == in_python
 
 
+def test_pictures_are_drawn(tmp_path):
+    pytest.importorskip("matplotlib", reason="pictures need matplotlib: pip install 'srmp[demo]'")
+    run(sys.executable, REPOSITORY / "examples" / "pictures.py", tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"two-arms-swap.png", "four-arms-over-bins.png"}
+
+
 @pytest.mark.parametrize("name", sorted(PROGRAMS))
 def test_programs_of_the_documents_run(name, built):
     assert run(built / name).strip()
