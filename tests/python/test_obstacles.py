@@ -217,3 +217,16 @@ def test_wrong_obstacles_are_refused(two, call, sentence):
     with pytest.raises(srmp.InvalidArgument, match=sentence) as error:
         call(two)
     assert "\n" not in str(error.value)
+
+
+def test_a_merged_motion_is_that_of_the_robots():
+    """Straight without velocities, smooth with them; the two cannot be one."""
+    rows = np.array([[0.0], [1.0], [0.0]])
+    straight = srmp.Trajectory(["a"], rows, [0, 1, 2])
+    smooth = srmp.Trajectory(["a"], rows, [0, 0.7, 2], np.zeros((3, 1)))
+    for one in (straight, smooth):
+        merged = srmp.MultiTrajectory({"x": one, "y": one.resample(0.5) if one is straight else one}).merged()
+        for time in np.linspace(0, 2, 21):
+            np.testing.assert_allclose(merged.sample(time), [one.sample(time)[0]] * 2, atol=1e-12)
+    with pytest.raises(srmp.InvalidArgument, match="some of the trajectories have velocities and others have not"):
+        srmp.MultiTrajectory({"x": straight, "y": smooth}).merged()

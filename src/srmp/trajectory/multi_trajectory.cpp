@@ -29,6 +29,10 @@ void copy_row(const Trajectory& from, double time, Eigen::Index row, Eigen::Inde
     to.positions.row(row).segment(first, columns) = from.positions.row(std::min(row, from.positions.rows() - 1));
     return;
   }
+  if (to.velocities.rows() == 0) {  // straight between rows
+    to.positions.row(row).segment(first, columns) = from.sample(time).transpose();
+    return;
+  }
   const bool over = time > from.times[from.times.size() - 1];
   const MotionState state = from.state(time);
   to.positions.row(row).segment(first, columns) = state.position.transpose();
@@ -44,20 +48,24 @@ Trajectory MultiTrajectory::merged() const {
   const bool timed = robots.begin()->second.timed();
   std::vector<double> times;
   Eigen::Index rows = 0, columns = 0;
+  bool smooth = false, straight = false;
   Trajectory merged;
   for (const auto& [name, trajectory] : robots) {
     if (trajectory.timed() != timed) throw InvalidArgument("some of the trajectories have times and others have not");
     times.insert(times.end(), trajectory.times.begin(), trajectory.times.end());
+    (trajectory.velocities.rows() > 0 ? smooth : straight) |= trajectory.size() > 1;  // one that moves
     rows = std::max(rows, trajectory.positions.rows());
     columns += trajectory.positions.cols();
     for (const std::string& joint : trajectory.joint_names) merged.joint_names.push_back(name + "/" + joint);
   }
+  if (timed && smooth && straight)
+    throw InvalidArgument("some of the trajectories have velocities and others have not");
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (timed) rows = static_cast<Eigen::Index>(times.size());
   merged.times = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
   merged.positions = RowMatrix::Zero(rows, columns);
-  merged.velocities = merged.accelerations = RowMatrix::Zero(timed ? rows : 0, columns);
+  merged.velocities = merged.accelerations = RowMatrix::Zero(timed && !straight ? rows : 0, columns);
   Eigen::Index first = 0;
   for (const auto& [name, trajectory] : robots) {
     for (Eigen::Index row = 0; row < rows; ++row)

@@ -16,7 +16,7 @@ struct MultiTrajectory {
   const Trajectory& at(const std::string& robot) const;
   /// All robots as one: joints "robot/joint", in the order of the robots' names; rows where any robot has one. The
   /// motion is that of the robots; there is no certificate. Throws InvalidArgument when there is no robot, or when some
-  /// have times and others have not.
+  /// have times (or velocities) and others have not.
   Trajectory merged() const;
 };
 

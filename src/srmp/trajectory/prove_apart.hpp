@@ -1,0 +1,15 @@
+#pragma once
+
+#include "srmp/collision/motion_proof.hpp"
+#include "srmp/trajectory/trajectory.hpp"
+
+namespace srmp {
+
+/// prove_motion of two robots that move at once, each by its own rows: `a` and then `b`, whose joints stand in this
+/// order in the judge's configurations. Both have times, which begin at 0; one whose own times are over rests where it
+/// ended, however fast it came. Velocities may jump there, and at the rows of a motion without velocities: those are
+/// straight.
+MotionProof prove_apart(const Checker& judge, const Trajectory& a, const Trajectory& b,
+                        const ProofOptions& options = {});
+
+}  // namespace srmp
