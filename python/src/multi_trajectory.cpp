@@ -52,7 +52,7 @@ void bind_multi_trajectory(nb::module_& m) {
            "All robots as one Trajectory: joints 'robot/joint', in the order of the names; rows where any robot has "
            "one. The motion is\n"
            "that of the robots; there is no certificate.\n\n"
-           "Raises InvalidArgument when some have times and others have not.")
+           "Raises InvalidArgument when some have times (or velocities) and others have not.")
       .def("__repr__", [](const MultiTrajectory& self) {
         return "MultiTrajectory(" + std::to_string(self.robots.size()) + " robots, " + to_text(self.duration()) + " s)";
       });

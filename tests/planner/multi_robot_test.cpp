@@ -154,7 +154,7 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
   auto planner = planar_pair(srmp::CBS{.common = {.time_limit = 60, .resolution = 1}});
   const auto status = [&](const srmp::PlannerInterface::Interrupt& interrupt) {
     try {
-      planner.plan_multi(starts, goals, interrupt);
+      planner.plan_multi(starts, goals, {}, interrupt);
       return srmp::Status::solved;
     } catch (const srmp::PlanningError& error) {
       return error.status();
