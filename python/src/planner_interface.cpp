@@ -787,14 +787,18 @@ void bind_planning(nb::class_<Self>& cls) {
           "it can.")
       .def(
           "plan_multi",
-          [](Self& self, const std::map<std::string, ArrayLike>& starts,
-             const std::map<std::string, GoalConstraint>& goals,
+          [](Self& self, const std::map<std::string, ArrayLike>& starts, const std::map<std::string, nb::object>& goals,
              const std::optional<std::map<std::string, Trajectory>>& obstacles) {
             const std::map<std::string, Trajectory> committed = obstacles.value_or(std::map<std::string, Trajectory>{});
             std::map<std::string, Eigen::VectorXd> q;
             for (const auto& [name, start] : starts) q[name] = start.vector("start of '" + name + "'");
+            std::map<std::string, GoalConstraint> wanted;
+            for (const auto& [name, goal] : goals)
+              if (!nb::try_cast(goal, wanted[name]))
+                throw InvalidArgument("the goal of '" + name +
+                                      "' must be a GoalConstraint (which can have several targets)");
             return self.use([&](PlannerInterface& p) {
-              return run_plan(p, [&] { return p.plan_multi(q, goals, committed, python_interrupted); });
+              return run_plan(p, [&] { return p.plan_multi(q, wanted, committed, python_interrupted); });
             });
           },
           nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),

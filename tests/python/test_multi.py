@@ -246,6 +246,19 @@ def test_different_robots_in_one_scene():
     assert in_contact(planner, trajectory) == []
 
 
+def test_a_start_that_is_a_hair_outside_is_moved_onto_the_limit():
+    planner = two()
+    planner.plan_multi({"left": turned(2.9 + 5e-7), "right": turned(0.6)}, {"left": joints(turned(2.0))})
+    assert planner.get_planning_stats()["note"].startswith("robot 'left': the start was moved onto a joint limit")
+
+
+def test_who_is_there_already_need_not_move():
+    planner = two()
+    trajectory = planner.plan_multi(STARTS, {name: joints(q) for name, q in STARTS.items()})
+    assert trajectory.duration == planner.get_planning_stats()["flow_time_s"] == 0
+    assert all((one.positions == turned(0.6)).all() for one in trajectory.values())
+
+
 # --- what is returned
 
 
@@ -433,6 +446,8 @@ REFUSED = [
     ({"left": READY[:6], "right": READY}, GOALS, "start of 'left' has 6 values.*7 planned"),
     ({"left": [NAN] * 7, "right": READY}, GOALS, "start of 'left': arm7_joint1 is NaN"),
     ({"left": "up", "right": READY}, GOALS, "start of 'left' must be numbers, but is 'up'"),
+    (STARTS, {"left": READY}, "the goal of 'left' must be a GoalConstraint"),
+    (STARTS, {"left": [GOALS["left"]]}, "the goal of 'left' must be a GoalConstraint"),
     (STARTS, {"left": joints(READY[:6])}, "goal of 'left' has 6 values"),
     (STARTS, {"left": GoalConstraint.hold(), "right": GoalConstraint.hold()}, "a goal for at least one of the robots"),
     (STARTS, {}, "a goal for at least one of the robots"),

@@ -88,16 +88,16 @@ class MultiRobotPlan {
     const Deadline left(std::max(deadline_.remaining(), 1e-6), [this] { return deadline_.cancelled(); });
     try {
       RobotPath path = find_robot_path(problem, left, alone);
-      add(alone);
+      add(part.robot, alone);
       if (aside) return {path.start, {}, {}, true};
       return {path.start, std::move(path.targets), std::move(path.waypoints)};
     } catch (const PlanningError& error) {
-      add(alone);
+      add(part.robot, alone);
       fail(error.status(), "robot '" + part.robot + "': " + error.what());
     }
   }
 
-  void add(const PlanStatistics& alone) {
+  void add(const std::string& robot, const PlanStatistics& alone) {
     statistics_.ik_time_s += alone.ik_time_s;
     statistics_.heuristic_time_s += alone.heuristic_time_s;
     statistics_.search_time_s += alone.search_time_s;
@@ -107,7 +107,7 @@ class MultiRobotPlan {
     statistics_.edge_checks += alone.edge_checks;
     statistics_.states += alone.states;
     if (alone.note.empty()) return;
-    statistics_.note += (statistics_.note.empty() ? "" : "; ") + alone.note;
+    statistics_.note += (statistics_.note.empty() ? "robot '" : "; robot '") + robot + "': " + alone.note;
   }
 
   /// What two robots touch with at two configurations; "" = nothing.
