@@ -355,6 +355,7 @@ class MultiRobotPlan {
 MultiTrajectory plan_multi_robot(const MultiRobotProblem& problem, const Deadline& deadline,
                                  PlanStatistics& statistics) {
   MultiRobotPlan plan(problem, deadline, statistics);
+  for (const MultiRobotPart& part : problem.moving) statistics.robot_cost_rad[part.robot] = 0.0;
   try {
     MultiTrajectory result = plan.run();
     statistics.status = Status::solved;
