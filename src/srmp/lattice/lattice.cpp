@@ -20,6 +20,16 @@ double shortest(double difference) { return std::remainder(difference, 2.0 * std
 
 }  // namespace
 
+RowMatrix measure_weights(std::size_t dof) {
+  RowMatrix weights = RowMatrix::Ones(3, static_cast<Eigen::Index>(dof));
+  for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+    const double along = dof > 1 ? static_cast<double>(j) / static_cast<double>(dof - 1) : 0.0;
+    weights(1, j) = 2.0 - 1.9 * along;
+    weights(2, j) = 0.5 + 0.7 * along;
+  }
+  return weights;
+}
+
 Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> anchors,
                  std::vector<Eigen::VectorXd> targets, Options options, MotionValidator validator, std::size_t workers)
     : joints_(joints),

@@ -27,6 +27,10 @@ struct SnapGoal {
 /// Further goal configurations near q, if any; they need not be free. The answer must depend on q alone.
 using GoalSnap = std::function<std::vector<SnapGoal>(const Eigen::VectorXd& q)>;
 
+/// Weights of Lattice::measure_to_targets for a chain of so many joints, three rows: all joints alike; those near the
+/// base counting for more; those near the hand.
+RowMatrix measure_weights(std::size_t dof);
+
 /// The implicit graph of a robot's motions: what one can reach from the anchors by motion primitives, plus straight
 /// snaps to the targets. Models search::Graph; all edges are straight joint-space motions, so the reverse of a path is
 /// a path too and the same class serves a backward search (anchors = goals, targets = start).
@@ -34,9 +38,8 @@ using GoalSnap = std::function<std::vector<SnapGoal>(const Eigen::VectorXd& q)>;
 /// - States lie on a grid hung up at their anchor (grid unit 1e-4 degree or 1e-6 m, so that any mix of primitives meets
 ///   exactly); continuous joints wrap. Anchors are states 0, 1, …; targets follow.
 /// - An edge costs its joint-space length [rad; prismatic joints in m count as they are].
-/// - From every state a snap leads to each target within `snap_distance`, and to each of the `vias`, which hold up
-/// grids
-///   of their own: waypoints of paths that are known already.
+/// - From every state a snap leads to each target within `snap_distance`, and to each of the `vias` (waypoints of paths
+///   that are known already), which hold up grids of their own.
 /// - `goal_snap` may add goals while the search runs: each has one edge, from the state for which it was found, and
 /// none
 ///   on. The heuristics know the targets alone, and nothing of these goals but that they are goals. So no cost-to-come

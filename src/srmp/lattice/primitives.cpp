@@ -12,6 +12,13 @@ double grid_unit(const Joint& joint) {
   return joint.kind == JointKind::prismatic ? 1e-6 : 1e-4 * std::numbers::pi / 180.0;
 }
 
+Eigen::VectorXd lattice_step(const std::vector<Joint>& joints, double turn, double slide) {
+  Eigen::VectorXd step(static_cast<Eigen::Index>(joints.size()));
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    step[static_cast<Eigen::Index>(j)] = joints[j].kind == JointKind::prismatic ? slide : turn;
+  return step;
+}
+
 PrimitiveSet axis_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step) {
   const auto dof = static_cast<Eigen::Index>(joints.size());
   PrimitiveFamily whole{"whole", PrimitiveUse::always, {}}, third{"third", PrimitiveUse::near, {}};

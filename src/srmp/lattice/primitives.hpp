@@ -37,6 +37,9 @@ struct PrimitiveSet {
 /// Configurations of a lattice are whole multiples of this away from their anchor: 1e-4 degree [rad], or 1e-6 m.
 double grid_unit(const Joint& joint);
 
+/// One step a joint: `turn` [rad], or `slide` [m] where it is prismatic.
+Eigen::VectorXd lattice_step(const std::vector<Joint>& joints, double turn, double slide);
+
 /// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce
 /// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
 PrimitiveSet axis_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);

@@ -10,18 +10,6 @@ namespace srmp {
 using multi::Move;
 using search::StateId;
 
-namespace {
-
-Eigen::VectorXd lattice_step(const RobotModel& robot, const ArmWorld::Options& options) {
-  Eigen::VectorXd step(static_cast<Eigen::Index>(robot.dof()));
-  for (std::size_t j = 0; j < robot.dof(); ++j)
-    step[static_cast<Eigen::Index>(j)] =
-        robot.joints()[j].kind == JointKind::prismatic ? options.prismatic_resolution : options.resolution;
-  return step;
-}
-
-}  // namespace
-
 class ArmWorld::Arm : public multi::Agent {
  public:
   Arm(const Checker& checker, ArmTask task, const Options& options)
@@ -32,7 +20,9 @@ class ArmWorld::Arm : public multi::Agent {
         wait_cost_(0.1 * options.resolution),
         task_(std::move(task)),
         lattice_(robot_, {task_.start}, task_.targets,
-                 {.primitives = rich_primitives(robot_.joints(), lattice_step(robot_, options), parallel_pairs(robot_)),
+                 {.primitives = rich_primitives(
+                      robot_.joints(), lattice_step(robot_.joints(), options.resolution, options.prismatic_resolution),
+                      parallel_pairs(robot_)),
                   .vias = inner(task_.backbone)},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
     double left = 0.0;

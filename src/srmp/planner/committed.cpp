@@ -278,17 +278,10 @@ class PlanAround {
     const Checker* judge = team_->pair(i, j);
     if (!judge || committed_.contains(a)) return;
     const bool other = committed_.contains(b);
-    MotionProof proof = prove_apart(*judge, planned_.at(a), other ? committed_.at(b) : planned_.at(b), {0.5, &until});
+    const MotionProof proof =
+        prove_apart(*judge, planned_.at(a), other ? committed_.at(b) : planned_.at(b), {0.5, &until});
     add_proof(certificates.at(a), proof);
-    if (other) return;
-    const auto swap = [&](std::string& mine, std::string& theirs) {  // as the other one names the bodies
-      mine = full_name(a, mine);
-      if (theirs.starts_with(b + "/")) theirs.erase(0, b.size() + 1);
-      std::swap(mine, theirs);
-    };
-    swap(proof.body_a, proof.body_b);
-    for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
-    add_proof(certificates.at(b), proof);
+    if (!other) add_proof(certificates.at(b), seen_from_companion(proof, *judge, b));
   }
 
   const MultiRobotProblem& problem_;

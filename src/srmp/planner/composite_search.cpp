@@ -106,11 +106,9 @@ class CompositeSearch {
   }
 
   PrimitiveSet primitives(double scale) const {
-    Eigen::VectorXd step(static_cast<Eigen::Index>(joints_.size()));
-    for (std::size_t j = 0; j < joints_.size(); ++j)
-      step[static_cast<Eigen::Index>(j)] =
-          scale * (joints_[j].kind == JointKind::prismatic ? world_.options().prismatic_resolution
-                                                           : std::min(world_.options().resolution, M_PI / 2 / scale));
+    const ArmWorld::Options& lattice = world_.options();
+    const Eigen::VectorXd step = lattice_step(joints_, scale * std::min(lattice.resolution, M_PI / 2 / scale),
+                                              scale * lattice.prismatic_resolution);
     PrimitiveSet set = rich_primitives(joints_, step, pairs_);
     PrimitiveFamily one_arm{"one arm", PrimitiveUse::towards, {}};  // the others stay
     for (std::size_t i = 0; i < arms_.size(); ++i) {
@@ -142,12 +140,7 @@ class CompositeSearch {
     weights_ = RowMatrix::Ones(3 + static_cast<Eigen::Index>(arms_.size()), start_.size());
     for (std::size_t i = 0; i < arms_.size(); ++i) {
       const auto first = static_cast<Eigen::Index>(first_[i]), last = static_cast<Eigen::Index>(first_[i + 1]);
-      for (Eigen::Index j = first; j < last; ++j) {
-        const double along =
-            last - first > 1 ? static_cast<double>(j - first) / static_cast<double>(last - first - 1) : 0.0;
-        weights_(1, j) = 2.0 - 1.9 * along;
-        weights_(2, j) = 0.5 + 0.7 * along;
-      }
+      weights_.block(0, first, 3, last - first) = measure_weights(static_cast<std::size_t>(last - first));
       weights_.row(3 + static_cast<Eigen::Index>(i)).segment(first, last - first).setConstant(3.0);
     }
   }
@@ -156,24 +149,11 @@ class CompositeSearch {
     const Member& winner = members_[found.winner];
     std::vector<Eigen::VectorXd> rows = winner.lattice->configurations(found.result.path);
     if (winner.backward) std::reverse(rows.begin(), rows.end());
-    CoupledPath path{arms_, {0.0}, {}};
-    for (std::size_t i = 0; i < arms_.size(); ++i) {
-      const RobotModel& robot = world_.robot(arms_[i]);
-      RowMatrix q(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(robot.dof()));
-      q.row(0) = part_of(start_, i).transpose();  // unwrapped from the start on
-      for (Eigen::Index row = 1; row < q.rows(); ++row)
-        q.row(row) =
-            q.row(row - 1) +
-            robot.difference(q.row(row - 1).transpose(), part_of(rows[static_cast<std::size_t>(row)], i)).transpose();
-      path.positions.push_back(std::move(q));
-    }
-    for (std::size_t row = 1; row < rows.size(); ++row) {
-      int longest = 1;
-      for (std::size_t i = 0; i < arms_.size(); ++i)
-        longest = std::max(longest, world_.duration(arms_[i], part_of(rows[row - 1], i), part_of(rows[row], i)));
-      path.steps.push_back(path.steps.back() + longest);
-    }
-    return path;
+    rows.front() = start_;  // unwrapped from the start on
+    std::vector<std::vector<Eigen::VectorXd>> ways(arms_.size());
+    for (std::size_t i = 0; i < arms_.size(); ++i)
+      for (const Eigen::VectorXd& row : rows) ways[i].push_back(part_of(row, i));
+    return coupled_path(world_, arms_, ways);
   }
 
   ArmWorld& world_;

@@ -23,6 +23,24 @@ CoupledPath coupled_path(const ArmWorld& world, std::size_t arm, const std::vect
 }
 
 CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
+                         const std::vector<std::vector<Eigen::VectorXd>>& ways) {
+  CoupledPath path{arms, {0.0}, {}};
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    std::vector<Eigen::VectorXd> rows{ways[i].front()};
+    for (std::size_t k = 1; k < ways[i].size(); ++k)
+      rows.push_back(rows.back() + world.robot(arms[i]).difference(rows.back(), ways[i][k]));
+    path.positions.push_back(stack_waypoints(rows));
+  }
+  for (std::size_t k = 1; k < ways.front().size(); ++k) {
+    int longest = 1;
+    for (std::size_t i = 0; i < arms.size(); ++i)
+      longest = std::max(longest, world.duration(arms[i], ways[i][k - 1], ways[i][k]));
+    path.steps.push_back(path.steps.back() + longest);
+  }
+  return path;
+}
+
+CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
                          const std::vector<multi::TimedPath>& paths) {
   CoupledPath coupled{arms, {}, {}};
   std::vector<int> steps{0};
@@ -131,12 +149,6 @@ class Shortener {
     return at(arm, a) + share * (at(arm, b) - at(arm, a));
   }
 
-  double length(std::size_t arm, std::size_t a, std::size_t b) const {
-    double sum = 0.0;
-    for (std::size_t row = a; row < b; ++row) sum += (at(arm, row + 1) - at(arm, row)).norm();
-    return sum;
-  }
-
   /// Is it worth asking, and free, for one arm to go straight between two rows?
   bool can_straighten(std::size_t arm, std::size_t a, std::size_t b) {
     if (late()) return false;
@@ -157,16 +169,26 @@ class Shortener {
     return (world_.robot(number(arm)).difference(from, to) - (to - from)).cwiseAbs().maxCoeff() < 1e-9;
   }
 
+  /// The farthest row that one can go straight to, by bisection; the last one first, unless it is said not to be worth
+  /// it.
+  template <class Can>
+  std::size_t farthest(std::size_t from, bool try_last, Can&& can) const {
+    const std::size_t last = path_.size() - 1;
+    std::size_t reached = from + 1, blocked = last + 1;
+    if (from + 1 < last && try_last) (can(last) ? reached : blocked) = last;
+    while (reached + 1 < blocked) {
+      const std::size_t middle = reached + (blocked - reached) / 2;
+      (can(middle) ? reached : blocked) = middle;
+    }
+    return reached;
+  }
+
   /// From each row to the farthest that the arm can go straight to.
   void straighten(std::size_t arm) {
     const std::size_t last = path_.size() - 1;
     for (std::size_t a = 0; a < last && !late();) {
-      std::size_t reached = a + 1, blocked = last + 1;
-      if (a + 1 < last && worth(arm, a, last)) (can_straighten(arm, a, last) ? reached : blocked) = last;
-      while (reached + 1 < blocked) {
-        const std::size_t middle = reached + (blocked - reached) / 2;
-        (can_straighten(arm, a, middle) ? reached : blocked) = middle;
-      }
+      const std::size_t reached =
+          farthest(a, worth(arm, a, last), [&](std::size_t b) { return can_straighten(arm, a, b); });
       for (std::size_t row = a + 1; row < reached; ++row) scratch_.push_back(between(arm, a, reached, row));
       for (std::size_t row = a + 1; row < reached; ++row)
         path_.positions[arm].row(static_cast<Eigen::Index>(row)) = scratch_[row - a - 1].transpose();
@@ -200,14 +222,8 @@ class Shortener {
     std::vector<std::size_t> kept{0};
     const std::size_t last = path_.size() - 1;
     for (std::size_t a = 0; a < last;) {
-      std::size_t reached = a + 1, blocked = last + 1;
-      if (a + 1 < last) (can_straighten_all(a, last) ? reached : blocked) = last;
-      while (reached + 1 < blocked) {
-        const std::size_t middle = reached + (blocked - reached) / 2;
-        (can_straighten_all(a, middle) ? reached : blocked) = middle;
-      }
-      kept.push_back(reached);
-      a = reached;
+      a = farthest(a, true, [&](std::size_t b) { return can_straighten_all(a, b); });
+      kept.push_back(a);
     }
     keep(kept);
   }

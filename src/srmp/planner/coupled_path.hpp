@@ -23,6 +23,10 @@ struct CoupledPath {
 
 /// One arm along waypoints, as fast as it can.
 CoupledPath coupled_path(const ArmWorld& world, std::size_t arm, const std::vector<Eigen::VectorXd>& waypoints);
+/// Arms along configurations of theirs, as many for each, all from one to the next in the same time: what the slowest
+/// needs.
+CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
+                         const std::vector<std::vector<Eigen::VectorXd>>& ways);
 /// Rows wherever an arm's move ends.
 CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
                          const std::vector<multi::TimedPath>& paths);

@@ -164,10 +164,9 @@ class CoupledPostProcess {
       to.emplace_back(b.segment(first, q.cols()));
       first += q.cols();
     }
-    for (std::size_t i = 0; i < path.arms.size(); ++i) {
-      const auto& alone = problem_.checkers.alone(path.arms[i]);
-      if (!alone.is_motion_free(from[i], to[i], *alone.make_workspace())) return false;
-    }
+    for (std::size_t i = 0; i < path.arms.size(); ++i)
+      if (!world_.is_free_alone(path.arms[i], from[i]) || !world_.is_free_alone(path.arms[i], from[i], to[i]))
+        return false;
     for (std::size_t i = 0; i < path.arms.size(); ++i)
       for (std::size_t j = i + 1; j < path.arms.size(); ++j)
         if (!world_.are_apart(path.arms[i], from[i], to[i], path.arms[j], from[j], to[j])) return false;
@@ -249,21 +248,10 @@ class CoupledPostProcess {
     const Checker* judge = problem_.judges.pair(a.arm, b.arm);
     if (!judge) return true;
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    MotionProof proof = prove_apart(*judge, numbered(a.trajectory), numbered(b.trajectory), {0.5, &until});
-    const bool apart = proof.free && proof.unproved.empty();
+    const MotionProof proof = prove_apart(*judge, numbered(a.trajectory), numbered(b.trajectory), {0.5, &until});
     add_proof(a.certificate, proof);
-    // As the other one names the bodies.
-    const auto swap = [&](std::string& mine, std::string& other) {
-      const std::string prefix = name(b.arm) + "/";
-      if (other.starts_with(prefix)) other.erase(0, prefix.size());
-      const auto& links = world_.robot(a.arm).link_names();
-      if (std::find(links.begin(), links.end(), mine) != links.end()) mine = name(a.arm) + "/" + mine;
-      std::swap(mine, other);
-    };
-    swap(proof.body_a, proof.body_b);
-    for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
-    add_proof(b.certificate, proof);
-    return apart;
+    add_proof(b.certificate, seen_from_companion(proof, *judge, name(b.arm)));
+    return proof.free && proof.unproved.empty();
   }
 
   static constexpr double mercy = 0.010;  // as in post_process.cpp

@@ -54,7 +54,7 @@ class MultiRobotPlan {
 
   MultiTrajectory run() {
     find_tasks();
-    require_apart(Status::start_invalid, "starts");
+    require_starts_apart();
     require_goals_apart();
     find_paths();
     statistics_.plan_time_s = deadline_.elapsed();
@@ -70,10 +70,9 @@ class MultiRobotPlan {
 
   /// What every robot would do if it were alone.
   void find_tasks() {
-    const Auto alone{.common = common_};
+    Auto alone{.common = common_};
+    alone.common.escape_start = false;
     options_alone_ = alone;
-    auto& common = std::get<Auto>(options_alone_).common;
-    common.escape_start = false;
     for (const MultiRobotPart& part : problem_.moving) tasks_.push_back(task(part));
   }
 
@@ -123,11 +122,11 @@ class MultiRobotPlan {
            (contacts.empty() ? "" : ": " + contacts.front().describe());
   }
 
-  void require_apart(Status status, const std::string& what) const {
+  void require_starts_apart() const {
     for (std::size_t i = 0; i < count_; ++i)
       for (std::size_t j = i + 1; j < count_; ++j)
         if (const std::string why = contact(i, tasks_[i].start, j, tasks_[j].start); !why.empty())
-          fail(status, "the " + what + " are invalid: " + why);
+          fail(Status::start_invalid, "the starts are invalid: " + why);
   }
 
   /// Two robots none of whose goal configurations go together.

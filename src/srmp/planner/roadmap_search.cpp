@@ -320,24 +320,10 @@ class RoadmapSearch::Query {
     std::vector<State> states;
     for (; id != no_node; id = nodes_[id].parent) states.push_back(nodes_[id].state);
     std::reverse(states.begin(), states.end());
-    CoupledPath path{arms_, {0.0}, {}};
-    for (std::size_t i = 0; i < arms_.size(); ++i) {
-      std::vector<Eigen::VectorXd> rows{map(i).points[at(states[0], i)]};
-      for (std::size_t k = 1; k < states.size(); ++k)
-        rows.push_back(rows.back() +
-                       maps_.world_.robot(arms_[i]).difference(rows.back(), map(i).points[at(states[k], i)]));
-      RowMatrix q(static_cast<Eigen::Index>(rows.size()), rows[0].size());
-      for (std::size_t k = 0; k < rows.size(); ++k) q.row(static_cast<Eigen::Index>(k)) = rows[k].transpose();
-      path.positions.push_back(std::move(q));
-    }
-    for (std::size_t k = 1; k < states.size(); ++k) {
-      int longest = 1;
-      for (std::size_t i = 0; i < arms_.size(); ++i)
-        longest = std::max(longest, maps_.world_.duration(arms_[i], map(i).points[at(states[k - 1], i)],
-                                                          map(i).points[at(states[k], i)]));
-      path.steps.push_back(path.steps.back() + longest);
-    }
-    return path;
+    std::vector<std::vector<Eigen::VectorXd>> ways(arms_.size());
+    for (std::size_t i = 0; i < arms_.size(); ++i)
+      for (const State& state : states) ways[i].push_back(map(i).points[at(state, i)]);
+    return coupled_path(maps_.world_, arms_, ways);
   }
 
   RoadmapSearch& maps_;

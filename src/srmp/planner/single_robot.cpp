@@ -203,12 +203,8 @@ class SingleRobotPlan {
   }
 
   Eigen::VectorXd lattice_step(double scale = 1.0) const {
-    Eigen::VectorXd step(static_cast<Eigen::Index>(robot_.dof()));
-    for (std::size_t j = 0; j < robot_.dof(); ++j)
-      step[static_cast<Eigen::Index>(j)] = robot_.joints()[j].kind == JointKind::prismatic
-                                               ? scale * common_.prismatic_resolution
-                                               : scaled_resolution(scale) * M_PI / 180.0;
-    return step;
+    return srmp::lattice_step(robot_.joints(), scaled_resolution(scale) * M_PI / 180.0,
+                              scale * common_.prismatic_resolution);
   }
 
   /// [degrees]; coarser than asked for, but no more than a quarter turn: no step may take the other way round.
@@ -260,28 +256,17 @@ class SingleRobotPlan {
     if (name == "joint_euclidean")
       return [&lattice](search::StateId state) { return lattice.distance_to_targets(state); };
     const auto measure = std::find(measure_names.begin(), measure_names.end(), name) - measure_names.begin();
-    return [&lattice, weights = measure_weights(), at = static_cast<std::size_t>(measure)](search::StateId state) {
+    return [&lattice, weights = measure_weights(robot_.dof()),
+            at = static_cast<std::size_t>(measure)](search::StateId state) {
       std::array<double, measure_names.size()> values{};
       lattice.measure_to_targets(state, weights, values);
       return values[at];
     };
   }
 
-  /// What measure_to_targets writes with measure_weights().
+  /// What measure_to_targets writes with measure_weights.
   static constexpr std::array<std::string_view, 4> measure_names{"joint_euclidean", "joint_base", "joint_hand",
                                                                  "joint_sum"};
-
-  /// All joints alike; those near the base counting for more; those near the hand.
-  RowMatrix measure_weights() const {
-    const auto dof = static_cast<Eigen::Index>(robot_.dof());
-    RowMatrix weights = RowMatrix::Ones(3, dof);
-    for (Eigen::Index j = 0; j < dof; ++j) {
-      const double along = dof > 1 ? static_cast<double>(j) / static_cast<double>(dof - 1) : 0.0;
-      weights(1, j) = 2.0 - 1.9 * along;
-      weights(2, j) = 0.5 + 0.7 * along;
-    }
-    return weights;
-  }
 
   AnyHeuristic user_heuristic(const std::string& name, const UserHeuristic& user, Lattice& lattice) const {
     return [&lattice, &user, name, goals = to_rows(lattice.targets())](std::span<const search::StateId> states,
@@ -601,7 +586,7 @@ class SingleRobotPlan {
     const bool more = std::find(measure_names.begin(), measure_names.end(), common_.heuristic) == measure_names.end();
     const std::size_t count = measures + more;
     return {count,
-            [&lattice, count, more, weights = measure_weights(),
+            [&lattice, count, more, weights = measure_weights(robot_.dof()),
              other = more ? make_heuristic(common_.heuristic, lattice) : AnyHeuristic(),
              values = std::vector<double>()](std::span<const search::StateId> states, std::span<double> out) mutable {
               for (std::size_t i = 0; i < states.size(); ++i)

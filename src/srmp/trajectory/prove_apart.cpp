@@ -78,4 +78,17 @@ MotionProof prove_apart(const Checker& judge, const Trajectory& a, const Traject
   return all;
 }
 
+MotionProof seen_from_companion(MotionProof proof, const Checker& judge, const std::string& companion) {
+  const std::vector<std::string>& links = judge.robot().link_names();
+  const std::string prefix = companion + "/";
+  const auto swap = [&](std::string& mine, std::string& other) {
+    if (std::find(links.begin(), links.end(), mine) != links.end()) mine = judge.robot().name() + "/" + mine;
+    if (other.starts_with(prefix)) other.erase(0, prefix.size());
+    std::swap(mine, other);
+  };
+  swap(proof.body_a, proof.body_b);
+  for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);
+  return proof;
+}
+
 }  // namespace srmp

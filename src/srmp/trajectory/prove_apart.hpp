@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
@@ -11,5 +13,8 @@ namespace srmp {
 /// straight.
 MotionProof prove_apart(const Checker& judge, const Trajectory& a, const Trajectory& b,
                         const ProofOptions& options = {});
+
+/// What `judge` proved of its robot and `companion`, as the companion's own judge names the bodies.
+MotionProof seen_from_companion(MotionProof proof, const Checker& judge, const std::string& companion);
 
 }  // namespace srmp
