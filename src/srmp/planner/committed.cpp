@@ -14,7 +14,6 @@ namespace {
 
 constexpr double delay_step = 0.1;    // [s]
 constexpr double look_period = 0.05;  // [s] of the quick look before a proof
-constexpr double mercy = 0.010;       // [s] as in post_process.cpp
 
 double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
 
@@ -250,7 +249,7 @@ class PlanAround {
 
   /// By judges that know no robot standing where a committed motion ends.
   void certify_all() {
-    const Deadline until(std::max(deadline_.remaining(), 0.0) + mercy, [this] { return deadline_.cancelled(); });
+    const Deadline until(std::max(deadline_.remaining(), 0.0) + post::mercy, [this] { return deadline_.cancelled(); });
     std::map<std::string, Certificate> certificates;
     for (std::size_t i = 0; i < problem_.moving.size(); ++i) {
       const MultiRobotPart& part = problem_.moving[i];

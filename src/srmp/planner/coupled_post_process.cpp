@@ -6,7 +6,6 @@
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
 #include "srmp/planner/verify.hpp"
-#include "srmp/trajectory/parameterize.hpp"
 #include "srmp/trajectory/prove_apart.hpp"
 
 namespace srmp {
@@ -27,7 +26,7 @@ class CoupledPostProcess {
   }
 
   MultiTrajectory run(const PathsKnown& paths_known) {
-    const Deadline until(std::max(deadline_.remaining(), 0.0) + mercy, [this] { return deadline_.cancelled(); });
+    const Deadline until(std::max(deadline_.remaining(), 0.0) + post::mercy, [this] { return deadline_.cancelled(); });
     // Arms timed apart must be proved apart.
     if (common_.timing == "none" || !common_.certify)
       while (clusters_.size() > 1) merge_clusters(0, 1);
@@ -85,8 +84,8 @@ class CoupledPostProcess {
 
   /// Corners that cannot be proved free shrink.
   void time_and_certify(Cluster& cluster, const Deadline& until) {
-    for (double deviation = common_.blend_deviation;; deviation *= shrink) {
-      if (deviation < least_deviation) deviation = 0.0;
+    for (double deviation = common_.blend_deviation;; deviation *= post::shrink) {
+      if (deviation < post::least_deviation) deviation = 0.0;
       cluster.deviation = deviation;
       cluster.trajectories = in_time(cluster.path, deviation);
       if (!common_.certify) return;
@@ -142,9 +141,7 @@ class CoupledPostProcess {
       const RowMatrix none(0, waypoints.cols());
       return parts({names, waypoints, none, none, {}, waypoints}, path);
     }
-    TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
-                          .sample_period = common_.sample_period,
-                          .blend_deviation = deviation};
+    TimingOptions options = timing_options(common_, deviation);
     options.reach = reach;
     options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
     return parts(time_parameterize(waypoints, names, limits, options), path);
@@ -207,13 +204,6 @@ class CoupledPostProcess {
     return trajectory.times[row];
   }
 
-  /// Straight motions as long as one another where there are no times: a certificate needs some.
-  static Trajectory numbered(Trajectory path) {
-    const Eigen::Index rows = path.positions.rows();
-    if (!path.timed()) path.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
-    return path;
-  }
-
   std::vector<Certificate> certified(const Cluster& cluster, const Deadline& until) {
     std::vector<Certificate> certificates;
     const std::vector<std::size_t>& arms = cluster.path.arms;
@@ -253,10 +243,6 @@ class CoupledPostProcess {
     add_proof(b.certificate, seen_from_companion(proof, *judge, name(b.arm)));
     return proof.free && proof.unproved.empty();
   }
-
-  static constexpr double mercy = 0.010;  // as in post_process.cpp
-  static constexpr double shrink = 0.25;
-  static constexpr double least_deviation = 1e-4;  // [m]
 
   const std::string& name(std::size_t i) const { return problem_.moving[i].robot; }
 

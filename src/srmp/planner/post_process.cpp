@@ -3,16 +3,11 @@
 #include <algorithm>
 
 #include "srmp/planner/verify.hpp"
-#include "srmp/trajectory/parameterize.hpp"
 #include "srmp/trajectory/path.hpp"
 
 namespace srmp {
 
 namespace {
-
-constexpr double mercy = 0.010;           // [s] past the time limit: a path that was found should not be lost
-constexpr double shrink = 0.25;           // of a blend deviation that cannot be proved free
-constexpr double least_deviation = 1e-4;  // [m]; below, corners are stops
 
 class PostProcess {
  public:
@@ -23,12 +18,12 @@ class PostProcess {
         limits_(scaled(problem.limits, common_)),
         path_(stack_waypoints(path)),
         escape_(escape),
-        until_(std::max(deadline.remaining(), 0.0) + mercy, [&] { return deadline.cancelled(); }),
+        until_(std::max(deadline.remaining(), 0.0) + post::mercy, [&] { return deadline.cancelled(); }),
         statistics_(statistics) {}
 
   Trajectory run() {
-    for (double deviation = common_.blend_deviation;; deviation *= shrink) {
-      if (deviation < least_deviation) deviation = 0.0;
+    for (double deviation = common_.blend_deviation;; deviation *= post::shrink) {
+      if (deviation < post::least_deviation) deviation = 0.0;
       Trajectory trajectory = in_time(deviation);
       trajectory.robot = problem_.placed;
       if (!common_.certify) return trajectory;
@@ -56,9 +51,7 @@ class PostProcess {
                     path_};
     } else {
       const auto workspace = problem_.checker.make_workspace();
-      TimingOptions options{.method = common_.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
-                            .sample_period = common_.sample_period,
-                            .blend_deviation = deviation};
+      TimingOptions options = timing_options(common_, deviation);
       options.reach = problem_.checker.reach();
       options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return problem_.checker.is_motion_free(a, b, *workspace);
@@ -67,13 +60,6 @@ class PostProcess {
     }
     statistics_.timing_time_s += until_.elapsed() - start;
     return trajectory;
-  }
-
-  /// The straight motions of a path without times, as long as one another: a certificate needs times.
-  static Trajectory numbered(Trajectory path) {
-    const Eigen::Index rows = path.positions.rows();
-    path.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
-    return path;
   }
 
   Certificate certified(const Trajectory& trajectory) {
@@ -110,6 +96,18 @@ class PostProcess {
 };
 
 }  // namespace
+
+TimingOptions timing_options(const CommonOptions& options, double deviation) {
+  return {.method = options.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
+          .sample_period = options.sample_period,
+          .blend_deviation = deviation};
+}
+
+Trajectory numbered(Trajectory trajectory) {
+  const Eigen::Index rows = trajectory.positions.rows();
+  if (!trajectory.timed()) trajectory.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
+  return trajectory;
+}
 
 MotionLimits scaled(MotionLimits limits, const CommonOptions& options) {
   limits.velocity *= options.velocity_scaling;

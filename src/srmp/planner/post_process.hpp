@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "srmp/planner/single_robot.hpp"
+#include "srmp/trajectory/parameterize.hpp"
 
 namespace srmp {
 
@@ -12,6 +13,20 @@ namespace srmp {
 /// hold.
 Trajectory post_process(const SingleRobotProblem& problem, const std::vector<Eigen::VectorXd>& path, std::size_t escape,
                         const Deadline& deadline, PlanStatistics& statistics);
+
+// What plans of one robot and of many share.
+
+namespace post {
+inline constexpr double mercy = 0.010;           ///< [s] past the time limit: a path that was found should not be lost
+inline constexpr double shrink = 0.25;           ///< of a blend deviation that cannot be proved free
+inline constexpr double least_deviation = 1e-4;  ///< [m]; below, corners are stops
+}  // namespace post
+
+/// As the options say, with corners rounded by `deviation` [m].
+TimingOptions timing_options(const CommonOptions& options, double deviation);
+
+/// With times where it has none, so that its straight motions are as long as one another: a certificate needs times.
+Trajectory numbered(Trajectory trajectory);
 
 /// The shares of the limits that the options leave.
 MotionLimits scaled(MotionLimits limits, const CommonOptions& options);
