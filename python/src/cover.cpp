@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bind.hpp"
+#include "srmp/robot/mesh_file.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp::python {
@@ -96,6 +97,20 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
 }  // namespace
 
 void bind_cover(nb::module_& m) {
+  m.def(
+      "convex_hull",
+      [](const ArrayLike& points) {
+        std::vector<Eigen::Vector3d> list;
+        const RowMatrix rows = points.rows("points of a convex hull", 3);
+        for (const auto& row : rows.rowwise()) list.emplace_back(row.transpose());
+        const TriangleSoup hull = convex_hull(list);
+        std::vector<Eigen::VectorXd> vertices(hull.vertices.begin(), hull.vertices.end());
+        return std::pair(to_numpy_rows(vertices, 3), hull.triangles);
+      },
+      nb::arg("points"),
+      "The solid convex hull of points (n, 3): its corners (k, 3) and triangles, three numbers of corners each, that "
+      "face outwards.\n\n"
+      "Raises InvalidArgument for fewer than four points, all in one plane, or NaN.");
   nb::class_<LinkCover>(m, "LinkCover",
                         "The spheres of one link, in its frame: arrays of shape (n, 4) with rows x, y, z, radius [m].")
       .def_ro("link", &LinkCover::link)

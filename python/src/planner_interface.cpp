@@ -40,12 +40,17 @@ class PyPlannerInterface {
   void reset() {
     use([](PlannerInterface& p) { p.reset(); });
     heuristics_.clear();
+    simulated_world = nb::none();
   }
+
+  nb::object simulated_world = nb::none();  ///< what read_sim made: srmp.sim.SimulatedWorld, which refers to this
 
   static int traverse(PyObject* object, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(object));
     if (!nb::inst_ready(object)) return 0;
-    for (const auto& [name, function] : nb::inst_ptr<PyPlannerInterface>(object)->heuristics_) Py_VISIT(function.ptr());
+    const auto* self = nb::inst_ptr<PyPlannerInterface>(object);
+    for (const auto& [name, function] : self->heuristics_) Py_VISIT(function.ptr());
+    Py_VISIT(self->simulated_world.ptr());
     return 0;
   }
   static int clear(PyObject* object) {
@@ -357,6 +362,15 @@ void bind_objects(nb::class_<Self>& cls) {
           "robots.\n"
           "A later call wins over earlier ones that it covers.")
       .def(
+          "allowed_collision",
+          [](Self& self, const std::string& a, const std::string& b) {
+            return self.use([&](auto& p) { return p.scene().allowed_collision(a, b); });
+          },
+          nb::arg("a"), nb::arg("b"),
+          "Is contact of the two bodies ignored: by set_allowed_collision, else by the robot's self-collision rules or "
+          "because one\n"
+          "is held and may touch the other? Of a whole robot: for all its links.")
+      .def(
           "load_moveit_scene",
           [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); },
           nb::arg("path"),
@@ -413,6 +427,18 @@ void bind_questions(nb::class_<Self>& cls) {
           },
           nb::arg("name"),
           "(dof, 3): lower and upper limit [rad or m], velocity limit [rad/s or m/s]. Continuous joints: -inf, inf.")
+      .def(
+          "get_all_joint_limits",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) {
+              std::map<std::string, std::pair<double, double>> limits;
+              for (const auto* joints : {&p.robot(name).joints(), &p.robot(name).other_joints()})
+                for (const Joint& joint : *joints) limits[joint.name] = {joint.lower, joint.upper};
+              return limits;
+            });
+          },
+          nb::arg("name"),
+          "Of all joints that set_joint_positions moves, planned or not: name to (lower, upper) [rad or m].")
       .def(
           "get_group_states",
           [](Self& self, const std::string& name) {
@@ -598,6 +624,41 @@ void set_motion_limits(PlannerInterface& planner, const std::string& robot, nb::
   limits.acceleration = to_limits(acceleration, limits.acceleration, joints, "acceleration");
   limits.jerk = to_limits(jerk, limits.jerk, joints, "jerk");
   planner.set_motion_limits(robot, limits);
+}
+
+/// What srmp/sim does, with a simulator.
+void bind_simulators(nb::class_<Self>& cls) {
+  cls.def(
+         "read_sim",
+         [](nb::handle self, const nb::object& sim, const nb::object& kind, const nb::object& articulations,
+            const nb::object& exclude) {
+           return nb::module_::import_("srmp.sim").attr("read_sim")(self, sim, kind, articulations, exclude);
+         },
+         nb::arg("sim"), nb::arg("kind"), nb::arg("articulations") = nb::none(), nb::arg("exclude") = nb::make_tuple(),
+         nb::sig("def read_sim(self, sim: object, kind: str, articulations: object = None, exclude: "
+                 "collections.abc.Sequence[str] = ()) -> typing.Any"),
+         "Read a simulator's scene: its robots, and every collision shape of everything else, as they stand.\n\n"
+         "sim: for kind \"mujoco\" (MjModel, MjData); \"sapien\" a Scene; \"genesis\" a built Scene; \"pybullet\" a "
+         "client's number.\n"
+         "articulations: which of the simulator's articulations are robots, default all. A list names those that "
+         "are planned with the\n"
+         "simulator's own model; a dict by robot name says more of each: urdf_path, srdf_path and whatever "
+         "add_articulation is told,\n"
+         "and `articulation`, its name in the simulator where that is another. exclude: objects to leave out. Contacts "
+         "that the\n"
+         "simulator filters are allowed collisions here; among the links of a robot from a URDF, the URDF's and SRDF's "
+         "rules count\n"
+         "(`self_collisions`: True takes the simulator's).\n\n"
+         "Returns the srmp.sim.SimulatedWorld, also in `simulated_world`: refresh, grasp, release, execute. Raises "
+         "InvalidArgument (a\n"
+         "robot or joint that is not there, with the nearest name), NotSupported (a shape or joint that cannot be "
+         "read; a package that\n"
+         "is missing); then nothing was read. See docs/simulators.md.")
+      .def_prop_rw(
+          "simulated_world", [](Self& self) { return self.simulated_world; },
+          [](Self& self, const nb::object& world) { self.simulated_world = world; }, nb::arg("world").none(),
+          nb::for_getter(nb::sig("def simulated_world(self) -> typing.Any")),
+          "What read_sim returned; None before, and after reset.");
 }
 
 void bind_proofs(nb::class_<Self>& cls) {
@@ -988,6 +1049,7 @@ void bind_planner_interface(nb::module_& m) {
   bind_robots(cls);
   bind_objects(cls);
   bind_questions(cls);
+  bind_simulators(cls);
   bind_proofs(cls);
   bind_planning(cls);
   bind_files(cls);

@@ -31,6 +31,13 @@ def suite():
     return load
 
 
+@pytest.fixture(scope="session")
+def sim_checks():
+    """What every simulator has to show."""
+    sys.path.append(str(Path(__file__).parent))
+    return importlib.import_module("sim_checks")
+
+
 @pytest.fixture
 def arm():
     """The package's own arm on a table, with a box beside it and a quick planner."""

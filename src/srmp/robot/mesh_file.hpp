@@ -43,6 +43,10 @@ bool is_convex(const TriangleSoup& mesh);
 /// Do the vertices span a volume, so that they have a hull?
 bool spans_volume(const std::vector<Eigen::Vector3d>& vertices);
 
+/// The convex hull: its corners, and triangles that face outwards. Throws InvalidArgument for fewer than four points,
+/// all in one plane, or not finite.
+TriangleSoup convex_hull(const std::vector<Eigen::Vector3d>& points);
+
 /// Coal geometry of a mesh, local bounding box included. Throws InvalidArgument where there is nothing to build: no
 /// triangles for a surface; fewer than four points, or all in one plane, for a hull.
 std::shared_ptr<const coal::CollisionGeometry> make_mesh_geometry(const TriangleSoup& mesh, MeshModel model);

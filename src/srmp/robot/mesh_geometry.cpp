@@ -24,7 +24,7 @@ struct Plane {
 };
 
 /// nullptr when the points span no volume (asked first, for qhull prints its complaint).
-std::shared_ptr<Hull> convex_hull(const std::vector<Eigen::Vector3d>& vertices) {
+std::shared_ptr<Hull> coal_hull(const std::vector<Eigen::Vector3d>& vertices) {
   if (!spans_volume(vertices)) return nullptr;
   auto points = std::make_shared<std::vector<coal::Vec3s>>(vertices.begin(), vertices.end());
   try {
@@ -36,6 +36,12 @@ std::shared_ptr<Hull> convex_hull(const std::vector<Eigen::Vector3d>& vertices) 
   } catch (const std::exception&) {
     return nullptr;
   }
+}
+
+std::shared_ptr<Hull> require_hull(const std::vector<Eigen::Vector3d>& vertices) {
+  if (auto hull = coal_hull(vertices)) return hull;
+  throw InvalidArgument("the convex hull of " + std::to_string(vertices.size()) +
+                        " points has no volume; it needs four points that are not in one plane");
 }
 
 /// Every edge is walked once in each direction.
@@ -119,6 +125,33 @@ bool spans_volume(const std::vector<Eigen::Vector3d>& vertices) {
   return std::abs(normal.dot(d - a)) > kThin * size;
 }
 
+TriangleSoup convex_hull(const std::vector<Eigen::Vector3d>& points) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw InvalidArgument(
+          "point " + std::to_string(i) +
+          " of a convex hull has a component that is NaN or infinite; only finite numbers are allowed");
+  const auto hull = require_hull(points);
+  const std::vector<coal::Vec3s>& corners = *hull->points;
+  TriangleSoup surface;
+  std::vector<int> number(corners.size(), -1);
+  for (const coal::Triangle& t : *hull->polygons) {
+    std::array<int, 3> triangle{};
+    for (int i = 0; i < 3; ++i) {
+      int& known = number[t[i]];
+      if (known < 0) {
+        known = static_cast<int>(surface.vertices.size());
+        surface.vertices.push_back(corners[t[i]]);
+      }
+      triangle[static_cast<std::size_t>(i)] = known;
+    }
+    const Eigen::Vector3d &a = corners[t[0]], &b = corners[t[1]], &c = corners[t[2]];
+    if ((b - a).cross(c - a).dot(a - hull->center) < 0) std::swap(triangle[1], triangle[2]);
+    surface.triangles.push_back(triangle);
+  }
+  return surface;
+}
+
 void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh) {
   const coal::BVHModelPtr_t model = coal::MeshLoader(coal::BV_OBBRSS).load(path, scale);
   const int first = static_cast<int>(mesh.vertices.size());
@@ -132,21 +165,18 @@ void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, Tri
 
 bool is_convex(const TriangleSoup& mesh) {
   if (mesh.triangles.empty() || !is_closed(mesh)) return false;
-  const auto hull = convex_hull(mesh.vertices);
+  const auto hull = coal_hull(mesh.vertices);
   return hull && is_convex(mesh, *hull);
 }
 
 std::shared_ptr<const coal::CollisionGeometry> make_mesh_geometry(const TriangleSoup& mesh, MeshModel model) {
   std::shared_ptr<coal::CollisionGeometry> geometry;
   if (model == MeshModel::hull) {
-    geometry = convex_hull(mesh.vertices);
-    if (!geometry)
-      throw InvalidArgument("the convex hull of " + std::to_string(mesh.vertices.size()) +
-                            " points has no volume; it needs four points that are not in one plane");
+    geometry = require_hull(mesh.vertices);
   } else {
     if (mesh.triangles.empty()) throw InvalidArgument("a mesh needs at least one triangle");
     if (model == MeshModel::hull_if_convex && is_closed(mesh)) {
-      const auto hull = convex_hull(mesh.vertices);
+      const auto hull = coal_hull(mesh.vertices);
       if (hull && is_convex(mesh, *hull)) geometry = hull;
     }
     if (!geometry) geometry = triangle_model(mesh);

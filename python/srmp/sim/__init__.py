@@ -1,0 +1,60 @@
+"""Scenes of MuJoCo, SAPIEN, Genesis and PyBullet: read, compared, and trajectories executed (docs/simulators.md)."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from srmp import InvalidArgument, PlannerInterface
+from srmp.sim.execution import Execution as Execution
+from srmp.sim.execution import execute as execute
+from srmp.sim.parity import ParityReport as ParityReport
+from srmp.sim.parity import check_parity as check_parity
+from srmp.sim.simulator import MissingSimulator as MissingSimulator
+from srmp.sim.simulator import Simulator
+from srmp.sim.world import SimulatedWorld as SimulatedWorld
+
+_SIMULATORS = {"mujoco": "MuJoCo", "sapien": "Sapien", "genesis": "Genesis", "pybullet": "PyBullet"}
+
+
+def read_sim(
+    planner: PlannerInterface,
+    sim: Any,
+    kind: str,
+    articulations: Mapping[str, Mapping[str, Any]] | Iterable[Any] | None = None,
+    exclude: Sequence[str] = (),
+) -> SimulatedWorld:
+    """Reads a simulator's scene into the planner: PlannerInterface.read_sim, whose docstring says the rest."""
+    if planner.simulated_world is not None:
+        raise InvalidArgument("read_sim was called before; refresh() brings that world up to date, reset() forgets it")
+    simulator = open_simulator(sim, kind)
+    world = SimulatedWorld(planner, simulator, exclude)
+    world.read(_descriptions(simulator, articulations))
+    planner.simulated_world = world
+    return world
+
+
+def open_simulator(sim: Any, kind: str) -> Simulator:
+    """The scene as SRMP sees simulators. Raises InvalidArgument for an unknown kind or another's scene."""
+    name = str(kind).lower()
+    if name not in _SIMULATORS:
+        close = difflib.get_close_matches(name, _SIMULATORS, n=1)
+        raise InvalidArgument(
+            f"unknown simulator '{kind}'; "
+            + (f"did you mean '{close[0]}'?" if close else f"known: {', '.join(_SIMULATORS)}")
+        )
+    simulator: Simulator = getattr(importlib.import_module(f"srmp.sim.{name}"), _SIMULATORS[name])(sim)
+    return simulator
+
+
+def _descriptions(simulator: Simulator, articulations: Any) -> dict[str, Mapping[str, Any]]:
+    if articulations is None:
+        return {articulation.name: {} for articulation in simulator.articulations()}
+    if isinstance(articulations, Mapping):
+        return {name: description or {} for name, description in articulations.items()}
+    if isinstance(articulations, str):
+        articulations = [articulations]
+    names = [simulator.name_of(handle) for handle in articulations]
+    return {name: {} for name in names}

@@ -1,0 +1,171 @@
+"""Trajectories, played by a simulator's own controllers."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
+from srmp.sim.world import Robot, SimulatedWorld
+
+START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
+
+
+@dataclass(frozen=True)
+class TouchEvent:
+    """Two bodies that touched while a trajectory was executed."""
+
+    body_a: str  # an object of the planner, or a link as "robot/link"
+    body_b: str
+    time: float  # [s] when first
+    depth: float  # [m] the deepest
+    allowed: bool  # the planner was told to ignore it, or it was so at the start
+
+    def __str__(self) -> str:
+        return f"{self.body_a} and {self.body_b} touch at {self.time:.3f} s, up to {1000 * self.depth:.3g} mm deep"
+
+
+@dataclass(frozen=True)
+class Execution:
+    """What was measured, at the end of every step. By robot: (n, dof), in the order of the trajectory's joints."""
+
+    times: NDArray[np.float64]  # (n,) [s] since the start
+    positions: dict[str, NDArray[np.float64]]  # [rad or m]
+    targets: dict[str, NDArray[np.float64]]
+    contacts: list[TouchEvent]  # of robots and what they hold, with anything
+
+    @property
+    def largest_error(self) -> float:
+        """[rad or m] of any joint at any step."""
+        return max(float(np.abs(self.positions[name] - target).max()) for name, target in self.targets.items())
+
+    @property
+    def final_error(self) -> float:
+        """[rad or m] of any joint at the end."""
+        return max(float(np.abs(self.positions[name][-1] - target[-1]).max()) for name, target in self.targets.items())
+
+    @property
+    def unexpected_contacts(self) -> list[TouchEvent]:
+        return [contact for contact in self.contacts if not contact.allowed]
+
+
+def execute(
+    planner: PlannerInterface,
+    trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
+    robot: str | None = None,
+    real_time: bool = False,
+    settle_time: float = 0.5,
+    on_step: Callable[[float], bool | None] | None = None,
+) -> Execution:
+    """Plays the trajectory in the simulator that the planner has read; what SimulatedWorld.execute does."""
+    if planner.simulated_world is None:
+        raise InvalidArgument("the planner has read no simulator; call read_sim first")
+    result: Execution = planner.simulated_world.execute(trajectory, robot, real_time, settle_time, on_step)
+    return result
+
+
+def play(
+    world: SimulatedWorld,
+    trajectories: Mapping[str, Trajectory],
+    real_time: bool,
+    settle_time: float,
+    on_step: Callable[[float], bool | None] | None,
+) -> Execution:
+    """The loop behind SimulatedWorld.execute."""
+    simulator = world.simulator
+    step = simulator.time_step
+    duration = max(trajectory.duration for trajectory in trajectories.values()) + settle_time
+    times = step * np.arange(1, math.ceil(duration / step - 1e-9) + 1)
+    players = [_Player(world, world.robots[name], trajectory, times) for name, trajectory in trajectories.items()]
+    for player in players:
+        player.require_start()
+    contacts = _Contacts(world)
+    for player in players:
+        simulator.hold(player.robot.articulation)
+    start = time.perf_counter()
+    done = 0
+    for k, now in enumerate(times):
+        for player in players:
+            player.command(k)
+        simulator.step()
+        for player in players:
+            player.measure(k)
+        contacts.note(float(now))
+        done = k + 1
+        if real_time:
+            time.sleep(max(0.0, start + now - time.perf_counter()))
+        if on_step is not None and on_step(float(now)) is False:
+            break
+    world.refresh()
+    return Execution(
+        times=times[:done],
+        positions={player.robot.name: player.measured[:done] for player in players},
+        targets={player.robot.name: player.positions[:done] for player in players},
+        contacts=contacts.events(),
+    )
+
+
+class _Player:
+    """One robot's trajectory, sampled at the simulator's steps."""
+
+    def __init__(self, world: SimulatedWorld, robot: Robot, trajectory: Trajectory, times: NDArray[np.float64]) -> None:
+        self.world = world
+        self.robot = robot
+        self.trajectory = trajectory
+        self.names = [robot.joints[joint] for joint in trajectory.joint_names]
+        self.positions, self.velocities, self.accelerations, _ = trajectory.state(times)
+        self.measured = np.zeros_like(self.positions)
+
+    def require_start(self) -> None:
+        now = self.world.simulator.joint_positions(self.robot.articulation)
+        first = self.trajectory.sample(0.0)
+        for ours, theirs, target in zip(self.trajectory.joint_names, self.names, first, strict=True):
+            if abs(now[theirs] - target) > START_SLACK:
+                raise InvalidArgument(
+                    f"joint '{ours}' of robot '{self.robot.name}' is at {now[theirs]:.4g}, and the trajectory starts "
+                    f"at {target:.4g}; plan from where the robot is (get_qpos after refresh)"
+                )
+
+    def command(self, k: int) -> None:
+        rows = (self.positions[k], self.velocities[k], self.accelerations[k])
+        position, velocity, acceleration = (dict(zip(self.names, row.tolist(), strict=True)) for row in rows)
+        self.world.simulator.command(self.robot.articulation, position, velocity, acceleration)
+
+    def measure(self, k: int) -> None:
+        now = self.world.simulator.joint_positions(self.robot.articulation)
+        self.measured[k] = [now[name] for name in self.names]
+
+
+class _Contacts:
+    """Notes who touches whom, by the planner's names."""
+
+    def __init__(self, world: SimulatedWorld) -> None:
+        self.world = world
+        self.names = {key: min(names) for key, names in world.names_of_keys().items()}
+        self.first: dict[tuple[str, str], tuple[float, float]] = {}
+        with world.simulator.probe() as probe:
+            self.at_start = {pair for pair, _ in self._pairs(probe.touching())}
+
+    def note(self, now: float) -> None:
+        for pair, depth in self._pairs(self.world.simulator.touching()):
+            since, deepest = self.first.get(pair, (now, 0.0))
+            self.first[pair] = (since, max(deepest, depth))
+
+    def _pairs(self, touches: list) -> list[tuple[tuple[str, str], float]]:  # type: ignore[type-arg]
+        pairs = []
+        for touch in touches:
+            a, b = self.names.get(touch.a), self.names.get(touch.b)
+            if a and b and a != b and (self.world.is_of_robot(a) or self.world.is_of_robot(b)):
+                pairs.append(((min(a, b), max(a, b)), touch.depth))
+        return pairs
+
+    def events(self) -> list[TouchEvent]:
+        return [
+            TouchEvent(a, b, since, depth, (a, b) in self.at_start or self.world.planner.allowed_collision(a, b))
+            for (a, b), (since, depth) in sorted(self.first.items(), key=lambda item: item[1][0])
+        ]

@@ -1,0 +1,423 @@
+"""MuJoCo (mujoco >= 3.1). `sim` is (MjModel, MjData), or an object with `model` and `data`."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from srmp import InvalidArgument, NotSupported, Pose
+from srmp.sim import shapes
+from srmp.sim.simulator import (
+    Articulation,
+    Body,
+    Geometry,
+    Joint,
+    Positions,
+    Probe,
+    Simulator,
+    Touch,
+    import_simulator,
+)
+
+STIFFNESS, DAMPING = 2500.0, 100.0  # [1/s^2], [1/s]: of joints without actuators; 50 rad/s, critically damped
+
+
+class MuJoCo(Simulator):
+    """An articulation is the tree under a body that is fixed to the world and has a moving child, or under a free body.
+
+    It is called as its root body; "name" where all its bodies are "name/…", as MjSpec.attach makes them.
+    """
+
+    kind = "mujoco"
+    margin = 1e-4
+
+    def __init__(self, sim: Any) -> None:
+        self.mj = import_simulator("mujoco", "mujoco")
+        self.model, self.data = self._parts(sim)
+        self._shapes: dict[int, shapes.Shape] = {}
+        self._controls: dict[str, _Control] = {}
+        self.mj.mj_kinematics(self.model, self.data)
+
+    def _parts(self, sim: Any) -> tuple[Any, Any]:
+        try:
+            model, data = sim if isinstance(sim, tuple | list) else (sim.model, sim.data)
+        except (AttributeError, ValueError):
+            model = data = None
+        if not (isinstance(model, self.mj.MjModel) and isinstance(data, self.mj.MjData)):
+            raise InvalidArgument(f"a MuJoCo scene is a pair (MjModel, MjData), not {type(sim).__name__}")
+        return model, data
+
+    def is_of(self, sim: Any) -> bool:
+        return self._parts(sim)[0] is self.model
+
+    # --- the scene
+
+    @cached_property
+    def _roots(self) -> dict[str, int]:
+        """Articulations: name to root body."""
+        m = self.model
+        moving = {int(m.jnt_bodyid[j]) for j in range(m.njnt) if m.jnt_type[j] != int(self.mj.mjtJoint.mjJNT_FREE)}
+        roots = []
+
+        def visit(body: int) -> None:
+            inside = self._subtree(body)
+            if not moving & set(inside):
+                return
+            children = [c for c in inside if m.body_parentid[c] == body and c != body]
+            fixed = m.body_weldid[body] == 0
+            if fixed and not any(m.body_weldid[c] != 0 and moving & set(self._subtree(c)) for c in children):
+                for child in children:
+                    visit(child)
+            else:
+                roots.append(body)
+
+        for body in range(1, m.nbody):
+            if m.body_parentid[body] == 0:
+                visit(body)
+        return {self._articulation_name(root): root for root in roots}
+
+    def _articulation_name(self, root: int) -> str:
+        names = [self._body_name(body) for body in self._subtree(root)]
+        prefix = names[0].partition("/")[0]
+        return prefix if all(name.startswith(f"{prefix}/") for name in names) else names[0]
+
+    def _subtree(self, root: int) -> list[int]:
+        inside = {root}
+        for body in range(root + 1, self.model.nbody):  # parents have lower numbers
+            if int(self.model.body_parentid[body]) in inside:
+                inside.add(body)
+        return sorted(inside)
+
+    def _name(self, kind: str, index: int) -> str:
+        return self.mj.mj_id2name(self.model, getattr(self.mj.mjtObj, f"mjOBJ_{kind}"), index) or ""
+
+    def _body_name(self, body: int) -> str:
+        return self._name("BODY", body) or f"body{body}"
+
+    def _joint_name(self, joint: int) -> str:
+        return self._name("JOINT", joint) or f"joint{joint}"
+
+    def articulations(self) -> list[Articulation]:
+        result = []
+        for name, root in self._roots.items():
+            links, joints = [self._body(root)], []
+            for body in self._subtree(root)[1:]:
+                chain = self._chain(body)
+                links += [Body(link.child, Pose(), ()) for link in chain[:-1]] + [self._body(body)]
+                joints += chain
+            result.append(Articulation(name, tuple(links), tuple(joints)))
+        return result
+
+    def name_of(self, handle: Any) -> str:
+        if isinstance(handle, str) and handle not in self._roots:
+            for name, root in self._roots.items():
+                if handle == self._body_name(root):
+                    return name
+        return super().name_of(handle)
+
+    def bodies(self) -> list[Body]:
+        inside = {body for root in self._roots.values() for body in self._subtree(root)}
+        found = [self._body(body) for body in range(self.model.nbody) if body not in inside]
+        return [body for body in found if body.geometries]
+
+    def _body(self, body: int) -> Body:
+        first, count = self.model.body_geomadr[body], self.model.body_geomnum[body]
+        geometries = [self._geometry(g) for g in range(first, first + count) if self._counts(g)]
+        pose = Pose.from_wxyz(self.data.xpos[body], self.data.xquat[body])
+        return Body(self._body_name(body), pose, tuple(geometries))
+
+    def _counts(self, geom: int) -> bool:
+        """Not only to look at."""
+        m = self.model
+        return bool(m.geom_contype[geom] or m.geom_conaffinity[geom]) or any(geom in pair for pair in self._pairs)
+
+    def _geometry(self, geom: int) -> Geometry:
+        if geom not in self._shapes:
+            self._shapes[geom] = self._shape(geom)
+        pose = Pose.from_wxyz(self.model.geom_pos[geom], self.model.geom_quat[geom])
+        return Geometry(self._name("GEOM", geom), self._shapes[geom], pose, geom)
+
+    def _shape(self, geom: int) -> shapes.Shape:
+        size = self.model.geom_size[geom].copy()
+        kind = self.mj.mjtGeom(self.model.geom_type[geom])
+        match kind.name:
+            case "mjGEOM_PLANE":
+                return shapes.Plane()
+            case "mjGEOM_BOX":
+                return shapes.Box(2 * size)
+            case "mjGEOM_SPHERE":
+                return shapes.Sphere(float(size[0]))
+            case "mjGEOM_CYLINDER":
+                return shapes.Cylinder(float(size[0]), float(2 * size[1]))
+            case "mjGEOM_CAPSULE":
+                return shapes.Capsule(float(size[0]), float(2 * size[1]))
+            case "mjGEOM_ELLIPSOID":
+                return shapes.Ellipsoid(size)
+            case "mjGEOM_MESH":
+                return shapes.Mesh(self._hull_vertices(int(self.model.geom_dataid[geom])), None)
+            case "mjGEOM_HFIELD":
+                return self._height_field(int(self.model.geom_dataid[geom]))
+        return shapes.Unreadable(f"a geom of type {kind.name.removeprefix('mjGEOM_').lower()}")
+
+    def _hull_vertices(self, mesh: int) -> np.ndarray:
+        """MuJoCo lets meshes collide by their convex hulls, whose corners it has found already."""
+        m = self.model
+        first, graph = m.mesh_vertadr[mesh], m.mesh_graphadr[mesh]
+        vertices = np.array(m.mesh_vert[first : first + m.mesh_vertnum[mesh]], dtype=float)
+        if graph < 0:
+            return vertices
+        count = int(m.mesh_graph[graph])
+        return vertices[m.mesh_graph[graph + 2 + count : graph + 2 + 2 * count]]
+
+    def _height_field(self, field: int) -> shapes.HeightField:
+        m = self.model
+        rows, columns, first = int(m.hfield_nrow[field]), int(m.hfield_ncol[field]), m.hfield_adr[field]
+        x, y, top, bottom = (float(value) for value in m.hfield_size[field])
+        heights = np.array(m.hfield_data[first : first + rows * columns], dtype=float).reshape(rows, columns)
+        return shapes.HeightField(top * heights, (2 * x / (columns - 1), 2 * y / (rows - 1)), -bottom)
+
+    def _chain(self, body: int) -> list[Joint]:
+        """From the parent to the body: a joint for each of its joints, with links between that have no shape."""
+        m, free = self.model, self.mj.mjtJoint
+        parent = self._body_name(int(m.body_parentid[body]))
+        offset = Pose.from_wxyz(m.body_pos[body], m.body_quat[body])
+        first, count = m.body_jntadr[body], m.body_jntnum[body]
+        chain = []
+        for j in range(first, first + count):
+            kind = {free.mjJNT_HINGE: "revolute", free.mjJNT_SLIDE: "prismatic"}.get(
+                free(int(m.jnt_type[j])), "unreadable"
+            )
+            anchor, axis = m.jnt_pos[j].copy(), m.jnt_axis[j].copy()
+            if kind == "revolute" and not m.jnt_limited[j]:
+                kind = "continuous"
+            origin = offset @ Pose(p=anchor)
+            if kind != "unreadable":
+                origin = origin @ _moved(kind, axis, -float(m.qpos0[m.jnt_qposadr[j]]))
+            limits = m.jnt_range[j] if m.jnt_limited[j] else (-np.inf, np.inf)
+            child = f"{self._body_name(body)}:{self._joint_name(j)}"
+            chain.append(
+                Joint(self._joint_name(j), kind, parent, child, origin, axis, float(limits[0]), float(limits[1]))
+            )
+            parent, offset = child, Pose(p=-anchor)
+        if chain and not np.any(offset.p):
+            last = chain.pop()
+            return [*chain, Joint(**(vars(last) | {"child": self._body_name(body)}))]
+        name = f"{self._body_name(body)}:fixed"
+        return [*chain, Joint(name, "fixed", parent, self._body_name(body), offset, np.array([1.0, 0, 0]))]
+
+    def _joints_of(self, articulation: str) -> list[int]:
+        inside = set(self._subtree(self._roots[articulation]))
+        scalar = (int(self.mj.mjtJoint.mjJNT_HINGE), int(self.mj.mjtJoint.mjJNT_SLIDE))
+        return [
+            j for j in range(self.model.njnt) if self.model.jnt_bodyid[j] in inside and self.model.jnt_type[j] in scalar
+        ]
+
+    def joint_positions(self, articulation: str) -> dict[str, float]:
+        qpos, address = self.data.qpos, self.model.jnt_qposadr
+        return {self._joint_name(j): float(qpos[address[j]]) for j in self._joints_of(articulation)}
+
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        return self._link_poses(articulation, self.data)
+
+    def _link_poses(self, articulation: str, data: Any) -> dict[str, Pose]:
+        self.mj.mj_kinematics(self.model, data)
+        bodies = self._subtree(self._roots[articulation])
+        return {self._body_name(body): Pose.from_wxyz(data.xpos[body], data.xquat[body]) for body in bodies}
+
+    # --- contacts
+
+    @cached_property
+    def _pairs(self) -> set[tuple[int, int]]:
+        """Named one by one in the model: these count whatever the filters say."""
+        return {tuple(sorted(pair)) for pair in zip(self.model.pair_geom1, self.model.pair_geom2, strict=True)}  # type: ignore[misc]
+
+    @cached_property
+    def _excluded(self) -> set[int]:
+        return set(self.model.exclude_signature.tolist())
+
+    def may_collide(self, a: Any, b: Any) -> bool:
+        m, flags = self.model, self.model.opt.disableflags
+        if flags & int(self.mj.mjtDisableBit.mjDSBL_CONTACT):
+            return False
+        if (min(a, b), max(a, b)) in self._pairs:
+            return True
+        if not (m.geom_contype[a] & m.geom_conaffinity[b] or m.geom_contype[b] & m.geom_conaffinity[a]):
+            return False
+        x, y = sorted((int(m.geom_bodyid[a]), int(m.geom_bodyid[b])))
+        if (x << 16) + y in self._excluded or (y << 16) + x in self._excluded:
+            return False
+        u, v = int(m.body_weldid[x]), int(m.body_weldid[y])
+        if u == v:
+            return False
+        of_parent = [int(m.body_weldid[m.body_parentid[w]]) for w in (u, v)]
+        related = u != 0 and v != 0 and (of_parent[0] == v or of_parent[1] == u)
+        return not related or bool(flags & int(self.mj.mjtDisableBit.mjDSBL_FILTERPARENT))
+
+    @contextlib.contextmanager
+    def probe(self) -> Iterator[Probe]:
+        yield _Probe(self)
+
+    def touching(self) -> list[Touch]:
+        return self._touching(self.data)
+
+    def _touching(self, data: Any) -> list[Touch]:
+        contact = data.contact
+        return [
+            Touch(int(pair[0]), int(pair[1]), -float(distance))
+            for pair, distance in zip(contact.geom, contact.dist, strict=True)
+            if distance < 0 and min(pair) >= 0
+        ]
+
+    # --- motion
+
+    @property
+    def time_step(self) -> float:
+        return float(self.model.opt.timestep)
+
+    def hold(self, articulation: str) -> None:
+        self._controls[articulation] = _Control(self, self._joints_of(articulation))
+
+    def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        self._controls[articulation].aim(positions, velocities, accelerations)
+
+    def step(self) -> None:
+        self.mj.mj_step1(self.model, self.data)
+        for control in self._controls.values():
+            control.apply()
+        if self.model.opt.integrator == int(self.mj.mjtIntegrator.mjINT_RK4):  # does not come in halves
+            self.mj.mj_step(self.model, self.data)
+        else:
+            self.mj.mj_step2(self.model, self.data)
+
+
+class _Probe(Probe):
+    """A copy of MjData."""
+
+    def __init__(self, simulator: MuJoCo) -> None:
+        self.simulator = simulator
+        self.data = copy.copy(simulator.data)
+
+    def put(self, articulation: str, positions: Positions) -> None:
+        model = self.simulator.model
+        for j in self.simulator._joints_of(articulation):
+            name = self.simulator._joint_name(j)
+            if name in positions:
+                self.data.qpos[model.jnt_qposadr[j]] = positions[name]
+
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        return self.simulator._link_poses(articulation, self.data)
+
+    def touching(self) -> list[Touch]:
+        mj, model = self.simulator.mj, self.simulator.model
+        for update in (mj.mj_kinematics, mj.mj_comPos, mj.mj_collision):
+            update(model, self.data)
+        return self.simulator._touching(self.data)
+
+
+class _Control:
+    """Servos get the target, with what their damping will take; motors, and joints without actuators, a torque.
+
+    Gravity and the motion's own inertia are fed forward.
+    """
+
+    def __init__(self, simulator: MuJoCo, joints: list[int]) -> None:
+        self.simulator = simulator
+        self.joints = joints
+        m, data = simulator.model, simulator.data
+        self.names = [simulator._joint_name(j) for j in joints]
+        self.dofs = m.jnt_dofadr[joints]
+        self.addresses = m.jnt_qposadr[joints]
+        self.target = data.qpos[self.addresses].copy()
+        self.velocity = np.zeros(len(joints))
+        self.acceleration = np.zeros(len(joints))
+        self.named = np.zeros(len(joints), dtype=bool)
+        self.actuators = [self._actuators(j) for j in joints]
+        self.driven = np.array(
+            [bool(actuators) or self._has_tendon(j) for j, actuators in zip(joints, self.actuators, strict=True)]
+        )
+
+    def _actuators(self, joint: int) -> list[int]:
+        m, mj = self.simulator.model, self.simulator.mj
+        on_joint = (int(mj.mjtTrn.mjTRN_JOINT), int(mj.mjtTrn.mjTRN_JOINTINPARENT))
+        return [a for a in range(m.nu) if m.actuator_trntype[a] in on_joint and m.actuator_trnid[a, 0] == joint]
+
+    def _has_tendon(self, joint: int) -> bool:
+        m, mj = self.simulator.model, self.simulator.mj
+        for a in range(m.nu):
+            if m.actuator_trntype[a] == int(mj.mjtTrn.mjTRN_TENDON):
+                tendon = m.actuator_trnid[a, 0]
+                first, count = m.tendon_adr[tendon], m.tendon_num[tendon]
+                wraps = range(first, first + count)
+                if any(m.wrap_type[w] == int(mj.mjtWrap.mjWRAP_JOINT) and m.wrap_objid[w] == joint for w in wraps):
+                    return True
+        return False
+
+    def aim(self, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        for i, name in enumerate(self.names):
+            if name in positions:
+                self.target[i], self.velocity[i] = positions[name], velocities[name]
+                self.acceleration[i] = accelerations[name]
+                self.named[i] = True
+
+    def apply(self) -> None:
+        m, data, mj = self.simulator.model, self.simulator.data, self.simulator.mj
+        error = self.target - data.qpos[self.addresses]
+        rate = self.velocity - data.qvel[self.dofs]
+        pulled = np.where(self.driven, 0.0, STIFFNESS * error + DAMPING * rate)
+        wanted, force = np.zeros(m.nv), np.zeros(m.nv)
+        wanted[self.dofs] = self.acceleration + pulled
+        mj.mj_mulM(m, data, force, wanted)
+        torque = (force + data.qfrc_bias - data.qfrc_passive)[self.dofs]
+        for i, dof in enumerate(self.dofs):
+            if self.driven[i] and not self.named[i]:
+                continue  # the user's own control holds it
+            data.qfrc_applied[dof] = torque[i]
+            for a in self.actuators[i]:
+                self._drive(a, i)
+
+    def _drive(self, actuator: int, i: int) -> None:
+        m, mj = self.simulator.model, self.simulator.mj
+        gain, bias = m.actuator_gainprm[actuator], m.actuator_biasprm[actuator]
+        fixed = m.actuator_gaintype[actuator] == int(mj.mjtGain.mjGAIN_FIXED)
+        servo = (
+            fixed
+            and m.actuator_biastype[actuator] == int(mj.mjtBias.mjBIAS_AFFINE)
+            and gain[0] > 0
+            and bias[1] == -gain[0]
+        )
+        motor = fixed and m.actuator_biastype[actuator] == int(mj.mjtBias.mjBIAS_NONE) and gain[0] > 0
+        if not (servo or motor) or m.actuator_dyntype[actuator] != int(mj.mjtDyn.mjDYN_NONE):
+            raise NotSupported(
+                f"actuator '{self.simulator._name('ACTUATOR', actuator) or actuator}' of joint '{self.names[i]}' is "
+                "neither a position servo nor a motor; give the joint one of those, or none"
+            )
+        gear = m.actuator_gear[actuator, 0]
+        if servo:
+            value = gear * (self.target[i] - bias[2] / gain[0] * self.velocity[i])
+        else:
+            value = self._motor_torque(i) / (gear * gain[0])
+        self.simulator.data.ctrl[self._ctrl(actuator)] = value
+
+    def _motor_torque(self, i: int) -> float:
+        """What brings the joint back, beside what is fed forward."""
+        data, dof = self.simulator.data, self.dofs[i]
+        error = self.target[i] - data.qpos[self.addresses[i]]
+        rate = self.velocity[i] - data.qvel[dof]
+        inertia = 1.0 / max(self.simulator.model.dof_invweight0[dof], 1e-9)
+        return float(inertia * (STIFFNESS * error + DAMPING * rate))
+
+    def _ctrl(self, actuator: int) -> int:
+        addresses = getattr(self.simulator.model, "actuator_ctrladr", None)  # since 4.0
+        return actuator if addresses is None else int(addresses[actuator])
+
+
+def _moved(kind: str, axis: np.ndarray, value: float) -> Pose:
+    if kind == "prismatic":
+        return Pose(p=value * axis)
+    half = value / 2
+    return Pose.from_wxyz([0, 0, 0], [np.cos(half), *(np.sin(half) * axis)])

@@ -1,0 +1,173 @@
+"""What SRMP asks of a simulator. srmp.sim.mujoco, .sapien, .genesis and .pybullet answer, each for one.
+
+Poses are in the world frame unless said otherwise. Joints and links go by the simulator's own names.
+"""
+
+from __future__ import annotations
+
+import importlib
+from abc import ABC, abstractmethod
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srmp import NotSupported, Pose
+from srmp.sim.shapes import Shape
+
+Positions = Mapping[str, float]  # joint name to [rad or m]
+
+
+class MissingSimulator(NotSupported, ImportError):
+    """The simulator's Python package is not installed."""
+
+
+def import_simulator(module: str, package: str) -> ModuleType:
+    """The module, or MissingSimulator that says what to install."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MissingSimulator(
+            f"this needs the Python package '{package}', which cannot be imported ({error}); pip install {package}"
+        ) from error
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """A collision shape of a body or link."""
+
+    name: str  # among those of its body; "" = the simulator has none
+    shape: Shape
+    pose: Pose  # in the body's frame
+    key: Hashable  # what filters and contacts of this simulator know it by; shapes of a body may share one
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: something in the world, or a link of an articulation."""
+
+    name: str
+    pose: Pose
+    geometries: tuple[Geometry, ...]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Where a link hangs on its parent: parent pose @ origin is the child's pose with the joint at 0."""
+
+    name: str
+    kind: str  # "revolute", "continuous", "prismatic", "fixed"
+    parent: str  # link
+    child: str  # link
+    origin: Pose  # of the child in the parent, at 0
+    axis: NDArray[np.float64]  # (3,) unit, in the child's frame
+    lower: float = 0.0  # [rad or m]; of no meaning for continuous and fixed ones
+    upper: float = 0.0
+    velocity: float | None = None  # [rad/s or m/s], > 0; None = the simulator has no such limit
+
+
+@dataclass(frozen=True)
+class Articulation:
+    """A tree of links, the root first, parents before children."""
+
+    name: str
+    links: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+
+
+class Touch(NamedTuple):
+    """Two geometries, by key, that overlap by `depth` [m]."""
+
+    a: Hashable
+    b: Hashable
+    depth: float
+
+
+class Probe(ABC):
+    """A copy of the world, or the world itself before it is put back, in which joints are set and questions asked."""
+
+    @abstractmethod
+    def put(self, articulation: str, positions: Positions) -> None:
+        """Sets these joints; others stay."""
+
+    @abstractmethod
+    def link_poses(self, articulation: str) -> dict[str, Pose]: ...
+
+    @abstractmethod
+    def touching(self) -> list[Touch]:
+        """All pairs that overlap and are not filtered."""
+
+
+class Simulator(ABC):
+    """One scene of one simulator."""
+
+    kind: ClassVar[str]
+    margin: ClassVar[float]  # [m] by which its verdict on contact may be off the shapes that it says it has
+
+    @abstractmethod
+    def is_of(self, sim: Any) -> bool:
+        """Was this made of that scene?"""
+
+    @abstractmethod
+    def articulations(self) -> list[Articulation]:
+        """All of them, robots or not, as they stand."""
+
+    @abstractmethod
+    def bodies(self) -> list[Body]:
+        """All bodies with collision shapes that belong to no articulation, as they stand."""
+
+    @abstractmethod
+    def joint_positions(self, articulation: str) -> dict[str, float]:
+        """Of all joints but the fixed ones [rad or m]."""
+
+    @abstractmethod
+    def link_poses(self, articulation: str) -> dict[str, Pose]: ...
+
+    def name_of(self, handle: Any) -> str:
+        """The name of an articulation, of which the simulator's users may hold something else (an id, an object)."""
+        if isinstance(handle, str):
+            return handle
+        raise NotSupported(f"articulations of {self.kind} are named by strings, not by {handle!r}")
+
+    @abstractmethod
+    def may_collide(self, a: Hashable, b: Hashable) -> bool:
+        """Would contact of the two geometries count?"""
+
+    def self_collision(self, articulation: str) -> bool:
+        """Does contact among links of this articulation count at all?"""
+        return True
+
+    @abstractmethod
+    def probe(self) -> AbstractContextManager[Probe]:
+        """For what-if questions: when it is left, the scene is as it was."""
+
+    # --- motion
+    @property
+    @abstractmethod
+    def time_step(self) -> float:
+        """[s]"""
+
+    @abstractmethod
+    def hold(self, articulation: str) -> None:
+        """Begins to control all joints, at where they are: those that no command names stay there."""
+
+    @abstractmethod
+    def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        """Targets at the end of the next step, for the simulator's own controllers."""
+
+    @abstractmethod
+    def step(self) -> None: ...
+
+    @abstractmethod
+    def touching(self) -> list[Touch]:
+        """Contacts of the last step."""
+
+
+def geometries_of(bodies: tuple[Body, ...] | list[Body]) -> Iterator[tuple[Body, Geometry]]:
+    for body in bodies:
+        for geometry in body.geometries:
+            yield body, geometry

@@ -1,0 +1,504 @@
+"""A simulator's scene in a planner's world: read, kept up to date, grasped from and released into."""
+
+from __future__ import annotations
+
+import difflib
+import logging
+import math
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
+from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, same_shape
+from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
+from srmp.sim.urdf import to_urdf
+
+if TYPE_CHECKING:
+    from srmp.sim.execution import Execution
+
+logger = logging.getLogger("srmp.sim")
+
+SAME_POSE = 1e-5  # [m] and [rad]: frames closer than that are one frame
+LIMIT_SLACK = 0.02  # [rad or m] by which a simulated joint, whose stop is soft, may be past its limit
+
+# What `articulations` may say of a robot: these, and what add_articulation is told.
+_OWN_KEYS = ("articulation", "self_collisions")
+_DESCRIPTION_KEYS = (
+    *("urdf_path", "urdf_text", "urdf_folder", "srdf_path", "srdf_text", "end_effector", "group", "joint_names"),
+    *("fixed_joints", "package_dirs"),
+)
+
+
+@dataclass
+class Robot:
+    """A robot of the planner and the articulation that it is in the simulator."""
+
+    name: str
+    articulation: str
+    joints: dict[str, str]  # all movable joints of the planner's robot that the simulator has, to its name there
+    links: dict[str, str]  # the same for links
+    from_simulator: bool  # made of the simulator's own model
+    differences: list[str] = field(default_factory=list)  # between URDF and simulator, as sentences
+
+
+@dataclass
+class _Object:
+    """An object of the planner."""
+
+    body: str
+    shape: Shape
+    in_body: Pose
+    pose: Pose  # of the planner's object in the world, as last read
+    key: Hashable
+
+
+class SimulatedWorld:
+    """What PlannerInterface.read_sim read, and the way back into the simulator.
+
+    An object is called as its body, or "body/shape" where the body has several; of "world" bodies, as the shape.
+    """
+
+    def __init__(self, planner: PlannerInterface, simulator: Simulator, exclude: Sequence[str] = ()) -> None:
+        self.planner = planner
+        self.simulator = simulator
+        self.exclude = frozenset(exclude)
+        self.robots: dict[str, Robot] = {}
+        self._objects: dict[str, _Object] = {}
+        self._held: dict[str, tuple[str, str, list[str]]] = {}  # object: robot, link, touch links
+
+    @property
+    def differences(self) -> list[str]:
+        """What URDFs and simulator say differently about the robots, as sentences."""
+        return [sentence for robot in self.robots.values() for sentence in robot.differences]
+
+    # --- reading
+
+    def read(self, articulations: Mapping[str, Mapping[str, Any]]) -> None:
+        """Adds robots and objects, all or none."""
+        found = {articulation.name: articulation for articulation in self.simulator.articulations()}
+        added: list[str] = []
+        try:
+            for name, description in articulations.items():
+                self._add_robot(name, description, found, added)
+            self._update_robots()
+            self._update_objects(found)
+            self._apply_filters(self._objects)
+        except BaseException:
+            for name in self._objects:
+                self.planner.remove_object(name)
+            for name in added:
+                self.planner.remove_articulation(name)
+            raise
+
+    def refresh(self) -> None:
+        """Moves what moved, robots too, adds what is new, and removes what is gone; held objects move in the hand.
+
+        Raises InvalidArgument for a robot that is gone or stands outside its limits.
+        """
+        found = {articulation.name: articulation for articulation in self.simulator.articulations()}
+        for robot in self.robots.values():
+            _require_known("articulation", robot.articulation, found)
+        self._update_robots()
+        self._apply_filters(self._update_objects(found))
+
+    def _add_robot(
+        self, name: str, description: Mapping[str, Any], found: Mapping[str, Articulation], added: list[str]
+    ) -> None:
+        for key in description:
+            if key not in _OWN_KEYS + _DESCRIPTION_KEYS:
+                raise InvalidArgument(
+                    f"articulations['{name}'] has '{key}'; known: {', '.join(_OWN_KEYS + _DESCRIPTION_KEYS)}"
+                    + _did_you_mean(key, _OWN_KEYS + _DESCRIPTION_KEYS)
+                )
+        where = self.simulator.name_of(description.get("articulation", name))
+        articulation = _require_known("articulation", where, found)
+        options = {key: value for key, value in description.items() if key in _DESCRIPTION_KEYS}
+        own = not ("urdf_path" in options or "urdf_text" in options)
+        if own:
+            links = _short_names(link.name for link in articulation.links)
+            joints = _short_names(joint.name for joint in articulation.joints)
+            options["urdf_text"] = to_urdf(articulation, links, joints)
+            if "end_effector" not in options:
+                options["end_effector"] = _only_tip(name, articulation, links)
+        self.planner.add_articulation(name=name, **options)
+        added.append(name)
+        robot = _match(self.planner, name, articulation, own)
+        self.robots[name] = robot
+        self._compare_limits(robot, articulation)
+        for sentence in robot.differences:
+            logger.info(sentence)
+        if description.get("self_collisions", own and self.simulator.self_collision(articulation.name)):
+            self._filter_self(robot, articulation)
+
+    def _compare_limits(self, robot: Robot, articulation: Articulation) -> None:
+        joints = {joint.name: joint for joint in articulation.joints}
+        limits = self.planner.get_joint_limits(robot.name)
+        for name, (lower, upper, _) in zip(self.planner.get_joint_names(robot.name), limits, strict=True):
+            joint = joints[robot.joints[name]]
+            theirs = (-np.inf, np.inf) if joint.kind == "continuous" else (joint.lower, joint.upper)
+            if not np.allclose([lower, upper], theirs, atol=1e-4):
+                robot.differences.append(
+                    f"joint '{name}' of robot '{robot.name}' has limits [{lower:.6g}, {upper:.6g}] in the URDF and "
+                    f"[{theirs[0]:.6g}, {theirs[1]:.6g}] in {self.simulator.kind}; the URDF's are kept"
+                )
+
+    def _filter_self(self, robot: Robot, articulation: Articulation) -> None:
+        """Pairs of links that the simulator lets through each other."""
+        names = {theirs: ours for ours, theirs in robot.links.items()}
+        for i, a in enumerate(articulation.links):
+            for b in articulation.links[:i]:
+                if a.geometries and b.geometries and not self._may_collide(a.geometries, b.geometries):
+                    self.planner.set_allowed_collision(f"{robot.name}/{names[a.name]}", f"{robot.name}/{names[b.name]}")
+
+    def _update_robots(self) -> None:
+        for robot in self.robots.values():
+            positions = self.simulator.joint_positions(robot.articulation)
+            limits = self.planner.get_all_joint_limits(robot.name)
+            within = {}
+            for ours, theirs in robot.joints.items():
+                lower, upper = limits[ours]
+                value = positions[theirs]
+                within[ours] = float(np.clip(value, lower, upper))
+                if abs(within[ours] - value) > LIMIT_SLACK:
+                    raise InvalidArgument(
+                        f"joint '{theirs}' stands at {value:.4g} in {self.simulator.kind}, outside the limits "
+                        f"[{lower:.4g}, {upper:.4g}] of joint '{ours}' of robot '{robot.name}'"
+                    )
+            self.planner.set_joint_positions(robot.name, within)
+            self.planner.set_base_pose(robot.name, self._base_pose(robot))
+
+    def _base_pose(self, robot: Robot) -> Pose:
+        """By the matched link nearest to the root, the root itself if the simulator has it."""
+        poses = self.simulator.link_poses(robot.articulation)
+        q = self.planner.get_qpos(robot.name)
+        here = self.planner.compute_fk(robot.name, q, self.planner.get_link_names(robot.name)[0])
+        link = next(name for name in self.planner.get_link_names(robot.name) if name in robot.links)
+        in_base = here.inverse() @ self.planner.compute_fk(robot.name, q, link)
+        return poses[robot.links[link]] @ in_base.inverse()
+
+    # --- objects
+
+    def _update_objects(self, found: Mapping[str, Articulation]) -> dict[str, _Object]:
+        """Brings the planner's objects up to date; returns those that are new."""
+        seen = {name: each for name, each in self._read_objects(found) if name not in self.exclude}
+        for name in [name for name, old in self._objects.items() if not _still_there(old, seen.get(name))]:
+            self.planner.remove_object(name)
+            self._held.pop(name, None)
+            del self._objects[name]
+        new = {}
+        for name, item in seen.items():
+            old = self._objects.get(name)
+            if old is None:
+                add_object(self.planner, name, item.shape, item.pose)
+                new[name] = item
+            elif name in self._held:
+                self._place_in_hand(name, placed_pose(item.shape, item.pose))
+            elif not _same_pose(old.pose, item.pose):
+                self.planner.set_object_pose(name, placed_pose(item.shape, item.pose))
+            else:
+                item.pose = old.pose
+            self._objects[name] = item
+        return new
+
+    def _read_objects(self, found: Mapping[str, Articulation]) -> Iterable[tuple[str, _Object]]:
+        """Bodies, and links of articulations that are no robots."""
+        robots = {robot.articulation for robot in self.robots.values()}
+        bodies = self.simulator.bodies()
+        bodies += [link for name, other in found.items() if name not in robots for link in other.links]
+        centre = np.mean([self._base_pose(robot).p for robot in self.robots.values()] or [np.zeros(3)], axis=0)
+        for body in bodies:
+            for name, geometry in _object_names(body):
+                pose = object_pose(geometry.shape, body.pose @ geometry.pose, centre)
+                yield name, _Object(body.name, geometry.shape, geometry.pose, pose, geometry.key)
+
+    def _apply_filters(self, objects: Mapping[str, _Object]) -> None:
+        """Allows the contacts of these objects, and of robots among each other, that the simulator does not count."""
+        links = {robot.name: self._link_geometries(robot) for robot in self.robots.values()}
+        for robot, of_links in links.items():
+            for link, geometries in of_links.items():
+                for name, item in objects.items():
+                    if not any(self.simulator.may_collide(geometry.key, item.key) for geometry in geometries):
+                        self.planner.set_allowed_collision(f"{robot}/{link}", name)
+        for i, (robot, of_links) in enumerate(links.items()):
+            for other, of_other in list(links.items())[:i]:
+                for link, geometries in of_links.items():
+                    for other_link, others in of_other.items():
+                        if not self._may_collide(geometries, others):
+                            self.planner.set_allowed_collision(f"{robot}/{link}", f"{other}/{other_link}")
+
+    def _link_geometries(self, robot: Robot) -> dict[str, tuple[Geometry, ...]]:
+        """By the planner's link names; links without shapes are left out."""
+        found = next(a for a in self.simulator.articulations() if a.name == robot.articulation)
+        of = {link.name: link.geometries for link in found.links}
+        return {ours: of[theirs] for ours, theirs in robot.links.items() if of[theirs]}
+
+    def _may_collide(self, a: Sequence[Geometry], b: Sequence[Geometry]) -> bool:
+        return any(self.simulator.may_collide(x.key, y.key) for x in a for y in b)
+
+    def names_of_keys(self) -> dict[Hashable, list[str]]:
+        """What the planner calls each of the simulator's geometries: objects, and links as "robot/link"."""
+        names: dict[Hashable, list[str]] = {}
+        for name, item in self._objects.items():
+            names.setdefault(item.key, []).append(name)
+        for robot in self.robots.values():
+            for link, geometries in self._link_geometries(robot).items():
+                for key in {geometry.key for geometry in geometries}:
+                    names.setdefault(key, []).append(f"{robot.name}/{link}")
+        return names
+
+    def objects_of(self, body: str) -> list[str]:
+        """The planner's objects that a body of the simulator became."""
+        names = [name for name, item in self._objects.items() if body in (item.body, name)]
+        if not names:
+            bodies = sorted({item.body for item in self._objects.values()})
+            raise InvalidArgument(
+                f"{self.simulator.kind} has no body '{body}' among those that were read"
+                + (_did_you_mean(body, bodies) or f"; there are {', '.join(bodies) or 'none'}")
+            )
+        return names
+
+    def is_of_robot(self, name: str) -> bool:
+        """A link, or an object that a robot holds?"""
+        return name in self._held or (name not in self._objects and name.partition("/")[0] in self.robots)
+
+    def may_touch_in_simulator(self, a: str, b: str) -> bool:
+        """Does the simulator count contact of these two, objects or links as "robot/link"?"""
+        return any(self.simulator.may_collide(x, y) for x in self._keys_of(a) for y in self._keys_of(b))
+
+    def _keys_of(self, name: str) -> list[Hashable]:
+        if name in self._objects:
+            return [self._objects[name].key]
+        robot, _, link = name.partition("/")
+        return [geometry.key for geometry in self._link_geometries(self.robots[robot]).get(link, ())]
+
+    def with_own_models(self) -> SimulatedWorld:
+        """The same scene read again into a planner of its own, with the simulator's models of all robots."""
+        world = SimulatedWorld(PlannerInterface(), self.simulator, tuple(self.exclude))
+        world.read(
+            {
+                robot.name: {
+                    "articulation": robot.articulation,
+                    "joint_names": self.planner.get_joint_names(robot.name),
+                    "end_effector": self._last_moved_link(robot),
+                }
+                for robot in self.robots.values()
+            }
+        )
+        return world
+
+    def _last_moved_link(self, robot: Robot) -> str:
+        """The end effector, or, where the simulator does not have it, the link that moves with the last joint."""
+        end = self.planner.get_end_effector(robot.name)
+        if end in robot.links:
+            return end
+        q = self.planner.get_qpos(robot.name)
+        moved = [link for link in robot.links if np.any(self.planner.compute_jacobian(robot.name, q, link)[3:, -1])]
+        return moved[0]
+
+    # --- hands
+
+    def grasp(self, body: str, robot: str, link: str = "", touch_links: Sequence[str] | None = None) -> None:
+        """The body is in the robot's hand from now on, at its pose there in the simulator.
+
+        `link`: that it moves with; default the end effector. `touch_links`: links it may touch beside that; default
+        those that it touches now in the simulator. Everything else is refreshed too. Raises InvalidArgument for
+        unknown names and for a body that is held already.
+        """
+        _require_known("robot", robot, self.robots)
+        link = link or self.planner.get_end_effector(robot)
+        names = self.objects_of(body)
+        self.refresh()
+        touched = self._touched_links(names, robot) if touch_links is None else list(touch_links)
+        for name in names:
+            self.planner.attach_object(name, robot, link, touched)
+            self._held[name] = (robot, link, touched)
+
+    def release(self, body: str) -> None:
+        """The body is let go: an object of the world again, where it is in the simulator.
+
+        Raises InvalidArgument when it is not held.
+        """
+        names = self.objects_of(body)
+        for name in names:
+            if name not in self._held:
+                raise InvalidArgument(f"'{body}' is not held; grasp it first")
+        for name in names:
+            self.planner.detach_object(name)
+            del self._held[name]
+        self.refresh()
+
+    # --- motion
+
+    def execute(
+        self,
+        trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
+        robot: str | None = None,
+        real_time: bool = False,
+        settle_time: float = 0.5,
+        on_step: Callable[[float], bool | None] | None = None,
+    ) -> Execution:
+        """Plays a trajectory, or those of several robots on one clock, with the simulator's own controllers.
+
+        robot: whose a single trajectory is, where joint names do not say it. real_time: no faster than the clock.
+        settle_time: [s] in which the last row stays the target. on_step: called after every step with the time [s];
+        False stops. Afterwards the planner's world is refreshed, and the controllers hold what they last held.
+
+        Raises InvalidArgument for unknown robots and joints, a trajectory without times, or one that starts more than
+        0.05 rad (or m) from where the robot is.
+        """
+        from srmp.sim.execution import play
+
+        if not (math.isfinite(settle_time) and settle_time >= 0):
+            raise InvalidArgument(f"settle_time is {settle_time}; it must be 0 s or more")
+        return play(self, _by_robot(self, trajectory, robot), real_time, settle_time, on_step)
+
+    def _touched_links(self, objects: Sequence[str], robot: str) -> list[str]:
+        names = self.names_of_keys()
+        links = set()
+        with self.simulator.probe() as probe:
+            for touch in probe.touching():
+                a, b = names.get(touch.a, []), names.get(touch.b, [])
+                for mine, other in ((a, b), (b, a)):
+                    if set(mine) & set(objects):
+                        links |= {name.partition("/")[2] for name in other if name.startswith(f"{robot}/")}
+        return sorted(links)
+
+    def _place_in_hand(self, name: str, pose: Pose) -> None:
+        robot, link, touch_links = self._held[name]
+        self.planner.detach_object(name)
+        self.planner.set_object_pose(name, pose)
+        self.planner.attach_object(name, robot, link, touch_links)
+
+
+def _by_robot(
+    world: SimulatedWorld, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
+) -> dict[str, Trajectory]:
+    """The trajectories by robot; whose a single one is, its joints say."""
+    if not isinstance(trajectory, Trajectory):
+        if robot is not None:
+            raise InvalidArgument(
+                f"robot='{robot}' is for a single trajectory; these are of {', '.join(trajectory.keys())}"
+            )
+        trajectories = dict(trajectory.items())
+        if not trajectories:
+            raise InvalidArgument("there is no trajectory to execute")
+    else:
+        trajectories = {robot or _only_owner(world, trajectory): trajectory}
+    for name, each in trajectories.items():
+        known = _require_known("robot", name, world.robots)
+        for joint in each.joint_names:
+            _require_known(f"joint of robot '{name}'", joint, known.joints)
+        if each.times is None:
+            raise InvalidArgument(f"the trajectory of robot '{name}' has no times; parameterize it first")
+    return trajectories
+
+
+def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
+    owners = [name for name, robot in world.robots.items() if set(trajectory.joint_names) <= set(robot.joints)]
+    if len(owners) != 1:
+        raise InvalidArgument(
+            f"{'several robots have' if owners else 'no robot has'} the joints {', '.join(trajectory.joint_names)}; "
+            f"say which one is meant: robot=… (there are {', '.join(world.robots) or 'none'})"
+        )
+    return owners[0]
+
+
+def _still_there(old: _Object, new: _Object | None) -> bool:
+    return new is not None and old.key == new.key and same_shape(old.shape, new.shape)
+
+
+def _same_pose(a: Pose, b: Pose) -> bool:
+    return np.array_equal(a.p, b.p) and np.array_equal(a.q, b.q)
+
+
+def _object_names(body: Body) -> Iterable[tuple[str, Geometry]]:
+    single = len(body.geometries) == 1 and body.name not in ("", "world")
+    for number, geometry in enumerate(body.geometries):
+        name = geometry.name or str(number)
+        if single:
+            yield body.name, geometry
+        elif geometry.name and body.name in ("", "world"):
+            yield geometry.name, geometry
+        else:
+            yield f"{body.name}/{name}", geometry
+
+
+def _short_names(names: Iterable[str]) -> dict[str, str]:
+    """Names without the "prefix/" that all of them share."""
+    full = list(names)
+    prefixes = {name.rpartition("/")[0] for name in full}
+    cut = len(prefixes.pop()) + 1 if len(prefixes) == 1 and "" not in prefixes else 0
+    return {name: name[cut:] for name in full}
+
+
+def _only_tip(robot: str, articulation: Articulation, links: Mapping[str, str]) -> str:
+    parents = {joint.parent for joint in articulation.joints}
+    tips = [links[link.name] for link in articulation.links if link.name not in parents]
+    if len(tips) > 1:
+        raise InvalidArgument(
+            f"robot '{robot}' has {len(tips)} links at its ends ({', '.join(tips)}); say which one goals speak of: "
+            f"articulations={{'{robot}': {{'end_effector': …}}}}"
+        )
+    return tips[0]
+
+
+def _match(planner: PlannerInterface, name: str, articulation: Articulation, own: bool) -> Robot:
+    """Which joints and links of the planner's robot are which in the simulator."""
+    movable = {joint.name: joint for joint in articulation.joints if joint.kind != "fixed"}
+    in_planner = list(planner.get_all_joint_limits(name))
+    joints = _pair(in_planner, list(movable))
+    for joint in planner.get_joint_names(name):
+        if joint not in joints:
+            raise InvalidArgument(
+                f"robot '{name}' has a joint '{joint}', articulation '{articulation.name}' has none of that name"
+                + (_did_you_mean(joint, movable) or f"; its joints: {', '.join(movable) or 'none'}")
+            )
+    in_links = planner.get_link_names(name)
+    links = _pair(in_links, [link.name for link in articulation.links])
+    if not links:
+        raise InvalidArgument(
+            f"robot '{name}' and articulation '{articulation.name}' have no link name in common; it has "
+            f"{', '.join(link.name for link in articulation.links)}"
+        )
+    lists = [
+        (f"link of robot '{name}' has no counterpart in the simulator", [x for x in in_links if x not in links]),
+        (f"joint of robot '{name}' has no counterpart in the simulator", [x for x in in_planner if x not in joints]),
+        (
+            f"link of articulation '{articulation.name}' has no counterpart in the URDF",
+            [link.name for link in articulation.links if link.name not in links.values()],
+        ),
+        (
+            f"joint of articulation '{articulation.name}' has no counterpart in the URDF",
+            [joint for joint in movable if joint not in joints.values()],
+        ),
+    ]
+    differences = [f"{what}: {', '.join(names)}" for what, names in lists if names]
+    return Robot(name, articulation.name, joints, links, own, differences)
+
+
+def _pair(ours: Sequence[str], theirs: Sequence[str]) -> dict[str, str]:
+    """Equal names; where there is none, the only one that ends with "/name"."""
+    pairs = {}
+    for name in ours:
+        endings = [other for other in theirs if other.endswith(f"/{name}")]
+        if name in theirs:
+            pairs[name] = name
+        elif len(endings) == 1:
+            pairs[name] = endings[0]
+    return pairs
+
+
+def _require_known(what: str, name: str, known: Mapping[str, Any]) -> Any:
+    if name not in known:
+        raise InvalidArgument(
+            f"unknown {what} '{name}'" + (_did_you_mean(name, known) or f"; known: {', '.join(known) or 'none'}")
+        )
+    return known[name]
+
+
+def _did_you_mean(name: str, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f"; did you mean '{close[0]}'?" if close else ""
