@@ -109,3 +109,297 @@ def test_what_moved_is_avoided(sim, sim_checks):
         data.qvel[:] = 0
 
     sim_checks.avoids_what_moved(world, "panda", put, size=0.06)
+
+
+def arm7_spec():
+    urdf = Path(srmp.data_path("arm7.urdf")).read_text()
+    urdf = urdf.replace('<robot name="arm7">', '<robot name="arm7"><mujoco><compiler fusestatic="false"/></mujoco>')
+    return mujoco.MjSpec.from_string(urdf)
+
+
+def small_scene(actuators=()):
+    """The package's own arm, a box and a loose cube; the arm's joints with these actuators."""
+    spec = mujoco.MjSpec()
+    box = mujoco.mjtGeom.mjGEOM_BOX
+    spec.worldbody.add_geom(name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1], pos=[0, 0, -0.001])
+    spec.worldbody.add_body(name="post", pos=[0.4, 0.4, 0.3]).add_geom(type=box, size=[0.05, 0.05, 0.3])
+    cube = spec.worldbody.add_body(name="cube", pos=[0.4, -0.4, 0.03])
+    cube.add_freejoint()
+    cube.add_geom(type=box, size=[0.03] * 3)
+    spec.attach(arm7_spec(), prefix="arm/", frame=spec.worldbody.add_frame())
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST  # stiff servos on light links
+    for number, actuator in enumerate(actuators, start=1):
+        added = spec.add_actuator(
+            name=f"a{number}", target=f"arm/arm7_joint{number}", trntype=mujoco.mjtTrn.mjTRN_JOINT
+        )
+        actuator(added)
+    return spec
+
+
+def read(spec, **options):
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    planner = srmp.PlannerInterface()
+    options.setdefault("articulations", ["arm"])
+    return planner, planner.read_sim((model, data), "mujoco", **options), model, data
+
+
+def test_the_packages_own_arm_agrees(sim_checks):
+    spec = small_scene()
+    planner, world, model, data = read(spec, articulations=None)
+    assert planner.robot_names == ["arm"]
+    assert planner.object_names == ["cube", "floor", "post"]
+    assert planner.get_link_names("arm")[0] == "arm7_base"  # without the prefix that all of them have
+    assert world is planner.simulated_world
+    sim_checks.parity(planner, (model, data), samples=300)
+
+
+def servo(actuator):
+    actuator.set_to_position(kp=2000, kv=200)
+
+
+def motor(actuator):
+    actuator.set_to_motor()
+
+
+@pytest.mark.parametrize("actuator", [None, servo, motor])
+def test_every_kind_of_control_follows(actuator, sim_checks):
+    _, world, _, _ = read(small_scene([actuator] * 7 if actuator else ()))
+    sim_checks.executes_random_plans(world, "arm", count=3)
+
+
+def test_an_actuator_of_another_kind_is_refused():
+    planner, world, _, _ = read(small_scene([lambda actuator: actuator.set_to_velocity(kv=3)]))
+    with pytest.raises(srmp.NotSupported, match=r"actuator 'a1' of joint 'arm/arm7_joint1' is neither"):
+        world.execute(srmp.Trajectory(planner.get_joint_names("arm"), np.zeros((2, 7)), times=[0, 1]))
+
+
+def test_filters_become_allowed_collisions():
+    spec = small_scene()
+    ghost = spec.worldbody.add_body(name="ghost", pos=[0.2, 0, 0.5])
+    ghost.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=2, conaffinity=2)
+    spec.add_exclude(bodyname1="arm/arm7_elbow", bodyname2="post")
+    picture = spec.worldbody.add_body(name="picture")
+    picture.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=0, conaffinity=0)
+    planner, _, _, _ = read(spec)
+    assert "picture" not in planner.object_names
+    assert all(planner.allowed_collision(link, "ghost") for link in planner.get_link_names("arm")[:-3])
+    assert planner.allowed_collision("arm7_elbow", "post")
+    assert not planner.allowed_collision("arm7_forearm", "post")
+    assert planner.allowed_collision("arm7_base", "floor")  # neither can move
+    assert not planner.allowed_collision("arm7_shoulder", "floor")
+
+
+def test_refresh_moves_adds_and_removes():
+    spec = small_scene()
+    planner, world, model, data = read(spec)
+    data.joint("arm/arm7_joint2").qpos[0] = 0.5
+    data.body("cube")
+    data.qpos[model.jnt_qposadr[model.body("cube").jntadr[0]]] = 0.7
+    world.refresh()
+    assert planner.get_qpos("arm")[1] == 0.5
+    assert planner.get_object_pose("cube").p[0] == 0.7
+
+    spec.delete(spec.body("post"))
+    ball = spec.worldbody.add_body(name="ball", pos=[0, 0.5, 0.5])
+    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
+    sim = spec.recompile(model, data)
+    world.refresh(sim)
+    assert planner.object_names == ["ball", "cube", "floor"]
+    assert planner.get_qpos("arm")[1] == 0.5
+    assert planner.is_state_colliding("arm", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
+
+
+def test_what_is_grasped_is_held_where_it_is():
+    planner, world, model, data = read(small_scene())
+    address = model.jnt_qposadr[model.body("cube").jntadr[0]]
+    hand = planner.compute_fk("arm", planner.get_qpos("arm"))
+    data.qpos[address : address + 3] = hand @ np.array([0.001, 0.002, 0.01])
+    world.grasp("cube", "arm")
+    q = planner.get_qpos("arm") + np.array([0.3, 0.2, 0, 0, 0, 0, 0])
+    planner.set_qpos("arm", q)
+    held = planner.compute_fk("arm", q).inverse() @ planner.get_object_pose("cube")
+    np.testing.assert_allclose(held.p, [0.001, 0.002, 0.01], atol=1e-9)
+    with pytest.raises(srmp.InvalidArgument, match="attached"):
+        world.grasp("cube", "arm")
+
+    data.qpos[address] += 0.004  # it slips
+    world.refresh()
+    held = planner.compute_fk("arm", planner.get_qpos("arm")).inverse() @ planner.get_object_pose("cube")
+    np.testing.assert_allclose(held.p, [0.005, 0.002, 0.01], atol=1e-9)
+
+    data.qpos[address] = 0.6
+    world.release("cube")
+    assert planner.get_object_pose("cube").p[0] == 0.6
+    with pytest.raises(srmp.InvalidArgument, match="'cube' is not held"):
+        world.release("cube")
+
+
+def test_what_touches_the_cube_may_touch_it():
+    planner, world, model, data = read(small_scene())
+    address = model.jnt_qposadr[model.body("cube").jntadr[0]]
+    hand = planner.compute_fk("arm", planner.get_qpos("arm"))
+    data.qpos[address : address + 3] = hand @ np.array([0, 0, -0.05])  # into the palm
+    world.grasp("cube", "arm")
+    assert planner.allowed_collision("arm7_palm", "cube")
+    assert not planner.allowed_collision("arm7_forearm", "cube")
+
+
+def test_two_arms_at_once():
+    spec = mujoco.MjSpec()
+    for name, x, quat in (("left", 0.0, [1, 0, 0, 0]), ("right", 0.8, [0, 0, 0, 1])):
+        spec.attach(arm7_spec(), prefix=f"{name}/", frame=spec.worldbody.add_frame(pos=[x, 0, 0], quat=quat))
+    planner, world, _, _ = read(spec, articulations=["left", "right"])
+    planner.make_planner(["left", "right"], {"planner_id": "xECBS", "time_limit": 20})
+    lean = np.array([0.4, 0.8, 0, 0.9, 0, 0.4, 0])
+    goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, lean) for name in ("left", "right")}
+    trajectory = planner.plan_multi({name: planner.get_qpos(name) for name in goals}, goals)
+    execution = world.execute(trajectory)
+    assert execution.final_error <= 0.01
+    assert set(execution.positions) == {"left", "right"}
+    assert not execution.unexpected_contacts
+    planner.make_planner("left", {"planner_id": "auto"})
+    execution = srmp.sim.execute(
+        planner,
+        planner.plan("left", planner.get_qpos("left"), srmp.GoalConstraint(srmp.GoalType.JOINTS, np.zeros(7))),
+        robot="left",
+    )
+    assert execution.final_error <= 0.01
+
+
+def test_joints_off_the_bodys_origin_several_of_them_and_with_a_reference(sim_checks):
+    model = mujoco.MjModel.from_xml_string(
+        """
+        <mujoco>
+          <worldbody>
+            <body name="post" pos="0.6 0 0.4"><geom type="box" size="0.1 0.1 0.4"/></body>
+            <body name="base" pos="0 0 0.1" euler="0 0 30"><geom type="box" size="0.1 0.1 0.1"/>
+              <body name="first" pos="0 0 0.15" euler="10 20 30">
+                <joint name="turn" axis="0 0 1" pos="0.02 0.01 0" range="-170 170"/>
+                <joint name="lift" axis="0 0 1" type="slide" range="0 0.3"/>
+                <joint name="lean" axis="0.3 1 0" pos="0 0 0.05" ref="20" range="-100 100"/>
+                <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.04"/>
+                <body name="second" pos="0.35 0 0">
+                  <joint name="spin" axis="1 0 0"/>
+                  <geom type="ellipsoid" size="0.2 0.05 0.1" pos="0.1 0 0"/>
+                </body>
+              </body>
+            </body>
+          </worldbody>
+        </mujoco>
+        """
+    )
+    data = mujoco.MjData(model)
+    planner = srmp.PlannerInterface()
+    planner.read_sim((model, data), "mujoco")
+    assert planner.robot_names == ["base"]
+    assert planner.get_joint_names("base") == ["turn", "lift", "lean", "spin"]
+    assert planner.get_joint_limits("base")[3, 1] == np.inf
+    sim_checks.parity(planner, (model, data), samples=300)
+
+
+# --- what is refused: one sentence, and nothing was read
+
+
+def refused(error, match, sim, kind="mujoco", **options):
+    planner = srmp.PlannerInterface()
+    planner.add_box("mine", size=[0.1] * 3)
+    with pytest.raises(error, match=match):
+        planner.read_sim(sim, kind, **options)
+    assert planner.robot_names == []
+    assert planner.object_names == ["mine"]
+    assert planner.simulated_world is None
+
+
+@pytest.fixture(scope="module")
+def small():
+    model = small_scene().compile()
+    return model, mujoco.MjData(model)
+
+
+@pytest.mark.parametrize(
+    ("match", "articulations"),
+    [
+        (r"unknown articulation 'arn'; did you mean 'arm'\?", ["arn"]),
+        (r"unknown articulation 'gripper'; known: arm", {"gripper": {}}),
+        (
+            r"articulations\['arm'\] has 'end_efector'; known: .*did you mean 'end_effector'",
+            {"arm": {"end_efector": "x"}},
+        ),
+        (r"articulations of mujoco are named by strings, not by 3", [3]),
+    ],
+)
+def test_robots_that_are_not_there(match, articulations, small):
+    refused((srmp.InvalidArgument, srmp.NotSupported), match, small, articulations=articulations)
+
+
+def test_a_joint_that_does_not_match(small, tmp_path):
+    text = Path(srmp.data_path("arm7.urdf")).read_text().replace("arm7_joint4", "arm7_join4")
+    match = r"robot 'arm' has a joint 'arm7_join4', articulation 'arm' has none of that name; did you mean"
+    description = {"urdf_text": text, "end_effector": "arm7_hand"}
+    refused(srmp.InvalidArgument, match, small, articulations={"arm": description})
+
+
+def test_a_scene_of_another_kind(small):
+    refused(srmp.InvalidArgument, r"a MuJoCo scene is a pair \(MjModel, MjData\), not int", 3)
+    refused(srmp.InvalidArgument, r"unknown simulator 'mujocco'; did you mean 'mujoco'\?", small, kind="mujocco")
+    refused(srmp.InvalidArgument, r"unknown simulator 'gazebo'; known: mujoco, sapien", small, kind="gazebo")
+
+
+def test_a_geometry_that_cannot_be_read():
+    planner = srmp.PlannerInterface()
+    spec = small_scene()
+    model = spec.compile()
+    model.geom_type[model.body("post").geomadr[0]] = mujoco.mjtGeom.mjGEOM_SDF
+    data = mujoco.MjData(model)
+    refused(srmp.NotSupported, r"object 'post': a geom of type sdf cannot be read", (model, data))
+    planner.read_sim((model, data), "mujoco", exclude=["post"])
+    assert planner.object_names == ["cube", "floor"]
+
+
+def test_a_missing_package(small, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
+    refused(srmp.NotSupported, r"needs the Python package 'mujoco'.*pip install mujoco", small)
+
+
+def test_reading_twice_and_questions_before_reading(small):
+    planner = srmp.PlannerInterface()
+    with pytest.raises(srmp.InvalidArgument, match="has read no simulator; call read_sim first"):
+        srmp.sim.check_parity(planner, small)
+    planner.read_sim(small, "mujoco")
+    with pytest.raises(srmp.InvalidArgument, match="read_sim was called before"):
+        planner.read_sim(small, "mujoco")
+    other = small_scene().compile()
+    with pytest.raises(srmp.InvalidArgument, match="not the scene that the planner has read"):
+        srmp.sim.check_parity(planner, (other, mujoco.MjData(other)))
+    planner.reset()
+    assert planner.simulated_world is None
+    planner.read_sim(small, "mujoco")
+
+
+def test_trajectories_that_cannot_be_executed(small):
+    planner = srmp.PlannerInterface()
+    world = planner.read_sim(small, "mujoco")
+    names = planner.get_joint_names("arm")
+    for match, trajectory, options in (
+        (
+            r"unknown robot 'arn'; did you mean 'arm'",
+            srmp.Trajectory(names, np.zeros((2, 7)), times=[0, 1]),
+            {"robot": "arn"},
+        ),
+        (r"no robot has the joints elbow", srmp.Trajectory(["elbow"], [[0.0], [0.1]], times=[0, 1]), {}),
+        (r"it has no times", srmp.Trajectory(names, np.zeros((2, 7))), {}),
+        (
+            r"joint 'arm7_joint1' of robot 'arm' is at .*starts at 1",
+            srmp.Trajectory(names, np.ones((2, 7)), times=[0, 1]),
+            {},
+        ),
+        (r"settle_time is -1", srmp.Trajectory(names, np.zeros((2, 7)), times=[0, 1]), {"settle_time": -1}),
+        (r"there is no trajectory to execute", {}, {}),
+    ):
+        with pytest.raises(srmp.InvalidArgument, match=match):
+            world.execute(trajectory, **options)
+    with pytest.raises(srmp.InvalidArgument, match=r"no body 'cub'.*did you mean 'cube'"):
+        world.grasp("cub", "arm")
+    with pytest.raises(srmp.InvalidArgument, match=r"unknown robot 'arn'"):
+        world.grasp("cube", "arn")

@@ -111,6 +111,22 @@ BOOST_AUTO_TEST_CASE(convex_meshes_become_solids_and_others_stay_surfaces) {
   BOOST_TEST(make_mesh_geometry(dented, MeshModel::hull)->getObjectType() == coal::OT_GEOM);
 }
 
+BOOST_AUTO_TEST_CASE(a_hull_has_its_corners_alone_and_faces_outwards) {
+  std::vector<Eigen::Vector3d> points{{0.5, 0.5, 0.5}};  // inside
+  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
+  const TriangleSoup hull = convex_hull(points);
+  BOOST_TEST(hull.vertices.size() == 8u);
+  BOOST_TEST(hull.triangles.size() == 12u);
+  BOOST_TEST(is_convex(hull));  // closed, too
+  for (const auto& t : hull.triangles) {
+    const Eigen::Vector3d &a = hull.vertices[t[0]], &b = hull.vertices[t[1]], &c = hull.vertices[t[2]];
+    BOOST_TEST((b - a).cross(c - a).dot(a - points[0]) > 0);
+  }
+  points.push_back({0, 0, std::numeric_limits<double>::quiet_NaN()});
+  check_throws<InvalidArgument>([&] { convex_hull(points); }, "point 9 of a convex hull");
+  check_throws<InvalidArgument>([&] { convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}); }, "3 points has no volume");
+}
+
 BOOST_AUTO_TEST_CASE(hulls_need_a_volume) {
   const TriangleSoup flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.3, 0}}, {{0, 1, 2}}};
   check_throws<InvalidArgument>([&] { make_mesh_geometry(flat, MeshModel::hull); }, "has no volume");

@@ -320,100 +320,101 @@ class _Probe(Probe):
 
 
 class _Control:
-    """Servos get the target, with what their damping will take; motors, and joints without actuators, a torque.
+    """Servos get the target, with what their damping will take, and gravity and inertia are fed forward beside them.
 
-    Gravity and the motion's own inertia are fed forward.
+    Motors, and joints without actuators, get the torque that brings the joint to the target.
     """
 
     def __init__(self, simulator: MuJoCo, joints: list[int]) -> None:
         self.simulator = simulator
-        self.joints = joints
-        m, data = simulator.model, simulator.data
+        m = simulator.model
         self.names = [simulator._joint_name(j) for j in joints]
         self.dofs = m.jnt_dofadr[joints]
         self.addresses = m.jnt_qposadr[joints]
-        self.target = data.qpos[self.addresses].copy()
+        self.target = simulator.data.qpos[self.addresses].copy()
         self.velocity = np.zeros(len(joints))
         self.acceleration = np.zeros(len(joints))
         self.named = np.zeros(len(joints), dtype=bool)
-        self.actuators = [self._actuators(j) for j in joints]
-        self.driven = np.array(
-            [bool(actuators) or self._has_tendon(j) for j, actuators in zip(joints, self.actuators, strict=True)]
+        self.actuators = [[_Actuator(simulator, a) for a in _actuators_of(simulator, j)] for j in joints]
+        self.servo = np.array([any(actuator.servo for actuator in of) for of in self.actuators], dtype=bool)
+        self.others = np.array([bool(of) for of in self.actuators]) | np.array(
+            [_has_tendon(simulator, j) for j in joints]
         )
-
-    def _actuators(self, joint: int) -> list[int]:
-        m, mj = self.simulator.model, self.simulator.mj
-        on_joint = (int(mj.mjtTrn.mjTRN_JOINT), int(mj.mjtTrn.mjTRN_JOINTINPARENT))
-        return [a for a in range(m.nu) if m.actuator_trntype[a] in on_joint and m.actuator_trnid[a, 0] == joint]
-
-    def _has_tendon(self, joint: int) -> bool:
-        m, mj = self.simulator.model, self.simulator.mj
-        for a in range(m.nu):
-            if m.actuator_trntype[a] == int(mj.mjtTrn.mjTRN_TENDON):
-                tendon = m.actuator_trnid[a, 0]
-                first, count = m.tendon_adr[tendon], m.tendon_num[tendon]
-                wraps = range(first, first + count)
-                if any(m.wrap_type[w] == int(mj.mjtWrap.mjWRAP_JOINT) and m.wrap_objid[w] == joint for w in wraps):
-                    return True
-        return False
 
     def aim(self, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
         for i, name in enumerate(self.names):
             if name in positions:
+                for actuator in self.actuators[i]:
+                    actuator.require_known(name)
                 self.target[i], self.velocity[i] = positions[name], velocities[name]
                 self.acceleration[i] = accelerations[name]
                 self.named[i] = True
 
     def apply(self) -> None:
         m, data, mj = self.simulator.model, self.simulator.data, self.simulator.mj
-        error = self.target - data.qpos[self.addresses]
-        rate = self.velocity - data.qvel[self.dofs]
-        pulled = np.where(self.driven, 0.0, STIFFNESS * error + DAMPING * rate)
+        ours = self.named | ~self.others  # the rest is held by what the user tells their actuators
+        error, rate = self.target - data.qpos[self.addresses], self.velocity - data.qvel[self.dofs]
+        pull = np.where(self.servo, 0.0, STIFFNESS * error + DAMPING * rate)
         wanted, force = np.zeros(m.nv), np.zeros(m.nv)
-        wanted[self.dofs] = self.acceleration + pulled
+        wanted[self.dofs] = np.where(ours, self.acceleration + pull, 0.0)
         mj.mj_mulM(m, data, force, wanted)
         torque = (force + data.qfrc_bias - data.qfrc_passive)[self.dofs]
-        for i, dof in enumerate(self.dofs):
-            if self.driven[i] and not self.named[i]:
-                continue  # the user's own control holds it
-            data.qfrc_applied[dof] = torque[i]
-            for a in self.actuators[i]:
-                self._drive(a, i)
+        for i in np.flatnonzero(ours):
+            motors = [actuator for actuator in self.actuators[i] if not actuator.servo]
+            for actuator in self.actuators[i]:
+                if actuator.servo:
+                    actuator.follow(self.target[i], self.velocity[i])
+            for actuator in motors:
+                actuator.push(torque[i] / len(motors))
+            data.qfrc_applied[self.dofs[i]] = 0.0 if motors else torque[i]
 
-    def _drive(self, actuator: int, i: int) -> None:
-        m, mj = self.simulator.model, self.simulator.mj
-        gain, bias = m.actuator_gainprm[actuator], m.actuator_biasprm[actuator]
-        fixed = m.actuator_gaintype[actuator] == int(mj.mjtGain.mjGAIN_FIXED)
-        servo = (
-            fixed
-            and m.actuator_biastype[actuator] == int(mj.mjtBias.mjBIAS_AFFINE)
-            and gain[0] > 0
-            and bias[1] == -gain[0]
-        )
-        motor = fixed and m.actuator_biastype[actuator] == int(mj.mjtBias.mjBIAS_NONE) and gain[0] > 0
-        if not (servo or motor) or m.actuator_dyntype[actuator] != int(mj.mjtDyn.mjDYN_NONE):
+
+class _Actuator:
+    """A position servo or a motor on one joint."""
+
+    def __init__(self, simulator: MuJoCo, index: int) -> None:
+        m, mj = simulator.model, simulator.mj
+        self.simulator, self.index = simulator, index
+        self.gear = float(m.actuator_gear[index, 0])
+        self.gain, self.bias = float(m.actuator_gainprm[index, 0]), m.actuator_biasprm[index]
+        plain = m.actuator_gaintype[index] == int(mj.mjtGain.mjGAIN_FIXED) and self.gain > 0
+        plain = plain and m.actuator_dyntype[index] == int(mj.mjtDyn.mjDYN_NONE)
+        kind = m.actuator_biastype[index]
+        self.servo = bool(plain and kind == int(mj.mjtBias.mjBIAS_AFFINE) and self.bias[1] == -self.gain)
+        self.motor = bool(plain and kind == int(mj.mjtBias.mjBIAS_NONE))
+        addresses = getattr(m, "actuator_ctrladr", None)  # since MuJoCo 4.0
+        self.ctrl = index if addresses is None else int(addresses[index])
+
+    def require_known(self, joint: str) -> None:
+        if not (self.servo or self.motor):
             raise NotSupported(
-                f"actuator '{self.simulator._name('ACTUATOR', actuator) or actuator}' of joint '{self.names[i]}' is "
+                f"actuator '{self.simulator._name('ACTUATOR', self.index) or self.index}' of joint '{joint}' is "
                 "neither a position servo nor a motor; give the joint one of those, or none"
             )
-        gear = m.actuator_gear[actuator, 0]
-        if servo:
-            value = gear * (self.target[i] - bias[2] / gain[0] * self.velocity[i])
-        else:
-            value = self._motor_torque(i) / (gear * gain[0])
-        self.simulator.data.ctrl[self._ctrl(actuator)] = value
 
-    def _motor_torque(self, i: int) -> float:
-        """What brings the joint back, beside what is fed forward."""
-        data, dof = self.simulator.data, self.dofs[i]
-        error = self.target[i] - data.qpos[self.addresses[i]]
-        rate = self.velocity[i] - data.qvel[dof]
-        inertia = 1.0 / max(self.simulator.model.dof_invweight0[dof], 1e-9)
-        return float(inertia * (STIFFNESS * error + DAMPING * rate))
+    def follow(self, position: float, velocity: float) -> None:
+        lead = -self.bias[2] / self.gain * velocity  # what the servo's damping will hold back
+        self.simulator.data.ctrl[self.ctrl] = self.gear * (position + lead)
 
-    def _ctrl(self, actuator: int) -> int:
-        addresses = getattr(self.simulator.model, "actuator_ctrladr", None)  # since 4.0
-        return actuator if addresses is None else int(addresses[actuator])
+    def push(self, torque: float) -> None:
+        self.simulator.data.ctrl[self.ctrl] = torque / (self.gear * self.gain)
+
+
+def _actuators_of(simulator: MuJoCo, joint: int) -> list[int]:
+    m, mj = simulator.model, simulator.mj
+    on_joint = (int(mj.mjtTrn.mjTRN_JOINT), int(mj.mjtTrn.mjTRN_JOINTINPARENT))
+    return [a for a in range(m.nu) if m.actuator_trntype[a] in on_joint and m.actuator_trnid[a, 0] == joint]
+
+
+def _has_tendon(simulator: MuJoCo, joint: int) -> bool:
+    """Is the joint moved by an actuator on a tendon, as a gripper's fingers are?"""
+    m, mj = simulator.model, simulator.mj
+    on_tendon = m.actuator_trntype == int(mj.mjtTrn.mjTRN_TENDON)
+    for tendon in m.actuator_trnid[on_tendon, 0]:
+        for wrap in range(m.tendon_adr[tendon], m.tendon_adr[tendon] + m.tendon_num[tendon]):
+            if m.wrap_type[wrap] == int(mj.mjtWrap.mjWRAP_JOINT) and m.wrap_objid[wrap] == joint:
+                return True
+    return False
 
 
 def _moved(kind: str, axis: np.ndarray, value: float) -> Pose:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
+from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
 from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, same_shape
 from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
 from srmp.sim.urdf import to_urdf
@@ -93,11 +93,14 @@ class SimulatedWorld:
                 self.planner.remove_articulation(name)
             raise
 
-    def refresh(self) -> None:
+    def refresh(self, sim: Any = None) -> None:
         """Moves what moved, robots too, adds what is new, and removes what is gone; held objects move in the hand.
 
+        sim: the scene in its new form, where the simulator makes another (a MuJoCo model that was compiled again).
         Raises InvalidArgument for a robot that is gone or stands outside its limits.
         """
+        if sim is not None and not self.simulator.is_of(sim):
+            self.simulator = type(self.simulator)(sim)  # type: ignore[call-arg]
         found = {articulation.name: articulation for articulation in self.simulator.articulations()}
         for robot in self.robots.values():
             _require_known("articulation", robot.articulation, found)
@@ -125,7 +128,7 @@ class SimulatedWorld:
                 options["end_effector"] = _only_tip(name, articulation, links)
         self.planner.add_articulation(name=name, **options)
         added.append(name)
-        robot = _match(self.planner, name, articulation, own)
+        robot = _match(self.planner, name, articulation, list(self.simulator.link_poses(where)), own)
         self.robots[name] = robot
         self._compare_limits(robot, articulation)
         for sentence in robot.differences:
@@ -192,7 +195,10 @@ class SimulatedWorld:
         for name, item in seen.items():
             old = self._objects.get(name)
             if old is None:
-                add_object(self.planner, name, item.shape, item.pose)
+                try:
+                    add_object(self.planner, name, item.shape, item.pose)
+                except Error as error:
+                    raise type(error)(f"object '{name}': {error}; exclude=['{name}'] leaves it out") from error
                 new[name] = item
             elif name in self._held:
                 self._place_in_hand(name, placed_pose(item.shape, item.pose))
@@ -391,8 +397,6 @@ def _by_robot(
         known = _require_known("robot", name, world.robots)
         for joint in each.joint_names:
             _require_known(f"joint of robot '{name}'", joint, known.joints)
-        if each.times is None:
-            raise InvalidArgument(f"the trajectory of robot '{name}' has no times; parameterize it first")
     return trajectories
 
 
@@ -407,7 +411,7 @@ def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
 
 
 def _still_there(old: _Object, new: _Object | None) -> bool:
-    return new is not None and old.key == new.key and same_shape(old.shape, new.shape)
+    return new is not None and same_shape(old.shape, new.shape)
 
 
 def _same_pose(a: Pose, b: Pose) -> bool:
@@ -445,8 +449,11 @@ def _only_tip(robot: str, articulation: Articulation, links: Mapping[str, str]) 
     return tips[0]
 
 
-def _match(planner: PlannerInterface, name: str, articulation: Articulation, own: bool) -> Robot:
-    """Which joints and links of the planner's robot are which in the simulator."""
+def _match(planner: PlannerInterface, name: str, articulation: Articulation, bodies: list[str], own: bool) -> Robot:
+    """Which joints and links of the planner's robot are which in the simulator.
+
+    bodies: the articulation's links without those that only stand between two joints of one body.
+    """
     movable = {joint.name: joint for joint in articulation.joints if joint.kind != "fixed"}
     in_planner = list(planner.get_all_joint_limits(name))
     joints = _pair(in_planner, list(movable))
@@ -457,18 +464,21 @@ def _match(planner: PlannerInterface, name: str, articulation: Articulation, own
                 + (_did_you_mean(joint, movable) or f"; its joints: {', '.join(movable) or 'none'}")
             )
     in_links = planner.get_link_names(name)
-    links = _pair(in_links, [link.name for link in articulation.links])
+    links = _pair(in_links, bodies)
     if not links:
         raise InvalidArgument(
             f"robot '{name}' and articulation '{articulation.name}' have no link name in common; it has "
-            f"{', '.join(link.name for link in articulation.links)}"
+            f"{', '.join(bodies)}"
         )
     lists = [
-        (f"link of robot '{name}' has no counterpart in the simulator", [x for x in in_links if x not in links]),
+        (
+            f"link of robot '{name}' has no counterpart in the simulator",
+            [x for x in in_links if x not in links and not own],
+        ),
         (f"joint of robot '{name}' has no counterpart in the simulator", [x for x in in_planner if x not in joints]),
         (
             f"link of articulation '{articulation.name}' has no counterpart in the URDF",
-            [link.name for link in articulation.links if link.name not in links.values()],
+            [body for body in bodies if body not in links.values()],
         ),
         (
             f"joint of articulation '{articulation.name}' has no counterpart in the URDF",
