@@ -166,4 +166,27 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
   BOOST_CHECK(planner.get_planning_stats().total_time_s < 10);
 }
 
+BOOST_AUTO_TEST_CASE(auto_improves_for_as_long_as_asked_and_never_for_the_worse) {
+  auto first = planar_pair(srmp::Auto{.common = {.time_limit = 20}});
+  first.plan_multi(starts, goals);
+  const double cost = first.get_planning_stats().path_cost_rad;
+  BOOST_TEST(first.get_planning_stats().solutions.size() == 1u);
+
+  auto planner = planar_pair(srmp::Auto{.common = {.time_limit = 20}, .improve_time = 0.5});
+  const srmp::MultiTrajectory motion = planner.plan_multi(starts, goals);
+  check_apart(planner, motion);
+  const srmp::PlanStatistics& statistics = planner.get_planning_stats();
+  BOOST_TEST(statistics.path_cost_rad <= cost);
+  BOOST_TEST(statistics.plan_time_s < 5);
+  for (std::size_t i = 1; i < statistics.solutions.size(); ++i) {
+    BOOST_TEST(statistics.solutions[i].cost_rad < statistics.solutions[i - 1].cost_rad);
+    BOOST_TEST(statistics.solutions[i].bound <= statistics.solutions[i - 1].bound);
+  }
+  BOOST_TEST(statistics.solutions.back().cost_rad == statistics.path_cost_rad);
+
+  auto enough = planar_pair(srmp::Auto{.common = {.time_limit = 20}, .improve_time = 10, .final_weight = 50});
+  enough.plan_multi(starts, goals);
+  BOOST_TEST(enough.get_planning_stats().plan_time_s < 5);  // the bound that was asked for is there at once
+}
+
 BOOST_AUTO_TEST_SUITE_END()

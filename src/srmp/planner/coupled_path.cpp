@@ -65,9 +65,6 @@ CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& 
   return coupled;
 }
 
-namespace {
-
-/// Where arms[i] is at a step; rests at the end.
 Eigen::VectorXd position_at(const CoupledPath& path, std::size_t i, double step) {
   const RowMatrix& q = path.positions[i];
   const auto next = std::upper_bound(path.steps.begin(), path.steps.end(), step);
@@ -76,6 +73,8 @@ Eigen::VectorXd position_at(const CoupledPath& path, std::size_t i, double step)
   const double from = path.steps[static_cast<std::size_t>(row - 1)];
   return (q.row(row - 1) + (step - from) / (*next - from) * (q.row(row) - q.row(row - 1))).transpose();
 }
+
+namespace {
 
 std::vector<double> all_steps(const CoupledPath& a, const CoupledPath& b) {
   std::vector<double> steps = a.steps;

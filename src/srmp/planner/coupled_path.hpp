@@ -30,6 +30,8 @@ CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& 
 /// Rows wherever an arm's move ends.
 CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
                          const std::vector<multi::TimedPath>& paths);
+/// Where arms[i] is at a step; after the last it rests.
+Eigen::VectorXd position_at(const CoupledPath& path, std::size_t i, double step);
 /// Two at the same time.
 CoupledPath side_by_side(const CoupledPath& a, const CoupledPath& b);
 

@@ -9,9 +9,11 @@
 #include "srmp/planner/arm_team.hpp"
 #include "srmp/planner/arm_world.hpp"
 #include "srmp/planner/composite_search.hpp"
+#include "srmp/planner/composite_trees.hpp"
 #include "srmp/planner/coupled_path.hpp"
 #include "srmp/planner/coupled_post_process.hpp"
 #include "srmp/planner/phase_timer.hpp"
+#include "srmp/planner/reroute.hpp"
 #include "srmp/planner/roadmap_search.hpp"
 #include "srmp/planner/single_robot.hpp"
 
@@ -180,7 +182,43 @@ class MultiRobotPlan {
       const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
       shortened_.push_back(common_.shortcut ? shortened(group.path, *world_, deadline_) : group.path);
     }
+    set_costs(shortened_);
+    if (const auto* options = std::get_if<Auto>(&problem_.options); options && options->improve_time > 0.0)
+      improve(*options);
     statistics_.edge_checks += world_->pair_checks();
+  }
+
+  /// Better and better paths: of arms that are planned together each by itself, while the others do as before; then all
+  /// of them anew, by trees of other sequences.
+  void improve(const Auto& options) {
+    const Deadline until(std::min(options.improve_time, deadline_.remaining()),
+                         [this] { return deadline_.cancelled(); });
+    std::vector<std::size_t> coupled;
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      if (groups_[g].path.arms.size() > 1) coupled.push_back(g);
+    const auto good_enough = [&] {
+      return until.stop_requested() || statistics_.bound <= std::max(options.final_weight, 1.0 + 1e-9);
+    };
+    for (const std::size_t g : coupled) improve(g, shortened_[g], until);
+    for (std::uint64_t sequence = 1; !coupled.empty() && !good_enough(); ++sequence)
+      for (const std::size_t g : coupled) {
+        CompositeTrees trees(*world_, groups_[g].path.arms, sequence);
+        if (const auto path = trees.grow(most_attempts, until)) improve(g, shortened(*path, *world_, until), until);
+        statistics_.expansions += trees.attempts();
+      }
+  }
+
+  /// Takes the path, made as short as it can be, if it is shorter than the group's and no other arm is met on it.
+  void improve(std::size_t g, CoupledPath path, const Deadline& until) {
+    for (double before = search::infinity; path.length() < 0.99 * before;) {
+      before = path.length();
+      CoupledPath better = rerouted(path, *world_, until);
+      if (better.length() < before) path = shortened(std::move(better), *world_, until);
+    }
+    if (path.length() >= shortened_[g].length()) return;
+    for (std::size_t other = 0; other < groups_.size(); ++other)
+      if (other != g && meet(*world_, path, groups_[other].path)) return;
+    groups_[g].path = shortened_[g] = std::move(path);
     set_costs(shortened_);
   }
 
@@ -236,9 +274,10 @@ class MultiRobotPlan {
     return std::nullopt;
   }
 
-  /// Where the planner may, three searches in turns with more and more effort: on roadmaps, which is quick where arms
-  /// need only wait or step aside; conflict-based search, for arms that get by each other; and one search for all arms'
-  /// joints, for those that are in each other's way. Else conflict-based search alone.
+  /// Where the planner may, four searches in turns with more and more effort: on roadmaps, which is quick where arms
+  /// need only wait or step aside; by trees of all arms' joints, for arms that are in each other's way; conflict-based
+  /// search, for arms that get by each other; and one search on a lattice of all arms' joints. Else conflict-based
+  /// search alone.
   Group together(const std::vector<std::size_t>& arms) {
     const PhaseTimer timer(deadline_, statistics_.search_time_s);
     const bool composite =
@@ -246,6 +285,8 @@ class MultiRobotPlan {
     multi::ConflictSearchOptions options = search_options(problem_.options);
     double lower = 0.0;
     for (const std::size_t i : arms) lower += direct(i);
+    std::optional<CompositeTrees> trees;
+    if (composite) trees.emplace(*world_, arms);
     std::size_t level = 0, levels = 1;
     for (std::uint64_t effort = 1;; effort *= 4) {
       if (composite) {
@@ -253,6 +294,10 @@ class MultiRobotPlan {
           if (const auto path = on_roadmaps(arms, level, effort); path && path->length() <= options.bound() * lower)
             return {*path, lower};
         ++levels;
+        const std::uint64_t before = trees->attempts();
+        auto path = trees->grow(2048 * effort, deadline_);
+        statistics_.expansions += trees->attempts() - before;
+        if (path && path->length() <= options.bound() * lower) return {std::move(*path), lower};
         options.max_evaluations = 128 * effort;
       }
       ArmTeam team(*world_, arms);
@@ -297,8 +342,10 @@ class MultiRobotPlan {
                                         : search::infinity;
     statistics_.bound_graph = "the robots' lattices of " + to_text(common_.resolution) + " degrees, in steps of " +
                               to_text(world_->step_time()) + " s, waiting counted";
-    statistics_.solutions = {
-        {deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph}};
+    std::vector<Solution>& solutions = statistics_.solutions;
+    while (!solutions.empty() && solutions.back().cost_rad < statistics_.path_cost_rad) solutions.pop_back();
+    if (solutions.empty() || solutions.back().cost_rad > statistics_.path_cost_rad)
+      solutions.push_back({deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, statistics_.bound_graph});
   }
 
   MultiTrajectory post_process() {
@@ -332,7 +379,8 @@ class MultiRobotPlan {
     }
   }
 
-  static constexpr std::size_t most_levels = 4;  // of roadmaps
+  static constexpr std::size_t most_levels = 4;             // of roadmaps
+  static constexpr std::uint64_t most_attempts = 1u << 14;  // of trees that may be better
 
   const MultiRobotProblem& problem_;
   const CommonOptions& common_;

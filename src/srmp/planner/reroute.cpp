@@ -1,0 +1,174 @@
+#include "srmp/planner/reroute.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+
+#include "srmp/search/graph.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double worth = 0.95;    // a way that is not shorter by this factor is left alone
+constexpr double waiting = 0.01;  // cost of a step of rest [rad], so that arms do not wait without need
+constexpr int most_steps = 250;   // of time
+constexpr std::size_t most_nodes = 4000;
+
+/// One arm of a path, its places, and the others as they go.
+class Reroute {
+ public:
+  Reroute(const CoupledPath& path, std::size_t arm, ArmWorld& world, const Deadline& deadline)
+      : path_(path), arm_(arm), world_(world), deadline_(deadline), task_(world.task(number(arm))) {
+    add_places();
+    int alone = 0;
+    for (std::size_t k = 1; k < task_.backbone.size(); ++k)
+      alone += world.duration(number(arm), task_.backbone[k - 1], task_.backbone[k]);
+    end_ = static_cast<int>(std::ceil(path.steps.back())) + alone;
+  }
+
+  /// None: there is no way that is shorter.
+  std::optional<CoupledPath> run() {
+    const double limit = worth * path_.length(arm_);
+    if (end_ > most_steps || left(0) >= limit) return std::nullopt;
+    push(0, 0, 0.0, no_node);
+    while (!open_.empty() && !deadline_.stop_requested() && nodes_.size() < most_nodes) {
+      const std::size_t id = open_.top().second;
+      open_.pop();
+      const Node node = nodes_[id];
+      const auto known = best_.find({node.place, node.step});
+      if (known != best_.end() && known->second <= node.cost) continue;
+      if (node.parent != no_node && !is_free(nodes_[node.parent], node)) continue;
+      best_[{node.place, node.step}] = node.cost;
+      if (left(node.place) == 0.0 && can_stay(node)) return answer(id);
+      if (node.step < end_) push(node.place, node.step + 1, node.cost + waiting, id);
+      for (std::size_t to = 0; to < places_.size(); ++to) {
+        if (to == node.place) continue;
+        const double cost = node.cost + distance(node.place, to);
+        const int step = node.step + duration(node.place, to);
+        if (cost + left(to) < limit && step <= end_) push(to, step, cost, id);
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr std::size_t no_node = static_cast<std::size_t>(-1);
+  struct Node {
+    std::size_t place;
+    int step;
+    double cost;
+    std::size_t parent;
+  };
+
+  std::size_t number(std::size_t arm) const { return path_.arms[arm]; }
+  const RobotModel& robot() const { return world_.robot(number(arm_)); }
+
+  void add_places() {
+    const RowMatrix& rows = path_.positions[arm_];
+    add(rows.row(0).transpose());
+    add(rows.bottomRows(1).transpose());
+    for (Eigen::Index row = 1; row + 1 < rows.rows(); ++row)
+      if (turns(row)) add(rows.row(row).transpose());
+    for (const Eigen::VectorXd& q : task_.backbone) add(q);
+    for (const Eigen::VectorXd& q : places_) {
+      const bool end =
+          task_.anywhere || std::find(task_.targets.begin(), task_.targets.end(), q) != task_.targets.end();
+      goals_.push_back(end || q == places_[std::min<std::size_t>(1, places_.size() - 1)]);
+    }
+  }
+  void add(const Eigen::VectorXd& q) {
+    if (std::find(places_.begin(), places_.end(), q) == places_.end()) places_.push_back(q);
+  }
+  bool turns(Eigen::Index row) const {
+    const RowMatrix& q = path_.positions[arm_];
+    const Eigen::VectorXd in = q.row(row) - q.row(row - 1), out = q.row(row + 1) - q.row(row);
+    return (in.stableNormalized() - out.stableNormalized()).norm() > 1e-6;
+  }
+
+  double distance(std::size_t a, std::size_t b) const { return robot().difference(places_[a], places_[b]).norm(); }
+  int duration(std::size_t a, std::size_t b) const { return world_.duration(number(arm_), places_[a], places_[b]); }
+  double left(std::size_t place) const {
+    double least = search::infinity;
+    for (std::size_t k = 0; k < places_.size(); ++k)
+      if (goals_[k]) least = std::min(least, distance(place, k));
+    return least;
+  }
+
+  void push(std::size_t place, int step, double cost, std::size_t parent) {
+    const auto known = best_.find({place, step});
+    if (known != best_.end() && known->second <= cost) return;
+    nodes_.push_back({place, step, cost, parent});
+    open_.emplace(cost + left(place), nodes_.size() - 1);
+  }
+
+  bool is_free(const Node& from, const Node& to) {
+    if (from.place != to.place) {
+      const auto [known, added] = alone_.try_emplace({from.place, to.place}, false);
+      if (added) known->second = world_.is_free_alone(number(arm_), places_[from.place], places_[to.place]);
+      if (!known->second) return false;
+    }
+    for (int step = from.step; step < to.step; ++step)
+      for (std::size_t other = 0; other < path_.arms.size(); ++other) {
+        if (other == arm_ || !world_.may_meet(number(arm_), number(other))) continue;
+        if (!world_.are_apart(number(arm_), between(from, to, step), between(from, to, step + 1), number(other),
+                              position_at(path_, other, step), position_at(path_, other, step + 1), true))
+          return false;
+      }
+    return true;
+  }
+  Eigen::VectorXd between(const Node& from, const Node& to, int step) const {
+    const double share = static_cast<double>(step - from.step) / (to.step - from.step);
+    return places_[from.place] + share * robot().difference(places_[from.place], places_[to.place]);
+  }
+
+  bool can_stay(const Node& node) { return node.step == end_ || is_free(node, {node.place, end_, 0.0, no_node}); }
+
+  CoupledPath answer(std::size_t id) const {
+    CoupledPath own{{number(arm_)}, {}, {}}, others{{}, path_.steps, {}};
+    std::vector<Node> way;
+    for (; id != no_node; id = nodes_[id].parent) way.push_back(nodes_[id]);
+    std::reverse(way.begin(), way.end());
+    RowMatrix q(std::ssize(way), places_[0].size());
+    for (Eigen::Index row = 0; row < q.rows(); ++row) {
+      const Node& node = way[static_cast<std::size_t>(row)];
+      own.steps.push_back(node.step);
+      q.row(row) = places_[node.place].transpose();
+      if (row > 0)
+        q.row(row) = q.row(row - 1) + robot().difference(q.row(row - 1).transpose(), places_[node.place]).transpose();
+    }
+    own.positions.push_back(std::move(q));
+    for (std::size_t other = 0; other < path_.arms.size(); ++other)
+      if (other != arm_) {
+        others.arms.push_back(path_.arms[other]);
+        others.positions.push_back(path_.positions[other]);
+      }
+    return side_by_side(own, others);
+  }
+
+  const CoupledPath& path_;
+  std::size_t arm_;
+  ArmWorld& world_;
+  const Deadline& deadline_;
+  const ArmTask& task_;
+  std::vector<Eigen::VectorXd> places_;  // 0: the start
+  std::vector<char> goals_;
+  int end_{};
+  std::vector<Node> nodes_;
+  std::map<std::pair<std::size_t, int>, double> best_;
+  std::map<std::pair<std::size_t, std::size_t>, bool> alone_;
+  std::priority_queue<std::pair<double, std::size_t>, std::vector<std::pair<double, std::size_t>>, std::greater<>>
+      open_;
+};
+
+}  // namespace
+
+CoupledPath rerouted(CoupledPath path, ArmWorld& world, const Deadline& deadline) {
+  if (path.size() < 3 || path.arms.size() < 2) return path;
+  for (std::size_t arm = 0; arm < path.arms.size() && !deadline.stop_requested(); ++arm)
+    if (auto better = Reroute(path, arm, world, deadline).run()) path = std::move(*better);
+  return path;
+}
+
+}  // namespace srmp
