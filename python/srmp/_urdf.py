@@ -12,21 +12,42 @@ class UrdfJoint:
     name: str
     parent: str  # link
     child: str  # link
+    type: str
+    lower: float  # [rad or m]; -inf, inf: continuous
+    upper: float
+    mimics: str  # joint, or ""
+
+    @property
+    def moves(self) -> bool:
+        """Has it one position?"""
+        return self.type in ("revolute", "continuous", "prismatic")
 
 
 def read_joints(urdf_path: str | Path) -> list[UrdfJoint]:
     """The joints of a URDF file, in its order."""
-    joints = []
-    for joint in ElementTree.parse(urdf_path).getroot().findall("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        joints.append(
-            UrdfJoint(
-                name=joint.get("name", ""),
-                parent="" if parent is None else parent.get("link", ""),
-                child="" if child is None else child.get("link", ""),
-            )
-        )
-    return joints
+    return joints_of(ElementTree.parse(urdf_path).getroot())
+
+
+def joints_of(urdf: ElementTree.Element) -> list[UrdfJoint]:
+    """The joints of a URDF, in its order."""
+    return [_joint(joint) for joint in urdf.findall("joint")]
+
+
+def _joint(joint: ElementTree.Element) -> UrdfJoint:
+    def attribute(element: str, name: str, default: str) -> str:
+        found = joint.find(element)
+        return default if found is None else found.get(name, default)
+
+    bounded = joint.get("type") != "continuous"
+    return UrdfJoint(
+        name=joint.get("name", ""),
+        parent=attribute("parent", "link", ""),
+        child=attribute("child", "link", ""),
+        type=joint.get("type", ""),
+        lower=float(attribute("limit", "lower", "0")) if bounded else -np.inf,
+        upper=float(attribute("limit", "upper", "0")) if bounded else np.inf,
+        mimics=attribute("mimic", "joint", ""),
+    )
 
 
 def chain_links(joints: list[UrdfJoint], tip: str) -> list[str]:

@@ -1,0 +1,1 @@
+"""Other planners' words for this one: `srmp.compat.mplib`."""
