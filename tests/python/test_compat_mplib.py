@@ -151,6 +151,18 @@ def test_limits_are_those_given():
     assert slow.plan_qpos([READY], ASIDE)["duration"] > 0.9 / 0.2
 
 
+def test_urdfs_need_no_velocity_limits(planner, tmp_path):
+    """ManiSkill's so100.urdf has zeros."""
+    text = Path(srmp.data_path("arm7.urdf")).read_text()
+    (tmp_path / "arm7.srdf").write_text(Path(srmp.data_path("arm7.srdf")).read_text())
+    for velocity in ('velocity="0"', ""):
+        (tmp_path / "arm7.urdf").write_text(re.sub(r'velocity="[^"]*"', velocity, text))
+        other = Planner(tmp_path / "arm7.urdf", "arm7_hand")
+        np.testing.assert_array_equal(other.joint_vel_limits, np.ones(7))
+        same = (asked.plan_qpos([READY], ASIDE)["position"] for asked in (other, planner))
+        np.testing.assert_array_equal(*same)
+
+
 def test_calls_of_0_1(planner):
     goal = [*P, *Q]
     old = planner.plan_qpos_to_pose(goal, ASIDE, time_step=0.05, use_point_cloud=False, wrt_world=True)
@@ -632,6 +644,20 @@ def test_what_has_no_meaning_here_is_said_once(planner):
         warnings.simplefilter("error")
         planner.plan_qpos([READY], ASIDE, rrt_range=0.05, planner_name="RRTstar")
         planner.plan_pose(Pose(P, Q), ASIDE, mask=[False] * 7, planner_name="RRTConnect")
+
+
+def test_only_the_rules_of_collisions_count_in_an_srdf(planner, tmp_path):
+    """ManiSkill's panda_stick.srdf speaks of a gripper that is not there."""
+    gripper = """<group name="gripper"><link name="arm7_finger"/></group>
+        <disable_collisions link1="arm7_finger" link2="arm7_hand" reason="Adjacent"/></robot>"""
+    rules = Path(srmp.data_path("arm7.srdf")).read_text()
+    (tmp_path / "arm.srdf").write_text(rules.replace("</robot>", gripper))
+    other = Planner(srmp.data_path("arm7.urdf"), "arm7_hand", srdf=tmp_path / "arm.srdf")
+    same = (asked.plan_qpos([READY], ASIDE)["position"] for asked in (other, planner))
+    np.testing.assert_array_equal(*same)
+    (tmp_path / "arm.srdf").write_text("<robot")
+    with pytest.raises(srmp.FileError, match=r"SRDF file '.*arm\.srdf' cannot be read: .* line 1"):
+        Planner(srmp.data_path("arm7.urdf"), "arm7_hand", srdf=tmp_path / "arm.srdf")
 
 
 def test_what_mplib_has_and_this_has_not(planner):

@@ -107,11 +107,7 @@ class World:
         self._driven: set[str] = set()
         while more := {n for n, j in movable.items() if j.mimics in self._planned | self._driven} - self._driven:
             self._driven |= more
-        changed = bool(new_package_keyword)
-        for joint in tree.findall("joint"):  # the other mimics, fingers mostly, are free, as in simulators
-            if (mimic := joint.find("mimic")) is not None and joint.get("name") not in self._driven:
-                joint.remove(mimic)
-                changed = True
+        changed = _as_mplib_reads(tree, self._planned, self._driven) or bool(new_package_keyword)
 
         links = list(dict.fromkeys(link for joint in self._joints for link in (joint.parent, joint.child)))
         self.user_link_names = list(user_link_names) or links
@@ -122,12 +118,13 @@ class World:
         if missing := sorted(set(movable) - set(self.user_joint_names)):
             raise srmp.InvalidArgument(f"user_joint_names lacks {missing}; every movable joint must be there")
         group = [name for name in self.user_joint_names if name in self._planned]
-        beside = urdf.with_suffix(".srdf")
+        if not srdf:
+            srdf = beside if (beside := urdf.with_suffix(".srdf")).is_file() else None
         self.srmp.add_articulation(
             urdf_path="" if changed else str(urdf),
             urdf_text=ElementTree.tostring(tree, encoding="unicode") if changed else "",
             urdf_folder=str(urdf.parent) if changed else "",
-            srdf_path=str(srdf or (beside if beside.is_file() else "")),
+            srdf_text=_collision_rules(Path(srdf), links) if srdf else "",
             end_effector=move_group,
             joint_names=group,
         )
@@ -411,6 +408,35 @@ def _read_urdf(urdf: Path, new_package_keyword: str) -> tuple[ElementTree.Elemen
     except (OSError, ValueError, ElementTree.ParseError):
         srmp.PlannerInterface().add_articulation(urdf_path=str(urdf))  # says where and what
         raise
+
+
+def _as_mplib_reads(tree: ElementTree.Element, planned: set[str], driven: set[str]) -> bool:
+    """Changes a URDF to what MPLib makes of it: mimics (fingers) are free, as in simulators, but for those of planned
+    joints; the velocity limits of planned joints need not be there. Returns whether there was anything to change."""
+    changed = False
+    for joint in tree.findall("joint"):
+        mimic, limit, name = joint.find("mimic"), joint.find("limit"), joint.get("name")
+        if mimic is not None and name not in driven:
+            joint.remove(mimic)
+            changed = True
+        if name in planned and (limit is None or float(limit.get("velocity", 0)) <= 0):
+            limit = ElementTree.SubElement(joint, "limit") if limit is None else limit
+            limit.set("velocity", "1")
+            changed = True
+    return changed
+
+
+def _collision_rules(srdf: Path, links: list[str]) -> str:
+    """An SRDF's rules of collisions of these links. MPLib reads no more, so the rest may be another robot's."""
+    try:
+        tree = ElementTree.fromstring(srdf.read_bytes())
+    except (OSError, ElementTree.ParseError) as error:
+        raise srmp.FileError(f"SRDF file '{srdf}' cannot be read: {error}") from None
+    for entry in list(tree):
+        named = {entry.get(key) for key in ("link", "link1", "link2")} - {None}
+        if not entry.tag.endswith("_collisions") or not named <= set(links):
+            tree.remove(entry)
+    return ElementTree.tostring(tree, encoding="unicode")
 
 
 def _depth_first(joints: list[UrdfJoint]) -> list[UrdfJoint]:
