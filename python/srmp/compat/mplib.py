@@ -84,10 +84,10 @@ class Planner(World):
 
         move_group: the link that goals speak of; the joints that move it are planned. srdf: default the URDF's name
         with .srdf, if there is such a file, else allowed collisions are sampled; only an SRDF's rules of collisions are
-        read. new_package_keyword: stands in for
-        "package://". user_joint_names: all movable joints, in the order of qpos; default as MPLib has them.
-        user_link_names: what link_id counts; default all. joint_vel_limits, joint_acc_limits: of the move group's
-        joints, in user_joint_names' order; default 1 (velocities: the URDF's where lower). verbose: log more.
+        read. new_package_keyword: stands in for "package://". user_joint_names: all movable joints, in the order of
+        qpos; default as MPLib has them. user_link_names: what link_id counts; default all. joint_vel_limits,
+        joint_acc_limits: of the move group's joints, in user_joint_names' order; default 1 (velocities: the URDF's
+        where that is lower). verbose: log more.
         """
         self._warned: set[str] = set()
         if len(objects):
