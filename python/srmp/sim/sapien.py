@@ -1,0 +1,454 @@
+"""SAPIEN (sapien >= 3.0), with physics on the CPU. `sim` is a sapien.Scene."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srmp import InvalidArgument, Pose
+from srmp.sim import shapes
+from srmp.sim.simulator import (
+    Articulation,
+    Body,
+    Geometry,
+    Joint,
+    Positions,
+    Probe,
+    Simulator,
+    Touch,
+    import_simulator,
+)
+
+STIFFNESS, DAMPING = 1e4, 200.0  # [1/s^2], [1/s]: of joints without a drive; 100 rad/s, critically damped
+NO_LIMIT = 100.0  # [rad/s or m/s] what PhysX lets a joint do when nobody says a speed
+CYLINDER_CORNERS = 32  # SAPIEN's cylinders are prisms, with their corners on the circle
+TINY_STEP = 1e-6  # [s] of the probe: contacts are found, and hardly anything moves
+ALONG_X = Pose.from_rpy([0, 0, 0], [0, np.pi / 2, 0])  # turns z into x, along which PhysX has its shapes
+
+_DEGREES = {"revolute": "revolute", "revolute_unwrapped": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A collision shape of the scene."""
+
+    component: Any  # of which body or link
+    shape: shapes.Shape
+    pose: Pose  # in the body
+
+
+class Sapien(Simulator):
+    """An articulation is called by its own name, else as its root link; its links are "articulation/link".
+
+    What has no name, or one that was taken before, gets a number. Keys are the collision shapes themselves.
+    """
+
+    kind = "sapien"
+    margin = 1e-4
+
+    def __init__(self, sim: Any) -> None:
+        self.sapien = import_simulator("sapien", "sapien")
+        self.px = self.sapien.physx
+        self.scene = self._checked(sim)
+        self.system = sim.physx_system
+        self._known: dict[Any, _Known] = {}
+        self._names: dict[Any, str] = {}  # of entities, and of articulations by their root
+        self._controls: dict[str, _Control] = {}
+
+    def _checked(self, sim: Any) -> Any:
+        if not isinstance(sim, self.sapien.pysapien.Scene):
+            raise InvalidArgument(f"a SAPIEN scene is a sapien.Scene, not {type(sim).__name__}")
+        try:
+            system = sim.physx_system
+        except RuntimeError:
+            system = None
+        if not isinstance(system, self.px.PhysxCpuSystem):
+            raise InvalidArgument(
+                "a SAPIEN scene needs physics on the CPU: sapien.Scene([sapien.physx.PhysxCpuSystem(), …])"
+            )
+        return sim
+
+    def is_of(self, sim: Any) -> bool:
+        return self._checked(sim) is self.scene
+
+    # --- the scene
+
+    def _components(self) -> list[Any]:
+        """Bodies of no articulation."""
+        return [*self.system.rigid_static_components, *self.system.rigid_dynamic_components]
+
+    def _read(self) -> dict[str, Any]:
+        """Articulations by name; learns what is new of names and shapes, and forgets what is gone."""
+        links = self.system.articulation_link_components
+        roots = [link for link in links if link.is_root]
+        components = self._components() + links
+        present = {component.entity for component in components} | {root.articulation for root in roots}
+        self._names = {owner: name for owner, name in self._names.items() if owner in present}
+        for root in roots:
+            self._name(root.articulation, root.articulation.name or root.name or root.entity.name or "articulation")
+        for root in roots:
+            prefix = self._names[root.articulation]
+            for number, link in enumerate(root.articulation.links):
+                self._name(link.entity, f"{prefix}/{link.name or link.entity.name or f'link{number}'}")
+        for component in self._components():
+            self._name(component.entity, component.entity.name or f"body{component.entity.per_scene_id}")
+        self._known = {
+            shape: self._known.get(shape) or _Known(component, *self._shape(shape))
+            for component in components
+            for shape in component.collision_shapes
+        }
+        return {self._names[root.articulation]: root.articulation for root in roots}
+
+    def _name(self, owner: Any, wanted: str) -> None:
+        if owner not in self._names:
+            taken, name, number = set(self._names.values()), wanted, 2
+            while name in taken:
+                name, number = f"{wanted}_{number}", number + 1
+            self._names[owner] = name
+
+    def articulations(self) -> list[Articulation]:
+        return [
+            Articulation(
+                name,
+                tuple(self._body(link) for link in found.links),
+                tuple(self._joint(joint, joint_name) for joint, joint_name in _named_joints(found)),
+            )
+            for name, found in self._read().items()
+        ]
+
+    def name_of(self, handle: Any) -> str:
+        if isinstance(handle, self.px.PhysxArticulation):
+            for name, articulation in self._read().items():
+                if articulation is handle:
+                    return name
+            raise InvalidArgument(f"articulation '{handle.name}' is not in this SAPIEN scene")
+        return super().name_of(handle)
+
+    def bodies(self) -> list[Body]:
+        self._read()
+        return [self._body(component) for component in self._components() if component.collision_shapes]
+
+    def _body(self, component: Any) -> Body:
+        geometries = [
+            Geometry("", self._known[shape].shape, self._known[shape].pose, shape)
+            for shape in component.collision_shapes
+        ]
+        return Body(self._names[component.entity], _pose(component.entity.pose), tuple(geometries))
+
+    def _shape(self, shape: Any) -> tuple[shapes.Shape, Pose]:
+        """As PhysX has it, and its pose in the body."""
+        px, pose = self.px, _pose(shape.local_pose)
+        match shape:
+            case px.PhysxCollisionShapeBox():
+                return shapes.Box(2 * _doubles(shape.half_size)), pose
+            case px.PhysxCollisionShapeSphere():
+                return shapes.Sphere(float(shape.radius)), pose
+            case px.PhysxCollisionShapeCapsule():
+                return shapes.Capsule(float(shape.radius), 2 * float(shape.half_length)), pose @ ALONG_X
+            case px.PhysxCollisionShapeCylinder():
+                return shapes.Mesh(_prism(float(shape.radius), float(shape.half_length)), None), pose
+            case px.PhysxCollisionShapePlane():
+                return shapes.Plane(), pose @ ALONG_X
+            case px.PhysxCollisionShapeConvexMesh():
+                return shapes.Mesh(_doubles(shape.vertices) * _doubles(shape.scale), None), pose
+            case px.PhysxCollisionShapeTriangleMesh():
+                vertices = _doubles(shape.vertices) * _doubles(shape.scale)
+                return shapes.Mesh(vertices, np.array(shape.triangles, dtype=np.int64)), pose
+        return shapes.Unreadable(f"a {type(shape).__name__}"), pose
+
+    def _joint(self, joint: Any, name: str) -> Joint:
+        in_child = _pose(joint.pose_in_child)
+        kind = _DEGREES.get(joint.type, joint.type)
+        lower, upper = joint.limits[0].tolist() if joint.dof == 1 else (0.0, 0.0)
+        if kind == "revolute" and np.isinf([lower, upper]).all():
+            kind = "continuous"
+        speed = float(joint.max_velocity)
+        return Joint(
+            name,
+            kind,
+            parent=self._names[joint.parent_link.entity],
+            child=self._names[joint.child_link.entity],
+            origin=_pose(joint.pose_in_parent) @ in_child.inverse(),
+            axis=in_child.matrix()[:3, 0],
+            lower=float(lower),
+            upper=float(upper),
+            velocity=speed if 0 < speed < NO_LIMIT else None,
+        )
+
+    def _articulation(self, name: str) -> Any:
+        return self._read()[name]
+
+    def joint_positions(self, articulation: str) -> dict[str, float]:
+        found = self._articulation(articulation)
+        return dict(zip(_active_names(found), found.qpos.tolist(), strict=True))
+
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        links = self._articulation(articulation).links
+        return {self._names[link.entity]: _pose(link.entity.pose) for link in links}
+
+    # --- contacts
+
+    def may_collide(self, a: Any, b: Any) -> bool:
+        if a not in self._known or b not in self._known:
+            return False
+        one, two = self._known[a].component, self._known[b].component
+        return (
+            one is not two
+            and not (self._is_fixed(one) and self._is_fixed(two))
+            and not (_parent(one) is two or _parent(two) is one)
+            and not (self._is_jointed(one, two) or self._is_jointed(two, one))
+            and not (self._is_flat(a) and self._is_flat(b))
+            and _groups_meet(a.collision_groups, b.collision_groups)
+        )
+
+    def _is_fixed(self, component: Any) -> bool:
+        """PhysX finds no contacts among those that nothing can push."""
+        if isinstance(component, self.px.PhysxArticulationLinkComponent):
+            return bool(component.is_root and component.joint.type == "fixed")
+        return isinstance(component, self.px.PhysxRigidStaticComponent) or component.kinematic
+
+    def _is_jointed(self, child: Any, parent: Any) -> bool:
+        """Drives and the like let their two bodies through each other."""
+        joints = (each for each in child.entity.components if isinstance(each, self.px.PhysxJointComponent))
+        return any(joint.parent is parent for joint in joints)
+
+    def _is_flat(self, shape: Any) -> bool:
+        """On the CPU there are no contacts among planes and triangle meshes."""
+        return isinstance(shape, self.px.PhysxCollisionShapePlane | self.px.PhysxCollisionShapeTriangleMesh)
+
+    @contextlib.contextmanager
+    def probe(self) -> Iterator[Probe]:
+        yield _Probe(self)
+
+    def touching(self) -> list[Touch]:
+        return _touches(self.system)
+
+    # --- motion
+
+    @property
+    def time_step(self) -> float:
+        return float(self.system.timestep)
+
+    def hold(self, articulation: str) -> None:
+        self._controls[articulation] = _Control(self, self._articulation(articulation))
+
+    def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        self._controls[articulation].aim(positions, velocities, accelerations)
+
+    def step(self) -> None:
+        for control in self._controls.values():
+            control.apply()
+        self.system.step()
+
+
+class _Probe(Probe):
+    """A scene of its own, of copies of all shapes. Its triangle meshes have both sides, PhysX's have one."""
+
+    def __init__(self, simulator: Sapien) -> None:
+        self.simulator, self.px = simulator, simulator.px
+        self.material = self.px.PhysxMaterial(0.0, 0.0, 0.0)
+        self.originals: dict[Any, Any] = {}  # by their copies
+        self.system = self.px.PhysxCpuSystem()
+        self.system.timestep = TINY_STEP
+        self.scene = simulator.sapien.Scene([self.system])
+        self.articulations = {name: self._copy_articulation(each) for name, each in simulator._read().items()}
+        self.positions = {name: each.qpos for name, each in self.articulations.items()}
+        self.root_poses = {name: each.root_pose for name, each in self.articulations.items()}
+        for component in simulator._components():
+            self._copy_body(component)
+
+    def _copy_body(self, original: Any) -> None:
+        copy = type(original)()
+        if isinstance(original, self.px.PhysxRigidDynamicComponent):
+            copy.kinematic = original.kinematic
+            copy.disable_gravity = True
+            copy.set_locked_motion_axes([True] * 6)
+        self._add(original, copy)
+
+    def _copy_articulation(self, original: Any) -> Any:
+        copies: dict[Any, Any] = {}
+        for link in original.links:
+            copy = copies[link] = self.px.PhysxArticulationLinkComponent(copies.get(link.parent))
+            theirs, ours = link.joint, copy.joint
+            ours.type, ours.name = theirs.type, theirs.name
+            if link.parent is not None:
+                ours.pose_in_parent, ours.pose_in_child = theirs.pose_in_parent, theirs.pose_in_child
+            if theirs.dof:
+                ours.limits = theirs.limits
+        for link, copy in copies.items():
+            self._add(link, copy)
+            copy.disable_gravity = True
+            copy.mass, copy.inertia = 1.0, [1.0, 1.0, 1.0]
+            copy.max_depenetration_velocity = 1e-3
+        articulation = copies[original.root].articulation
+        articulation.qpos = original.qpos
+        return articulation
+
+    def _add(self, original: Any, copy: Any) -> None:
+        for shape in original.collision_shapes:
+            twin = self._copy_shape(shape)
+            twin.local_pose = shape.local_pose
+            twin.set_collision_groups(shape.collision_groups)
+            copy.attach(twin)
+            self.originals[twin] = shape
+        entity = self.simulator.sapien.Entity()
+        entity.add_component(copy)
+        entity.pose = original.entity.pose
+        self.scene.add_entity(entity)
+
+    def _copy_shape(self, shape: Any) -> Any:
+        px, material = self.px, self.material
+        match shape:
+            case px.PhysxCollisionShapeBox():
+                return px.PhysxCollisionShapeBox(shape.half_size, material)
+            case px.PhysxCollisionShapeSphere():
+                return px.PhysxCollisionShapeSphere(shape.radius, material)
+            case px.PhysxCollisionShapeCapsule() | px.PhysxCollisionShapeCylinder():
+                return type(shape)(shape.radius, shape.half_length, material)
+            case px.PhysxCollisionShapeConvexMesh():
+                return px.PhysxCollisionShapeConvexMesh(vertices=shape.vertices, scale=shape.scale, material=material)
+            case px.PhysxCollisionShapeTriangleMesh():
+                both_sides = np.concatenate([shape.triangles, shape.triangles[:, ::-1]])
+                return px.PhysxCollisionShapeTriangleMesh(shape.vertices, both_sides, shape.scale, material)
+        return type(shape)(material)
+
+    def put(self, articulation: str, positions: Positions) -> None:
+        for number, name in enumerate(_active_names(self.articulations[articulation])):
+            if name in positions:
+                self.positions[articulation][number] = positions[name]
+
+    def _place(self, name: str) -> Any:
+        articulation = self.articulations[name]
+        articulation.root_pose = self.root_poses[name]
+        articulation.qpos = self.positions[name]
+        return articulation
+
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        originals = self.simulator._articulation(articulation).links
+        copies = self._place(articulation).links
+        return {
+            self.simulator._names[original.entity]: _pose(copy.entity.pose)
+            for original, copy in zip(originals, copies, strict=True)
+        }
+
+    def touching(self) -> list[Touch]:
+        for name in self.articulations:
+            articulation = self._place(name)
+            articulation.root_linear_velocity = articulation.root_angular_velocity = np.zeros(3)
+            articulation.qvel = np.zeros(articulation.dof)
+        self.system.step()
+        return [Touch(self.originals[a], self.originals[b], depth) for a, b, depth in _touches(self.system)]
+
+
+class _Control:
+    """Drives get the target and its velocity; gravity and the like are fed forward.
+
+    Joints without a drive get one, those with one keep it.
+    """
+
+    def __init__(self, simulator: Sapien, articulation: Any) -> None:
+        self.articulation = articulation
+        self.gravity = _doubles(simulator.system.config.gravity)
+        self.links = articulation.links
+        self.number = {link: number for number, link in enumerate(self.links)}
+        self.names = _active_names(articulation)
+        self.joints = articulation.active_joints
+        self.dof = {joint.child_link: number for number, joint in enumerate(self.joints)}
+        self.named = np.zeros(len(self.joints), dtype=bool)
+        self.own = np.array([joint.stiffness == 0 for joint in self.joints], dtype=bool)
+        for joint, own, position in zip(self.joints, self.own, articulation.qpos.tolist(), strict=True):
+            if own:
+                joint.set_drive_properties(STIFFNESS, DAMPING, joint.force_limit, "acceleration")
+                joint.set_drive_target(position)
+                joint.set_drive_velocity_target(0.0)
+
+    def aim(self, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        for number, (name, joint) in enumerate(zip(self.names, self.joints, strict=True)):
+            if name in positions:
+                ahead = accelerations[name] / STIFFNESS if self.own[number] else 0.0
+                joint.set_drive_target(positions[name] + ahead)
+                joint.set_drive_velocity_target(velocities[name])
+                self.named[number] = True
+
+    def apply(self) -> None:
+        passive = self._weight() + self.articulation.compute_passive_force(gravity=False)
+        self.articulation.qf = np.where(self.own | self.named, passive, self.articulation.qf)
+
+    def _weight(self) -> NDArray[np.float64]:
+        """What holds each joint against gravity [Nm or N]; compute_passive_force does not heed disable_gravity."""
+        masses, moments = np.zeros(len(self.links)), np.zeros((len(self.links), 3))
+        torques = np.zeros(len(self.joints))
+        for link in reversed(self.links):
+            i = self.number[link]
+            if not link.disable_gravity:
+                masses[i] += link.mass
+                moments[i] += link.mass * _doubles((link.entity.pose * link.cmass_local_pose).p)
+            if link in self.dof:
+                frame = _pose(link.joint.global_pose)
+                axis, anchor = frame.matrix()[:3, 0], frame.p
+                turns = link.joint.type != "prismatic"
+                pull = np.cross(moments[i] - masses[i] * anchor, self.gravity) if turns else masses[i] * self.gravity
+                torques[self.dof[link]] = -axis @ pull
+            if link.parent is not None:
+                parent = self.number[link.parent]
+                masses[parent] += masses[i]
+                moments[parent] += moments[i]
+        return torques
+
+
+def _touches(system: Any) -> list[Touch]:
+    """Those nearer than the contact offset are there too, with separations above 0."""
+    found = ((contact.shapes, min((p.separation for p in contact.points), default=0.0)) for contact in system.get_contacts())
+    return [Touch(a, b, -float(separation)) for (a, b), separation in found if separation < 0]
+
+
+def _groups_meet(a: list[int], b: list[int]) -> bool:
+    """SAPIEN's filter: set_collision_groups says what the four words are."""
+    if a[3] >> 16 != b[3] >> 16 or (a[2] & b[2] and a[3] & 0xFFFF == b[3] & 0xFFFF):
+        return False
+    return bool(a[0] & b[1] or a[1] & b[0])
+
+
+def _parent(component: Any) -> Any:
+    """Of a link; itself where there is none, which no other component is."""
+    parent = getattr(component, "parent", None)
+    return component if parent is None else parent
+
+
+def _named_joints(articulation: Any) -> Iterable[tuple[Any, str]]:
+    """All but the root's, each with a name that no other has."""
+    taken: set[str] = set()
+    for number, joint in enumerate(articulation.joints):
+        if joint.parent_link is None:
+            continue
+        name = joint.name or f"joint{number}"
+        if name in taken:
+            name = f"{name}_{number}"
+        taken.add(name)
+        yield joint, name
+
+
+def _active_names(articulation: Any) -> list[str]:
+    """In the order of qpos."""
+    return [name for joint, name in _named_joints(articulation) if joint.dof]
+
+
+def _prism(radius: float, half_length: float) -> NDArray[np.float64]:
+    """Corners of SAPIEN's cylinder, which lies along x."""
+    angles = 2 * np.pi / CYLINDER_CORNERS * np.arange(CYLINDER_CORNERS)
+    circle = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.concatenate([np.insert(circle, 0, x, axis=1) for x in (-half_length, half_length)])
+
+
+def _doubles(values: Any) -> NDArray[np.float64]:
+    return np.array(values, dtype=np.float64)
+
+
+def _pose(pose: Any) -> Pose:
+    q = _doubles(pose.q)
+    return Pose.from_wxyz(_doubles(pose.p), q / np.linalg.norm(q))
