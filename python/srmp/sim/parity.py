@@ -197,7 +197,9 @@ class _Comparison:
         if who == "planner" and not self.world.may_touch_in_simulator(*pair):
             self.not_compared[pair] = f"{self.kind} lets them through each other"
             return
-        difference = self.differences.setdefault((pair, who), Difference(pair, who, first_state=dict(state)))
+        reason = self.world.why_missed(*pair) if who == "planner" else ""
+        new = Difference(pair, who, first_state=dict(state), reason=reason)
+        difference = self.differences.setdefault((pair, who), new)
         difference.states += 1
         difference.depth = max(difference.depth, depth)
 

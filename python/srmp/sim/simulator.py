@@ -137,6 +137,10 @@ class Simulator(ABC):
     def may_collide(self, a: Hashable, b: Hashable) -> bool:
         """Would contact of the two geometries count?"""
 
+    def may_miss(self, a: Hashable, b: Hashable) -> str:
+        """Why touching() may not have the two though they overlap, where that is known; else ""."""
+        return ""
+
     def self_collision(self, articulation: str) -> bool:
         """Does contact among links of this articulation count at all?"""
         return True

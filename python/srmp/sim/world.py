@@ -274,6 +274,11 @@ class SimulatedWorld:
         """Does the simulator count contact of these two, objects or links as "robot/link"?"""
         return any(self.simulator.may_collide(x, y) for x in self._keys_of(a) for y in self._keys_of(b))
 
+    def why_missed(self, a: str, b: str) -> str:
+        """Why the simulator may not find a contact of these two, if that is known of it."""
+        reasons = (self.simulator.may_miss(x, y) for x in self._keys_of(a) for y in self._keys_of(b))
+        return next(filter(None, reasons), "")
+
     def _keys_of(self, name: str) -> list[Hashable]:
         if name in self._objects:
             return [self._objects[name].key]
