@@ -24,7 +24,7 @@ from srmp.sim.simulator import (
     import_simulator,
 )
 
-STIFFNESS, DAMPING = 1e4, 200.0  # [1/s^2], [1/s]: of joints without a drive; 100 rad/s, critically damped
+STIFFNESS, DAMPING = 1e5, 632.0  # [1/s^2], [1/s]: of joints without a drive; 316 rad/s, critically damped
 NO_LIMIT = 100.0  # [rad/s or m/s] what PhysX lets a joint do when nobody says a speed
 CYLINDER_CORNERS = 32  # SAPIEN's cylinders are prisms, with their corners on the circle
 TINY_STEP = 1e-6  # [s] of the probe: contacts are found, and hardly anything moves
@@ -246,7 +246,7 @@ class Sapien(Simulator):
         self._controls[articulation] = _Control(self, self._articulation(articulation))
 
     def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
-        self._controls[articulation].aim(positions, velocities, accelerations)
+        self._controls[articulation].aim(positions, velocities)
 
     def step(self) -> None:
         for control in self._controls.values():
@@ -391,7 +391,8 @@ class _Control:
 
     def __init__(self, simulator: Sapien, articulation: Any) -> None:
         self.articulation = articulation
-        self.gravity = _doubles(simulator.system.config.gravity)
+        self.system = simulator.system
+        self.gravity = _doubles(self.system.config.gravity)
         self.links = articulation.links
         self.number = {link: number for number, link in enumerate(self.links)}
         self.names = _active_names(articulation)
@@ -405,11 +406,16 @@ class _Control:
                 joint.set_drive_target(position)
                 joint.set_drive_velocity_target(0.0)
 
-    def aim(self, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+    def _lead(self) -> float:
+        """[s] by which joints would be ahead: TGS cuts a step into parts, and each pulls to the target of its end."""
+        parts = self.articulation.solver_position_iterations if self.system.config.enable_tgs else 1
+        return float(self.system.timestep * (1 - 1 / parts) / 2)
+
+    def aim(self, positions: Positions, velocities: Positions) -> None:
+        lead = self._lead()
         for number, (name, joint) in enumerate(zip(self.names, self.joints, strict=True)):
             if name in positions:
-                ahead = accelerations[name] / STIFFNESS if self.own[number] else 0.0
-                joint.set_drive_target(positions[name] + ahead)
+                joint.set_drive_target(positions[name] - lead * velocities[name])
                 joint.set_drive_velocity_target(velocities[name])
                 self.named[number] = True
 
