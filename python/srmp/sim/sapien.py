@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,6 +61,7 @@ class Sapien(Simulator):
         self.system = sim.physx_system
         self._known: dict[Any, _Known] = {}
         self._names: dict[Any, str] = {}  # of entities, and of articulations by their root
+        self._found: dict[str, Any] = {}  # articulations
         self._controls: dict[str, _Control] = {}
 
     def _checked(self, sim: Any) -> Any:
@@ -101,11 +102,15 @@ class Sapien(Simulator):
         for component in self._components():
             self._name(component.entity, component.entity.name or f"body{component.entity.per_scene_id}")
         self._known = {
-            shape: self._known.get(shape) or _Known(component, *self._shape(shape))
+            shape: self._known.get(shape) or _Known(component, *self._shape(shape, self._names[component.entity]))
             for component in components
             for shape in component.collision_shapes
         }
-        return {self._names[root.articulation]: root.articulation for root in roots}
+        self._found = {self._names[root.articulation]: root.articulation for root in roots}
+        self._controls = {
+            name: control for name, control in self._controls.items() if self._found.get(name) is control.articulation
+        }
+        return self._found
 
     def _name(self, owner: Any, wanted: str) -> None:
         if owner not in self._names:
@@ -143,7 +148,7 @@ class Sapien(Simulator):
         ]
         return Body(self._names[component.entity], _pose(component.entity.pose), tuple(geometries))
 
-    def _shape(self, shape: Any) -> tuple[shapes.Shape, Pose]:
+    def _shape(self, shape: Any, body: str) -> tuple[shapes.Shape, Pose]:
         """As PhysX has it, and its pose in the body."""
         px, pose = self.px, _pose(shape.local_pose)
         match shape:
@@ -162,7 +167,7 @@ class Sapien(Simulator):
             case px.PhysxCollisionShapeTriangleMesh():
                 vertices = _doubles(shape.vertices) * _doubles(shape.scale)
                 return shapes.Mesh(vertices, np.array(shape.triangles, dtype=np.int64)), pose
-        return shapes.Unreadable(f"a {type(shape).__name__}"), pose
+        return shapes.Unreadable(f"a {type(shape).__name__} of '{body}'"), pose
 
     def _joint(self, joint: Any, name: str) -> Joint:
         in_child = _pose(joint.pose_in_child)
@@ -183,15 +188,12 @@ class Sapien(Simulator):
             velocity=speed if 0 < speed < NO_LIMIT else None,
         )
 
-    def _articulation(self, name: str) -> Any:
-        return self._read()[name]
-
     def joint_positions(self, articulation: str) -> dict[str, float]:
-        found = self._articulation(articulation)
+        found = self._found[articulation]
         return dict(zip(_active_names(found), found.qpos.tolist(), strict=True))
 
     def link_poses(self, articulation: str) -> dict[str, Pose]:
-        links = self._articulation(articulation).links
+        links = self._found[articulation].links
         return {self._names[link.entity]: _pose(link.entity.pose) for link in links}
 
     # --- contacts
@@ -243,7 +245,8 @@ class Sapien(Simulator):
         return float(self.system.timestep)
 
     def hold(self, articulation: str) -> None:
-        self._controls[articulation] = _Control(self, self._articulation(articulation))
+        found, before = self._read()[articulation], self._controls.get(articulation)
+        self._controls[articulation] = _Control(self.system, found, before.own if before else {})
 
     def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
         self._controls[articulation].aim(positions, velocities)
@@ -266,7 +269,7 @@ class _Probe(Probe):
             copy.put(articulation, positions)
 
     def link_poses(self, articulation: str) -> dict[str, Pose]:
-        names = [self.simulator._names[link.entity] for link in self.simulator._articulation(articulation).links]
+        names = [self.simulator._names[link.entity] for link in self.simulator._found[articulation].links]
         return dict(zip(names, self.copies[0].link_poses(articulation), strict=True))
 
     def touching(self) -> list[Touch]:
@@ -386,22 +389,21 @@ class _Copy:
 class _Control:
     """Drives get the target and its velocity; gravity and the like are fed forward.
 
-    Joints without a drive get one, those with one keep it.
+    Joints without a drive get one; those with one keep it, and their target until they are told another.
     """
 
-    def __init__(self, simulator: Sapien, articulation: Any) -> None:
-        self.articulation = articulation
-        self.system = simulator.system
+    def __init__(self, system: Any, articulation: Any, own_before: Collection[Any]) -> None:
+        self.system, self.articulation = system, articulation
         self.gravity = _doubles(self.system.config.gravity)
         self.links = articulation.links
         self.number = {link: number for number, link in enumerate(self.links)}
         self.names = _active_names(articulation)
         self.joints = articulation.active_joints
         self.dof = {joint.child_link: number for number, joint in enumerate(self.joints)}
-        self.named = np.zeros(len(self.joints), dtype=bool)
-        self.own = np.array([joint.stiffness == 0 for joint in self.joints], dtype=bool)
-        for joint, own, position in zip(self.joints, self.own, articulation.qpos.tolist(), strict=True):
-            if own:
+        self.own = {joint for joint in self.joints if joint.stiffness == 0 or joint in own_before}
+        self.led = set(self.own)  # joints whose force is ours to set
+        for joint, position in zip(self.joints, articulation.qpos.tolist(), strict=True):
+            if joint in self.own:
                 joint.set_drive_properties(STIFFNESS, DAMPING, joint.force_limit, "acceleration")
                 joint.set_drive_target(position)
                 joint.set_drive_velocity_target(0.0)
@@ -413,15 +415,16 @@ class _Control:
 
     def aim(self, positions: Positions, velocities: Positions) -> None:
         lead = self._lead()
-        for number, (name, joint) in enumerate(zip(self.names, self.joints, strict=True)):
+        for name, joint in zip(self.names, self.joints, strict=True):
             if name in positions:
                 joint.set_drive_target(positions[name] - lead * velocities[name])
                 joint.set_drive_velocity_target(velocities[name])
-                self.named[number] = True
+                self.led.add(joint)
 
     def apply(self) -> None:
         passive = self._weight() + self.articulation.compute_passive_force(gravity=False)
-        self.articulation.qf = np.where(self.own | self.named, passive, self.articulation.qf)
+        led = [joint in self.led for joint in self.joints]
+        self.articulation.qf = np.where(led, passive, self.articulation.qf)
 
     def _weight(self) -> NDArray[np.float64]:
         """What holds each joint against gravity [Nm or N]; compute_passive_force does not heed disable_gravity."""
