@@ -119,6 +119,8 @@ class _Player:
         self.trajectory = trajectory
         self.names = [robot.joints[joint] for joint in trajectory.joint_names]
         self.positions, self.velocities, self.accelerations, _ = trajectory.state(times)
+        after = times >= trajectory.duration  # at rest, though the trajectory's last moment may brake
+        self.velocities[after] = self.accelerations[after] = 0.0
         self.measured = np.zeros_like(self.positions)
 
     def require_start(self) -> None:

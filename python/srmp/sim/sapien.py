@@ -24,7 +24,7 @@ from srmp.sim.simulator import (
     import_simulator,
 )
 
-STIFFNESS, DAMPING = 1e5, 632.0  # [1/s^2], [1/s]: of joints without a drive; 316 rad/s, critically damped
+STIFFNESS, DAMPING = 3e5, 1100.0  # [1/s^2], [1/s]: of joints without a drive; 550 rad/s, as PhysX's joints rub
 NO_LIMIT = 100.0  # [rad/s or m/s] what PhysX lets a joint do when nobody says a speed
 CYLINDER_CORNERS = 32  # SAPIEN's cylinders are prisms, with their corners on the circle
 TINY_STEP = 1e-6  # [s] of the probe: contacts are found, and hardly anything moves
@@ -102,7 +102,7 @@ class Sapien(Simulator):
         for component in self._components():
             self._name(component.entity, component.entity.name or f"body{component.entity.per_scene_id}")
         self._known = {
-            shape: self._known.get(shape) or _Known(component, *self._shape(shape, self._names[component.entity]))
+            shape: self._known.get(shape) or _Known(component, *self._shape(shape))
             for component in components
             for shape in component.collision_shapes
         }
@@ -148,7 +148,7 @@ class Sapien(Simulator):
         ]
         return Body(self._names[component.entity], _pose(component.entity.pose), tuple(geometries))
 
-    def _shape(self, shape: Any, body: str) -> tuple[shapes.Shape, Pose]:
+    def _shape(self, shape: Any) -> tuple[shapes.Shape, Pose]:
         """As PhysX has it, and its pose in the body."""
         px, pose = self.px, _pose(shape.local_pose)
         match shape:
@@ -167,7 +167,7 @@ class Sapien(Simulator):
             case px.PhysxCollisionShapeTriangleMesh():
                 vertices = _doubles(shape.vertices) * _doubles(shape.scale)
                 return shapes.Mesh(vertices, np.array(shape.triangles, dtype=np.int64)), pose
-        return shapes.Unreadable(f"a {type(shape).__name__} of '{body}'"), pose
+        return shapes.Unreadable(f"a {type(shape).__name__}"), pose
 
     def _joint(self, joint: Any, name: str) -> Joint:
         in_child = _pose(joint.pose_in_child)
@@ -249,7 +249,7 @@ class Sapien(Simulator):
         self._controls[articulation] = _Control(self.system, found, before.own if before else {})
 
     def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
-        self._controls[articulation].aim(positions, velocities)
+        self._controls[articulation].aim(positions, velocities, accelerations)
 
     def step(self) -> None:
         for control in self._controls.values():
@@ -387,19 +387,16 @@ class _Copy:
 
 
 class _Control:
-    """Drives get the target and its velocity; gravity and the like are fed forward.
+    """Drives get the target and its velocity; gravity and the motion's own inertia are fed forward.
 
     Joints without a drive get one; those with one keep it, and their target until they are told another.
     """
 
     def __init__(self, system: Any, articulation: Any, own_before: Collection[Any]) -> None:
         self.system, self.articulation = system, articulation
-        self.gravity = _doubles(self.system.config.gravity)
-        self.links = articulation.links
-        self.number = {link: number for number, link in enumerate(self.links)}
-        self.names = _active_names(articulation)
-        self.joints = articulation.active_joints
-        self.dof = {joint.child_link: number for number, joint in enumerate(self.joints)}
+        self.names, self.joints = _active_names(articulation), articulation.active_joints
+        self.accelerations = np.zeros(len(self.joints))
+        self.masses = _Masses(articulation, _doubles(system.config.gravity))
         self.own = {joint for joint in self.joints if joint.stiffness == 0 or joint in own_before}
         self.led = set(self.own)  # joints whose force is ours to set
         for joint, position in zip(self.joints, articulation.qpos.tolist(), strict=True):
@@ -413,39 +410,51 @@ class _Control:
         parts = self.articulation.solver_position_iterations if self.system.config.enable_tgs else 1
         return float(self.system.timestep * (1 - 1 / parts) / 2)
 
-    def aim(self, positions: Positions, velocities: Positions) -> None:
+    def aim(self, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
         lead = self._lead()
-        for name, joint in zip(self.names, self.joints, strict=True):
+        for number, (name, joint) in enumerate(zip(self.names, self.joints, strict=True)):
             if name in positions:
                 joint.set_drive_target(positions[name] - lead * velocities[name])
                 joint.set_drive_velocity_target(velocities[name])
+                self.accelerations[number] = accelerations[name]
                 self.led.add(joint)
 
     def apply(self) -> None:
-        passive = self._weight() + self.articulation.compute_passive_force(gravity=False)
+        forces = self.masses.forces(self.accelerations) + self.articulation.compute_passive_force(gravity=False)
         led = [joint in self.led for joint in self.joints]
-        self.articulation.qf = np.where(led, passive, self.articulation.qf)
+        self.articulation.qf = np.where(led, forces, self.articulation.qf)
 
-    def _weight(self) -> NDArray[np.float64]:
-        """What holds each joint against gravity [Nm or N]; compute_passive_force does not heed disable_gravity."""
-        masses, moments = np.zeros(len(self.links)), np.zeros((len(self.links), 3))
-        torques = np.zeros(len(self.joints))
-        for link in reversed(self.links):
-            i = self.number[link]
-            if not link.disable_gravity:
-                masses[i] += link.mass
-                moments[i] += link.mass * _doubles((link.entity.pose * link.cmass_local_pose).p)
-            if link in self.dof:
-                frame = _pose(link.joint.global_pose)
-                axis, anchor = frame.matrix()[:3, 0], frame.p
-                turns = link.joint.type != "prismatic"
-                pull = np.cross(moments[i] - masses[i] * anchor, self.gravity) if turns else masses[i] * self.gravity
-                torques[self.dof[link]] = -axis @ pull
-            if link.parent is not None:
-                parent = self.number[link.parent]
-                masses[parent] += masses[i]
-                moments[parent] += moments[i]
-        return torques
+
+class _Masses:
+    """Of an articulation's links. (compute_passive_force has no inertia, and does not heed disable_gravity.)"""
+
+    def __init__(self, articulation: Any, gravity: NDArray[np.float64]) -> None:
+        self.joints, self.links = articulation.active_joints, articulation.links
+        self.turns = np.array([joint.type != "prismatic" for joint in self.joints], dtype=bool)[:, None]
+        self.mass = np.array([link.mass for link in self.links])[:, None]
+        self.inertia = np.array([np.diag(link.inertia) for link in self.links], dtype=np.float64)
+        self.pull = np.array([(not link.disable_gravity) * gravity for link in self.links])
+        self.moves = np.zeros((len(self.links), len(self.joints), 1))  # which links does a joint move
+        for number, joint in enumerate(self.joints):
+            for link in self._below(joint.child_link):
+                self.moves[self.links.index(link), number] = 1.0
+
+    def _below(self, link: Any) -> list[Any]:
+        return [link] + [each for child in link.children for each in self._below(child)]
+
+    def forces(self, accelerations: NDArray[np.float64]) -> NDArray[np.float64]:
+        """[Nm or N] that hold the joints against gravity and accelerate them so, from rest."""
+        frames = [_pose(joint.global_pose).matrix() for joint in self.joints]
+        axes, anchors = (np.array([frame[:3, k] for frame in frames]).reshape(-1, 3) for k in (0, 3))
+        bodies = [_pose(link.entity.pose * link.cmass_local_pose).matrix() for link in self.links]
+        centres, turned = (np.array([body[:3, k] for body in bodies]) for k in (3, slice(0, 3)))
+        sweep = np.cross(axes, centres[:, None] - anchors)  # (links, joints, 3)
+        linear = self.moves * np.where(self.turns, sweep, axes)
+        angular = self.moves * self.turns * axes
+        push = self.mass * (np.einsum("ljk,j->lk", linear, accelerations) - self.pull)
+        inertia = turned @ self.inertia @ turned.transpose(0, 2, 1)
+        spin = np.einsum("lik,ljk,j->li", inertia, angular, accelerations)
+        return np.einsum("ljk,lk->j", linear, push) + np.einsum("ljk,lk->j", angular, spin)
 
 
 def _touches(system: Any) -> list[Touch]:
