@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ ALONG_X = Pose.from_rpy([0, 0, 0], [0, np.pi / 2, 0])  # turns z into x, along w
 _DEGREES = {"revolute": "revolute", "revolute_unwrapped": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class _Known:
     """A collision shape of the scene."""
 
@@ -120,14 +120,15 @@ class Sapien(Simulator):
             self._names[owner] = name
 
     def articulations(self) -> list[Articulation]:
-        return [
-            Articulation(
-                name,
-                tuple(self._body(link) for link in found.links),
-                tuple(self._joint(joint, joint_name) for joint, joint_name in _named_joints(found)),
-            )
-            for name, found in self._read().items()
-        ]
+        return [self._articulation(name, found) for name, found in self._read().items()]
+
+    def _articulation(self, name: str, found: Any) -> Articulation:
+        links, joints = [self._body(found.root)], []
+        for joint, joint_name in _named_joints(found):
+            chain = self._chain(joint, joint_name)
+            links += [Body(link.child, Pose(), ()) for link in chain[:-1]] + [self._body(joint.child_link)]
+            joints += chain
+        return Articulation(name, tuple(links), tuple(joints))
 
     def name_of(self, handle: Any) -> str:
         if isinstance(handle, self.px.PhysxArticulation):
@@ -169,24 +170,31 @@ class Sapien(Simulator):
                 return shapes.Mesh(vertices, np.array(shape.triangles, dtype=np.int64)), pose
         return shapes.Unreadable(f"a {type(shape).__name__}"), pose
 
-    def _joint(self, joint: Any, name: str) -> Joint:
+    def _chain(self, joint: Any, name: str) -> list[Joint]:
+        """From the parent to the child, with a link between where the child's origin is not on the axis."""
+        parent, child = (self._names[link.entity] for link in (joint.parent_link, joint.child_link))
         in_child = _pose(joint.pose_in_child)
         kind = _DEGREES.get(joint.type, joint.type)
         lower, upper = joint.limits[0].tolist() if joint.dof == 1 else (0.0, 0.0)
         if kind == "revolute" and np.isinf([lower, upper]).all():
             kind = "continuous"
         speed = float(joint.max_velocity)
-        return Joint(
+        moving = Joint(
             name,
             kind,
-            parent=self._names[joint.parent_link.entity],
-            child=self._names[joint.child_link.entity],
+            parent,
+            child,
             origin=_pose(joint.pose_in_parent) @ in_child.inverse(),
             axis=in_child.matrix()[:3, 0],
             lower=float(lower),
             upper=float(upper),
             velocity=speed if 0 < speed < NO_LIMIT else None,
         )
+        if kind not in ("revolute", "continuous") or not np.any(in_child.p):
+            return [moving]
+        between, to_axis = f"{child}:{name}", Pose(p=in_child.p)
+        on_axis = dataclasses.replace(moving, child=between, origin=moving.origin @ to_axis)
+        return [on_axis, Joint(f"{name}:fixed", "fixed", between, child, to_axis.inverse(), np.array([1.0, 0, 0]))]
 
     def joint_positions(self, articulation: str) -> dict[str, float]:
         found = self._found[articulation]
