@@ -272,28 +272,26 @@ def test_joints_with_and_without_drives_follow(control, sim_checks):
     assert stiffness == ({2000.0} if control is drive else {3e5})
 
 
-@pytest.mark.parametrize("disabled", [set(), {"arm7_forearm", "arm7_palm"}, None])
-def test_forces_are_those_of_pinocchio(disabled):
-    """Gravity and inertia; links may be told not to feel gravity."""
+def test_forces_hold_and_accelerate_the_links():
+    """PhysX knows the weight of all links, Pinocchio the inertia; links may be told not to feel gravity."""
     _scene, arm, _ = small_scene()
     arm.qpos = [0.3, 0.5, -0.4, 1.0, 0.2, 0.6, 0.1]
     accelerations = np.array([1.0, -2, 3, -4, 5, -6, 7])
-    for link in arm.links:
-        link.disable_gravity = disabled is None or link.name in disabled
-    ours = _Masses(arm, np.array([0, 0, -9.81])).forces(accelerations)
-    model = arm.create_pinocchio_model(gravity=[0, 0, 0])
-    inertia = model.compute_inverse_dynamics(arm.qpos, np.zeros(7), accelerations)
-    gravity = np.zeros(7)
-    jacobian_of = {link.name: model.compute_single_link_local_jacobian for link in arm.links}
-    for number, link in enumerate(arm.links):
-        if not link.disable_gravity:
-            pose = link.entity.pose
-            turn = pose.to_transformation_matrix()[:3, :3]
-            jacobian = jacobian_of[link.name](arm.qpos, number)
-            lever = turn @ np.array(link.cmass_local_pose.p)
-            linear = turn @ jacobian[:3] + np.cross(turn @ jacobian[3:], lever, axis=0)
-            gravity += linear.T @ np.array([0, 0, 9.81 * link.mass])
-    np.testing.assert_allclose(ours, inertia + gravity, atol=2e-4)
+
+    def forces(accelerations, of):
+        for link in arm.links:
+            link.disable_gravity = link.name not in of
+        return _Masses(arm, np.array([0, 0, -9.81])).forces(accelerations)
+
+    names = {link.name for link in arm.links}
+    some = {"arm7_forearm", "arm7_palm"}
+    weight = forces(np.zeros(7), names)
+    np.testing.assert_allclose(weight, arm.compute_passive_force(coriolis_and_centrifugal=False), atol=1e-4)
+    np.testing.assert_allclose(forces(np.zeros(7), some) + forces(np.zeros(7), names - some), weight, atol=1e-9)
+    inertia = arm.create_pinocchio_model(gravity=[0, 0, 0]).compute_inverse_dynamics(
+        arm.qpos, np.zeros(7), accelerations
+    )
+    np.testing.assert_allclose(forces(accelerations, set()), inertia, atol=1e-4)
 
 
 def test_filters_become_allowed_collisions():
@@ -336,7 +334,7 @@ def test_contacts_are_those_that_physx_finds():
         probed = {frozenset((touch.a, touch.b)) for touch in probe.touching()}
     scene.step()
     found = {frozenset((touch.a, touch.b)) for touch in simulator.touching() if touch.depth > 1e-6}
-    assert len(found) > 100
+    assert len(found) > 60
     assert found <= probed
     for pair in probed:
         a, b = pair
