@@ -28,12 +28,10 @@ STIFFNESS, DAMPING = 3e5, 1100.0  # [1/s^2], [1/s]: of joints without a drive; 5
 NO_LIMIT = 100.0  # [rad/s or m/s] what PhysX lets a joint do when nobody says a speed
 CYLINDER_CORNERS = 32  # SAPIEN's cylinders are prisms, with their corners on the circle
 TINY_STEP = 1e-6  # [s] of the probe: contacts are found, and hardly anything moves
-# The probe's world is larger by this factor. PhysX's search for contacts is made for things of some metres: around an arm
-# it misses six contacts in a thousand, up to centimetres deep; in the larger world, two in ten thousand.
+# The probe's world is larger by this factor. PhysX's search for contacts is made for things of some metres: around an
+# arm it misses six contacts in a thousand, up to centimetres deep; in the larger world, two in ten thousand.
 GROWTH = 30.0
 ALONG_X = Pose.from_rpy([0, 0, 0], [0, np.pi / 2, 0])  # turns z into x, along which PhysX has its shapes
-
-_DEGREES = {"revolute": "revolute", "revolute_unwrapped": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,7 +50,7 @@ class Sapien(Simulator):
     """
 
     kind = "sapien"
-    margin = 5e-4  # of 20 000 contacts with convex shapes 5 were decided otherwise, at most 0.25 mm deep
+    margin = 5e-4  # of 20 000 contacts of convex shapes 5 were decided otherwise, at most 0.25 mm deep
 
     def __init__(self, sim: Any) -> None:
         self.sapien = import_simulator("sapien", "sapien")
@@ -174,7 +172,7 @@ class Sapien(Simulator):
         """From the parent to the child, with a link between where the child's origin is not on the axis."""
         parent, child = (self._names[link.entity] for link in (joint.parent_link, joint.child_link))
         in_child = _pose(joint.pose_in_child)
-        kind = _DEGREES.get(joint.type, joint.type)
+        kind = joint.type.removesuffix("_unwrapped")
         lower, upper = joint.limits[0].tolist() if joint.dof == 1 else (0.0, 0.0)
         if kind == "revolute" and np.isinf([lower, upper]).all():
             kind = "continuous"
