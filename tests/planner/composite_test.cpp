@@ -1,0 +1,111 @@
+#include <boost/test/unit_test.hpp>
+
+#include "srmp/planner/composite_search.hpp"
+#include "srmp/planner/composite_trees.hpp"
+#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner/reroute.hpp"
+#include "support/robots.hpp"
+
+namespace {
+
+using Eigen::Vector2d;
+using srmp::CoupledPath;
+
+/// Two planar arms face to face, 3 m apart, each 2 m long when straight, that pass each other's side.
+///
+///     left ──────── ──────── right
+struct Pair {
+  explicit Pair(const Vector2d& goal = {-1.2, 0.0}) {
+    srmp::RobotDescription description = robots::planar_description();
+    description.name = "left";
+    planner.add_articulation(description);
+    description.name = "right";
+    planner.add_articulation(description, srmp::Pose::from_rpy({3, 0, 0}, {0, 0, M_PI}));
+    checkers = std::make_unique<srmp::ArmCheckers>(planner.scene(), std::vector<std::string>{"left", "right"},
+                                                   srmp::CheckerOptions{});
+    const srmp::ArmTask task{start, {goal}, {start, goal}};
+    world = std::make_unique<srmp::ArmWorld>(*checkers, std::vector{task, task},
+                                             srmp::ArmWorld::Options{22.5 * M_PI / 180, 0.1});
+  }
+
+  void check_free(const CoupledPath& path) {
+    for (std::size_t row = 0; row + 1 < path.size(); ++row) {
+      std::vector<Eigen::VectorXd> from, to;
+      for (std::size_t i = 0; i < 2; ++i) {
+        from.push_back(srmp::position_at(path, i, path.steps[row]));
+        to.push_back(srmp::position_at(path, i, path.steps[row + 1]));
+        BOOST_TEST(world->is_free_alone(i, from[i], to[i]));
+      }
+      BOOST_TEST(world->are_apart(0, from[0], to[0], 1, from[1], to[1]));
+    }
+  }
+
+  const Vector2d start{1.2, 0.0};
+  const std::vector<std::size_t> both{0, 1};
+  srmp::PlannerInterface planner;
+  std::unique_ptr<srmp::ArmCheckers> checkers;
+  std::unique_ptr<srmp::ArmWorld> world;
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(composite)
+
+BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
+  Pair pair;
+  srmp::CompositeTrees trees(*pair.world, pair.both);
+  const auto grown = trees.grow(10'000, {});
+  BOOST_REQUIRE(grown.has_value());
+  BOOST_TEST(trees.attempts() < 10'000u);
+  const auto found = srmp::composite_search(*pair.world, pair.both, {.max_expansions = 10'000}, {});
+  BOOST_REQUIRE(found.status == srmp::Status::solved);
+  for (const CoupledPath& path : {*grown, found.path}) {
+    pair.check_free(path);
+    for (const srmp::RowMatrix& q : path.positions) {
+      BOOST_TEST((q.row(0).transpose() == pair.start));
+      BOOST_TEST((q.bottomRows(1).transpose() - Vector2d(-1.2, 0.0)).norm() < 1e-12);
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_another) {
+  Pair pair;
+  const auto grown = [&](std::uint64_t sequence) {
+    return *srmp::CompositeTrees(*pair.world, pair.both, sequence).grow(10'000, {});
+  };
+  const CoupledPath first = grown(0), again = grown(0), other = grown(1);
+  BOOST_TEST((first.positions[0] == again.positions[0] && first.positions[1] == again.positions[1]));
+  BOOST_TEST((first.size() != other.size() || first.positions[0] != other.positions[0]));
+  srmp::CompositeTrees in_parts(*pair.world, pair.both);
+  std::optional<CoupledPath> found;
+  for (std::uint64_t attempts = 1; !found; ++attempts) found = in_parts.grow(attempts, {});
+  BOOST_TEST((found->positions[0] == first.positions[0]));
+}
+
+BOOST_AUTO_TEST_CASE(trees_stop_when_they_are_told_to) {
+  Pair apart(Vector2d(0.0, 0.0));  // both straight: hands and elbows in each other
+  BOOST_TEST(!srmp::CompositeTrees(*apart.world, apart.both).grow(1'000, {}).has_value());
+  Pair pair;
+  srmp::CompositeTrees late(*pair.world, pair.both);
+  BOOST_TEST(!late.grow(10'000, srmp::Deadline(1e-9)).has_value());
+  BOOST_TEST(late.attempts() == 0u);
+}
+
+BOOST_AUTO_TEST_CASE(an_arm_that_needs_no_detour_is_rerouted) {
+  Pair pair;
+  const Vector2d goal(-1.2, 0.0), aside(1.2, 2.0);
+  // The left one goes first; the right one, for nothing, by way of a place aside and waits there.
+  CoupledPath path = srmp::coupled_path(*pair.world, pair.both,
+                                        {{pair.start, pair.start, goal, goal}, {pair.start, aside, aside, goal}});
+  const double before = path.length(1);
+  const CoupledPath better = srmp::rerouted(path, *pair.world, {});
+  pair.check_free(better);
+  BOOST_TEST(better.length(0) <= path.length(0) + 1e-9);
+  BOOST_TEST(better.length(1) < 0.95 * before);
+  BOOST_TEST((better.positions[1].row(0).transpose() == pair.start));
+  BOOST_TEST((better.positions[1].bottomRows(1).transpose() - goal).norm() < 1e-12);
+  const CoupledPath late = srmp::rerouted(path, *pair.world, srmp::Deadline(1e-9));
+  BOOST_TEST(late.length() == path.length());
+}
+
+BOOST_AUTO_TEST_SUITE_END()
