@@ -181,6 +181,20 @@ BOOST_AUTO_TEST_CASE(a_wide_corridor_is_passed_and_a_gap_of_a_tenth_of_a_millime
   BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace));
 }
 
+BOOST_AUTO_TEST_CASE(a_long_check_stops_at_the_deadline_and_a_short_one_need_not) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  scene.add_object("floor", Box{{6, 6, 0.1}}, at(0, 0, -0.1 - 1e-4));
+  const Checker checker(scene, "planar");
+  const auto workspace = checker.make_workspace();
+  const Deadline passed(1e-9), never;
+  checker.stop_at(passed, *workspace);
+  BOOST_CHECK_THROW(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace), MotionCheckStopped);
+  BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(-1, 0.5), *workspace));
+  checker.stop_at(never, *workspace);  // and nothing is left over of the check that was stopped
+  BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace));
+}
+
 BOOST_AUTO_TEST_CASE(motions_among_every_kind_of_object_are_sound_and_useful) {
   const auto robot = arm7();
   for (unsigned world = 0; world < 4; ++world) {

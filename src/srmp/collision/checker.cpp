@@ -190,6 +190,8 @@ bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace,
   return workspace.is_motion_free(a_is_free, by_balls || impl_->mode == CheckMode::conservative);
 }
 
+void Checker::stop_at(const Deadline& deadline, Workspace& workspace) const { workspace.deadline = &deadline; }
+
 void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, bool by_balls) const {
   if (free.size() != static_cast<std::size_t>(q.rows()))
     throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +

@@ -70,6 +70,11 @@ struct MotionCertificate {
   std::string body_a, body_b;  ///< the pair there, named as in Contact
 };
 
+/// See Checker::stop_at.
+struct MotionCheckStopped : std::exception {
+  const char* what() const noexcept override { return "the deadline passed during a check of a motion"; }
+};
+
 /// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
 /// with a Workspace of its own. Other robots stand where set_qpos put them, but for `companions`: a configuration holds
 /// their joints too, after those of the robot, in the order of their names in the options. Only what the robot itself
@@ -137,6 +142,11 @@ class Checker {
   /// The nearest pair (padding counts as part of a body); nullopt when the robot has nothing to collide with. Pairs
   /// that never move relative to each other count only while in collision.
   std::optional<Contact> nearest(ConstVector q, Workspace& workspace) const;
+
+  /// From now on is_motion_free throws MotionCheckStopped where a motion takes long and the deadline has passed.
+  /// (Bodies that slide past each other within micrometres take tenths of a second.) The deadline must outlive the
+  /// workspace.
+  void stop_at(const Deadline& deadline, Workspace& workspace) const;
 
   const CheckStatistics& statistics(const Workspace& workspace) const;
 

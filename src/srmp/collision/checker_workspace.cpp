@@ -19,6 +19,7 @@ constexpr double rough_distance = 0.3;
 
 /// An interval is cut into so many that the pair's distance could prove each, but no more than this.
 constexpr int most_cuts = 16;
+constexpr int samples_per_look = 32;  // at the clock
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -308,12 +309,14 @@ void Checker::Workspace::sort_open() {
 /// Settles the open intervals, in order of t. Those of pairs still undecided are cut, level by level, so that the
 /// samples of a level are placed once for all pairs and a contact shows early.
 bool Checker::Workspace::settle() {
+  int samples = 0;
   while (!open_.empty()) {
     next_.clear();
     sort_open();
     for (std::size_t i = 0; i < open_.size();) {
       const double t = open_[i].t;
       place_on_motion(t);
+      if (deadline && ++samples % samples_per_look == 0 && deadline->expired()) throw MotionCheckStopped();
       for (; i < open_.size() && open_[i].t == t; ++i)
         if (!take(open_[i].pair, t, open_[i].half_width)) {
           failed_ = open_[i];

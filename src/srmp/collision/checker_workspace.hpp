@@ -100,6 +100,7 @@ class Checker::Workspace {
 
   const Impl& impl;
   CheckStatistics statistics;
+  const Deadline* deadline{nullptr};  ///< of Checker::stop_at
 
  private:
   double ask(const detail::Pair& pair, const detail::Placed& a, const detail::Placed& b, double margin, double enough);

@@ -46,6 +46,7 @@ class SingleRobotPlan {
     const auto* parallel = std::get_if<WPASE>(&problem.options);
     for (int i = 0; i < (parallel ? parallel->num_threads : 1); ++i)
       workers_.push_back({problem.checker.make_workspace()});
+    for (const Worker& worker : workers_) problem.checker.stop_at(deadline, *worker.workspace);
   }
 
   Trajectory run() {
@@ -96,6 +97,7 @@ class SingleRobotPlan {
     Checker::WorkspacePtr workspace;
     std::uint64_t free{};
     std::uint64_t free_by_balls{};
+    bool stopped{};  // a check, by the deadline
   };
 
   Checker::Workspace& workspace(std::size_t worker = 0) { return *workers_[worker].workspace; }
@@ -105,7 +107,13 @@ class SingleRobotPlan {
     Worker& w = workers_[worker];
     const CheckStatistics& checks = problem_.checker.statistics(*w.workspace);
     const std::uint64_t by_balls = checks.motions_by_balls;
-    if (!problem_.checker.is_motion_free(a, b, *w.workspace, true)) return false;
+    try {
+      if (!problem_.checker.is_motion_free(a, b, *w.workspace, true)) return false;
+    } catch (const MotionCheckStopped&) {
+      if (workers_.size() == 1) throw;
+      w.stopped = true;  // threads must not throw
+      return false;
+    }
     ++w.free;
     w.free_by_balls += checks.motions_by_balls - by_balls;
     return true;
@@ -397,10 +405,21 @@ class SingleRobotPlan {
   }
 
   void find_path() {
+    try {
+      search_for_path();
+    } catch (const MotionCheckStopped&) {
+      improving_until_ = nullptr;
+      if (best_.empty()) stop_if_late("a check of a motion");
+    }
+  }
+
+  void search_for_path() {
     if (const auto* options = std::get_if<Auto>(&problem_.options)) return find_path_in_turns(*options);
     choose_direction();
     Lattice lattice = make_lattice(backward_, make_primitives());
     const search::Result result = search(lattice);
+    for (const Worker& worker : workers_)
+      if (worker.stopped) throw MotionCheckStopped();
     statistics_.states = lattice.size();
     statistics_.memory_bytes += lattice.memory() + result.statistics.memory;
     count(result.statistics);
@@ -630,8 +649,12 @@ class SingleRobotPlan {
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
     const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(a, b); };
     options.continuous = problem_.limits.continuous;
-    const RowMatrix shorter =
-        shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
+    RowMatrix shorter;
+    try {
+      shorter = shortcut(to_rows(path), is_free, improving_until_ ? *improving_until_ : deadline_, options).waypoints;
+    } catch (const MotionCheckStopped&) {
+      return path;
+    }
     std::vector<Eigen::VectorXd> result;
     for (Eigen::Index i = 0; i < shorter.rows(); ++i) result.emplace_back(shorter.row(i).transpose());
     return result;
