@@ -25,7 +25,7 @@ from srmp.sim.simulator import (
     import_simulator,
 )
 
-STIFFNESS, DAMPING = 2500.0, 100.0  # [1/s^2], [1/s]: of joints without gains; 50 rad/s, critically damped
+DAMPING = 100.0  # [1/s] of joints without gains, critically damped; less where the simulator's steps are long
 
 
 class Genesis(Simulator):
@@ -190,8 +190,7 @@ class Genesis(Simulator):
 
     def _limits(self, joint: Any) -> tuple[float, float]:
         lower, upper = (self._row(each) for each in self.solver.get_dofs_limit(list(joint.dofs_idx)))
-        zero = float(joint.init_qpos[0]) if joint.n_qs == 1 else 0.0
-        return float(lower[0]) + 0 * zero, float(upper[0])
+        return float(lower[0]), float(upper[0])
 
     def bodies(self) -> list[Body]:
         poses = self._poses()
@@ -307,6 +306,17 @@ class Genesis(Simulator):
             return True
         return bool(self.solver._enable_collision and self._pairs[a, b])
 
+    def doubt(self, a: Hashable, b: Hashable) -> str:
+        geoms = [self.solver.geoms[key] for key in (a, b) if isinstance(key, int)]
+        kinds = {self.gs.GEOM_TYPE(geom.type).name for geom in geoms}
+        if "TERRAIN" in kinds:
+            return "Genesis overlooks what is wholly beneath a terrain's lowest height"
+        if "PLANE" in kinds:
+            return "Genesis overlooks what is wholly beneath a plane"
+        if not all(geom.is_convex for geom in geoms):
+            return "Genesis tests a mesh that is not convex as a solid, and only corners against it"
+        return ""
+
     def self_collision(self, articulation: str) -> bool:
         return bool(self.solver._enable_self_collision)
 
@@ -340,6 +350,8 @@ class Genesis(Simulator):
         for control in self._controls.values():
             control.apply()
         self.scene.step()
+        for control in self._controls.values():
+            control.measure()
 
 
 class _Probe(Probe):
@@ -369,17 +381,61 @@ class _Probe(Probe):
 class _Control:
     """Joints with gains get position and velocity targets, shifted by what gravity and the motion's inertia will take.
 
-    Joints without gains get a torque.
+    Joints without gains get a torque. Joints that the user controls are left alone until a command names them.
     """
 
     def __init__(self, simulator: Genesis, joints: dict[str, Any]) -> None:
         self.simulator, self.solver = simulator, simulator.solver
         self.numbers = {name: i for i, name in enumerate(joints)}
         self.dofs = [joint.dof_start for joint in joints.values()]
-        self.zero = np.array([float(joint.init_qpos[0]) for joint in joints.values()])
-        self.target = self._read(self.solver.get_dofs_position)
+        self.zero = np.array([float(joint.init_qpos[0]) for joint in joints.values()])  # Genesis counts from there
+        self.target = self._of_dofs(self.solver.get_dofs_position())
         self.velocity = np.zeros(len(self.dofs))
         self.acceleration = np.zeros(len(self.dofs))
+        self.mine = self._of_dofs(self.solver.dyn_state.dofs.ctrl_mode.to_numpy()) == simulator.gs.CTRL_MODE.FORCE
+        self.mass, self.load = np.eye(len(self.dofs)), np.zeros(len(self.dofs))
+        with simulator.probe():  # they are found by stepping only
+            self.apply()
+            self.solver.substep(0)
+            self.measure()
+
+    def _of_dofs(self, tensor: Any) -> NDArray[np.float64]:
+        return self.simulator._row(tensor)[self.dofs]
+
+    def aim(self, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        for name, value in positions.items():
+            i = self.numbers[name]
+            self.target[i] = value - self.zero[i]
+            self.velocity[i], self.acceleration[i] = velocities[name], accelerations[name]
+            self.mine[i] = True
+
+    def apply(self) -> None:
+        solver, step = self.solver, self.simulator.time_step
+        now, speed = self._of_dofs(solver.get_dofs_position()), self._of_dofs(solver.get_dofs_velocity())
+        due = self.target - step * self.velocity  # targets are of the end of the step; here and now, these
+        due_speed = self.velocity - step * self.acceleration
+        gain = self._of_dofs(solver.get_dofs_act_gain())
+        offset, slope, _ = (self._of_dofs(bias) for bias in solver.get_dofs_act_bias())
+        pushed = gain <= 0
+        damping = min(DAMPING, 0.5 / step)
+        pulled = np.where(pushed, damping**2 / 4 * (due - now) + damping * (due_speed - speed), 0.0)
+        torque = self.mass @ (self.acceleration + pulled) + self.load
+        driven = np.where(pushed, 1.0, gain)
+        shifted = due + (torque - offset - (gain + slope) * now) / driven
+        self._send(solver.control_dofs_position_velocity, self.mine & ~pushed, shifted, due_speed)
+        self._send(solver.control_dofs_force, self.mine & pushed, torque)
+
+    def measure(self) -> None:
+        """Inertia and load of gravity, motion and friction, as the last step found them."""
+        solver, state = self.solver, self.solver.dyn_state.dofs
+        mass = _array(solver.get_mass_mat()).reshape(solver.n_dofs, solver.n_dofs)
+        self.mass = mass[np.ix_(self.dofs, self.dofs)]
+        self.load = self._of_dofs(state.qf_bias.to_numpy()) - self._of_dofs(state.qf_passive.to_numpy())
+
+    def _send(self, control: Any, which: NDArray[np.bool_], *values: NDArray[np.float64]) -> None:
+        if which.any():
+            rows = [value[which][None] if self.simulator.scene.n_envs else value[which] for value in values]
+            control(*rows, [dof for dof, mine in zip(self.dofs, which, strict=True) if mine])
 
 
 def _array(tensor: Any) -> NDArray[np.float64]:

@@ -86,8 +86,8 @@ def check_parity(
     disagreement. The simulator is left as it was.
 
     A pair that differs may be explained: shapes of the URDF that are not those of the simulator (the difference is gone
-    with the simulator's own), or a contact of which the other side is told to ignore one. Raises InvalidArgument when
-    nothing was read, or from another scene.
+    with the simulator's own), a contact of which the other side is told to ignore one, or shapes that the simulator
+    itself tests roughly. Raises InvalidArgument when nothing was read, or from another scene.
     """
     world = planner.simulated_world
     if world is None:
@@ -197,7 +197,7 @@ class _Comparison:
         if who == "planner" and not self.world.may_touch_in_simulator(*pair):
             self.not_compared[pair] = f"{self.kind} lets them through each other"
             return
-        reason = self.world.why_missed(*pair) if who == "planner" else ""
+        reason = self.world.why_differ(*pair, who)
         new = Difference(pair, who, first_state=dict(state), reason=reason)
         difference = self.differences.setdefault((pair, who), new)
         difference.states += 1

@@ -137,8 +137,8 @@ class Simulator(ABC):
     def may_collide(self, a: Hashable, b: Hashable) -> bool:
         """Would contact of the two geometries count?"""
 
-    def may_miss(self, a: Hashable, b: Hashable) -> str:
-        """Why touching() may not have the two though they overlap, where that is known; else ""."""
+    def may_differ(self, a: Hashable, b: Hashable, seen_by: str) -> str:
+        """Why `seen_by`, "planner" or this kind, may be alone to see that the two touch, where that is known; else ""."""
         return ""
 
     def self_collision(self, articulation: str) -> bool:

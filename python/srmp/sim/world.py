@@ -274,9 +274,12 @@ class SimulatedWorld:
         """Does the simulator count contact of these two, objects or links as "robot/link"?"""
         return any(self.simulator.may_collide(x, y) for x in self._keys_of(a) for y in self._keys_of(b))
 
-    def why_missed(self, a: str, b: str) -> str:
-        """Why the simulator may not find a contact of these two, if that is known of it."""
-        reasons = (self.simulator.may_miss(x, y) for x in self._keys_of(a) for y in self._keys_of(b))
+    def why_differ(self, a: str, b: str, seen_by: str) -> str:
+        """Why `seen_by`, "planner" or the simulator's kind, may be alone to see that these two touch; "" = unknown."""
+        pairs = [(x, y) for x in self._keys_of(a) for y in self._keys_of(b)]
+        if seen_by == "planner" and not all(self.simulator.may_collide(x, y) for x, y in pairs):
+            return f"{self.simulator.kind} counts contact of some of their shapes only, the planner of all"
+        reasons = (self.simulator.may_differ(x, y, seen_by) for x, y in pairs)
         return next(filter(None, reasons), "")
 
     def _keys_of(self, name: str) -> list[Hashable]:
