@@ -58,7 +58,7 @@ def avoids_what_moved(world: SimulatedWorld, robot: str, put: Callable[[srmp.Pos
         first = planner.plan(robot, start, goal)
         middle = planner.compute_fk(robot, first.sample(first.duration / 2))
         reach = [np.linalg.norm(planner.compute_fk(robot, q).p - middle.p) for q in (start, end)]
-        if min(reach) > 2 * size:
+        if min(reach) > size + 0.25:  # the hand does not touch the box at either end
             break
     put(srmp.Pose(p=middle.p))
     world.refresh()

@@ -149,6 +149,7 @@ class _Contacts:
     def __init__(self, world: SimulatedWorld) -> None:
         self.world = world
         self.names = {key: min(names) for key, names in world.names_of_keys().items()}
+        self.groups = {min(names): names for names in world.names_of_keys().values()}
         self.first: dict[tuple[str, str], tuple[float, float]] = {}
         with world.simulator.probe() as probe:
             self.at_start = {pair for pair, _ in self._pairs(probe.touching())}
@@ -168,6 +169,9 @@ class _Contacts:
 
     def events(self) -> list[TouchEvent]:
         return [
-            TouchEvent(a, b, since, depth, (a, b) in self.at_start or self.world.planner.allowed_collision(a, b))
+            TouchEvent(a, b, since, depth, (a, b) in self.at_start or self._is_allowed(a, b))
             for (a, b), (since, depth) in sorted(self.first.items(), key=lambda item: item[1][0])
         ]
+
+    def _is_allowed(self, a: str, b: str) -> bool:
+        return self.world.told_to_ignore(self.groups[a], self.groups[b])

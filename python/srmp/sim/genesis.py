@@ -51,7 +51,9 @@ class Genesis(Simulator):
         if not sim.is_built:
             raise InvalidArgument("the Genesis scene is not built yet; call its build() first")
         if sim.n_envs > 1:
-            raise InvalidArgument(f"the Genesis scene has {sim.n_envs} environments; build it with one: build(n_envs=1)")
+            raise InvalidArgument(
+                f"the Genesis scene has {sim.n_envs} environments; build it with one: build(n_envs=1)"
+            )
         return sim
 
     def is_of(self, sim: Any) -> bool:
@@ -315,6 +317,11 @@ class Genesis(Simulator):
             return "Genesis overlooks what is wholly beneath a plane"
         if not all(geom.is_convex for geom in geoms):
             return "Genesis tests a mesh that is not convex as a solid, and only corners against it"
+        in_line = "CYLINDER" in kinds and len({geom.link.root_idx for geom in geoms}) == 1
+        if in_line and not self.solver._options.use_gjk_collision:
+            return (
+                "Genesis' MPR sees a cylinder touch what is on its axis; RigidOptions(use_gjk_collision=True) does not"
+            )
         return ""
 
     def self_collision(self, articulation: str) -> bool:

@@ -109,6 +109,7 @@ class _Comparison:
         # Shapes that the simulator does not tell apart in its contacts are one here, called as the first of them.
         self.names = {key: min(names) for key, names in world.names_of_keys().items()}
         self.first = {name: min(names) for names in world.names_of_keys().values() for name in names}
+        self.groups = {min(names): names for names in world.names_of_keys().values()}
         self.differences: dict[tuple[Pair, str], Difference] = {}
         self.not_compared: dict[Pair, str] = {}
         self.errors: tuple[float, float, str] = (0.0, 0.0, "")
@@ -187,7 +188,7 @@ class _Comparison:
             if a is None or b is None or a == b or not (self.world.is_of_robot(a) or self.world.is_of_robot(b)):
                 continue
             pair = _sorted(a, b)
-            if self.planner.allowed_collision(*pair):
+            if self.world.told_to_ignore(*(self.groups[name] for name in pair)):
                 self.not_compared[pair] = "the planner allows it"
             else:
                 pairs[pair] = max(pairs.get(pair, 0.0), touch.depth)

@@ -42,6 +42,7 @@ class Robot:
     links: dict[str, str]  # the same for links
     from_simulator: bool  # made of the simulator's own model
     differences: list[str] = field(default_factory=list)  # between URDF and simulator, as sentences
+    merged: dict[str, str] = field(default_factory=dict)  # links that are part of another in the simulator, to that
 
 
 @dataclass
@@ -239,7 +240,7 @@ class SimulatedWorld:
         """By the planner's link names; links without shapes are left out."""
         found = next(a for a in self.simulator.articulations() if a.name == robot.articulation)
         of = {link.name: link.geometries for link in found.links}
-        return {ours: of[theirs] for ours, theirs in robot.links.items() if of[theirs]}
+        return {ours: of[theirs] for ours, theirs in (robot.links | robot.merged).items() if of[theirs]}
 
     def _may_collide(self, a: Sequence[Geometry], b: Sequence[Geometry]) -> bool:
         return any(self.simulator.may_collide(x.key, y.key) for x in a for y in b)
@@ -254,6 +255,10 @@ class SimulatedWorld:
                 for key in {geometry.key for geometry in geometries}:
                     names.setdefault(key, []).append(f"{robot.name}/{link}")
         return names
+
+    def told_to_ignore(self, a: Iterable[str], b: Iterable[str]) -> bool:
+        """Does the planner allow contact of any of these with any of those, which the simulator does not tell apart?"""
+        return any(self.planner.allowed_collision(x, y) for x in a for y in b)
 
     def objects_of(self, body: str) -> list[str]:
         """The planner's objects that a body of the simulator became."""
@@ -478,10 +483,18 @@ def _match(planner: PlannerInterface, name: str, articulation: Articulation, bod
             f"robot '{name}' and articulation '{articulation.name}' have no link name in common; it has "
             f"{', '.join(bodies)}"
         )
+    merged = {} if own else _merged(planner, name, links)
     lists = [
+        *(
+            (
+                f"link of robot '{name}' is part of link '{whole}' in the simulator",
+                [x for x in merged if merged[x] == whole],
+            )
+            for whole in dict.fromkeys(merged.values())
+        ),
         (
             f"link of robot '{name}' has no counterpart in the simulator",
-            [x for x in in_links if x not in links and not own],
+            [x for x in in_links if x not in links and x not in merged and not own],
         ),
         (f"joint of robot '{name}' has no counterpart in the simulator", [x for x in in_planner if x not in joints]),
         (
@@ -494,7 +507,28 @@ def _match(planner: PlannerInterface, name: str, articulation: Articulation, bod
         ),
     ]
     differences = [f"{what}: {', '.join(names)}" for what, names in lists if names]
-    return Robot(name, articulation.name, joints, links, own, differences)
+    return Robot(name, articulation.name, joints, links, own, differences, merged)
+
+
+def _merged(planner: PlannerInterface, robot: str, links: Mapping[str, str]) -> dict[str, str]:
+    """Links that the simulator does not have, but which never move against one that it has: to that one."""
+    limits = planner.get_joint_limits(robot)[:, :2]
+    lower, upper = np.maximum(limits[:, 0], -1.0), np.minimum(limits[:, 1], 1.0)
+    states = [lower + share * (upper - lower) for share in (0.2, 0.7)]
+
+    def stands_still(link: str, other: str) -> bool:
+        a, b = (
+            planner.compute_fk(robot, q, link).inverse().matrix() @ planner.compute_fk(robot, q, other).matrix()
+            for q in states
+        )
+        return np.allclose(a, b, atol=1e-9)
+
+    found = {}
+    for link in planner.get_link_names(robot):
+        whole = next((other for other in links if link not in links and stands_still(link, other)), None)
+        if whole is not None:
+            found[link] = links[whole]
+    return found
 
 
 def _pair(ours: Sequence[str], theirs: Sequence[str]) -> dict[str, str]:
