@@ -32,7 +32,7 @@ def write_files(page, folder):
 
 def simulators_of(code):
     """Packages that `pip install srmp[test]` does not bring everywhere."""
-    return re.findall(r"^import (mujoco|sapien|pybullet)\b", code, re.MULTILINE)
+    return re.findall(r"^import (mujoco|sapien|pybullet|genesis)\b", code, re.MULTILINE)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=IDS)

@@ -523,9 +523,14 @@ def _merged(planner: PlannerInterface, robot: str, links: Mapping[str, str]) -> 
         )
         return np.allclose(a, b, atol=1e-9)
 
-    found = {}
+    found: dict[str, str] = {}
+    above: list[str] = []  # links that both have, so far
     for link in planner.get_link_names(robot):
-        whole = next((other for other in links if link not in links and stands_still(link, other)), None)
+        if link in links:
+            above.append(link)
+            continue
+        below = [other for other in links if other not in above]
+        whole = next((other for other in [*reversed(above), *below] if stands_still(link, other)), None)
         if whole is not None:
             found[link] = links[whole]
     return found
