@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import srmp
-from srmp.sim import shapes
+from srmp.sim import check_parity, shapes
 
 pytest.importorskip("torch", reason="install torch and 'srmp[genesis]' to test what is said of Genesis")
 gs = pytest.importorskip("genesis", reason="pip install 'srmp[genesis]' to test what is said of Genesis")
@@ -33,6 +33,25 @@ def mjcf(name, pos, geoms):
     return gs.morphs.MJCF(
         file=f'<mujoco model="{name}"><worldbody><body name="{name}" pos="{pos}">{geoms}</body></worldbody></mujoco>'
     )
+
+
+# A joint that does not begin at 0, two joints between two bodies, a slide, and a tree that flies.
+DUO = """<mujoco model="duo"><worldbody>
+<geom name="slab" type="box" size=".1 .1 .1" pos="-2 0 -.5"/>
+<body name="swing" pos="-2 1 .5" quat=".8 .4 .2 .4">
+  <joint name="s1" axis="0 0 1" pos=".02 0 .01" range="-90 120" ref="20"/><joint name="s2" axis="0 1 0" range="-90 90"/>
+  <geom type="capsule" size=".03 .15" pos=".1 0 0"/>
+  <body name="slider" pos=".3 0 0">
+    <joint name="s3" type="slide" axis="1 0 0" range="0 .3"/><geom type="box" size=".05 .03 .04"/>
+  </body>
+</body>
+<body name="flyer" pos="-2 -1.5 .5">
+  <freejoint/><geom type="sphere" size=".1"/>
+  <body name="tail" pos="0 0 .2">
+    <joint name="t1" axis="1 0 0"/><geom type="box" size=".02 .02 .2" pos="0 0 .25"/>
+  </body>
+</body>
+</worldbody></mujoco>"""
 
 
 def panda(folder):
@@ -93,6 +112,7 @@ def scene(tmp_path_factory):
     scene.add_entity(m.URDF(file=srmp.data_path("arm7.urdf"), fixed=True, pos=(1.0, 0, 0)))  # Genesis makes up a name
     for name, morph in named.items():
         scene.add_entity(morph, name=name)
+    scene.add_entity(m.MJCF(file=DUO), name="duo")
     for k in range(3):
         cube = m.Box(size=(0.06,) * 3, pos=(0.3 + 0.1 * k, 0.5, 0.4 + 0.2 * k))
         scene.add_entity(cube, name=f"cube{k}", material=gs.materials.Rigid(gravity_compensation=1.0))
@@ -157,6 +177,14 @@ def test_the_packaged_arm_agrees_though_its_fixed_links_were_merged(sim, sim_che
     assert world.differences == [merged]
     np.testing.assert_allclose(base(planner).p, [1, 0, 0], atol=1e-6)
     sim_checks.parity(planner, sim)
+
+
+def test_trees_of_any_kind_agree(sim):
+    planner, world = read(sim, ["duo/swing", "duo/flyer"])
+    assert list(planner.get_all_joint_limits("duo/swing")) == ["s1", "s2", "s3"]
+    assert world.differences == []
+    report = check_parity(planner, sim, samples=100)
+    assert report, str(report)
 
 
 def test_random_plans_are_executed(mbm_dir, sim, sim_checks):
@@ -252,11 +280,13 @@ def test_a_probe_leaves_no_trace(sim):
         assert np.array_equal(np.asarray(value), np.asarray(after[name]), equal_nan=True), name
 
 
-def test_joints_without_gains_are_pushed(sim):
+@pytest.mark.parametrize(("kp", "kv"), [(100, 40), (0, 0)], ids=["soft", "without gains"])
+def test_motion_needs_no_stiff_joints(sim, kp, kv):
+    """Gravity and inertia are fed forward, and joints without gains pushed."""
     arm = robots(sim)[-1]
     gains = arm.get_dofs_kp(), arm.get_dofs_kv()
-    arm.set_dofs_kp(np.zeros(7))
-    arm.set_dofs_kv(np.zeros(7))
+    arm.set_dofs_kp(np.full(7, kp))
+    arm.set_dofs_kv(np.full(7, kv))
     planner, world = read(sim, ARM)
     planner.make_planner("arm", {"planner_id": "auto", "time_limit": 10})
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, READY + np.array([0.5, -0.2, 0, 0.3, 0, 0, 0]))
@@ -265,6 +295,22 @@ def test_joints_without_gains_are_pushed(sim):
     finally:
         arm.set_dofs_kp(gains[0])
         arm.set_dofs_kv(gains[1])
+
+
+def test_joints_that_no_command_names_stay_or_go_where_the_user_says(sim):
+    arm = robots(sim)[-1]
+    for control, told, expected in (
+        (arm.control_dofs_force, np.zeros(7), READY),
+        (arm.control_dofs_position, READY + 0.1, READY + 0.1),
+    ):
+        arm.set_qpos(READY)
+        arm.set_dofs_velocity(np.zeros(7))
+        control(told)
+        simulator = Genesis(sim)
+        simulator.hold("arm7")
+        for _ in range(150):
+            simulator.step()
+        np.testing.assert_allclose(list(simulator.joint_positions("arm7").values()), expected, atol=0.01)
 
 
 def expect(sim, message, articulations=ARM, kind="genesis", error=srmp.InvalidArgument):
