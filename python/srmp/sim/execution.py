@@ -148,8 +148,9 @@ class _Contacts:
 
     def __init__(self, world: SimulatedWorld) -> None:
         self.world = world
-        self.names = {key: min(names) for key, names in world.names_of_keys().items()}
-        self.groups = {min(names): names for names in world.names_of_keys().values()}
+        known = world.names_of_keys()
+        self.names = {key: min(names) for key, names in known.items()}
+        self.groups = {min(names): names for names in known.values()}
         self.first: dict[tuple[str, str], tuple[float, float]] = {}
         with world.simulator.probe() as probe:
             self.at_start = {pair for pair, _ in self._pairs(probe.touching())}

@@ -308,14 +308,14 @@ class Genesis(Simulator):
             return True
         return bool(self.solver._enable_collision and self._pairs[a, b])
 
-    def doubt(self, a: Hashable, b: Hashable) -> str:
+    def may_differ(self, a: Hashable, b: Hashable, seen_by: str) -> str:
         geoms = [self.solver.geoms[key] for key in (a, b) if isinstance(key, int)]
         kinds = {self.gs.GEOM_TYPE(geom.type).name for geom in geoms}
-        if "TERRAIN" in kinds:
+        if "TERRAIN" in kinds and seen_by == "planner":
             return "Genesis overlooks what is wholly beneath a terrain's lowest height"
-        if "PLANE" in kinds:
+        if "PLANE" in kinds and seen_by == "planner":
             return "Genesis overlooks what is wholly beneath a plane"
-        if not all(geom.is_convex for geom in geoms):
+        if not all(geom.is_convex for geom in geoms) and "TERRAIN" not in kinds:
             return "Genesis tests a mesh that is not convex as a solid, and only corners against it"
         exact = self.gs.np_float is np.float64 and self.solver._options.use_gjk_collision
         if "CYLINDER" in kinds and not exact:

@@ -107,9 +107,10 @@ class _Comparison:
         self.kind = world.simulator.kind
         self.margin = margin
         # Shapes that the simulator does not tell apart in its contacts are one here, called as the first of them.
-        self.names = {key: min(names) for key, names in world.names_of_keys().items()}
-        self.first = {name: min(names) for names in world.names_of_keys().values() for name in names}
-        self.groups = {min(names): names for names in world.names_of_keys().values()}
+        known = world.names_of_keys()
+        self.names = {key: min(names) for key, names in known.items()}
+        self.first = {name: min(names) for names in known.values() for name in names}
+        self.groups = {min(names): names for names in known.values()}
         self.differences: dict[tuple[Pair, str], Difference] = {}
         self.not_compared: dict[Pair, str] = {}
         self.errors: tuple[float, float, str] = (0.0, 0.0, "")

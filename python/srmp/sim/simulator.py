@@ -138,7 +138,7 @@ class Simulator(ABC):
         """Would contact of the two geometries count?"""
 
     def may_differ(self, a: Hashable, b: Hashable, seen_by: str) -> str:
-        """Why `seen_by`, "planner" or this kind, may be alone to see that the two touch, where that is known; else ""."""
+        """Why `seen_by`, "planner" or this kind, may be alone to see that the two touch; "" = that is not known."""
         return ""
 
     def self_collision(self, articulation: str) -> bool:
