@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import difflib
 import io
 import itertools
 import math
@@ -17,6 +16,7 @@ import numpy as np
 
 import srmp
 from srmp._files import write_text
+from srmp._words import did_you_mean
 
 _REQUIRED = ("joint_names", "positions")
 _OPTIONAL = ("times", "velocities", "accelerations", "waypoints")
@@ -43,10 +43,8 @@ def _require_keys(value: Any, what: str, required: Sequence[str], optional: Sequ
         raise srmp.InvalidArgument(f"{what} must be a dictionary, but is {value!r}.")
     for key in value:
         if key not in (*required, *optional):
-            near = difflib.get_close_matches(str(key), (*required, *optional), n=1)
-            raise srmp.InvalidArgument(
-                f"{what} has an unknown key '{key}'" + (f", did you mean '{near[0]}'?" if near else ".")
-            )
+            hint = did_you_mean(str(key), (*required, *optional)) or "."
+            raise srmp.InvalidArgument(f"{what} has an unknown key '{key}'{hint}")
     for key in required:
         if key not in value:
             raise srmp.InvalidArgument(f"{what} has no '{key}'.")

@@ -9,6 +9,11 @@ import pytest
 import srmp
 
 
+def pytest_collection_modifyitems(items):
+    """Genesis last: its first scene compiles for minutes."""
+    items.sort(key=lambda item: "genesis" in item.nodeid)
+
+
 @pytest.fixture(scope="session")
 def mbm_dir():
     """MotionBenchMaker robots and problems, where SRMP_MBM_DIR says."""

@@ -8,7 +8,6 @@ robots, seed and number give the same problem, whatever else is asked for.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import functools
 import itertools
 import json
@@ -22,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 import srmp
+from srmp._words import did_you_mean
 from srmp.bench.mbm import GROUPS, robot_files
 
 Configurations = dict[str, np.ndarray]
@@ -589,8 +589,7 @@ def find(scenario: str, robots: int | None = None, seed: int = 0, data: str | Pa
     if scenario in KINDS:
         return GeneratedScenario(scenario, robots, seed, data)
     if not Path(scenario).is_file():
-        near = difflib.get_close_matches(scenario, KINDS, n=1)
-        hint = f", did you mean '{near[0]}'?" if near else "."
+        hint = did_you_mean(scenario, KINDS) or "."
         raise srmp.InvalidArgument(f"scenario '{scenario}' is neither a file nor one of {', '.join(KINDS)}{hint}")
     found = FileScenario(scenario, data)
     if robots not in (None, len(found.world.robots)):

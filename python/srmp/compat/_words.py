@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
 import math
@@ -10,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import srmp
+from srmp._words import did_you_mean
 
 _T = TypeVar("_T")
 
@@ -39,8 +39,8 @@ def refuses_unknown(cls: type[_T]) -> type[_T]:
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """The end of a sentence about an unknown name."""
-    near = difflib.get_close_matches(name, known := list(known), 1, 0.5)
-    return f", did you mean '{near[0]}'?" if near else f"; there are {', '.join(known) or 'none'}"
+    known = list(known)
+    return did_you_mean(name, known, cutoff=0.5) or f"; there are {', '.join(known) or 'none'}"
 
 
 def require_known(argument: str, names: Sequence[str], known: Iterable[str]) -> None:

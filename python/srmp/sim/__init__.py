@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from srmp import InvalidArgument, PlannerInterface
+from srmp._words import did_you_mean
 from srmp.sim.execution import Execution as Execution
 from srmp.sim.execution import execute as execute
 from srmp.sim.parity import ParityReport as ParityReport
@@ -40,11 +40,8 @@ def open_simulator(sim: Any, kind: str) -> Simulator:
     """The scene as SRMP sees simulators. Raises InvalidArgument for an unknown kind or another's scene."""
     name = str(kind).lower()
     if name not in _SIMULATORS:
-        close = difflib.get_close_matches(name, _SIMULATORS, n=1)
-        raise InvalidArgument(
-            f"unknown simulator '{kind}'; "
-            + (f"did you mean '{close[0]}'?" if close else f"known: {', '.join(_SIMULATORS)}")
-        )
+        hint = did_you_mean(name, _SIMULATORS, before="; ") or f"; known: {', '.join(_SIMULATORS)}"
+        raise InvalidArgument(f"unknown simulator '{kind}'{hint}")
     simulator: Simulator = getattr(importlib.import_module(f"srmp.sim.{name}"), _SIMULATORS[name])(sim)
     return simulator
 

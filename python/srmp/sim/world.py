@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import logging
 import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
+from srmp._words import did_you_mean
 from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, same_shape
 from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
 from srmp.sim.urdf import to_urdf
@@ -115,7 +115,7 @@ class SimulatedWorld:
             if key not in _OWN_KEYS + _DESCRIPTION_KEYS:
                 raise InvalidArgument(
                     f"articulations['{name}'] has '{key}'; known: {', '.join(_OWN_KEYS + _DESCRIPTION_KEYS)}"
-                    + _did_you_mean(key, _OWN_KEYS + _DESCRIPTION_KEYS)
+                    + did_you_mean(key, _OWN_KEYS + _DESCRIPTION_KEYS, before="; ")
                 )
         where = self.simulator.name_of(description.get("articulation", name))
         articulation = _require_known("articulation", where, found)
@@ -267,7 +267,7 @@ class SimulatedWorld:
             bodies = sorted({item.body for item in self._objects.values()})
             raise InvalidArgument(
                 f"{self.simulator.kind} has no body '{body}' among those that were read"
-                + (_did_you_mean(body, bodies) or f"; there are {', '.join(bodies) or 'none'}")
+                + (did_you_mean(body, bodies, before="; ") or f"; there are {', '.join(bodies) or 'none'}")
             )
         return names
 
@@ -474,7 +474,7 @@ def _match(planner: PlannerInterface, name: str, articulation: Articulation, bod
         if joint not in joints:
             raise InvalidArgument(
                 f"robot '{name}' has a joint '{joint}', articulation '{articulation.name}' has none of that name"
-                + (_did_you_mean(joint, movable) or f"; its joints: {', '.join(movable) or 'none'}")
+                + (did_you_mean(joint, movable, before="; ") or f"; its joints: {', '.join(movable) or 'none'}")
             )
     in_links = planner.get_link_names(name)
     links = _pair(in_links, bodies)
@@ -551,11 +551,7 @@ def _pair(ours: Sequence[str], theirs: Sequence[str]) -> dict[str, str]:
 def _require_known(what: str, name: str, known: Mapping[str, Any]) -> Any:
     if name not in known:
         raise InvalidArgument(
-            f"unknown {what} '{name}'" + (_did_you_mean(name, known) or f"; known: {', '.join(known) or 'none'}")
+            f"unknown {what} '{name}'"
+            + (did_you_mean(name, known, before="; ") or f"; known: {', '.join(known) or 'none'}")
         )
     return known[name]
-
-
-def _did_you_mean(name: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f"; did you mean '{close[0]}'?" if close else ""
