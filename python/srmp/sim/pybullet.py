@@ -1,0 +1,576 @@
+"""PyBullet (>= 3.2). `sim` is a client's number, a BulletClient, or the module `pybullet` itself for client 0."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srmp import InvalidArgument, NotSupported, Pose, convex_hull
+from srmp.sim import shapes
+from srmp.sim.pybullet_meshes import find_file, grid_surface, read_obj, read_stl
+from srmp.sim.shapes import Shape
+from srmp.sim.simulator import (
+    Articulation,
+    Body,
+    Geometry,
+    Joint,
+    Positions,
+    Probe,
+    Simulator,
+    Touch,
+    import_simulator,
+)
+
+HULL_MARGIN = 1e-3  # [m] by which Bullet lets convex hulls collide before they touch
+OVERLAP = 1e-3  # [m] as deep as two shapes have to be in each other before a missing contact means a filter
+SELF_STATES = 100  # random states in which filters among a body's own links are looked for
+UNLIMITED = 1e5  # [N or Nm] the force of motors whose joints have no limit
+FAR = 1e3  # [m] above everything: where a body is looked at alone
+RAYS = 16000  # in one question
+
+BOX_SLACK = 5e-3  # [m] by which Bullet makes bounding boxes larger
+
+REVOLUTE, PRISMATIC, FIXED = 0, 1, 4  # JOINT_… of pybullet
+SPHERE, BOX, CYLINDER, MESH, PLANE, CAPSULE = 2, 3, 4, 5, 6, 7  # GEOM_…
+MULTI_BODY = 2  # body type of getDynamicsInfo
+UNREADABLE = {(1,): "a body with useMaximalCoordinates", (3,): "a soft body"}  # by body type
+NO_FILE = b"unknown_file"
+ENDLESS = np.full(3, np.inf)
+
+Link = tuple[int, int]  # unique id of the body, and number of the link, -1 for the base
+
+
+class _Client:
+    """pybullet's functions, asked of one client."""
+
+    def __init__(self, module: ModuleType, number: int) -> None:
+        self.module, self.number = module, number
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self.module, name)
+        return functools.partial(value, physicsClientId=self.number) if callable(value) else value
+
+
+@dataclass(frozen=True)
+class _Shapes:
+    """The shapes of a link as read, and by what it is seen that they are still those."""
+
+    data: tuple[Any, ...]  # what getCollisionShapeData says; empty for height fields, of which it knows nothing
+    corners: dict[int, Any]  # of hulls that no file is known of, by their place in data
+    geometries: tuple[Geometry, ...]
+    reach: NDArray[np.float64]  # (3,) half the size of their bounding box in the inertial frame; inf = has none
+
+
+class PyBullet(Simulator):
+    """An articulation is a body with a joint that moves; all other bodies are objects, their links with them.
+
+    Bodies are called as their URDF says, or by addUserData(body, "name", "…"), or "body<id>"; where a name is taken,
+    "name_<id>". Links of articulations are "body/link".
+    """
+
+    kind = "pybullet"
+    margin = 2e-3
+
+    def __init__(self, sim: Any) -> None:
+        self.p = _Client(import_simulator("pybullet", "pybullet"), _client_number(sim))
+        if not self.p.isConnected():
+            raise InvalidArgument(f"PyBullet's client {self.p.number} is not connected; give what connect() returned")
+        self._names: dict[int, tuple[str, str]] = {}  # what the body says of itself, and what it is called
+        self._shapes: dict[Link, _Shapes] = {}
+        self._filters: dict[tuple[Link, Link], bool] = {}
+        self._own_contacts: dict[int, tuple[set[frozenset[int]], set[frozenset[int]]]] = {}
+
+    def is_of(self, sim: Any) -> bool:
+        return _client_number(sim) == self.p.number
+
+    # --- the scene
+
+    def _bodies(self) -> dict[str, int]:
+        """Names of all bodies."""
+        ids = [self.p.getBodyUniqueId(k) for k in range(self.p.getNumBodies())]
+        said = {body: self._said_name(body) for body in ids}
+        self._names = {body: name for body, name in self._names.items() if said.get(body) == name[0]}
+        taken = {name for _, name in self._names.values()}
+        for body in ids:
+            if body not in self._names:
+                name = said[body] or f"body{body}"
+                name = f"{name}_{body}" if name in taken else name
+                self._names[body] = (said[body], name)
+                taken.add(name)
+        return {self._names[body][1]: body for body in ids}
+
+    def _said_name(self, body: int) -> str:
+        entry = self.p.getUserDataId(body, "name")
+        return (self.p.getUserData(entry) if entry >= 0 else self.p.getBodyInfo(body)[1]).decode()
+
+    def name_of(self, handle: Any) -> str:
+        if isinstance(handle, str):
+            return handle
+        for name, body in self._bodies().items():
+            if not isinstance(handle, bool) and handle == body:
+                return name
+        raise InvalidArgument(f"PyBullet's client {self.p.number} has no body {handle!r}")
+
+    def _joint_infos(self, body: int) -> list[tuple[Any, ...]]:
+        return [self.p.getJointInfo(body, joint) for joint in range(self.p.getNumJoints(body))]
+
+    def _moves(self, body: int) -> bool:
+        return any(info[2] != FIXED for info in self._joint_infos(body))
+
+    def _articulated(self) -> dict[str, int]:
+        return {name: body for name, body in self._bodies().items() if self._moves(body)}
+
+    def articulations(self) -> list[Articulation]:
+        return [self._articulation(name, body) for name, body in self._articulated().items()]
+
+    def _articulation(self, name: str, body: int) -> Articulation:
+        infos, links = self._joint_infos(body), self._link_names(name, body)
+        names, poses = _unique([info[1].decode() for info in infos], "joint"), self._poses(body)
+        order = _parents_first([info[16] for info in infos])
+        return Articulation(
+            name,
+            tuple(Body(links[link], poses[link], self._geometries(body, link, poses[link])) for link in (-1, *order)),
+            tuple(self._joint(body, infos[link], names[link], links) for link in order),
+        )
+
+    def _link_names(self, name: str, body: int) -> dict[int, str]:
+        names = [self.p.getBodyInfo(body)[0].decode(), *(info[12].decode() for info in self._joint_infos(body))]
+        return {link: f"{name}/{each}" for link, each in enumerate(_unique(names, "link"), -1)}
+
+    def _joint(self, body: int, info: tuple[Any, ...], name: str, links: dict[int, str]) -> Joint:
+        """PyBullet's joint frames are between the links' inertial frames."""
+        parent, child = self._inertial(body, info[16]), self._inertial(body, info[0])
+        turned = Pose(q=info[15]).inverse() @ Pose(q=child.q).inverse()
+        origin = parent @ Pose(p=info[14]) @ turned
+        kind = {REVOLUTE: "revolute", PRISMATIC: "prismatic", FIXED: "fixed"}.get(info[2], "unreadable")
+        lower, upper, velocity = float(info[8]), float(info[9]), float(info[11])
+        if lower > upper:
+            kind, lower, upper = "continuous" if kind == "revolute" else kind, -np.inf, np.inf
+        axis = np.array([1.0, 0, 0]) if kind in ("fixed", "unreadable") else Pose(q=child.q) @ np.array(info[13])
+        velocity_limit = velocity if velocity > 0 else None
+        return Joint(name, kind, links[info[16]], links[info[0]], origin, axis, lower, upper, velocity_limit)
+
+    def _inertial(self, body: int, link: int) -> Pose:
+        """The link's inertial frame, in the link's."""
+        dynamics = self.p.getDynamicsInfo(body, link)
+        return Pose(p=dynamics[3], q=dynamics[4]) if dynamics[10] == MULTI_BODY else Pose()
+
+    def _poses(self, body: int) -> dict[int, Pose]:
+        position, turn = self.p.getBasePositionAndOrientation(body)
+        poses = {-1: Pose(p=position, q=turn) @ self._inertial(body, -1).inverse()}
+        if count := self.p.getNumJoints(body):
+            states = self.p.getLinkStates(body, list(range(count)), computeForwardKinematics=1)
+            poses |= {link: Pose(p=state[4], q=state[5]) for link, state in enumerate(states)}
+        return poses
+
+    def bodies(self) -> list[Body]:
+        found = [self._rigid_body(name, body) for name, body in self._bodies().items() if not self._moves(body)]
+        return [body for body in found if body.geometries]
+
+    def _rigid_body(self, name: str, body: int) -> Body:
+        """All its links in one."""
+        poses = self._poses(body)
+        inside = {link: poses[-1].inverse() @ pose for link, pose in poses.items()}
+        geometries = [
+            Geometry(each.name, each.shape, inside[link] @ each.pose, each.key)
+            for link in poses
+            for each in self._geometries(body, link, poses[link])
+        ]
+        return Body(name, poses[-1], tuple(geometries))
+
+    def joint_positions(self, articulation: str) -> dict[str, float]:
+        body, joints = self._joints_of(articulation)
+        states = self.p.getJointStates(body, list(joints.values())) if joints else []
+        return {name: float(state[0]) for name, state in zip(joints, states, strict=True)}
+
+    def _joints_of(self, articulation: str) -> tuple[int, dict[str, int]]:
+        body = self._bodies()[articulation]
+        infos = self._joint_infos(body)
+        names = _unique([info[1].decode() for info in infos], "joint")
+        return body, {names[info[0]]: info[0] for info in infos if info[2] in (REVOLUTE, PRISMATIC)}
+
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        body = self._bodies()[articulation]
+        names = self._link_names(articulation, body)
+        return {names[link]: pose for link, pose in self._poses(body).items()}
+
+    # --- shapes
+
+    def _geometries(self, body: int, link: int, pose: Pose) -> tuple[Geometry, ...]:
+        """Kept from the last time if they are the same: PyBullet gives a removed body's number to the next one."""
+        known = self._shapes.get((body, link))
+        if known is None or not self._still(body, link, pose, known):
+            known = self._shapes[body, link] = self._read_shapes(body, link, pose)
+            self._filters = {pair: may for pair, may in self._filters.items() if body not in (pair[0][0], pair[1][0])}
+            self._own_contacts.pop(body, None)
+        return known.geometries
+
+    def _still(self, body: int, link: int, pose: Pose, known: _Shapes) -> bool:
+        if not self._fills_its_box(body, link, pose, known.reach):
+            return False
+        if known.geometries and not known.data:  # a height field; to ask again would print a warning
+            return True
+        return self._data(body, link) == known.data and all(
+            self._corners(body, link, k) == corners for k, corners in known.corners.items()
+        )
+
+    def _data(self, body: int, link: int) -> tuple[Any, ...]:
+        """(type, dimensions, file, position, orientation) of each shape, in the inertial frame."""
+        kind = self.p.getDynamicsInfo(body, link)[10]
+        if kind != MULTI_BODY:
+            return (kind,)
+        return tuple(tuple(entry[2:7]) for entry in self.p.getCollisionShapeData(body, link))
+
+    def _read_shapes(self, body: int, link: int, pose: Pose) -> _Shapes:
+        data = self._data(body, link)
+        corners: dict[int, Any] = {}
+        inertial = self._inertial(body, link)
+        key = (body, link)
+        if data in UNREADABLE:
+            return _Shapes(data, {}, (Geometry("", shapes.Unreadable(UNREADABLE[data]), Pose(), key),), ENDLESS)
+        found: list[tuple[Shape, Pose]] = []  # in the inertial frame
+        for k, (kind, dimensions, file, position, turn) in enumerate(data):
+            if kind != MESH:
+                found.append(_primitive(kind, dimensions, Pose(p=position, q=turn)))
+            elif file == NO_FILE and (points := self._corners(body, link, k)):
+                corners[k] = points
+                found.append((_hull(np.array(points)), Pose()))
+            else:
+                found += self._mesh(body, link, k, data)
+        if not data and np.any(self._half_box(body, link) > BOX_SLACK):
+            found.append((self._height_field(body, link), Pose()))
+        reach = _reach(found)
+        if not self._fills_its_box(body, link, pose, reach):
+            found, reach = [(shapes.Unreadable("a shape that PyBullet does not describe as it is"), Pose())], ENDLESS
+        names = [""] if len(found) == 1 else [str(k) for k in range(len(found))]
+        geometries = [Geometry(name, shape, inertial @ at, key) for name, (shape, at) in zip(names, found, strict=True)]
+        return _Shapes(data, corners, tuple(geometries), reach)
+
+    def _half_box(self, body: int, link: int) -> NDArray[np.float64]:
+        lower, upper = np.array(self.p.getAABB(body, link))
+        return (upper - lower) / 2
+
+    def _fills_its_box(self, body: int, link: int, pose: Pose, reach: NDArray[np.float64]) -> bool:
+        """Is the link's bounding box that of shapes that reach so far? Bullet's are a little larger, not smaller."""
+        if np.any(np.isinf(reach)):
+            return True
+        box = self._half_box(body, link)
+        least = np.abs((pose @ self._inertial(body, link)).matrix()[:3, :3]) @ reach
+        slack = BOX_SLACK + max(self.p.getDynamicsInfo(body, link)[11], 0.0)
+        return bool(np.all(box > least - BOX_SLACK) and np.all(box < 1.2 * least + 3 * slack))
+
+    def _corners(self, body: int, link: int, k: int = -1) -> Any:
+        """Of the hulls of the link's k-th shape, or of all, in the inertial frame; () for other shapes."""
+        which = {} if k < 0 else {"collisionShapeIndex": k}
+        return self.p.getMeshData(body, link, **which)[1] or ()
+
+    def _mesh(self, body: int, link: int, k: int, data: tuple[Any, ...]) -> list[tuple[Shape, Pose]]:
+        """Bullet takes the hull of each object of an OBJ file, of other files one hull, unless told `concave`."""
+        _, scale, name, position, turn = data[k]
+        seen = name == NO_FILE  # made by createCollisionShape of triangles: at best the file is that of what is seen
+        if seen:
+            name, scale = self._seen_mesh(body, link)
+        pose, path = Pose(p=position, q=turn), find_file(name.decode())
+        if path is None or path.suffix.lower() not in (".obj", ".stl"):
+            points = () if seen else self._corners(body, link, k)
+            if points:
+                return [(_hull(np.array(points)), Pose())]
+            what = f"the file '{name.decode()}' of a mesh" if name else "a mesh of triangles without a file"
+            return [(shapes.Unreadable(what), Pose())]
+        vertices, objects = (read_obj if path.suffix.lower() == ".obj" else read_stl)(path)
+        vertices = vertices * np.array(scale)
+        triangles = np.concatenate(objects)
+        mesh = shapes.Mesh(vertices, triangles)
+        if seen:
+            same = self._has_triangles(body, link, pose, mesh)
+            return [(mesh if same else shapes.Unreadable("a mesh of triangles without a file"), pose)]
+        corners = np.array(self._corners(body, link)).reshape(-1, 3)
+        outermost = pose @ vertices[triangles.ravel()[np.argmax(vertices[triangles.ravel()] @ [1.0, 0.1, 0.01])]]
+        if len(corners) and np.linalg.norm(corners - outermost, axis=1).min() < 1e-5:
+            return [(_hull(vertices[np.unique(each)]), pose) for each in objects]
+        return [(mesh, pose)]
+
+    def _seen_mesh(self, body: int, link: int) -> tuple[bytes, Any]:
+        """File and scale of the mesh that the link is drawn as, if it is one."""
+        seen = [entry for entry in self.p.getVisualShapeData(body) if entry[1] == link and entry[2] == MESH]
+        return (seen[0][4], seen[0][3]) if len(seen) == 1 else (b"", (1.0, 1.0, 1.0))
+
+    def _has_triangles(self, body: int, link: int, pose: Pose, mesh: shapes.Mesh) -> bool:
+        """Do short rays through the triangles hit?"""
+        random = np.random.default_rng(0)
+        chosen = mesh.vertices[mesh.triangles[random.integers(len(mesh.triangles), size=200)]]  # type: ignore[index]
+        normals = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
+        sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+        points, normals = (
+            chosen.mean(axis=1)[sizes[:, 0] > 1e-12],
+            (normals / np.maximum(sizes, 1e-12))[sizes[:, 0] > 1e-12],
+        )
+        with self._alone(body, link) as frame:
+            starts, ends = (np.array([frame @ pose @ p for p in points + side * 1e-4 * normals]) for side in (1, -1))
+            return bool(np.all(np.isfinite(self._hits(body, starts, ends))))
+
+    @contextlib.contextmanager
+    def _alone(self, body: int, link: int = -1) -> Iterator[Pose]:
+        """The body is far above all others, its base not turned. Gives the link's inertial frame."""
+        with self.probe():
+            self.p.resetBasePositionAndOrientation(body, [0, 0, FAR], [0, 0, 0, 1])
+            yield self._poses(body)[link] @ self._inertial(body, link)
+
+    def _hits(self, body: int, starts: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n,) how far along the rays the body is, 0 to 1; NaN for those that miss."""
+        found: list[float] = []
+        for first in range(0, len(starts), RAYS):
+            several = slice(first, first + RAYS)
+            hits = self.p.rayTestBatch(starts[several].tolist(), ends[several].tolist())
+            found += [hit[2] if hit[0] == body else np.nan for hit in hits]
+        return np.array(found)
+
+    def _height_field(self, body: int, link: int) -> Shape:
+        """PyBullet tells nothing of a height field, but its rays do: its surface, in the inertial frame."""
+        with self._alone(body, link) as frame:
+            lower, upper = np.array(self.p.getAABB(body, link))
+
+            def heights(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+                """At shares of the sides."""
+                inside = np.clip(np.stack([x, y], axis=-1), 1e-9, 1 - 1e-9)
+                starts = np.append(inside * (upper - lower)[:2] + lower[:2], np.full((len(x), 1), upper[2] + 1), axis=1)
+                down = np.array([0.0, 0.0, upper[2] - lower[2] + 2])
+                return starts[:, 2] - self._hits(body, starts, starts - down) * down[2]
+
+            found = grid_surface(heights, float(upper[2] - lower[2]))
+            if found is None:
+                return shapes.Unreadable("a shape that PyBullet does not describe")
+            surface, triangles = found
+            corners = np.append(lower[:2] + surface[:, :2] * (upper - lower)[:2], surface[:, 2:], axis=1)
+            return shapes.Mesh(corners - frame.p, triangles)
+
+    # --- contacts
+
+    def may_collide(self, a: Any, b: Any) -> bool:
+        """PyBullet has no question for its filters, so the two are brought into each other to see if they touch."""
+        if a[0] == b[0]:
+            through, touched = self._contacts_of_its_own(a[0])
+            pair = frozenset((a[1], b[1]))
+            return pair in touched or (pair not in through and bool(touched))
+        pair = (min(a, b), max(a, b))
+        if pair not in self._filters:
+            self._filters[pair] = self._touch_when_moved(*pair)
+        return self._filters[pair]
+
+    def self_collision(self, articulation: str) -> bool:
+        return bool(self._contacts_of_its_own(self._bodies()[articulation])[1])
+
+    def _contacts_of_its_own(self, body: int) -> tuple[set[frozenset[int]], set[frozenset[int]]]:
+        """Pairs of links that were seen in each other without a contact, and with one, in random states."""
+        if body not in self._own_contacts:
+            through: set[frozenset[int]] = set()
+            touched: set[frozenset[int]] = set()
+            joints = [info for info in self._joint_infos(body) if info[2] in (REVOLUTE, PRISMATIC)]
+            limits = np.array([info[8:10] if info[8] <= info[9] else (-np.pi, np.pi) for info in joints])
+            random = np.random.default_rng(0)
+            with self.probe():
+                for _ in range(SELF_STATES):
+                    for info, value in zip(joints, random.uniform(*limits.T), strict=True):
+                        self.p.resetJointState(body, info[0], value)
+                    inside = {
+                        frozenset(hit[3:5]) for hit in self.p.getClosestPoints(body, body, 0.0) if hit[8] < -OVERLAP
+                    }
+                    self.p.performCollisionDetection()
+                    counted = {frozenset(hit[3:5]) for hit in self.p.getContactPoints(body, body)}
+                    touched |= inside & counted
+                    through |= inside - counted
+            self._own_contacts[body] = ({pair for pair in through - touched if len(pair) == 2}, touched)
+        return self._own_contacts[body]
+
+    def _touch_when_moved(self, a: Link, b: Link) -> bool:
+        """True also where nothing can be seen, as of two meshes of triangles, which Bullet never lets touch."""
+        if not (self._within(a) and self._within(b)):
+            return True
+        with self.probe():
+            position, turn = (np.array(each) for each in self.p.getBasePositionAndOrientation(b[0]))
+            for here, there in itertools.product(self._within(a), self._within(b)):
+                self.p.resetBasePositionAndOrientation(b[0], position + here - there, turn)
+                if not any(hit[8] < -OVERLAP for hit in self.p.getClosestPoints(a[0], b[0], 0.0, a[1], b[1])):
+                    continue
+                self.p.performCollisionDetection()
+                return bool(self.p.getContactPoints(a[0], b[0], a[1], b[1]))
+        return True
+
+    def _within(self, link: Link) -> list[NDArray[np.float64]]:
+        """For each shape of the link a point in it, in the world."""
+        pose = self._poses(link[0])[link[1]]
+        return [pose @ each.pose @ _inner_point(each.shape) for each in self._geometries(*link, pose)]
+
+    @contextlib.contextmanager
+    def probe(self) -> Iterator[Probe]:
+        state = self.p.saveState()
+        try:
+            yield _Probe(self)
+        finally:
+            self.p.restoreState(state)
+            self.p.removeState(state)
+
+    def touching(self) -> list[Touch]:
+        return [
+            Touch((hit[1], hit[3]), (hit[2], hit[4]), -float(hit[8]))
+            for hit in self.p.getContactPoints() or ()
+            if hit[8] < 0
+        ]
+
+    # --- motion
+
+    @property
+    def time_step(self) -> float:
+        return float(self.p.getPhysicsEngineParameters()["fixedTimeStep"])
+
+    def hold(self, articulation: str) -> None:
+        """Nothing to do: all joints have motors that hold what they were told, or their place."""
+        if self.p.getPhysicsEngineParameters()["useRealTimeSimulation"]:
+            raise NotSupported("PyBullet steps by itself; setRealTimeSimulation(0) lets trajectories be executed")
+
+    def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
+        """Position control that takes away the whole error in a step, as far as the joints' forces allow."""
+        body, joints = self._joints_of(articulation)
+        indices = [joints[name] for name in positions]
+        forces = [self.p.getJointInfo(body, index)[10] for index in indices]
+        self.p.setJointMotorControlArray(
+            body,
+            indices,
+            self.p.POSITION_CONTROL,
+            targetPositions=list(positions.values()),
+            targetVelocities=[0.0] * len(indices),
+            positionGains=[1.0] * len(indices),
+            velocityGains=[1.0] * len(indices),
+            forces=[force if force > 0 else UNLIMITED for force in forces],
+        )
+
+    def step(self) -> None:
+        self.p.stepSimulation()
+
+
+class _Probe(Probe):
+    """The world itself, which is put back afterwards."""
+
+    def __init__(self, simulator: PyBullet) -> None:
+        self.simulator = simulator
+
+    def put(self, articulation: str, positions: Positions) -> None:
+        body, joints = self.simulator._joints_of(articulation)
+        for name, value in positions.items():
+            self.simulator.p.resetJointState(body, joints[name], value)
+
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        return self.simulator.link_poses(articulation)
+
+    def touching(self) -> list[Touch]:
+        self.simulator.p.performCollisionDetection()
+        return self.simulator.touching()
+
+
+def _client_number(sim: Any) -> int:
+    number = getattr(sim, "_client", sim)
+    if sim is None or (isinstance(sim, ModuleType) and sim.__name__ == "pybullet"):
+        number = 0
+    if isinstance(number, bool) or not isinstance(number, int):
+        raise InvalidArgument(
+            f"a PyBullet scene is a client's number, a BulletClient or the module pybullet, not {type(sim).__name__}"
+        )
+    return number
+
+
+def _unique(names: list[str], otherwise: str) -> list[str]:
+    """Names that are empty, or were there before, become `otherwise` with their place."""
+    return [name if name and name not in names[:k] else f"{otherwise}{k}" for k, name in enumerate(names)]
+
+
+def _parents_first(parents: list[int]) -> list[int]:
+    order = [-1]
+    for link in order:
+        order += [child for child, parent in enumerate(parents) if parent == link]
+    return order[1:]
+
+
+# --- shapes, in a frame of their own
+
+
+def _primitive(kind: int, dimensions: tuple[float, ...], pose: Pose) -> tuple[Shape, Pose]:
+    match kind:
+        case 2:
+            return shapes.Sphere(dimensions[0]), pose
+        case 3:
+            return shapes.Box(np.array(dimensions)), pose
+        case 4:
+            return shapes.Cylinder(dimensions[1], dimensions[0]), pose
+        case 6:
+            return shapes.Plane(), pose @ _turned_to(np.array(dimensions))
+        case 7:
+            return shapes.Capsule(dimensions[1], dimensions[0]), pose
+    return shapes.Unreadable(f"a shape of PyBullet's type {kind}"), pose
+
+
+def _turned_to(normal: NDArray[np.float64]) -> Pose:
+    """A frame whose z axis is the normal."""
+    z = normal / np.linalg.norm(normal)
+    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
+    matrix = np.eye(4)
+    matrix[:3, 0] = x / np.linalg.norm(x)
+    matrix[:3, 1] = np.cross(z, matrix[:3, 0])
+    matrix[:3, 2] = z
+    return Pose.from_matrix(matrix)
+
+
+def _hull(points: NDArray[np.float64]) -> shapes.Mesh:
+    """Bullet's hulls collide HULL_MARGIN before they touch; this one is as large, or up to 0.26 HULL_MARGIN larger."""
+    golden = (1 + 5**0.5) / 2
+    around = np.array([[0, s, t * golden] for s in (-1, 1) for t in (-1, 1)])
+    around = np.concatenate([np.roll(around, k, axis=1) for k in range(3)])  # an icosahedron
+    around *= HULL_MARGIN * 3**0.5 / golden**2  # that holds a ball of that radius
+    corners, _ = convex_hull((points[:, None] + around).reshape(-1, 3))
+    return shapes.Mesh(corners, None)
+
+
+def _reach(found: list[tuple[Shape, Pose]]) -> NDArray[np.float64]:
+    """(3,) half the size of the box that holds the boxes of the shapes."""
+    lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
+    for shape, pose in found:
+        below, above = _bounds(shape)
+        if np.any(np.isinf(above)):
+            return ENDLESS
+        centre, half = pose @ ((below + above) / 2), np.abs(pose.matrix()[:3, :3]) @ ((above - below) / 2)
+        lower, upper = np.minimum(lower, centre - half), np.maximum(upper, centre + half)
+    return (upper - lower) / 2 if found else np.zeros(3)
+
+
+def _bounds(shape: Shape) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    match shape:
+        case shapes.Box(size):
+            half = size / 2
+        case shapes.Sphere(radius):
+            half = np.full(3, radius)
+        case shapes.Cylinder(radius, length):
+            half = np.array([radius, radius, length / 2])
+        case shapes.Capsule(radius, length):
+            half = np.array([radius, radius, length / 2 + radius])
+        case shapes.Mesh(vertices, _):
+            return vertices.min(axis=0), vertices.max(axis=0)
+        case _:
+            half = ENDLESS
+    return -half, half
+
+
+def _inner_point(shape: Shape) -> NDArray[np.float64]:
+    """A point in the shape; of a surface, on it."""
+    match shape:
+        case shapes.Mesh(vertices, None):
+            return vertices.mean(axis=0)
+        case shapes.Mesh(vertices, triangles):
+            return vertices[triangles[len(triangles) // 2]].mean(axis=0)
+    return np.zeros(3)
