@@ -77,7 +77,7 @@ class PyBullet(Simulator):
     """
 
     kind = "pybullet"
-    margin = 2e-3
+    margin = 1.5e-3  # Bullet rounds the edges of boxes and cylinders by 1 mm, and meshes of triangles by as much
 
     def __init__(self, sim: Any) -> None:
         self.p = _Client(import_simulator("pybullet", "pybullet"), _client_number(sim))
@@ -294,7 +294,7 @@ class PyBullet(Simulator):
             return [(mesh if same else shapes.Unreadable("a mesh of triangles without a file"), pose)]
         corners = np.array(self._corners(body, link)).reshape(-1, 3)
         outermost = pose @ vertices[triangles.ravel()[np.argmax(vertices[triangles.ravel()] @ [1.0, 0.1, 0.01])]]
-        if len(corners) and np.linalg.norm(corners - outermost, axis=1).min() < 1e-5:
+        if len(corners) and np.linalg.norm(corners - outermost, axis=1).min() < HULL_MARGIN:
             return [(_hull(vertices[np.unique(each)]), pose) for each in objects]
         return [(mesh, pose)]
 
@@ -398,7 +398,7 @@ class PyBullet(Simulator):
             position, turn = (np.array(each) for each in self.p.getBasePositionAndOrientation(b[0]))
             for here, there in itertools.product(self._within(a), self._within(b)):
                 self.p.resetBasePositionAndOrientation(b[0], position + here - there, turn)
-                if not any(hit[8] < -OVERLAP for hit in self.p.getClosestPoints(a[0], b[0], 0.0, a[1], b[1])):
+                if self._depth(a, b) < OVERLAP:
                     continue
                 self.p.performCollisionDetection()
                 return bool(self.p.getContactPoints(a[0], b[0], a[1], b[1]))
@@ -419,11 +419,17 @@ class PyBullet(Simulator):
             self.p.removeState(state)
 
     def touching(self) -> list[Touch]:
-        return [
-            Touch((hit[1], hit[3]), (hit[2], hit[4]), -float(hit[8]))
-            for hit in self.p.getContactPoints() or ()
-            if hit[8] < 0
-        ]
+        """Contact points say which pairs count; how deep these are is asked anew.
+
+        The points are kept from step to step, so they may be of a state before, or hide a deeper one of a mesh.
+        """
+        pairs = dict.fromkeys(((hit[1], hit[3]), (hit[2], hit[4])) for hit in self.p.getContactPoints() or ())
+        depths = {(a, b): self._depth(a, b) for a, b in pairs}
+        return [Touch(a, b, depth) for (a, b), depth in depths.items() if depth > 0]
+
+    def _depth(self, a: Link, b: Link) -> float:
+        """[m] whether filtered or not."""
+        return max((-float(hit[8]) for hit in self.p.getClosestPoints(a[0], b[0], 0.0, a[1], b[1])), default=0.0)
 
     # --- motion
 
