@@ -31,7 +31,7 @@ from srmp.sim.simulator import (
 
 HULL_MARGIN = 1e-3  # [m] by which Bullet lets convex hulls collide before they touch
 OVERLAP = 1e-3  # [m] as deep as two shapes have to be in each other before a missing contact means a filter
-SELF_STATES = 100  # random states in which filters among a body's own links are looked for
+LEAST_STATES, MOST_STATES = 200, 2000  # random ones in which filters among a body's own links are looked for
 UNLIMITED = 1e5  # [N or Nm] the force of motors whose joints have no limit
 FAR = 1e3  # [m] above everything: where a body is looked at alone
 RAYS = 16000  # in one question
@@ -86,7 +86,7 @@ class PyBullet(Simulator):
         self._names: dict[int, tuple[str, str]] = {}  # what the body says of itself, and what it is called
         self._shapes: dict[Link, _Shapes] = {}
         self._filters: dict[tuple[Link, Link], bool] = {}
-        self._own_contacts: dict[int, tuple[set[frozenset[int]], set[frozenset[int]]]] = {}
+        self._filtered: dict[int, tuple[set[frozenset[int]], bool]] = {}
 
     def is_of(self, sim: Any) -> bool:
         return _client_number(sim) == self.p.number
@@ -210,7 +210,7 @@ class PyBullet(Simulator):
         if known is None or not self._still(body, link, pose, known):
             known = self._shapes[body, link] = self._read_shapes(body, link, pose)
             self._filters = {pair: may for pair, may in self._filters.items() if body not in (pair[0][0], pair[1][0])}
-            self._own_contacts.pop(body, None)
+            self._filtered.pop(body, None)
         return known.geometries
 
     def _still(self, body: int, link: int, pose: Pose, known: _Shapes) -> bool:
@@ -259,13 +259,16 @@ class PyBullet(Simulator):
         return (upper - lower) / 2
 
     def _fills_its_box(self, body: int, link: int, pose: Pose, reach: NDArray[np.float64]) -> bool:
-        """Is the link's bounding box that of shapes that reach so far? Bullet's are a little larger, not smaller."""
+        """Is the link's bounding box about that of shapes that reach so far?
+
+        Bullet's box is larger where it turns boxes in boxes, and smaller for spheres, which it does not turn.
+        """
         if np.any(np.isinf(reach)):
             return True
         box = self._half_box(body, link)
-        least = np.abs((pose @ self._inertial(body, link)).matrix()[:3, :3]) @ reach
+        turned = np.abs((pose @ self._inertial(body, link)).matrix()[:3, :3]) @ reach
         slack = BOX_SLACK + max(self.p.getDynamicsInfo(body, link)[11], 0.0)
-        return bool(np.all(box > least - BOX_SLACK) and np.all(box < 1.2 * least + 3 * slack))
+        return bool(np.all(box > turned / 3**0.5 - slack) and np.all(box < 1.2 * turned + 3 * slack))
 
     def _corners(self, body: int, link: int, k: int = -1) -> Any:
         """Of the hulls of the link's k-th shape, or of all, in the inertial frame; () for other shapes."""
@@ -357,38 +360,46 @@ class PyBullet(Simulator):
     def may_collide(self, a: Any, b: Any) -> bool:
         """PyBullet has no question for its filters, so the two are brought into each other to see if they touch."""
         if a[0] == b[0]:
-            through, touched = self._contacts_of_its_own(a[0])
-            pair = frozenset((a[1], b[1]))
-            return pair in touched or (pair not in through and bool(touched))
+            through, ghost = self._filtered_links(a[0])
+            return not ghost and frozenset((a[1], b[1])) not in through
         pair = (min(a, b), max(a, b))
         if pair not in self._filters:
             self._filters[pair] = self._touch_when_moved(*pair)
         return self._filters[pair]
 
     def self_collision(self, articulation: str) -> bool:
-        return bool(self._contacts_of_its_own(self._bodies()[articulation])[1])
+        return not self._filtered_links(self._bodies()[articulation])[1]
 
-    def _contacts_of_its_own(self, body: int) -> tuple[set[frozenset[int]], set[frozenset[int]]]:
-        """Pairs of links that were seen in each other without a contact, and with one, in random states."""
-        if body not in self._own_contacts:
+    def _filtered_links(self, body: int) -> tuple[set[frozenset[int]], bool]:
+        """Pairs of its links that were seen in each other without a contact, in random states, and if all are so.
+
+        Neighbours tell nothing of the others: Bullet lets them through each other anyway. Limits of joints that turn
+        are not kept, to see more pairs.
+        """
+        if body not in self._filtered:
+            infos = self._joint_infos(body)
+            scalar = [info for info in infos if info[2] in (REVOLUTE, PRISMATIC)]
+            joints = {info[0]: info[8:10] if info[2] == PRISMATIC else (-np.pi, np.pi) for info in scalar}
+            neighbours = {frozenset((info[0], info[16])) for info in infos}
             through: set[frozenset[int]] = set()
             touched: set[frozenset[int]] = set()
-            joints = [info for info in self._joint_infos(body) if info[2] in (REVOLUTE, PRISMATIC)]
-            limits = np.array([info[8:10] if info[8] <= info[9] else (-np.pi, np.pi) for info in joints])
             random = np.random.default_rng(0)
             with self.probe():
-                for _ in range(SELF_STATES):
-                    for info, value in zip(joints, random.uniform(*limits.T), strict=True):
-                        self.p.resetJointState(body, info[0], value)
-                    inside = {
+                for state in range(MOST_STATES):
+                    if state >= LEAST_STATES and (through | touched) - neighbours:
+                        break
+                    for joint, limits in joints.items():
+                        self.p.resetJointState(body, joint, random.uniform(*limits))
+                    self.p.performCollisionDetection()
+                    deep = {
                         frozenset(hit[3:5]) for hit in self.p.getClosestPoints(body, body, 0.0) if hit[8] < -OVERLAP
                     }
-                    self.p.performCollisionDetection()
                     counted = {frozenset(hit[3:5]) for hit in self.p.getContactPoints(body, body)}
-                    touched |= inside & counted
-                    through |= inside - counted
-            self._own_contacts[body] = ({pair for pair in through - touched if len(pair) == 2}, touched)
-        return self._own_contacts[body]
+                    touched |= deep & counted
+                    through |= {pair for pair in deep - counted if len(pair) == 2}
+            through -= touched
+            self._filtered[body] = through, bool(through - neighbours) and not touched
+        return self._filtered[body]
 
     def _touch_when_moved(self, a: Link, b: Link) -> bool:
         """True also where nothing can be seen, as of two meshes of triangles, which Bullet never lets touch."""
@@ -415,6 +426,8 @@ class PyBullet(Simulator):
         try:
             yield _Probe(self)
         finally:
+            self.p.restoreState(state)
+            self.p.performCollisionDetection()  # forgets the contacts that were not there before
             self.p.restoreState(state)
             self.p.removeState(state)
 

@@ -260,8 +260,9 @@ class SimulatedWorld:
         """Does the planner allow contact of any of these with any of those, which the simulator does not tell apart?"""
         return any(self.planner.allowed_collision(x, y) for x in a for y in b)
 
-    def objects_of(self, body: str) -> list[str]:
+    def objects_of(self, body: Any) -> list[str]:
         """The planner's objects that a body of the simulator became."""
+        body = body if isinstance(body, str) else self.simulator.name_of(body)
         names = [name for name, item in self._objects.items() if body in (item.body, name)]
         if not names:
             bodies = sorted({item.body for item in self._objects.values()})
@@ -319,7 +320,7 @@ class SimulatedWorld:
 
     # --- hands
 
-    def grasp(self, body: str, robot: str, link: str = "", touch_links: Sequence[str] | None = None) -> None:
+    def grasp(self, body: Any, robot: str, link: str = "", touch_links: Sequence[str] | None = None) -> None:
         """The body is in the robot's hand from now on, at its pose there in the simulator.
 
         `link`: that it moves with; default the end effector. `touch_links`: links it may touch beside that; default
@@ -335,7 +336,7 @@ class SimulatedWorld:
             self.planner.attach_object(name, robot, link, touched)
             self._held[name] = (robot, link, touched)
 
-    def release(self, body: str) -> None:
+    def release(self, body: Any) -> None:
         """The body is let go: an object of the world again, where it is in the simulator.
 
         Raises InvalidArgument when it is not held.
