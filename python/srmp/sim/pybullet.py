@@ -402,23 +402,26 @@ class PyBullet(Simulator):
         return self._filtered[body]
 
     def _touch_when_moved(self, a: Link, b: Link) -> bool:
-        """True also where nothing can be seen, as of two meshes of triangles, which Bullet never lets touch."""
-        if not (self._within(a) and self._within(b)):
-            return True
+        """Surfaces never touch each other in Bullet. True where nothing could be seen."""
+        points = [self._within(each) for each in (a, b)]
+        if all(is_surface for shapes_of in points for _, is_surface in shapes_of):
+            return False
         with self.probe():
             position, turn = (np.array(each) for each in self.p.getBasePositionAndOrientation(b[0]))
-            for here, there in itertools.product(self._within(a), self._within(b)):
+            for (here, _), (there, _) in itertools.product(*points):
                 self.p.resetBasePositionAndOrientation(b[0], position + here - there, turn)
-                if self._depth(a, b) < OVERLAP:
-                    continue
-                self.p.performCollisionDetection()
-                return bool(self.p.getContactPoints(a[0], b[0], a[1], b[1]))
+                if self._depth(a, b) >= OVERLAP:
+                    self.p.performCollisionDetection()
+                    return bool(self.p.getContactPoints(a[0], b[0], a[1], b[1]))
         return True
 
-    def _within(self, link: Link) -> list[NDArray[np.float64]]:
-        """For each shape of the link a point in it, in the world."""
+    def _within(self, link: Link) -> list[tuple[NDArray[np.float64], bool]]:
+        """For each shape of the link a point in it, in the world, and if it is a surface."""
         pose = self._poses(link[0])[link[1]]
-        return [pose @ each.pose @ _inner_point(each.shape) for each in self._geometries(*link, pose)]
+        return [
+            (pose @ each.pose @ _inner_point(each.shape), _is_surface(each.shape))
+            for each in self._geometries(*link, pose)
+        ]
 
     @contextlib.contextmanager
     def probe(self) -> Iterator[Probe]:
@@ -520,18 +523,17 @@ def _parents_first(parents: list[int]) -> list[int]:
 # --- shapes, in a frame of their own
 
 
-def _primitive(kind: int, dimensions: tuple[float, ...], pose: Pose) -> tuple[Shape, Pose]:
-    match kind:
-        case 2:
-            return shapes.Sphere(dimensions[0]), pose
-        case 3:
-            return shapes.Box(np.array(dimensions)), pose
-        case 4:
-            return shapes.Cylinder(dimensions[1], dimensions[0]), pose
-        case 6:
-            return shapes.Plane(), pose @ _turned_to(np.array(dimensions))
-        case 7:
-            return shapes.Capsule(dimensions[1], dimensions[0]), pose
+def _primitive(kind: int, size: tuple[float, ...], pose: Pose) -> tuple[Shape, Pose]:
+    if kind == SPHERE:
+        return shapes.Sphere(size[0]), pose
+    if kind == BOX:
+        return shapes.Box(np.array(size)), pose
+    if kind == CYLINDER:
+        return shapes.Cylinder(size[1], size[0]), pose
+    if kind == CAPSULE:
+        return shapes.Capsule(size[1], size[0]), pose
+    if kind == PLANE:
+        return shapes.Plane(), pose @ _turned_to(np.array(size))
     return shapes.Unreadable(f"a shape of PyBullet's type {kind}"), pose
 
 
@@ -583,6 +585,10 @@ def _bounds(shape: Shape) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         case _:
             half = ENDLESS
     return -half, half
+
+
+def _is_surface(shape: Shape) -> bool:
+    return isinstance(shape, shapes.Plane) or (isinstance(shape, shapes.Mesh) and shape.triangles is not None)
 
 
 def _inner_point(shape: Shape) -> NDArray[np.float64]:
