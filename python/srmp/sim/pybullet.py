@@ -35,7 +35,7 @@ LEAST_STATES, MOST_STATES = 200, 2000  # random ones in which filters among a bo
 UNLIMITED = 1e5  # [N or Nm] the force of motors whose joints have no limit
 FAR = 1e3  # [m] above everything: where a body is looked at alone
 RAYS = 16000  # in one question
-
+SAMPLES = 200  # triangles by which meshes are compared
 BOX_SLACK = 5e-3  # [m] by which Bullet makes bounding boxes larger
 
 REVOLUTE, PRISMATIC, FIXED = 0, 1, 4  # JOINT_… of pybullet
@@ -216,8 +216,9 @@ class PyBullet(Simulator):
     def _still(self, body: int, link: int, pose: Pose, known: _Shapes) -> bool:
         if not self._fills_its_box(body, link, pose, known.reach):
             return False
-        if known.geometries and not known.data:  # a height field; to ask again would print a warning
-            return True
+        if known.geometries and not known.data:  # a height field; to ask for its data again would print a warning
+            shape = known.geometries[0].shape
+            return isinstance(shape, shapes.Mesh) and self._has_triangles(body, pose @ known.geometries[0].pose, shape)
         return self._data(body, link) == known.data and all(
             self._corners(body, link, k) == corners for k, corners in known.corners.items()
         )
@@ -293,7 +294,8 @@ class PyBullet(Simulator):
         triangles = np.concatenate(objects)
         mesh = shapes.Mesh(vertices, triangles)
         if seen:
-            same = self._has_triangles(body, link, pose, mesh)
+            with self._alone(body, link) as frame:
+                same = self._has_triangles(body, frame @ pose, mesh)
             return [(mesh if same else shapes.Unreadable("a mesh of triangles without a file"), pose)]
         corners = np.array(self._corners(body, link)).reshape(-1, 3)
         outermost = pose @ vertices[triangles.ravel()[np.argmax(vertices[triangles.ravel()] @ [1.0, 0.1, 0.01])]]
@@ -306,19 +308,17 @@ class PyBullet(Simulator):
         seen = [entry for entry in self.p.getVisualShapeData(body) if entry[1] == link and entry[2] == MESH]
         return (seen[0][4], seen[0][3]) if len(seen) == 1 else (b"", (1.0, 1.0, 1.0))
 
-    def _has_triangles(self, body: int, link: int, pose: Pose, mesh: shapes.Mesh) -> bool:
-        """Do short rays through the triangles hit?"""
-        random = np.random.default_rng(0)
-        chosen = mesh.vertices[mesh.triangles[random.integers(len(mesh.triangles), size=200)]]  # type: ignore[index]
-        normals = np.cross(chosen[:, 1] - chosen[:, 0], chosen[:, 2] - chosen[:, 0])
+    def _has_triangles(self, body: int, pose: Pose, mesh: shapes.Mesh) -> bool:
+        """Do short rays through the triangles all hit? `pose` of the mesh, in the world."""
+        assert mesh.triangles is not None
+        few = np.random.default_rng(0).integers(len(mesh.triangles), size=SAMPLES)
+        a, b, c = (mesh.vertices[mesh.triangles[few, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
         sizes = np.linalg.norm(normals, axis=1, keepdims=True)
-        points, normals = (
-            chosen.mean(axis=1)[sizes[:, 0] > 1e-12],
-            (normals / np.maximum(sizes, 1e-12))[sizes[:, 0] > 1e-12],
-        )
-        with self._alone(body, link) as frame:
-            starts, ends = (np.array([frame @ pose @ p for p in points + side * 1e-4 * normals]) for side in (1, -1))
-            return bool(np.all(np.isfinite(self._hits(body, starts, ends))))
+        steps = 1e-4 * normals / np.maximum(sizes, 1e-12)
+        ends = [[pose @ p for p in ((a + b + c) / 3 + side * steps)[sizes[:, 0] > 1e-12]] for side in (1, -1)]
+        hit = {hit[0] for hit in self.p.rayTestBatch(*ends)}
+        return body in hit and -1 not in hit
 
     @contextlib.contextmanager
     def _alone(self, body: int, link: int = -1) -> Iterator[Pose]:

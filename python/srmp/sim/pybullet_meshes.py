@@ -20,13 +20,12 @@ FLAT = 1e-6  # [m]: heights closer than that are the same
 
 def find_file(file: str) -> Path | None:
     """Where it is; PyBullet does not tell its search path, but most scripts add that of pybullet_data."""
+    folders = [Path()]
     with contextlib.suppress(ImportError):
         import pybullet_data
 
-        for path in (Path(file), Path(pybullet_data.getDataPath()) / file):
-            if path.is_file():
-                return path
-    return Path(file) if Path(file).is_file() else None
+        folders.append(Path(pybullet_data.getDataPath()))
+    return next((folder / file for folder in folders if (folder / file).is_file()), None)
 
 
 def read_obj(path: Path) -> tuple[NDArray[np.float64], list[NDArray[np.int64]]]:
