@@ -297,6 +297,8 @@ class MultiRobotPlan {
         const std::uint64_t before = trees->attempts();
         auto path = trees->grow(2048 * effort, deadline_);
         statistics_.expansions += trees->attempts() - before;
+        if (path && common_.shortcut)  // they go far astray
+          path = rerouted(shortened(std::move(*path), *world_, deadline_), *world_, deadline_);
         if (path && path->length() <= options.bound() * lower) return {std::move(*path), lower};
         options.max_evaluations = 128 * effort;
       }
