@@ -249,9 +249,9 @@ class PlannerInterface {
   ///
   /// `obstacles`: timed motions that other robots of the scene are committed to. They begin at time 0 too, the robots
   /// rest where they end, and are not asked to move. The planned motions end among them so, and begin, all together, as
-  /// soon as they get by: an explicit rest at the starts comes first (planner/committed.hpp, which says what is
-  /// refused). Starts where a committed motion begins or ends are `start_invalid`, goals where one ends `goal_invalid`;
-  /// `exhausted` names links and time when there is no time to begin.
+  /// soon as they get by: an explicit rest at the starts comes first (planner/multi_arm/committed.hpp, which says what
+  /// is refused). Starts where a committed motion begins or ends are `start_invalid`, goals where one ends
+  /// `goal_invalid`; `exhausted` names links and time when there is no time to begin.
   MultiTrajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
                              const std::map<std::string, GoalConstraint>& goals,
                              const std::map<std::string, Trajectory>& obstacles = {}, const Interrupt& interrupt = {});

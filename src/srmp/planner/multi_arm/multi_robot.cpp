@@ -1,4 +1,4 @@
-#include "srmp/planner/multi_robot.hpp"
+#include "srmp/planner/multi_arm/multi_robot.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,15 @@
 #include <set>
 
 #include "srmp/multi/conflict_search.hpp"
-#include "srmp/planner/arm_team.hpp"
-#include "srmp/planner/arm_world.hpp"
-#include "srmp/planner/composite_search.hpp"
-#include "srmp/planner/composite_trees.hpp"
-#include "srmp/planner/coupled_path.hpp"
-#include "srmp/planner/coupled_post_process.hpp"
+#include "srmp/planner/multi_arm/arm_team.hpp"
+#include "srmp/planner/multi_arm/arm_world.hpp"
+#include "srmp/planner/multi_arm/composite_search.hpp"
+#include "srmp/planner/multi_arm/composite_trees.hpp"
+#include "srmp/planner/multi_arm/coupled_path.hpp"
+#include "srmp/planner/multi_arm/coupled_post_process.hpp"
+#include "srmp/planner/multi_arm/reroute.hpp"
+#include "srmp/planner/multi_arm/roadmap_search.hpp"
 #include "srmp/planner/phase_timer.hpp"
-#include "srmp/planner/reroute.hpp"
-#include "srmp/planner/roadmap_search.hpp"
 #include "srmp/planner/single_robot.hpp"
 
 namespace srmp {

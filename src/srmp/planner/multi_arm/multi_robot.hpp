@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/planner/arm_checkers.hpp"
+#include "srmp/planner/multi_arm/arm_checkers.hpp"
 #include "srmp/planner/planner_interface.hpp"
 
 namespace srmp {

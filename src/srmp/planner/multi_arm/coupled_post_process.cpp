@@ -1,4 +1,4 @@
-#include "srmp/planner/coupled_post_process.hpp"
+#include "srmp/planner/multi_arm/coupled_post_process.hpp"
 
 #include <algorithm>
 #include <optional>

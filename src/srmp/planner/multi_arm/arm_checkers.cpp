@@ -1,4 +1,4 @@
-#include "srmp/planner/arm_checkers.hpp"
+#include "srmp/planner/multi_arm/arm_checkers.hpp"
 
 namespace srmp {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "srmp/core/status.hpp"
-#include "srmp/planner/coupled_path.hpp"
+#include "srmp/planner/multi_arm/coupled_path.hpp"
 
 namespace srmp {
 

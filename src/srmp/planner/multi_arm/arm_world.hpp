@@ -8,7 +8,7 @@
 
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/multi/world.hpp"
-#include "srmp/planner/arm_checkers.hpp"
+#include "srmp/planner/multi_arm/arm_checkers.hpp"
 
 namespace srmp {
 

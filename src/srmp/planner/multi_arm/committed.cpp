@@ -1,4 +1,4 @@
-#include "srmp/planner/committed.hpp"
+#include "srmp/planner/multi_arm/committed.hpp"
 
 #include <algorithm>
 #include <optional>

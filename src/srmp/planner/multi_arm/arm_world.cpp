@@ -1,4 +1,4 @@
-#include "srmp/planner/arm_world.hpp"
+#include "srmp/planner/multi_arm/arm_world.hpp"
 
 #include <algorithm>
 #include <cmath>

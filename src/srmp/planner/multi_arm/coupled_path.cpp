@@ -1,4 +1,4 @@
-#include "srmp/planner/coupled_path.hpp"
+#include "srmp/planner/multi_arm/coupled_path.hpp"
 
 #include <algorithm>
 #include <tuple>

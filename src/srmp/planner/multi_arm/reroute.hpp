@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/planner/coupled_path.hpp"
+#include "srmp/planner/multi_arm/coupled_path.hpp"
 
 namespace srmp {
 

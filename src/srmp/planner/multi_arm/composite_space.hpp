@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "srmp/planner/coupled_path.hpp"
+#include "srmp/planner/multi_arm/coupled_path.hpp"
 
 namespace srmp {
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "srmp/planner/multi_robot.hpp"
+#include "srmp/planner/multi_arm/multi_robot.hpp"
 
 namespace srmp {
 

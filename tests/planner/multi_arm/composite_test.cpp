@@ -1,9 +1,9 @@
 #include <boost/test/unit_test.hpp>
 
-#include "srmp/planner/composite_search.hpp"
-#include "srmp/planner/composite_trees.hpp"
+#include "srmp/planner/multi_arm/composite_search.hpp"
+#include "srmp/planner/multi_arm/composite_trees.hpp"
+#include "srmp/planner/multi_arm/reroute.hpp"
 #include "srmp/planner/planner_interface.hpp"
-#include "srmp/planner/reroute.hpp"
 #include "support/robots.hpp"
 
 namespace {

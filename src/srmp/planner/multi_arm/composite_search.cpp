@@ -1,4 +1,4 @@
-#include "srmp/planner/composite_search.hpp"
+#include "srmp/planner/multi_arm/composite_search.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "srmp/planner/reroute.hpp"
+#include "srmp/planner/multi_arm/reroute.hpp"
 
 #include <algorithm>
 #include <cmath>

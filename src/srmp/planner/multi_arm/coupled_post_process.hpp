@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "srmp/planner/coupled_path.hpp"
-#include "srmp/planner/multi_robot.hpp"
+#include "srmp/planner/multi_arm/coupled_path.hpp"
+#include "srmp/planner/multi_arm/multi_robot.hpp"
 
 namespace srmp {
 

@@ -5,7 +5,7 @@
 
 #include "srmp/core/deadline.hpp"
 #include "srmp/multi/world.hpp"
-#include "srmp/planner/arm_world.hpp"
+#include "srmp/planner/multi_arm/arm_world.hpp"
 
 namespace srmp {
 

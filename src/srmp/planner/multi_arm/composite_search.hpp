@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "srmp/core/status.hpp"
-#include "srmp/planner/composite_space.hpp"
+#include "srmp/planner/multi_arm/composite_space.hpp"
 #include "srmp/search/graph.hpp"
 
 namespace srmp {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "srmp/planner/arm_world.hpp"
+#include "srmp/planner/multi_arm/arm_world.hpp"
 
 namespace srmp {
 

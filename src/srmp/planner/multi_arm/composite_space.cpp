@@ -1,4 +1,4 @@
-#include "srmp/planner/composite_space.hpp"
+#include "srmp/planner/multi_arm/composite_space.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "srmp/planner/roadmap_search.hpp"
+#include "srmp/planner/multi_arm/roadmap_search.hpp"
 
 #include <algorithm>
 #include <cmath>

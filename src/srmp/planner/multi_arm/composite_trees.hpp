@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
-#include "srmp/planner/composite_space.hpp"
+#include "srmp/planner/multi_arm/composite_space.hpp"
 
 namespace srmp {
 

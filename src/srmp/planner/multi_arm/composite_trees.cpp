@@ -1,4 +1,4 @@
-#include "srmp/planner/composite_trees.hpp"
+#include "srmp/planner/multi_arm/composite_trees.hpp"
 
 #include <algorithm>
 #include <cmath>
