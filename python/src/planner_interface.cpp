@@ -634,7 +634,8 @@ void bind_simulators(nb::class_<Self>& cls) {
             const nb::object& exclude) {
            return nb::module_::import_("srmp.sim").attr("read_sim")(self, sim, kind, articulations, exclude);
          },
-         nb::arg("sim"), nb::arg("kind"), nb::arg("articulations") = nb::none(), nb::arg("exclude") = nb::make_tuple(),
+         nb::arg("sim").none(), nb::arg("kind").none(), nb::arg("articulations") = nb::none(),
+         nb::arg("exclude").none() = nb::make_tuple(),
          nb::sig("def read_sim(self, sim: object, kind: str, articulations: object = None, exclude: "
                  "collections.abc.Sequence[str] = ()) -> typing.Any"),
          "Read a simulator's scene: its robots, and every collision shape of everything else, as they stand.\n\n"
@@ -644,8 +645,9 @@ void bind_simulators(nb::class_<Self>& cls) {
          "are planned with the\n"
          "simulator's own model; a dict by robot name says more of each: urdf_path, srdf_path and whatever "
          "add_articulation is told,\n"
-         "and `articulation`, its name in the simulator where that is another. exclude: objects to leave out. Contacts "
-         "that the\n"
+         "and `articulation`, its name in the simulator where that is another. exclude: objects or bodies to leave "
+         "out. "
+         "Contacts that the\n"
          "simulator filters are allowed collisions here; among the links of a robot from a URDF, the URDF's and SRDF's "
          "rules count\n"
          "(`self_collisions`: True takes the simulator's).\n\n"

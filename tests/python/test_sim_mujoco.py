@@ -403,3 +403,289 @@ def test_trajectories_that_cannot_be_executed(small):
         world.grasp("cub", "arm")
     with pytest.raises(srmp.InvalidArgument, match=r"unknown robot 'arn'"):
         world.grasp("cube", "arn")
+
+
+# --- what users' scenes have, and what users do
+
+
+def cabinet(spec):
+    """A drawer that is no robot."""
+    body = spec.worldbody.add_body(name="cabinet", pos=[0, 0.8, 0.3])
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.2, 0.01, 0.2], pos=[0, 0.1, 0])
+    drawer = body.add_body(name="drawer")
+    drawer.add_joint(name="slide", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, -1, 0], range=[0, 0.3])
+    drawer.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.18, 0.01, 0.05])
+
+
+def test_a_drawer_follows_its_joint_without_mj_forward():
+    spec = small_scene()
+    cabinet(spec)
+    planner, world, _, data = read(spec)
+    before = planner.get_object_pose("drawer").p
+    data.joint("slide").qpos[0] = 0.2
+    world.refresh()
+    np.testing.assert_allclose(planner.get_object_pose("drawer").p - before, [0, -0.2, 0], atol=1e-12)
+
+
+def test_without_robots_objects_move_too():
+    planner, world, _, data = read(small_scene(), articulations=[])
+    data.qpos[0] = 0.7
+    world.refresh()
+    assert planner.get_object_pose("cube").p[0] == 0.7
+    with pytest.raises(srmp.InvalidArgument, match="no robot was read"):
+        srmp.sim.check_parity(planner)
+
+
+def test_names_that_are_taken_get_a_number():
+    spec = small_scene()
+    for z in (1.0, 2.0):
+        spec.worldbody.add_geom(
+            name="post" if z == 1 else "cube", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, pos=[0, 1, z]
+        )
+    planner, _, _, _ = read(spec)
+    assert planner.object_names == ["cube", "cube_2", "floor", "post", "post_2"]
+    planner, _, _, _ = read(spec, exclude=["post_2"])
+    assert planner.object_names == ["cube", "cube_2", "floor", "post"]
+
+
+def test_arms_under_a_common_prefix_are_two(sim_checks):
+    pair = mujoco.MjSpec()
+    for name, x in (("left", 0.0), ("right", 0.6)):
+        pair.attach(arm7_spec(), prefix=f"{name}/", frame=pair.worldbody.add_frame(pos=[x, 0, 0]))
+    spec = mujoco.MjSpec()
+    spec.attach(pair, prefix="env/", frame=spec.worldbody.add_frame())
+    planner, world, model, data = read(spec, articulations=None)
+    assert planner.robot_names == ["env/left", "env/right"]
+    sim_checks.parity(planner, (model, data), samples=200)
+    names, lean = planner.get_joint_names("env/left"), np.array([0, 1.57, 0, 0, 0, 0, 0])
+    execution = world.execute(srmp.Trajectory(names, [0 * lean, lean], times=[0, 1]), robot="env/left")
+    assert any({contact.body_a[:9], contact.body_b[:9]} == {"env/left/", "env/right"} for contact in execution.contacts)
+
+
+def test_exclude_takes_bodies_and_refuses_what_is_not_there(small):
+    spec = small_scene()
+    table = spec.worldbody.add_body(name="table", pos=[0, 0, -0.5])
+    for z in (0.0, 0.1):
+        table.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, pos=[0, 0, z])
+    planner, _, _, _ = read(spec, exclude="table")
+    assert planner.object_names == ["cube", "floor", "post"]
+    refused(srmp.InvalidArgument, r"in exclude: 'cub'; did you mean 'cube'\?", small, exclude=["cub"])
+    refused(srmp.InvalidArgument, r"exclude is 3; it is to be a list of names", small, exclude=3)
+    refused(srmp.InvalidArgument, r"exclude is None; it is to be a list of names", small, exclude=None)
+
+
+@pytest.mark.parametrize(
+    ("match", "articulations"),
+    [
+        (r"articulations is 3; it is to be a list of names", 3),
+        (r"articulations\['arm'\] is 3; it is to be a dict", {"arm": 3}),
+        (r"articulations\['arm'\] is 'arm\.urdf'; it is to be a dict", {"arm": "arm.urdf"}),
+        (r"articulations\['arm'\] has '3'; known: articulation", {"arm": {3: 4}}),
+        (r"a robot called ''; robots are called by strings", {"": {"articulation": "arm"}}),
+        (r"a robot called 1; robots are called by strings", {1: {"articulation": "arm"}}),
+        (r"among urdf_path=None; see what add_articulation takes", {"arm": {"urdf_path": None}}),
+        (
+            r"robots 'a' and 'b' are both articulation 'arm'",
+            {"a": {"articulation": "arm"}, "b": {"articulation": "arm"}},
+        ),
+    ],
+)
+def test_robots_that_are_said_wrongly(match, articulations, small):
+    refused(srmp.InvalidArgument, match, small, articulations=articulations)
+
+
+def test_data_of_another_model_and_no_scene_at_all(small):
+    other = mujoco.MjModel.from_xml_string("<mujoco/>")
+    refused(srmp.InvalidArgument, "this MjData is of another MjModel", (small[0], mujoco.MjData(other)))
+    refused(srmp.InvalidArgument, r"a MuJoCo scene is a pair \(MjModel, MjData\), not NoneType", None)
+    refused(srmp.InvalidArgument, r"unknown simulator 'None'", small, kind=None)
+    for call in (
+        srmp.sim.check_parity,
+        lambda it: srmp.sim.execute(it, None),
+        lambda it: srmp.sim.read_sim(it, small, ""),
+    ):
+        with pytest.raises(srmp.InvalidArgument, match="planner is a NoneType; it is to be a PlannerInterface"):
+            call(None)
+
+
+@pytest.mark.parametrize(
+    ("match", "options"),
+    [
+        (r"samples is 1\.5", {"samples": 1.5}),
+        (r"samples is None", {"samples": None}),
+        (r"seed is -1", {"seed": -1}),
+        (r"seed is 'x'", {"seed": "x"}),
+        (r"margin is nan", {"margin": float("nan")}),
+        (r"margin is -0\.1", {"margin": -0.1}),
+    ],
+)
+def test_questions_of_parity_that_mean_nothing(match, options):
+    planner, _, _, _ = read(small_scene())
+    with pytest.raises(srmp.InvalidArgument, match=match):
+        srmp.sim.check_parity(planner, **options)
+
+
+def test_the_other_data_of_a_model_is_another_scene():
+    planner, world, model, _ = read(small_scene())
+    other = mujoco.MjData(model)
+    other.qpos[0] = 0.77
+    with pytest.raises(srmp.InvalidArgument, match="not the scene that the planner has read"):
+        srmp.sim.check_parity(planner, (model, other))
+    world.refresh((model, other))
+    assert planner.get_object_pose("cube").p[0] == 0.77
+
+
+def test_what_refresh_refuses_moves_nothing():
+    spec = small_scene()
+    planner, world, model, data = read(spec)
+    good = data.qpos.copy()
+
+    def refused_refresh(match, *sim):
+        q, cube, names = planner.get_qpos("arm"), planner.get_object_pose("cube").p, planner.object_names
+        with pytest.raises(srmp.InvalidArgument, match=match):
+            world.refresh(*sim)
+        np.testing.assert_array_equal(planner.get_qpos("arm"), q)
+        np.testing.assert_array_equal(planner.get_object_pose("cube").p, cube)
+        assert planner.object_names == names
+
+    data.joint("arm/arm7_joint2").qpos[0] = 0.3
+    data.qpos[0] = np.nan
+    refused_refresh("the pose of body 'cube' is not finite")
+    data.qpos[0] = 0.5
+    data.joint("arm/arm7_joint7").qpos[0] = 50
+    refused_refresh(r"joint 'arm/arm7_joint7' stands at 50 in mujoco, outside")
+    data.joint("arm/arm7_joint7").qpos[0] = 0
+    planner.attach_object("cube", "arm", "arm7_hand")
+    refused_refresh("'cube' of mujoco was attached without grasp")
+    with pytest.raises(srmp.InvalidArgument, match="attached without grasp"):
+        world.execute(srmp.Trajectory(planner.get_joint_names("arm"), [data.qpos[7:14]] * 2, times=[0, 1]))
+    assert data.time == 0  # nothing moved
+    planner.detach_object("cube")
+
+    planner.add_box("ball", size=[0.1] * 3, pose=srmp.Pose(p=[2, 2, 2]))
+    spec.worldbody.add_body(name="ball", pos=[0, 0.9, 0.5]).add_geom(size=[0.1, 0, 0])
+    larger = spec.compile()
+    refused_refresh("a new object 'ball', and the planner has one", (larger, mujoco.MjData(larger)))
+    text = "<mujoco><worldbody><body name='arm'><body><joint/><geom size='.1'/></body></body></worldbody></mujoco>"
+    strange = mujoco.MjModel.from_xml_string(text)
+    refused_refresh("joint 'arm/arm7_joint1' of robot 'arm' is no longer in", (strange, mujoco.MjData(strange)))
+    data.qpos[:] = good
+    world.refresh()  # of the scene as before
+    assert world.simulator.model is model
+
+
+def test_refresh_puts_back_what_the_planners_user_moved_or_removed():
+    planner, world, _, _ = read(small_scene())
+    planner.set_object_pose("cube", srmp.Pose(p=[0, 0, 5]))
+    planner.remove_object("post")
+    planner.set_base_pose("arm", srmp.Pose(p=[0, 0, 5]))
+    planner.add_box("mine", size=[0.1] * 3, pose=srmp.Pose(p=[2, 2, 2]))
+    world.refresh()
+    assert planner.object_names == ["cube", "floor", "mine", "post"]
+    assert planner.get_object_pose("cube").p[2] == 0.03
+    assert planner.compute_fk("arm", np.zeros(7), "arm7_base").p[2] == 0
+    for undo in (world.refresh, lambda: world.release("cube")):
+        world.grasp("cube", "arm")
+        planner.detach_object("cube")  # instead of release()
+        undo()
+        with pytest.raises(srmp.InvalidArgument, match="'cube' is not held"):
+            world.release("cube")
+
+
+def test_parity_beside_what_only_the_planner_has_and_with_full_hands():
+    planner, world, model, data = read(small_scene())
+    planner.add_box("mine", size=[1] * 3, pose=srmp.Pose(p=[0.8, 0, 0.5]))
+    planner.add_articulation(
+        name="other",
+        urdf_path=srmp.data_path("arm7.urdf"),
+        end_effector="arm7_hand",
+        base_pose=srmp.Pose(p=[0.5, 0, 0]),
+    )
+    address = model.jnt_qposadr[model.body("cube").jntadr[0]]
+    data.qpos[address : address + 3] = planner.compute_fk("arm", np.zeros(7)).p
+    world.grasp("cube", "arm")
+    report = srmp.sim.check_parity(planner, samples=200)
+    assert report, str(report)
+    reasons = set(report.not_compared.values())
+    assert "mujoco does not have one of the two" in reasons
+    assert any(reason.startswith("a robot holds one") for reason in reasons)
+
+
+def test_hands_are_asked_for_by_names(small):
+    planner = srmp.PlannerInterface()
+    world = planner.read_sim(small, "mujoco")
+    for match, call in (
+        (r"no body None among", lambda: world.grasp(None, "arm")),
+        (r"no body \['cube'\] among", lambda: world.release(["cube"])),
+        (r"unknown robot \['arm'\]", lambda: world.grasp("cube", ["arm"])),
+        (r"link is 3", lambda: world.grasp("cube", "arm", 3)),
+        (r"touch_links is 3", lambda: world.grasp("cube", "arm", touch_links=3)),
+        (r"no link 'nope'", lambda: world.grasp("cube", "arm", touch_links="nope")),
+    ):
+        with pytest.raises(srmp.InvalidArgument, match=match):
+            call()
+    planner.remove_object("cube")
+    world.grasp("cube", "arm", touch_links="arm7_palm")  # read again, as it is still there
+    assert planner.allowed_collision("arm7_palm", "cube")
+
+
+def test_what_cannot_be_executed_is_said(small):
+    planner = srmp.PlannerInterface()
+    world = planner.read_sim(small, "mujoco")
+    still = srmp.Trajectory(planner.get_joint_names("arm"), np.zeros((2, 7)), times=[0, 0.1])
+    for match, trajectory, options in (
+        (r"a NoneType cannot be executed; give a Trajectory", None, {}),
+        (r"a ndarray cannot be executed", np.zeros((2, 7)), {}),
+        (r"that of robot 'arm' is a NoneType, not a Trajectory", {"arm": None}, {}),
+        (r"unknown robot 3", still, {"robot": 3}),
+        (r"unknown robot ''", still, {"robot": ""}),
+        (r"settle_time is None", still, {"settle_time": None}),
+        (r"on_step is 3", still, {"on_step": 3}),
+    ):
+        with pytest.raises(srmp.InvalidArgument, match=match):
+            world.execute(trajectory, **options)
+
+
+def test_a_trajectory_of_no_time_takes_one_step():
+    planner, world, _, _ = read(small_scene())
+    at_once = srmp.Trajectory(planner.get_joint_names("arm"), np.zeros((1, 7)), times=[0])
+    execution = world.execute(at_once, settle_time=0)
+    assert len(execution.times) == 1
+    assert execution.largest_error <= 0.01
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_after_an_error_in_on_step_the_planner_knows_where_the_robot_is(error):
+    planner, world, _, data = read(small_scene())
+
+    def stop(now):
+        if now > 0.05:
+            raise error("the user's")
+
+    names = planner.get_joint_names("arm")
+    with pytest.raises(error, match="the user's"):
+        world.execute(srmp.Trajectory(names, [[0.0] * 7, [0.3] * 7], times=[0, 0.2]), on_step=stop)
+    assert planner.get_qpos("arm")[0] == data.joint("arm/arm7_joint1").qpos[0] > 0.05
+
+
+def test_a_simulation_that_diverges_is_an_error(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes MUJOCO_LOG.TXT
+    planner, world, _, data = read(small_scene())
+
+    def spoil(now):
+        data.qvel[:] = 1e12 if now > 0.05 else data.qvel
+
+    still = srmp.Trajectory(planner.get_joint_names("arm"), np.zeros((2, 7)), times=[0, 0.2])
+    with pytest.raises(srmp.Error, match="the simulation diverged: MuJoCo found a state that is not finite or too"):
+        world.execute(still, on_step=spoil)
+
+
+def test_a_planner_and_its_world_are_freed(small):
+    import gc
+    import weakref
+
+    planner = srmp.PlannerInterface()
+    world = weakref.ref(planner.read_sim(small, "mujoco"))
+    del planner
+    gc.collect()
+    assert world() is None

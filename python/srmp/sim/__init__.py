@@ -15,6 +15,7 @@ from srmp.sim.parity import check_parity as check_parity
 from srmp.sim.simulator import MissingSimulator as MissingSimulator
 from srmp.sim.simulator import Simulator
 from srmp.sim.world import SimulatedWorld as SimulatedWorld
+from srmp.sim.world import require_planner
 
 _SIMULATORS = {"mujoco": "MuJoCo", "sapien": "Sapien", "genesis": "Genesis", "pybullet": "PyBullet"}
 
@@ -27,10 +28,12 @@ def read_sim(
     exclude: Sequence[str] = (),
 ) -> SimulatedWorld:
     """Reads a simulator's scene into the planner: PlannerInterface.read_sim, whose docstring says the rest."""
+    require_planner(planner)
     if planner.simulated_world is not None:
         raise InvalidArgument("read_sim was called before; refresh() brings that world up to date, reset() forgets it")
     simulator = open_simulator(sim, kind)
     world = SimulatedWorld(planner, simulator, exclude)
+    world.require_excluded()
     world.read(_descriptions(simulator, articulations))
     planner.simulated_world = world
     return world
@@ -50,8 +53,12 @@ def _descriptions(simulator: Simulator, articulations: Any) -> dict[str, Mapping
     if articulations is None:
         return {articulation.name: {} for articulation in simulator.articulations()}
     if isinstance(articulations, Mapping):
-        return {name: description or {} for name, description in articulations.items()}
+        return {name: {} if description is None else description for name, description in articulations.items()}
     if isinstance(articulations, str):
         articulations = [articulations]
+    if not isinstance(articulations, Iterable):
+        raise InvalidArgument(
+            f"articulations is {articulations!r}; it is to be a list of names, or a dict by robot name"
+        )
     names = [simulator.name_of(handle) for handle in articulations]
     return {name: {} for name in names}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable, Mapping
@@ -10,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
-from srmp.sim.world import Robot, SimulatedWorld
+from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
+from srmp.sim.simulator import diverged
+from srmp.sim.world import Robot, SimulatedWorld, world_of
 
 START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
 
@@ -63,10 +65,7 @@ def execute(
     on_step: Callable[[float], bool | None] | None = None,
 ) -> Execution:
     """Plays the trajectory in the simulator that the planner has read; what SimulatedWorld.execute does."""
-    if planner.simulated_world is None:
-        raise InvalidArgument("the planner has read no simulator; call read_sim first")
-    result: Execution = planner.simulated_world.execute(trajectory, robot, real_time, settle_time, on_step)
-    return result
+    return world_of(planner).execute(trajectory, robot, real_time, settle_time, on_step)
 
 
 def play(
@@ -77,10 +76,11 @@ def play(
     on_step: Callable[[float], bool | None] | None,
 ) -> Execution:
     """The loop behind SimulatedWorld.execute."""
+    world.refresh()  # what it refuses is refused before anything moves
     simulator = world.simulator
     step = simulator.time_step
     duration = max(trajectory.duration for trajectory in trajectories.values()) + settle_time
-    times = step * np.arange(1, math.ceil(duration / step - 1e-9) + 1)
+    times = step * np.arange(1, max(1, math.ceil(duration / step - 1e-9)) + 1)
     players = [_Player(world, world.robots[name], trajectory, times) for name, trajectory in trajectories.items()]
     for player in players:
         player.require_start()
@@ -89,18 +89,23 @@ def play(
         simulator.hold(player.robot.articulation)
     start = time.perf_counter()
     done = 0
-    for k, now in enumerate(times):
-        for player in players:
-            player.command(k)
-        simulator.step()
-        for player in players:
-            player.measure(k)
-        contacts.note(float(now))
-        done = k + 1
-        if real_time:
-            time.sleep(max(0.0, start + now - time.perf_counter()))
-        if on_step is not None and on_step(float(now)) is False:
-            break
+    try:
+        for k, now in enumerate(times):
+            for player in players:
+                player.command(k)
+            simulator.step()
+            for player in players:
+                player.measure(k)
+            contacts.note(float(now))
+            done = k + 1
+            if real_time:
+                time.sleep(max(0.0, start + now - time.perf_counter()))
+            if on_step is not None and on_step(float(now)) is False:
+                break
+    except BaseException:  # on_step's too: the planner knows where the robots stopped
+        with contextlib.suppress(Error):
+            world.refresh()
+        raise
     world.refresh()
     return Execution(
         times=times[:done],
@@ -141,6 +146,8 @@ class _Player:
     def measure(self, k: int) -> None:
         now = self.world.simulator.joint_positions(self.robot.articulation)
         self.measured[k] = [now[name] for name in self.names]
+        if not np.isfinite(self.measured[k]).all():
+            raise diverged(f"robot '{self.robot.name}' has joints that are not finite numbers")
 
 
 class _Contacts:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
@@ -21,6 +22,7 @@ from srmp.sim.simulator import (
     Probe,
     Simulator,
     Touch,
+    diverged,
     import_simulator,
 )
 
@@ -41,7 +43,6 @@ class MuJoCo(Simulator):
         self.model, self.data = self._parts(sim)
         self._shapes: dict[int, shapes.Shape] = {}
         self._controls: dict[str, _Control] = {}
-        self.mj.mj_kinematics(self.model, self.data)
 
     def _parts(self, sim: Any) -> tuple[Any, Any]:
         try:
@@ -50,10 +51,13 @@ class MuJoCo(Simulator):
             model = data = None
         if not (isinstance(model, self.mj.MjModel) and isinstance(data, self.mj.MjData)):
             raise InvalidArgument(f"a MuJoCo scene is a pair (MjModel, MjData), not {type(sim).__name__}")
+        if (data.qpos.size, data.qvel.size, len(data.xpos)) != (model.nq, model.nv, model.nbody):
+            raise InvalidArgument("this MjData is of another MjModel than this one; make it by MjData(model)")
         return model, data
 
     def is_of(self, sim: Any) -> bool:
-        return self._parts(sim)[0] is self.model
+        model, data = self._parts(sim)
+        return model is self.model and data is self.data
 
     # --- the scene
 
@@ -79,12 +83,17 @@ class MuJoCo(Simulator):
         for body in range(1, m.nbody):
             if m.body_parentid[body] == 0:
                 visit(body)
-        return {self._articulation_name(root): root for root in roots}
+        wanted = {root: self._articulation_names(root) for root in roots}
+        taken = Counter(name for names in wanted.values() for name in names)
+        return {next((name for name in names if taken[name] == 1), names[-1]): root for root, names in wanted.items()}
 
-    def _articulation_name(self, root: int) -> str:
+    def _articulation_names(self, root: int) -> list[str]:
+        """Those that it may have, the best first: "a" and "a/b" if all its bodies are "a/b/…", and that of its root."""
         names = [self._body_name(body) for body in self._subtree(root)]
-        prefix = names[0].partition("/")[0]
-        return prefix if all(name.startswith(f"{prefix}/") for name in names) else names[0]
+        parts = names[0].split("/")
+        prefixes = ["/".join(parts[:k]) for k in range(1, len(parts))]
+        shared = [prefix for prefix in prefixes if all(name.startswith(f"{prefix}/") for name in names)]
+        return [*shared, names[0]]
 
     def _subtree(self, root: int) -> list[int]:
         inside = {root}
@@ -102,7 +111,18 @@ class MuJoCo(Simulator):
     def _joint_name(self, joint: int) -> str:
         return self._name("JOINT", joint) or f"joint{joint}"
 
+    def _update(self) -> None:
+        """Brings the poses of bodies up to date with the positions of joints."""
+        self.mj.mj_kinematics(self.model, self.data)
+        lost = np.flatnonzero(~np.isfinite(np.hstack([self.data.xpos, self.data.xquat])).all(axis=1))
+        if lost.size:
+            raise InvalidArgument(
+                f"the pose of body '{self._body_name(int(lost[0]))}' is not finite in mujoco: its simulation has "
+                "diverged, or qpos was set so"
+            )
+
     def articulations(self) -> list[Articulation]:
+        self._update()
         result = []
         for name, root in self._roots.items():
             links, joints = [self._body(root)], []
@@ -121,6 +141,7 @@ class MuJoCo(Simulator):
         return super().name_of(handle)
 
     def bodies(self) -> list[Body]:
+        self._update()
         inside = {body for root in self._roots.values() for body in self._subtree(root)}
         found = [self._body(body) for body in range(self.model.nbody) if body not in inside]
         return [body for body in found if body.geometries]
@@ -286,6 +307,7 @@ class MuJoCo(Simulator):
         self._controls[articulation].aim(positions, velocities, accelerations)
 
     def step(self) -> None:
+        before = self._resets()
         self.mj.mj_step1(self.model, self.data)
         for control in self._controls.values():
             control.apply()
@@ -293,6 +315,13 @@ class MuJoCo(Simulator):
             self.mj.mj_step(self.model, self.data)
         else:
             self.mj.mj_step2(self.model, self.data)
+        if self._resets() > before:
+            raise diverged("MuJoCo found a state that is not finite or too large, and has reset it")
+
+    def _resets(self) -> int:
+        """How often the state was found bad; MuJoCo then resets it."""
+        bad = (self.mj.mjtWarning.mjWARN_BADQPOS, self.mj.mjtWarning.mjWARN_BADQVEL, self.mj.mjtWarning.mjWARN_BADQACC)
+        return sum(int(self.data.warning[int(each)].number) for each in bad)
 
 
 class _Probe(Probe):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from srmp import InvalidArgument, PlannerInterface, Pose
 from srmp.sim.simulator import Probe
-from srmp.sim.world import SAME_POSE, Robot, SimulatedWorld
+from srmp.sim.world import SAME_POSE, Robot, SimulatedWorld, world_of
 
 Pair = tuple[str, str]  # objects, and links as "robot/link"; sorted
 
@@ -87,15 +89,22 @@ def check_parity(
 
     A pair that differs may be explained: shapes of the URDF that are not those of the simulator (the difference is gone
     with the simulator's own), a contact of which the other side is told to ignore one, or shapes that the simulator
-    itself tests roughly. Raises InvalidArgument when nothing was read, or from another scene.
+    itself tests roughly. What a robot holds is not compared, as the simulator's robots are put without it.
+    Raises InvalidArgument when nothing was read, no robot, or another scene, and for numbers that are not as said.
     """
-    world = planner.simulated_world
-    if world is None:
-        raise InvalidArgument("the planner has read no simulator; call read_sim first")
+    world = world_of(planner)
     if sim is not None and not world.simulator.is_of(sim):
         raise InvalidArgument("this is not the scene that the planner has read; give the one that read_sim was given")
-    if samples < 1:
-        raise InvalidArgument(f"samples is {samples}; at least 1 is needed")
+    if not isinstance(samples, Integral) or samples < 1:
+        raise InvalidArgument(f"samples is {samples!r}; a whole number of states, at least 1, is needed")
+    if not isinstance(seed, Integral) or seed < 0:
+        raise InvalidArgument(f"seed is {seed!r}; it is to be a whole number, 0 or more")
+    if margin is not None and not (isinstance(margin, Real) and math.isfinite(margin) and margin >= 0):
+        raise InvalidArgument(f"margin is {margin!r}; it is to be 0 m or more, or None for the simulator's own")
+    if not world.robots:
+        raise InvalidArgument(
+            "no robot was read, so there is nothing to compare; name some in read_sim's articulations"
+        )
     world.refresh()
     return _Comparison(world, world.simulator.margin if margin is None else margin).run(samples, seed)
 
@@ -196,6 +205,12 @@ class _Comparison:
         return pairs
 
     def _note(self, pair: Pair, who: str, depth: float, state: Mapping[str, NDArray[np.float64]]) -> None:
+        if any(self.world.is_held(body) for body in pair):
+            self.not_compared[pair] = f"a robot holds one, which moves with it in the planner only, not in {self.kind}"
+            return
+        if not all(self.world.is_of_simulator(body) for body in pair):
+            self.not_compared[pair] = f"{self.kind} does not have one of the two"
+            return
         if who == "planner" and not self.world.may_touch_in_simulator(*pair):
             self.not_compared[pair] = f"{self.kind} lets them through each other"
             return
@@ -208,22 +223,18 @@ class _Comparison:
     def _explain(self) -> None:
         """Robots from URDFs: is the difference gone with the simulator's own shapes?"""
         from_urdf = {name for name, robot in self.world.robots.items() if not robot.from_simulator}
-        if not any(_robot_of(body) in from_urdf for d in self.differences.values() for body in d.pair):
+        if not any(self.world.split(body)[0] in from_urdf for d in self.differences.values() for body in d.pair):
             return
         twin = self.world.with_own_models()
         for difference in self.differences.values():
-            if not any(_robot_of(body) in from_urdf for body in difference.pair):
+            if not any(self.world.split(body)[0] in from_urdf for body in difference.pair):
                 continue
             comparison = _Comparison(twin, self.margin)
             with twin.simulator.probe() as probe:
                 comparison._compare(probe, difference.first_state)
             if (difference.pair, difference.seen_by) not in comparison.differences:
-                links = [body for body in difference.pair if _robot_of(body) in from_urdf]
+                links = [body for body in difference.pair if self.world.split(body)[0] in from_urdf]
                 difference.reason = f"the URDF's shapes of {' and '.join(links)} are not those of {self.kind}"
-
-
-def _robot_of(body: str) -> str:
-    return body.partition("/")[0]
 
 
 def _sorted(a: str, b: str) -> Pair:

@@ -119,6 +119,11 @@ def placed_pose(shape: Shape, pose: Pose) -> Pose:
     return pose @ Pose(p=[0, 0, -PLANE_REACH / 2]) if isinstance(shape, Plane) else pose
 
 
+def require_readable(shape: Shape) -> None:
+    if isinstance(shape, Unreadable):
+        raise NotSupported(f"{shape.what} cannot be read")
+
+
 def as_mesh(shape: Shape) -> Mesh:
     """Ellipsoids and height fields as meshes; meshes as they are."""
     match shape:
@@ -128,8 +133,7 @@ def as_mesh(shape: Shape) -> Mesh:
             return Mesh(_directions() * np.asarray(semi_axes), None)
         case HeightField():
             return _layers(shape)
-        case Unreadable(what):
-            raise NotSupported(f"{what} cannot be read")
+    require_readable(shape)
     raise InvalidArgument(f"a {type(shape).__name__} has no mesh")
 
 

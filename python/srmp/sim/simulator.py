@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp import NotSupported, Pose
+from srmp import Error, NotSupported, Pose
 from srmp.sim.shapes import Shape
 
 Positions = Mapping[str, float]  # joint name to [rad or m]
@@ -34,6 +34,10 @@ def import_simulator(module: str, package: str) -> ModuleType:
         raise MissingSimulator(
             f"this needs the Python package '{package}', which cannot be imported ({error}); pip install {package}"
         ) from error
+
+
+def diverged(what: str) -> Error:
+    return Error(f"the simulation diverged: {what}; a smaller time step or softer controllers may help")
 
 
 @dataclass(frozen=True)

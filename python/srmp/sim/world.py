@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
-from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
 from srmp._words import did_you_mean
-from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, same_shape
+from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, require_readable, same_shape
 from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
 from srmp.sim.urdf import to_urdf
 
@@ -52,8 +54,9 @@ class _Object:
     body: str
     shape: Shape
     in_body: Pose
-    pose: Pose  # of the planner's object in the world, as last read
+    pose: Pose  # of the shape in the world, as last read
     key: Hashable
+    put: Pose = field(default_factory=Pose)  # where the planner's object was put
 
 
 class SimulatedWorld:
@@ -65,7 +68,7 @@ class SimulatedWorld:
     def __init__(self, planner: PlannerInterface, simulator: Simulator, exclude: Sequence[str] = ()) -> None:
         self.planner = planner
         self.simulator = simulator
-        self.exclude = frozenset(exclude)
+        self.exclude = frozenset(require_names("exclude", exclude))
         self.robots: dict[str, Robot] = {}
         self._objects: dict[str, _Object] = {}
         self._held: dict[str, tuple[str, str, list[str]]] = {}  # object: robot, link, touch links
@@ -84,8 +87,9 @@ class SimulatedWorld:
         try:
             for name, description in articulations.items():
                 self._add_robot(name, description, found, added)
-            self._update_robots()
-            self._update_objects(found)
+            states, seen = self._joint_states(), self._read_objects(found)
+            self._update_robots(states)
+            self._update_objects(seen)
             self._apply_filters(self._objects)
         except BaseException:
             for name in self._objects:
@@ -94,23 +98,48 @@ class SimulatedWorld:
                 self.planner.remove_articulation(name)
             raise
 
+    def require_excluded(self) -> None:
+        """Raises InvalidArgument for a name in `exclude` that nothing has."""
+        bodies = self.simulator.bodies()
+        bodies += [link for articulation in self.simulator.articulations() for link in articulation.links]
+        known = {body.name for body in bodies} | set(_named(bodies))
+        for name in sorted(self.exclude):
+            _require_known("object in exclude:", name, dict.fromkeys(sorted(known)))
+
     def refresh(self, sim: Any = None) -> None:
         """Moves what moved, robots too, adds what is new, and removes what is gone; held objects move in the hand.
 
-        sim: the scene in its new form, where the simulator makes another (a MuJoCo model that was compiled again).
-        Raises InvalidArgument for a robot that is gone or stands outside its limits.
+        What the planner's user moved or removed of it is put back. sim: the scene in its new form, where the simulator
+        makes another (a MuJoCo model that was compiled again). Raises InvalidArgument for a robot that is gone, has
+        other joints or stands outside its limits, for numbers that are not finite, a name that an object of the user
+        has, and an object that the user attached instead of grasp; then nothing was moved.
         """
-        if sim is not None and not self.simulator.is_of(sim):
-            self.simulator = type(self.simulator)(sim)  # type: ignore[call-arg]
-        found = {articulation.name: articulation for articulation in self.simulator.articulations()}
-        for robot in self.robots.values():
-            _require_known("articulation", robot.articulation, found)
-        self._update_robots()
-        self._apply_filters(self._update_objects(found))
+        before = self.simulator
+        if sim is not None and not before.is_of(sim):
+            self.simulator = type(before)(sim)  # type: ignore[call-arg]
+        try:
+            found = {articulation.name: articulation for articulation in self.simulator.articulations()}
+            for robot in self.robots.values():
+                _require_known("articulation", robot.articulation, found)
+            states, seen = self._joint_states(), self._read_objects(found)
+            self._require_ours(seen)
+        except BaseException:
+            self.simulator = before
+            raise
+        self._update_robots(states)
+        self._apply_filters(self._update_objects(seen))
 
     def _add_robot(
         self, name: str, description: Mapping[str, Any], found: Mapping[str, Articulation], added: list[str]
     ) -> None:
+        if not isinstance(name, str) or not name:
+            raise InvalidArgument(
+                f"articulations has a robot called {name!r}; robots are called by strings that are not empty"
+            )
+        if not isinstance(description, Mapping):
+            raise InvalidArgument(
+                f"articulations['{name}'] is {description!r}; it is to be a dict such as {{'urdf_path': …}}, or empty"
+            )
         for key in description:
             if key not in _OWN_KEYS + _DESCRIPTION_KEYS:
                 raise InvalidArgument(
@@ -119,6 +148,11 @@ class SimulatedWorld:
                 )
         where = self.simulator.name_of(description.get("articulation", name))
         articulation = _require_known("articulation", where, found)
+        for robot in self.robots.values():
+            if robot.articulation == where:
+                raise InvalidArgument(
+                    f"robots '{robot.name}' and '{name}' are both articulation '{where}'; read it once"
+                )
         options = {key: value for key, value in description.items() if key in _DESCRIPTION_KEYS}
         own = not ("urdf_path" in options or "urdf_text" in options)
         if own:
@@ -127,7 +161,13 @@ class SimulatedWorld:
             options["urdf_text"] = to_urdf(articulation, links, joints)
             if "end_effector" not in options:
                 options["end_effector"] = _only_tip(name, articulation, links)
-        self.planner.add_articulation(name=name, **options)
+        try:
+            self.planner.add_articulation(name=name, **options)
+        except TypeError as error:
+            said = ", ".join(f"{key}={value!r}" for key, value in options.items() if key in description)
+            raise InvalidArgument(
+                f"articulations['{name}'] has a value of a wrong type among {said}; see what add_articulation takes"
+            ) from error
         added.append(name)
         robot = _match(self.planner, name, articulation, list(self.simulator.link_poses(where)), own)
         self.robots[name] = robot
@@ -157,22 +197,39 @@ class SimulatedWorld:
                 if a.geometries and b.geometries and not self._may_collide(a.geometries, b.geometries):
                     self.planner.set_allowed_collision(f"{robot.name}/{names[a.name]}", f"{robot.name}/{names[b.name]}")
 
-    def _update_robots(self) -> None:
-        for robot in self.robots.values():
-            positions = self.simulator.joint_positions(robot.articulation)
-            limits = self.planner.get_all_joint_limits(robot.name)
-            within = {}
-            for ours, theirs in robot.joints.items():
-                lower, upper = limits[ours]
-                value = positions[theirs]
-                within[ours] = float(np.clip(value, lower, upper))
-                if abs(within[ours] - value) > LIMIT_SLACK:
-                    raise InvalidArgument(
-                        f"joint '{theirs}' stands at {value:.4g} in {self.simulator.kind}, outside the limits "
-                        f"[{lower:.4g}, {upper:.4g}] of joint '{ours}' of robot '{robot.name}'"
-                    )
-            self.planner.set_joint_positions(robot.name, within)
-            self.planner.set_base_pose(robot.name, self._base_pose(robot))
+    def _joint_states(self) -> dict[str, dict[str, float]]:
+        """Of all robots, by the planner's names, as they stand in the simulator."""
+        return {robot.name: self._joint_state(robot) for robot in self.robots.values()}
+
+    def _joint_state(self, robot: Robot) -> dict[str, float]:
+        positions = self.simulator.joint_positions(robot.articulation)
+        self._require_same(robot, "joint", robot.joints, positions)
+        self._require_same(robot, "link", robot.links | robot.merged, self.simulator.link_poses(robot.articulation))
+        limits = self.planner.get_all_joint_limits(robot.name)
+        within = {}
+        for ours, theirs in robot.joints.items():
+            lower, upper = limits[ours]
+            value = positions[theirs]
+            within[ours] = float(np.clip(value, lower, upper))
+            if not abs(within[ours] - value) <= LIMIT_SLACK:  # NaN neither
+                raise InvalidArgument(
+                    f"joint '{theirs}' stands at {value:.4g} in {self.simulator.kind}, outside the limits "
+                    f"[{lower:.4g}, {upper:.4g}] of joint '{ours}' of robot '{robot.name}'"
+                )
+        return within
+
+    def _require_same(self, robot: Robot, what: str, names: Mapping[str, str], there: Mapping[str, Any]) -> None:
+        gone = [theirs for theirs in names.values() if theirs not in there]
+        if gone:
+            raise InvalidArgument(
+                f"{what} '{gone[0]}' of robot '{robot.name}' is no longer in {self.simulator.kind}; "
+                "call reset() of the planner, and read_sim again"
+            )
+
+    def _update_robots(self, states: Mapping[str, Mapping[str, float]]) -> None:
+        for name, state in states.items():
+            self.planner.set_joint_positions(name, dict(state))
+            self.planner.set_base_pose(name, self._base_pose(self.robots[name]))
 
     def _base_pose(self, robot: Robot) -> Pose:
         """By the matched link nearest to the root, the root itself if the simulator has it."""
@@ -185,41 +242,64 @@ class SimulatedWorld:
 
     # --- objects
 
-    def _update_objects(self, found: Mapping[str, Articulation]) -> dict[str, _Object]:
-        """Brings the planner's objects up to date; returns those that are new."""
-        seen = {name: each for name, each in self._read_objects(found) if name not in self.exclude}
-        for name in [name for name, old in self._objects.items() if not _still_there(old, seen.get(name))]:
-            self.planner.remove_object(name)
-            self._held.pop(name, None)
-            del self._objects[name]
-        new = {}
-        for name, item in seen.items():
-            old = self._objects.get(name)
-            if old is None:
-                try:
-                    add_object(self.planner, name, item.shape, item.pose)
-                except Error as error:
-                    raise type(error)(f"object '{name}': {error}; exclude=['{name}'] leaves it out") from error
-                new[name] = item
-            elif name in self._held:
-                self._place_in_hand(name, placed_pose(item.shape, item.pose))
-            elif not _same_pose(old.pose, item.pose):
-                self.planner.set_object_pose(name, placed_pose(item.shape, item.pose))
-            else:
-                item.pose = old.pose
-            self._objects[name] = item
-        return new
-
-    def _read_objects(self, found: Mapping[str, Articulation]) -> Iterable[tuple[str, _Object]]:
-        """Bodies, and links of articulations that are no robots."""
+    def _read_objects(self, found: Mapping[str, Articulation]) -> dict[str, _Object]:
+        """Shapes of bodies, and of links of articulations that are no robots, by names that no other has."""
         robots = {robot.articulation for robot in self.robots.values()}
         bodies = self.simulator.bodies()
         bodies += [link for name, other in found.items() if name not in robots for link in other.links]
+        seen = {
+            name: _Object(body.name, geometry.shape, geometry.pose, body.pose @ geometry.pose, geometry.key)
+            for name, (body, geometry) in _named(bodies).items()
+            if not self.exclude & {name, body.name}
+        }
+        for name, item in seen.items():
+            with _naming(name):
+                require_readable(item.shape)
+        return seen
+
+    def _require_ours(self, seen: Mapping[str, _Object]) -> None:
+        """Raises InvalidArgument for what refresh must not touch: see there."""
+        present = set(self.planner.object_names)
+        for name in seen:
+            if name in present and name not in self._objects:
+                raise InvalidArgument(
+                    f"{self.simulator.kind} has a new object '{name}', and the planner has one of that name already; "
+                    "remove that, or give it another name"
+                )
+            if name in present and name not in self._held:
+                try:
+                    self.planner.set_object_pose(name, self.planner.get_object_pose(name))
+                except InvalidArgument as error:
+                    raise InvalidArgument(
+                        f"object '{name}' of {self.simulator.kind} was attached without grasp(); detach it, and call "
+                        "grasp instead of attach_object"
+                    ) from error
+
+    def _update_objects(self, seen: Mapping[str, _Object]) -> dict[str, _Object]:
+        """Brings the planner's objects up to date; returns those that are new."""
+        present = set(self.planner.object_names)
+        for name in [name for name, old in self._objects.items() if not _still_there(old, seen.get(name))]:
+            if name in present:
+                self.planner.remove_object(name)
+                present.remove(name)
+        self._objects = {name: old for name, old in self._objects.items() if name in present}
+        self._held = {name: hand for name, hand in self._held.items() if name in present}
         centre = np.mean([self._base_pose(robot).p for robot in self.robots.values()] or [np.zeros(3)], axis=0)
-        for body in bodies:
-            for name, geometry in _object_names(body):
-                pose = object_pose(geometry.shape, body.pose @ geometry.pose, centre)
-                yield name, _Object(body.name, geometry.shape, geometry.pose, pose, geometry.key)
+        new = {}
+        for name, item in seen.items():
+            old = self._objects.get(name)
+            item.pose = object_pose(item.shape, item.pose, centre)
+            if old is None:
+                with _naming(name):
+                    add_object(self.planner, name, item.shape, item.pose)
+                new[name] = item
+            elif name in self._held:
+                self._place_in_hand(name, placed_pose(item.shape, item.pose))
+            elif not (_same_pose(old.pose, item.pose) and _same_pose(old.put, self.planner.get_object_pose(name))):
+                self.planner.set_object_pose(name, placed_pose(item.shape, item.pose))
+            item.put = self.planner.get_object_pose(name)
+            self._objects[name] = item
+        return new
 
     def _apply_filters(self, objects: Mapping[str, _Object]) -> None:
         """Allows the contacts of these objects, and of robots among each other, that the simulator does not count."""
@@ -267,14 +347,28 @@ class SimulatedWorld:
         if not names:
             bodies = sorted({item.body for item in self._objects.values()})
             raise InvalidArgument(
-                f"{self.simulator.kind} has no body '{body}' among those that were read"
+                f"{self.simulator.kind} has no body {body!r} among those that were read"
                 + (did_you_mean(body, bodies, before="; ") or f"; there are {', '.join(bodies) or 'none'}")
             )
         return names
 
     def is_of_robot(self, name: str) -> bool:
         """A link, or an object that a robot holds?"""
-        return name in self._held or (name not in self._objects and name.partition("/")[0] in self.robots)
+        return name in self._held or (name not in self._objects and self.split(name)[0] in self.robots)
+
+    def is_held(self, name: str) -> bool:
+        """An object that a robot holds?"""
+        return name in self._held
+
+    def is_of_simulator(self, name: str) -> bool:
+        """Was this object, or the robot of this link, read; not added by the planner's user?"""
+        return name in self._objects or bool(self.split(name)[0])
+
+    def split(self, name: str) -> tuple[str, str]:
+        """The robot of this world and the link that "robot/link" names; ("", name) if it is none."""
+        robots = [robot for robot in self.robots if name.startswith(f"{robot}/")]
+        robot = max(robots, key=len, default="")
+        return robot, name.removeprefix(f"{robot}/") if robot else name
 
     def may_touch_in_simulator(self, a: str, b: str) -> bool:
         """Does the simulator count contact of these two, objects or links as "robot/link"?"""
@@ -291,7 +385,9 @@ class SimulatedWorld:
     def _keys_of(self, name: str) -> list[Hashable]:
         if name in self._objects:
             return [self._objects[name].key]
-        robot, _, link = name.partition("/")
+        robot, link = self.split(name)
+        if not robot:
+            return []  # something that the user added beside the simulator's
         return [geometry.key for geometry in self._link_geometries(self.robots[robot]).get(link, ())]
 
     def with_own_models(self) -> SimulatedWorld:
@@ -329,9 +425,18 @@ class SimulatedWorld:
         """
         _require_known("robot", robot, self.robots)
         link = link or self.planner.get_end_effector(robot)
+        if not isinstance(link, str):
+            raise InvalidArgument(f"link is {link!r}; it is to be the name of a link")
         names = self.objects_of(body)
+        for name in names:
+            if name in self._held:
+                raise InvalidArgument(
+                    f"'{body}' is attached to robot '{self._held[name][0]}' already; release it first"
+                )
+        touched = None if touch_links is None else require_names("touch_links", touch_links)
         self.refresh()
-        touched = self._touched_links(names, robot) if touch_links is None else list(touch_links)
+        names = self.objects_of(body)
+        touched = self._touched_links(names, robot) if touched is None else touched
         for name in names:
             self.planner.attach_object(name, robot, link, touched)
             self._held[name] = (robot, link, touched)
@@ -346,7 +451,7 @@ class SimulatedWorld:
             if name not in self._held:
                 raise InvalidArgument(f"'{body}' is not held; grasp it first")
         for name in names:
-            self.planner.detach_object(name)
+            self._detach(name)
             del self._held[name]
         self.refresh()
 
@@ -367,12 +472,15 @@ class SimulatedWorld:
         False stops. Afterwards the planner's world is refreshed, and the controllers hold what they last held.
 
         Raises InvalidArgument for unknown robots and joints, a trajectory without times, or one that starts more than
-        0.05 rad (or m) from where the robot is.
+        0.05 rad (or m) from where the robot is; Error when the simulation diverges. After an error, on_step's too, the
+        planner's world is refreshed where that is possible.
         """
         from srmp.sim.execution import play
 
-        if not (math.isfinite(settle_time) and settle_time >= 0):
-            raise InvalidArgument(f"settle_time is {settle_time}; it must be 0 s or more")
+        if not (isinstance(settle_time, Real) and math.isfinite(settle_time) and settle_time >= 0):
+            raise InvalidArgument(f"settle_time is {settle_time!r}; it must be 0 s or more")
+        if on_step is not None and not callable(on_step):
+            raise InvalidArgument(f"on_step is {on_step!r}; it is to be a function that takes the time, or None")
         return play(self, _by_robot(self, trajectory, robot), real_time, settle_time, on_step)
 
     def _touched_links(self, objects: Sequence[str], robot: str) -> list[str]:
@@ -383,20 +491,36 @@ class SimulatedWorld:
                 a, b = names.get(touch.a, []), names.get(touch.b, [])
                 for mine, other in ((a, b), (b, a)):
                     if set(mine) & set(objects):
-                        links |= {name.partition("/")[2] for name in other if name.startswith(f"{robot}/")}
+                        links |= {link for owner, link in map(self.split, other) if owner == robot}
         return sorted(links)
 
     def _place_in_hand(self, name: str, pose: Pose) -> None:
         robot, link, touch_links = self._held[name]
-        self.planner.detach_object(name)
+        held = self._detach(name)
         self.planner.set_object_pose(name, pose)
-        self.planner.attach_object(name, robot, link, touch_links)
+        if held:
+            self.planner.attach_object(name, robot, link, touch_links)
+        else:
+            del self._held[name]
+
+    def _detach(self, name: str) -> bool:
+        """False if the planner's user has detached it before."""
+        try:
+            self.planner.detach_object(name)
+        except InvalidArgument:
+            return False
+        return True
 
 
 def _by_robot(
     world: SimulatedWorld, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
 ) -> dict[str, Trajectory]:
     """The trajectories by robot; whose a single one is, its joints say."""
+    if not isinstance(trajectory, Trajectory | MultiTrajectory | Mapping):
+        raise InvalidArgument(
+            f"a {type(trajectory).__name__} cannot be executed; give a Trajectory, a MultiTrajectory, or a dict of "
+            "trajectories by robot"
+        )
     if not isinstance(trajectory, Trajectory):
         if robot is not None:
             raise InvalidArgument(
@@ -406,9 +530,11 @@ def _by_robot(
         if not trajectories:
             raise InvalidArgument("there is no trajectory to execute")
     else:
-        trajectories = {robot or _only_owner(world, trajectory): trajectory}
+        trajectories = {_only_owner(world, trajectory) if robot is None else robot: trajectory}
     for name, each in trajectories.items():
         known = _require_known("robot", name, world.robots)
+        if not isinstance(each, Trajectory):
+            raise InvalidArgument(f"that of robot '{name}' is a {type(each).__name__}, not a Trajectory")
         for joint in each.joint_names:
             _require_known(f"joint of robot '{name}'", joint, known.joints)
     return trajectories
@@ -422,6 +548,36 @@ def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
             f"say which one is meant: robot=… (there are {', '.join(world.robots) or 'none'})"
         )
     return owners[0]
+
+
+@contextlib.contextmanager
+def _naming(name: str) -> Iterator[None]:
+    """Errors say which object they are about."""
+    try:
+        yield
+    except Error as error:
+        raise type(error)(f"object '{name}': {error}; exclude=['{name}'] leaves it out") from error
+
+
+def require_names(argument: str, names: Any) -> list[str]:
+    """The names, of which there may be one alone. Raises InvalidArgument for anything else."""
+    found = [names] if isinstance(names, str) else list(names) if isinstance(names, Iterable) else [names]
+    if not all(isinstance(name, str) for name in found):
+        raise InvalidArgument(f"{argument} is {names!r}; it is to be a list of names")
+    return found
+
+
+def require_planner(planner: Any) -> None:
+    if not isinstance(planner, PlannerInterface):
+        raise InvalidArgument(f"planner is a {type(planner).__name__}; it is to be a PlannerInterface")
+
+
+def world_of(planner: PlannerInterface) -> SimulatedWorld:
+    """What the planner has read. Raises InvalidArgument for none."""
+    require_planner(planner)
+    if not isinstance(planner.simulated_world, SimulatedWorld):
+        raise InvalidArgument("the planner has read no simulator; call read_sim first")
+    return planner.simulated_world
 
 
 def _still_there(old: _Object, new: _Object | None) -> bool:
@@ -442,6 +598,18 @@ def _object_names(body: Body) -> Iterable[tuple[str, Geometry]]:
             yield geometry.name, geometry
         else:
             yield f"{body.name}/{name}", geometry
+
+
+def _named(bodies: Iterable[Body]) -> dict[str, tuple[Body, Geometry]]:
+    """All shapes by the names of their objects; where one is taken already, it gets a number."""
+    seen: dict[str, tuple[Body, Geometry]] = {}
+    for body in bodies:
+        for wanted, geometry in _object_names(body):
+            name, number = wanted, 2
+            while name in seen:
+                name, number = f"{wanted}_{number}", number + 1
+            seen[name] = body, geometry
+    return seen
 
 
 def _short_names(names: Iterable[str]) -> dict[str, str]:
@@ -550,9 +718,9 @@ def _pair(ours: Sequence[str], theirs: Sequence[str]) -> dict[str, str]:
 
 
 def _require_known(what: str, name: str, known: Mapping[str, Any]) -> Any:
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise InvalidArgument(
-            f"unknown {what} '{name}'"
+            f"unknown {what} {name!r}"
             + (did_you_mean(name, known, before="; ") or f"; known: {', '.join(known) or 'none'}")
         )
     return known[name]
