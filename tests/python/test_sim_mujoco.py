@@ -689,3 +689,82 @@ def test_a_planner_and_its_world_are_freed(small):
     del planner
     gc.collect()
     assert world() is None
+
+
+GRIPPER = """
+<mujoco>
+  <compiler angle="radian"/>
+  <option integrator="implicitfast" impratio="10" cone="elliptic"/>
+  <default>
+    <default class="lift">
+      <joint type="slide" armature="0.1" damping="1"/>
+      <default class="finger"><joint axis="0 1 0" range="0 0.04"/><geom type="box" friction="2 0.05 0.0001"/></default>
+    </default>
+  </default>
+  <worldbody>
+    <body name="table"><geom type="box" size="0.3 0.3 0.05" pos="0 0 -0.05"/></body>
+    <body name="cube" pos="0 0 0.02"><freejoint/>
+      <geom type="box" size="0.02 0.02 0.02" mass="0.05" friction="2 0.05 0"/></body>
+    <body name="gantry" pos="0 0 0.6" childclass="lift">
+      <geom type="box" size="0.02 0.02 0.02"/>
+      <body name="hand" pos="0 0 -0.25"><joint name="down" axis="0 0 -1" range="0 0.3"/>
+        <joint name="along" axis="1 0 0" range="-0.2 0.2"/>
+        <geom type="box" size="0.02 0.08 0.02"/>
+        <body name="left"><joint name="f1" class="finger"/>
+          <geom class="finger" size="0.01 0.006 0.01" pos="0 0.006 -0.06"/></body>
+        <body name="right" euler="0 0 3.14159265"><joint name="f2" class="finger"/>
+          <geom class="finger" size="0.01 0.006 0.01" pos="0 0.006 -0.06"/></body>
+      </body>
+    </body>
+  </worldbody>
+  <tendon><fixed name="split"><joint joint="f1" coef="0.5"/><joint joint="f2" coef="0.5"/></fixed></tendon>
+  <equality><joint joint1="f1" joint2="f2" solimp="0.95 0.99 0.001" solref="0.005 1"/></equality>
+  <contact><exclude body1="gantry" body2="hand"/></contact>
+  <actuator>
+    <general joint="down" biastype="affine" gainprm="4500" biasprm="0 -4500 -450"/>
+    <general joint="along" biastype="affine" gainprm="4500" biasprm="0 -4500 -450"/>
+    <general tendon="split" biastype="affine" ctrlrange="0 255" gainprm="0.0157" biasprm="0 -100 -10"/>
+  </actuator>
+  <keyframe><key name="open" qpos="0 0 0.02 1 0 0 0  0 0 0.04 0.04" ctrl="0 0 255"/></keyframe>
+</mujoco>
+"""
+
+
+def test_fingers_on_a_tendon_hold_a_cube_by_friction():
+    model = mujoco.MjModel.from_xml_string(GRIPPER)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    planner = srmp.PlannerInterface()
+    world = planner.read_sim((model, data), "mujoco", articulations={"gantry": {"end_effector": "hand"}})
+    assert planner.get_joint_names("gantry") == ["down", "along"]
+    assert srmp.sim.check_parity(planner, samples=100)
+    planner.make_planner("gantry", {"planner_id": "auto", "time_limit": 5})
+
+    def go(*q):
+        goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, q)
+        execution = world.execute(planner.plan("gantry", planner.get_qpos("gantry"), goal))
+        assert execution.final_error <= 0.01
+        assert not execution.unexpected_contacts, [str(contact) for contact in execution.unexpected_contacts]
+
+    def squeeze(control):
+        data.ctrl[-1] = control
+        mujoco.mj_step(model, data, nstep=300)
+
+    go(0.27, 0.0)
+    squeeze(0)
+    world.grasp("cube", "gantry")
+    assert [link for link in planner.get_link_names("gantry") if planner.allowed_collision(link, "cube")] == [
+        "hand",
+        "left",
+        "right",
+    ]
+    planner.set_allowed_collision("cube", "table")  # it lies on it
+    go(0.1, 0.0)
+    planner.set_allowed_collision("cube", "table", False)
+    go(0.1, 0.15)
+    np.testing.assert_allclose(data.body("cube").xpos, [0.15, 0, 0.19], atol=0.01)
+    np.testing.assert_allclose(planner.get_object_pose("cube").p, data.body("cube").xpos, atol=1e-9)
+    assert srmp.sim.check_parity(planner, samples=100)
+    squeeze(255)
+    world.release("cube")
+    assert planner.get_object_pose("cube").p[2] < 0.1
