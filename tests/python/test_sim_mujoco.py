@@ -615,14 +615,14 @@ def test_hands_are_asked_for_by_names(small):
     planner = srmp.PlannerInterface()
     world = planner.read_sim(small, "mujoco")
     for match, call in (
-        (r"no body None among", lambda: world.grasp(None, "arm")),
-        (r"no body \['cube'\] among", lambda: world.release(["cube"])),
+        (r"bodies and .* named by strings, not by None", lambda: world.grasp(None, "arm")),
+        (r"bodies and .* named by strings, not by \['cube'\]", lambda: world.release(["cube"])),
         (r"unknown robot \['arm'\]", lambda: world.grasp("cube", ["arm"])),
         (r"link is 3", lambda: world.grasp("cube", "arm", 3)),
         (r"touch_links is 3", lambda: world.grasp("cube", "arm", touch_links=3)),
         (r"no link 'nope'", lambda: world.grasp("cube", "arm", touch_links="nope")),
     ):
-        with pytest.raises(srmp.InvalidArgument, match=match):
+        with pytest.raises((srmp.InvalidArgument, srmp.NotSupported), match=match):
             call()
     planner.remove_object("cube")
     world.grasp("cube", "arm", touch_links="arm7_palm")  # read again, as it is still there

@@ -135,7 +135,7 @@ class Simulator(ABC):
         """The name of an articulation, of which the simulator's users may hold something else (an id, an object)."""
         if isinstance(handle, str):
             return handle
-        raise NotSupported(f"articulations of {self.kind} are named by strings, not by {handle!r}")
+        raise NotSupported(f"bodies and articulations of {self.kind} are named by strings, not by {handle!r}")
 
     @abstractmethod
     def may_collide(self, a: Hashable, b: Hashable) -> bool:
