@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
+from srmp.sim.robots import Robot
 from srmp.sim.simulator import diverged
-from srmp.sim.world import Robot, SimulatedWorld, world_of
+from srmp.sim.world import SimulatedWorld, world_of
 
 START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import InvalidArgument, PlannerInterface, Pose
+from srmp.sim.robots import Robot
 from srmp.sim.simulator import Probe
-from srmp.sim.world import SAME_POSE, Robot, SimulatedWorld, world_of
+from srmp.sim.world import SAME_POSE, SimulatedWorld, world_of
 
 Pair = tuple[str, str]  # objects, and links as "robot/link"; sorted
 

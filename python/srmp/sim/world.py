@@ -14,6 +14,7 @@ import numpy as np
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
 from srmp._words import did_you_mean
+from srmp.sim.robots import Robot, match_robot, only_tip, require_known, short_names
 from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, require_readable, same_shape
 from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
 from srmp.sim.urdf import to_urdf
@@ -32,19 +33,6 @@ _DESCRIPTION_KEYS = (
     *("urdf_path", "urdf_text", "urdf_folder", "srdf_path", "srdf_text", "end_effector", "group", "joint_names"),
     *("fixed_joints", "package_dirs"),
 )
-
-
-@dataclass
-class Robot:
-    """A robot of the planner and the articulation that it is in the simulator."""
-
-    name: str
-    articulation: str
-    joints: dict[str, str]  # all movable joints of the planner's robot that the simulator has, to its name there
-    links: dict[str, str]  # the same for links
-    from_simulator: bool  # made of the simulator's own model
-    differences: list[str] = field(default_factory=list)  # between URDF and simulator, as sentences
-    merged: dict[str, str] = field(default_factory=dict)  # links that are part of another in the simulator, to that
 
 
 @dataclass
@@ -104,7 +92,7 @@ class SimulatedWorld:
         bodies += [link for articulation in self.simulator.articulations() for link in articulation.links]
         known = {body.name for body in bodies} | set(_named(bodies))
         for name in sorted(self.exclude):
-            _require_known("object in exclude:", name, dict.fromkeys(sorted(known)))
+            require_known("object in exclude:", name, dict.fromkeys(sorted(known)))
 
     def refresh(self, sim: Any = None) -> None:
         """Moves what moved, robots too, adds what is new, and removes what is gone; held objects move in the hand.
@@ -120,7 +108,7 @@ class SimulatedWorld:
         try:
             found = {articulation.name: articulation for articulation in self.simulator.articulations()}
             for robot in self.robots.values():
-                _require_known("articulation", robot.articulation, found)
+                require_known("articulation", robot.articulation, found)
             states, seen = self._joint_states(), self._read_objects(found)
             self._require_ours(seen)
         except BaseException:
@@ -147,7 +135,7 @@ class SimulatedWorld:
                     + did_you_mean(key, _OWN_KEYS + _DESCRIPTION_KEYS, before="; ")
                 )
         where = self.simulator.name_of(description.get("articulation", name))
-        articulation = _require_known("articulation", where, found)
+        articulation = require_known("articulation", where, found)
         for robot in self.robots.values():
             if robot.articulation == where:
                 raise InvalidArgument(
@@ -156,11 +144,11 @@ class SimulatedWorld:
         options = {key: value for key, value in description.items() if key in _DESCRIPTION_KEYS}
         own = not ("urdf_path" in options or "urdf_text" in options)
         if own:
-            links = _short_names(link.name for link in articulation.links)
-            joints = _short_names(joint.name for joint in articulation.joints)
+            links = short_names(link.name for link in articulation.links)
+            joints = short_names(joint.name for joint in articulation.joints)
             options["urdf_text"] = to_urdf(articulation, links, joints)
             if "end_effector" not in options:
-                options["end_effector"] = _only_tip(name, articulation, links)
+                options["end_effector"] = only_tip(name, articulation, links)
         try:
             self.planner.add_articulation(name=name, **options)
         except TypeError as error:
@@ -169,7 +157,7 @@ class SimulatedWorld:
                 f"articulations['{name}'] has a value of a wrong type among {said}; see what add_articulation takes"
             ) from error
         added.append(name)
-        robot = _match(self.planner, name, articulation, list(self.simulator.link_poses(where)), own)
+        robot = match_robot(self.planner, name, articulation, list(self.simulator.link_poses(where)), own)
         self.robots[name] = robot
         self._compare_limits(robot, articulation)
         for sentence in robot.differences:
@@ -423,7 +411,7 @@ class SimulatedWorld:
         those that it touches now in the simulator. Everything else is refreshed too. Raises InvalidArgument for
         unknown names and for a body that is held already.
         """
-        _require_known("robot", robot, self.robots)
+        require_known("robot", robot, self.robots)
         link = link or self.planner.get_end_effector(robot)
         if not isinstance(link, str):
             raise InvalidArgument(f"link is {link!r}; it is to be the name of a link")
@@ -532,11 +520,11 @@ def _by_robot(
     else:
         trajectories = {_only_owner(world, trajectory) if robot is None else robot: trajectory}
     for name, each in trajectories.items():
-        known = _require_known("robot", name, world.robots)
+        known = require_known("robot", name, world.robots)
         if not isinstance(each, Trajectory):
             raise InvalidArgument(f"that of robot '{name}' is a {type(each).__name__}, not a Trajectory")
         for joint in each.joint_names:
-            _require_known(f"joint of robot '{name}'", joint, known.joints)
+            require_known(f"joint of robot '{name}'", joint, known.joints)
     return trajectories
 
 
@@ -610,117 +598,3 @@ def _named(bodies: Iterable[Body]) -> dict[str, tuple[Body, Geometry]]:
                 name, number = f"{wanted}_{number}", number + 1
             seen[name] = body, geometry
     return seen
-
-
-def _short_names(names: Iterable[str]) -> dict[str, str]:
-    """Names without the "prefix/" that all of them share."""
-    full = list(names)
-    prefixes = {name.rpartition("/")[0] for name in full}
-    cut = len(prefixes.pop()) + 1 if len(prefixes) == 1 and "" not in prefixes else 0
-    return {name: name[cut:] for name in full}
-
-
-def _only_tip(robot: str, articulation: Articulation, links: Mapping[str, str]) -> str:
-    parents = {joint.parent for joint in articulation.joints}
-    tips = [links[link.name] for link in articulation.links if link.name not in parents]
-    if len(tips) > 1:
-        raise InvalidArgument(
-            f"robot '{robot}' has {len(tips)} links at its ends ({', '.join(tips)}); say which one goals speak of: "
-            f"articulations={{'{robot}': {{'end_effector': …}}}}"
-        )
-    return tips[0]
-
-
-def _match(planner: PlannerInterface, name: str, articulation: Articulation, bodies: list[str], own: bool) -> Robot:
-    """Which joints and links of the planner's robot are which in the simulator.
-
-    bodies: the articulation's links without those that only stand between two joints of one body.
-    """
-    movable = {joint.name: joint for joint in articulation.joints if joint.kind != "fixed"}
-    in_planner = list(planner.get_all_joint_limits(name))
-    joints = _pair(in_planner, list(movable))
-    for joint in planner.get_joint_names(name):
-        if joint not in joints:
-            raise InvalidArgument(
-                f"robot '{name}' has a joint '{joint}', articulation '{articulation.name}' has none of that name"
-                + (did_you_mean(joint, movable, before="; ") or f"; its joints: {', '.join(movable) or 'none'}")
-            )
-    in_links = planner.get_link_names(name)
-    links = _pair(in_links, bodies)
-    if not links:
-        raise InvalidArgument(
-            f"robot '{name}' and articulation '{articulation.name}' have no link name in common; it has "
-            f"{', '.join(bodies)}"
-        )
-    merged = {} if own else _merged(planner, name, links)
-    lists = [
-        *(
-            (
-                f"link of robot '{name}' is part of link '{whole}' in the simulator",
-                [x for x in merged if merged[x] == whole],
-            )
-            for whole in dict.fromkeys(merged.values())
-        ),
-        (
-            f"link of robot '{name}' has no counterpart in the simulator",
-            [x for x in in_links if x not in links and x not in merged and not own],
-        ),
-        (f"joint of robot '{name}' has no counterpart in the simulator", [x for x in in_planner if x not in joints]),
-        (
-            f"link of articulation '{articulation.name}' has no counterpart in the URDF",
-            [body for body in bodies if body not in links.values()],
-        ),
-        (
-            f"joint of articulation '{articulation.name}' has no counterpart in the URDF",
-            [joint for joint in movable if joint not in joints.values()],
-        ),
-    ]
-    differences = [f"{what}: {', '.join(names)}" for what, names in lists if names]
-    return Robot(name, articulation.name, joints, links, own, differences, merged)
-
-
-def _merged(planner: PlannerInterface, robot: str, links: Mapping[str, str]) -> dict[str, str]:
-    """Links that the simulator does not have, but which never move against one that it has: to that one."""
-    limits = planner.get_joint_limits(robot)[:, :2]
-    lower, upper = np.maximum(limits[:, 0], -1.0), np.minimum(limits[:, 1], 1.0)
-    states = [lower + share * (upper - lower) for share in (0.2, 0.7)]
-
-    def stands_still(link: str, other: str) -> bool:
-        a, b = (
-            planner.compute_fk(robot, q, link).inverse().matrix() @ planner.compute_fk(robot, q, other).matrix()
-            for q in states
-        )
-        return np.allclose(a, b, atol=1e-9)
-
-    found: dict[str, str] = {}
-    above: list[str] = []  # links that both have, so far
-    for link in planner.get_link_names(robot):
-        if link in links:
-            above.append(link)
-            continue
-        below = [other for other in links if other not in above]
-        whole = next((other for other in [*reversed(above), *below] if stands_still(link, other)), None)
-        if whole is not None:
-            found[link] = links[whole]
-    return found
-
-
-def _pair(ours: Sequence[str], theirs: Sequence[str]) -> dict[str, str]:
-    """Equal names; where there is none, the only one that ends with "/name"."""
-    pairs = {}
-    for name in ours:
-        endings = [other for other in theirs if other.endswith(f"/{name}")]
-        if name in theirs:
-            pairs[name] = name
-        elif len(endings) == 1:
-            pairs[name] = endings[0]
-    return pairs
-
-
-def _require_known(what: str, name: str, known: Mapping[str, Any]) -> Any:
-    if not isinstance(name, str) or name not in known:
-        raise InvalidArgument(
-            f"unknown {what} {name!r}"
-            + (did_you_mean(name, known, before="; ") or f"; known: {', '.join(known) or 'none'}")
-        )
-    return known[name]
