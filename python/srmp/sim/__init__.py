@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from srmp import InvalidArgument, PlannerInterface
+from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
 from srmp._words import did_you_mean
 from srmp.sim.execution import Execution as Execution
-from srmp.sim.execution import execute as execute
 from srmp.sim.parity import ParityReport as ParityReport
 from srmp.sim.parity import check_parity as check_parity
 from srmp.sim.simulator import MissingSimulator as MissingSimulator
 from srmp.sim.simulator import Simulator
 from srmp.sim.world import SimulatedWorld as SimulatedWorld
-from srmp.sim.world import require_planner
+from srmp.sim.world import require_planner, world_of
 
 _SIMULATORS = {"mujoco": "MuJoCo", "sapien": "Sapien", "genesis": "Genesis", "pybullet": "PyBullet"}
 
@@ -37,6 +36,18 @@ def read_sim(
     world.read(_descriptions(simulator, articulations))
     planner.simulated_world = world
     return world
+
+
+def execute(
+    planner: PlannerInterface,
+    trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
+    robot: str | None = None,
+    real_time: bool = False,
+    settle_time: float = 0.5,
+    on_step: Callable[[float], bool | None] | None = None,
+) -> Execution:
+    """Plays the trajectory in the simulator that the planner has read; what SimulatedWorld.execute does."""
+    return world_of(planner).execute(trajectory, robot, real_time, settle_time, on_step)
 
 
 def open_simulator(sim: Any, kind: str) -> Simulator:

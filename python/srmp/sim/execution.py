@@ -7,14 +7,17 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
-from srmp.sim.robots import Robot
+from srmp import Error, InvalidArgument, MultiTrajectory, Trajectory
+from srmp.sim.robots import Robot, require_known
 from srmp.sim.simulator import diverged
-from srmp.sim.world import SimulatedWorld, world_of
+
+if TYPE_CHECKING:
+    from srmp.sim.world import SimulatedWorld
 
 START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
 
@@ -57,16 +60,42 @@ class Execution:
         return [contact for contact in self.contacts if not contact.allowed]
 
 
-def execute(
-    planner: PlannerInterface,
-    trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
-    robot: str | None = None,
-    real_time: bool = False,
-    settle_time: float = 0.5,
-    on_step: Callable[[float], bool | None] | None = None,
-) -> Execution:
-    """Plays the trajectory in the simulator that the planner has read; what SimulatedWorld.execute does."""
-    return world_of(planner).execute(trajectory, robot, real_time, settle_time, on_step)
+def by_robot(
+    world: SimulatedWorld, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
+) -> dict[str, Trajectory]:
+    """The trajectories by robot; whose a single one is, its joints say."""
+    if not isinstance(trajectory, Trajectory | MultiTrajectory | Mapping):
+        raise InvalidArgument(
+            f"a {type(trajectory).__name__} cannot be executed; give a Trajectory, a MultiTrajectory, or a dict of "
+            "trajectories by robot"
+        )
+    if not isinstance(trajectory, Trajectory):
+        if robot is not None:
+            raise InvalidArgument(
+                f"robot='{robot}' is for a single trajectory; these are of {', '.join(trajectory.keys())}"
+            )
+        trajectories = dict(trajectory.items())
+        if not trajectories:
+            raise InvalidArgument("there is no trajectory to execute")
+    else:
+        trajectories = {_only_owner(world, trajectory) if robot is None else robot: trajectory}
+    for name, each in trajectories.items():
+        known = require_known("robot", name, world.robots)
+        if not isinstance(each, Trajectory):
+            raise InvalidArgument(f"that of robot '{name}' is a {type(each).__name__}, not a Trajectory")
+        for joint in each.joint_names:
+            require_known(f"joint of robot '{name}'", joint, known.joints)
+    return trajectories
+
+
+def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
+    owners = [name for name, robot in world.robots.items() if set(trajectory.joint_names) <= set(robot.joints)]
+    if len(owners) != 1:
+        raise InvalidArgument(
+            f"{'several robots have' if owners else 'no robot has'} the joints {', '.join(trajectory.joint_names)}; "
+            f"say which one is meant: robot=… (there are {', '.join(world.robots) or 'none'})"
+        )
+    return owners[0]
 
 
 def play(

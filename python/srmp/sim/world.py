@@ -8,19 +8,17 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
 from srmp._words import did_you_mean
+from srmp.sim.execution import Execution, by_robot, play
 from srmp.sim.robots import Robot, match_robot, only_tip, require_known, short_names
 from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, require_readable, same_shape
 from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
 from srmp.sim.urdf import to_urdf
-
-if TYPE_CHECKING:
-    from srmp.sim.execution import Execution
 
 logger = logging.getLogger("srmp.sim")
 
@@ -463,13 +461,11 @@ class SimulatedWorld:
         0.05 rad (or m) from where the robot is; Error when the simulation diverges. After an error, on_step's too, the
         planner's world is refreshed where that is possible.
         """
-        from srmp.sim.execution import play
-
         if not (isinstance(settle_time, Real) and math.isfinite(settle_time) and settle_time >= 0):
             raise InvalidArgument(f"settle_time is {settle_time!r}; it must be 0 s or more")
         if on_step is not None and not callable(on_step):
             raise InvalidArgument(f"on_step is {on_step!r}; it is to be a function that takes the time, or None")
-        return play(self, _by_robot(self, trajectory, robot), real_time, settle_time, on_step)
+        return play(self, by_robot(self, trajectory, robot), real_time, settle_time, on_step)
 
     def _touched_links(self, objects: Sequence[str], robot: str) -> list[str]:
         names = self.names_of_keys()
@@ -498,44 +494,6 @@ class SimulatedWorld:
         except InvalidArgument:
             return False
         return True
-
-
-def _by_robot(
-    world: SimulatedWorld, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
-) -> dict[str, Trajectory]:
-    """The trajectories by robot; whose a single one is, its joints say."""
-    if not isinstance(trajectory, Trajectory | MultiTrajectory | Mapping):
-        raise InvalidArgument(
-            f"a {type(trajectory).__name__} cannot be executed; give a Trajectory, a MultiTrajectory, or a dict of "
-            "trajectories by robot"
-        )
-    if not isinstance(trajectory, Trajectory):
-        if robot is not None:
-            raise InvalidArgument(
-                f"robot='{robot}' is for a single trajectory; these are of {', '.join(trajectory.keys())}"
-            )
-        trajectories = dict(trajectory.items())
-        if not trajectories:
-            raise InvalidArgument("there is no trajectory to execute")
-    else:
-        trajectories = {_only_owner(world, trajectory) if robot is None else robot: trajectory}
-    for name, each in trajectories.items():
-        known = require_known("robot", name, world.robots)
-        if not isinstance(each, Trajectory):
-            raise InvalidArgument(f"that of robot '{name}' is a {type(each).__name__}, not a Trajectory")
-        for joint in each.joint_names:
-            require_known(f"joint of robot '{name}'", joint, known.joints)
-    return trajectories
-
-
-def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
-    owners = [name for name, robot in world.robots.items() if set(trajectory.joint_names) <= set(robot.joints)]
-    if len(owners) != 1:
-        raise InvalidArgument(
-            f"{'several robots have' if owners else 'no robot has'} the joints {', '.join(trajectory.joint_names)}; "
-            f"say which one is meant: robot=… (there are {', '.join(world.robots) or 'none'})"
-        )
-    return owners[0]
 
 
 @contextlib.contextmanager
