@@ -370,9 +370,8 @@ def test_refresh_moves_adds_and_removes(small):
 
     p.removeBody(2, physicsClientId=small)  # the post; its number goes to the next body
     ball = body(small, "ball", (p.GEOM_SPHERE, {"radius": 0.1}), [0, 0.5, 0.5])
-    unnamed = p.createMultiBody(
-        0, p.createCollisionShape(p.GEOM_SPHERE, radius=0.1, physicsClientId=small), -1, [9, 0, 0]
-    )
+    sphere = p.createCollisionShape(p.GEOM_SPHERE, radius=0.1, physicsClientId=small)
+    unnamed = p.createMultiBody(0, sphere, -1, [9, 0, 0], physicsClientId=small)
     world.refresh()
     assert ball == 2
     assert planner.object_names == ["ball", f"body{unnamed}", "cube", "floor"]
