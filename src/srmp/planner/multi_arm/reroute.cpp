@@ -31,7 +31,7 @@ class Reroute {
   /// None: there is no way that is shorter.
   std::optional<CoupledPath> run() {
     const double limit = worth * path_.length(arm_);
-    if (end_ > most_steps || left(0) >= limit) return std::nullopt;
+    if (end_ > most_steps || left_[0] >= limit) return std::nullopt;
     push(0, 0, 0.0, no_node);
     while (!open_.empty() && !deadline_.stop_requested() && nodes_.size() < most_nodes) {
       const std::size_t id = open_.top().second;
@@ -41,13 +41,13 @@ class Reroute {
       if (known != best_.end() && known->second <= node.cost) continue;
       if (node.parent != no_node && !is_free(nodes_[node.parent], node)) continue;
       best_[{node.place, node.step}] = node.cost;
-      if (left(node.place) == 0.0 && can_stay(node)) return answer(id);
+      if (left_[node.place] == 0.0 && can_stay(node)) return answer(id);
       if (node.step < end_) push(node.place, node.step + 1, node.cost + waiting, id);
       for (std::size_t to = 0; to < places_.size(); ++to) {
         if (to == node.place) continue;
         const double cost = node.cost + distance(node.place, to);
         const int step = node.step + duration(node.place, to);
-        if (cost + left(to) < limit && step <= end_) push(to, step, cost, id);
+        if (cost + left_[to] < limit && step <= end_) push(to, step, cost, id);
       }
     }
     return std::nullopt;
@@ -72,11 +72,14 @@ class Reroute {
     for (Eigen::Index row = 1; row + 1 < rows.rows(); ++row)
       if (turns(row)) add(rows.row(row).transpose());
     for (const Eigen::VectorXd& q : task_.backbone) add(q);
-    for (const Eigen::VectorXd& q : places_) {
-      const bool end =
-          task_.anywhere || std::find(task_.targets.begin(), task_.targets.end(), q) != task_.targets.end();
-      goals_.push_back(end || q == places_[std::min<std::size_t>(1, places_.size() - 1)]);
-    }
+    left_.assign(places_.size(), search::infinity);
+    for (std::size_t goal = 0; goal < places_.size(); ++goal)
+      if (is_goal(places_[goal]))
+        for (std::size_t k = 0; k < places_.size(); ++k) left_[k] = std::min(left_[k], distance(k, goal));
+  }
+  bool is_goal(const Eigen::VectorXd& q) const {
+    return task_.anywhere || q == path_.positions[arm_].bottomRows(1).transpose() ||
+           std::find(task_.targets.begin(), task_.targets.end(), q) != task_.targets.end();
   }
   void add(const Eigen::VectorXd& q) {
     if (std::find(places_.begin(), places_.end(), q) == places_.end()) places_.push_back(q);
@@ -89,18 +92,12 @@ class Reroute {
 
   double distance(std::size_t a, std::size_t b) const { return robot().difference(places_[a], places_[b]).norm(); }
   int duration(std::size_t a, std::size_t b) const { return world_.duration(number(arm_), places_[a], places_[b]); }
-  double left(std::size_t place) const {
-    double least = search::infinity;
-    for (std::size_t k = 0; k < places_.size(); ++k)
-      if (goals_[k]) least = std::min(least, distance(place, k));
-    return least;
-  }
 
   void push(std::size_t place, int step, double cost, std::size_t parent) {
     const auto known = best_.find({place, step});
     if (known != best_.end() && known->second <= cost) return;
     nodes_.push_back({place, step, cost, parent});
-    open_.emplace(cost + left(place), nodes_.size() - 1);
+    open_.emplace(cost + left_[place], nodes_.size() - 1);
   }
 
   bool is_free(const Node& from, const Node& to) {
@@ -153,7 +150,7 @@ class Reroute {
   const Deadline& deadline_;
   const ArmTask& task_;
   std::vector<Eigen::VectorXd> places_;  // 0: the start
-  std::vector<char> goals_;
+  std::vector<double> left_;             // of each place: straight to the nearest goal
   int end_{};
   std::vector<Node> nodes_;
   std::map<std::pair<std::size_t, int>, double> best_;
