@@ -97,6 +97,12 @@ class PostProcess {
 
 }  // namespace
 
+void note_failure(const PlanningError& error, const Deadline& deadline, PlanStatistics& statistics) {
+  statistics.status = error.status();
+  statistics.reason = error.what();
+  statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
+}
+
 TimingOptions timing_options(const CommonOptions& options, double deviation) {
   return {.method = options.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
           .sample_period = options.sample_period,

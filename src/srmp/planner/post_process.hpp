@@ -22,6 +22,9 @@ inline constexpr double shrink = 0.25;           ///< of a blend deviation that 
 inline constexpr double least_deviation = 1e-4;  ///< [m]; below, corners are stops
 }  // namespace post
 
+/// Why there is no trajectory, and how long that took.
+void note_failure(const PlanningError& error, const Deadline& deadline, PlanStatistics& statistics);
+
 /// As the options say, with corners rounded by `deviation` [m].
 TimingOptions timing_options(const CommonOptions& options, double deviation);
 

@@ -715,9 +715,7 @@ Trajectory plan_single_robot(const SingleRobotProblem& problem, const Deadline& 
     return trajectory;
   } catch (const PlanningError& error) {
     plan.collect_check_statistics();
-    statistics.status = error.status();
-    statistics.reason = error.what();
-    statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
+    note_failure(error, deadline, statistics);
     throw;
   }
 }

@@ -11,11 +11,17 @@ namespace {
 using Eigen::Vector2d;
 using srmp::CoupledPath;
 
+const Vector2d start(1.2, 0.0);
+const std::vector<std::size_t> both{0, 1};
+
+srmp::ArmTask task_to(const Vector2d& goal) { return {start, {goal}, {start, goal}}; }
+
 /// Two planar arms face to face, 3 m apart, each 2 m long when straight, that pass each other's side.
 ///
 ///     left ──────── ──────── right
 struct Pair {
-  explicit Pair(const Vector2d& goal = {-1.2, 0.0}) {
+  explicit Pair(const Vector2d& goal = {-1.2, 0.0}) : Pair(task_to(goal), task_to(goal)) {}
+  Pair(const srmp::ArmTask& left, const srmp::ArmTask& right) {
     srmp::RobotDescription description = robots::planar_description();
     description.name = "left";
     planner.add_articulation(description);
@@ -23,8 +29,7 @@ struct Pair {
     planner.add_articulation(description, srmp::Pose::from_rpy({3, 0, 0}, {0, 0, M_PI}));
     checkers = std::make_unique<srmp::ArmCheckers>(planner.scene(), std::vector<std::string>{"left", "right"},
                                                    srmp::CheckerOptions{});
-    const srmp::ArmTask task{start, {goal}, {start, goal}};
-    world = std::make_unique<srmp::ArmWorld>(*checkers, std::vector{task, task},
+    world = std::make_unique<srmp::ArmWorld>(*checkers, std::vector{left, right},
                                              srmp::ArmWorld::Options{22.5 * M_PI / 180, 0.1});
   }
 
@@ -40,8 +45,6 @@ struct Pair {
     }
   }
 
-  const Vector2d start{1.2, 0.0};
-  const std::vector<std::size_t> both{0, 1};
   srmp::PlannerInterface planner;
   std::unique_ptr<srmp::ArmCheckers> checkers;
   std::unique_ptr<srmp::ArmWorld> world;
@@ -53,16 +56,17 @@ BOOST_AUTO_TEST_SUITE(composite)
 
 BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
   Pair pair;
-  srmp::CompositeTrees trees(*pair.world, pair.both);
+  const srmp::CompositeSpace space(*pair.world, both);
+  srmp::CompositeTrees trees(space);
   const auto grown = trees.grow(10'000, {});
   BOOST_REQUIRE(grown.has_value());
   BOOST_TEST(trees.attempts() < 10'000u);
-  const auto found = srmp::composite_search(*pair.world, pair.both, {.max_expansions = 10'000}, {});
+  const auto found = srmp::composite_search(space, {.max_expansions = 10'000}, {});
   BOOST_REQUIRE(found.status == srmp::Status::solved);
   for (const CoupledPath& path : {*grown, found.path}) {
     pair.check_free(path);
     for (const srmp::RowMatrix& q : path.positions) {
-      BOOST_TEST((q.row(0).transpose() == pair.start));
+      BOOST_TEST((q.row(0).transpose() == start));
       BOOST_TEST((q.bottomRows(1).transpose() - Vector2d(-1.2, 0.0)).norm() < 1e-12);
     }
   }
@@ -70,13 +74,12 @@ BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
 
 BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_another) {
   Pair pair;
-  const auto grown = [&](std::uint64_t sequence) {
-    return *srmp::CompositeTrees(*pair.world, pair.both, sequence).grow(10'000, {});
-  };
+  const srmp::CompositeSpace space(*pair.world, both);
+  const auto grown = [&](std::uint64_t sequence) { return *srmp::CompositeTrees(space, sequence).grow(10'000, {}); };
   const CoupledPath first = grown(0), again = grown(0), other = grown(1);
   BOOST_TEST((first.positions[0] == again.positions[0] && first.positions[1] == again.positions[1]));
   BOOST_TEST((first.size() != other.size() || first.positions[0] != other.positions[0]));
-  srmp::CompositeTrees in_parts(*pair.world, pair.both);
+  srmp::CompositeTrees in_parts(space);
   std::optional<CoupledPath> found;
   for (std::uint64_t attempts = 1; !found; ++attempts) found = in_parts.grow(attempts, {});
   BOOST_TEST((found->positions[0] == first.positions[0]));
@@ -84,9 +87,11 @@ BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_anot
 
 BOOST_AUTO_TEST_CASE(trees_stop_when_they_are_told_to) {
   Pair apart(Vector2d(0.0, 0.0));  // both straight: hands and elbows in each other
-  BOOST_TEST(!srmp::CompositeTrees(*apart.world, apart.both).grow(1'000, {}).has_value());
+  const srmp::CompositeSpace nowhere(*apart.world, both);
+  BOOST_TEST(!srmp::CompositeTrees(nowhere).grow(1'000, {}).has_value());
   Pair pair;
-  srmp::CompositeTrees late(*pair.world, pair.both);
+  const srmp::CompositeSpace space(*pair.world, both);
+  srmp::CompositeTrees late(space);
   BOOST_TEST(!late.grow(10'000, srmp::Deadline(1e-9)).has_value());
   BOOST_TEST(late.attempts() == 0u);
 }
@@ -95,17 +100,27 @@ BOOST_AUTO_TEST_CASE(an_arm_that_needs_no_detour_is_rerouted) {
   Pair pair;
   const Vector2d goal(-1.2, 0.0), aside(1.2, 2.0);
   // The left one goes first; the right one, for nothing, by way of a place aside and waits there.
-  CoupledPath path = srmp::coupled_path(*pair.world, pair.both,
-                                        {{pair.start, pair.start, goal, goal}, {pair.start, aside, aside, goal}});
+  CoupledPath path = srmp::coupled_path(*pair.world, both, {{start, start, goal, goal}, {start, aside, aside, goal}});
   const double before = path.length(1);
   const CoupledPath better = srmp::rerouted(path, *pair.world, {});
   pair.check_free(better);
   BOOST_TEST(better.length(0) <= path.length(0) + 1e-9);
   BOOST_TEST(better.length(1) < 0.95 * before);
-  BOOST_TEST((better.positions[1].row(0).transpose() == pair.start));
+  BOOST_TEST((better.positions[1].row(0).transpose() == start));
   BOOST_TEST((better.positions[1].bottomRows(1).transpose() - goal).norm() < 1e-12);
   const CoupledPath late = srmp::rerouted(path, *pair.world, srmp::Deadline(1e-9));
   BOOST_TEST(late.length() == path.length());
+}
+
+BOOST_AUTO_TEST_CASE(an_arm_that_steps_aside_for_another_comes_back) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), aside(1.2, 0.5);
+  Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});  // the right one is in the left one's way
+  const CoupledPath path =
+      srmp::coupled_path(*pair.world, both, {{up, up, down, down}, {straight, aside, aside, straight}});
+  pair.check_free(path);
+  const CoupledPath better = srmp::rerouted(path, *pair.world, {});
+  pair.check_free(better);
+  BOOST_TEST((better.positions[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

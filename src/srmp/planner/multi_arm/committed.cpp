@@ -335,9 +335,7 @@ MultiTrajectory plan_around(const MultiRobotProblem& problem, const std::map<std
     statistics.total_time_s = deadline.elapsed();
     return result;
   } catch (const PlanningError& error) {
-    statistics.status = error.status();
-    statistics.reason = error.what();
-    statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
+    note_failure(error, deadline, statistics);
     throw;
   }
 }

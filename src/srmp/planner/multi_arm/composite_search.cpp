@@ -18,8 +18,7 @@ constexpr std::uint64_t fine_from = 1024;      // expansions: before, lattices f
 
 class CompositeSearch {
  public:
-  CompositeSearch(ArmWorld& world, const std::vector<std::size_t>& arms, const CompositeOptions& options)
-      : space_(world, arms), options_(options) {
+  CompositeSearch(const CompositeSpace& space, const CompositeOptions& options) : space_(space), options_(options) {
     for (std::size_t i = 0; i < space_.size(); ++i)
       for (const auto& [j, k] : parallel_pairs(space_.robot(i)))
         pairs_.emplace_back(j + space_.first(i), k + space_.first(i));
@@ -101,7 +100,7 @@ class CompositeSearch {
     return space_.path(rows);
   }
 
-  CompositeSpace space_;
+  const CompositeSpace& space_;
   const CompositeOptions& options_;
   std::vector<JointPair> pairs_;
   RowMatrix weights_;
@@ -110,9 +109,9 @@ class CompositeSearch {
 
 }  // namespace
 
-CompositeResult composite_search(ArmWorld& world, const std::vector<std::size_t>& arms, const CompositeOptions& options,
+CompositeResult composite_search(const CompositeSpace& space, const CompositeOptions& options,
                                  const Deadline& deadline) {
-  return CompositeSearch(world, arms, options).run(deadline);
+  return CompositeSearch(space, options).run(deadline);
 }
 
 }  // namespace srmp

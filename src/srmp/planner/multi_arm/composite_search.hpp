@@ -23,7 +23,7 @@ struct CompositeResult {
 /// Arms as one robot with all their joints: guided searches in turns from both ends, at several resolutions, as `auto`
 /// makes them for one arm, also with guides that lead one arm before the others. Finds ways that arms can only go
 /// together; gets harder with every arm. Arms whose goal is anywhere end where they start.
-CompositeResult composite_search(ArmWorld& world, const std::vector<std::size_t>& arms, const CompositeOptions& options,
+CompositeResult composite_search(const CompositeSpace& space, const CompositeOptions& options,
                                  const Deadline& deadline);
 
 }  // namespace srmp

@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t most_targets = 16;
 }
 
-CompositeSpace::CompositeSpace(ArmWorld& world, const std::vector<std::size_t>& arms) : world_(world), arms_(arms) {
+CompositeSpace::CompositeSpace(ArmWorld& world, std::vector<std::size_t> arms) : world_(world), arms_(std::move(arms)) {
   for (const std::size_t arm : arms_) {
     const std::vector<Joint>& joints = world.robot(arm).joints();
     first_.push_back(std::ssize(joints_));

@@ -10,8 +10,8 @@ namespace srmp {
 /// whose goal is anywhere end where they start.
 class CompositeSpace {
  public:
-  /// References outlive this.
-  CompositeSpace(ArmWorld& world, const std::vector<std::size_t>& arms);
+  /// The world outlives this.
+  CompositeSpace(ArmWorld& world, std::vector<std::size_t> arms);
 
   std::size_t size() const { return arms_.size(); }
   const ArmWorld& world() const { return world_; }
@@ -39,7 +39,7 @@ class CompositeSpace {
   bool is_end(const Eigen::VectorXd& q) const;
 
   ArmWorld& world_;
-  const std::vector<std::size_t>& arms_;
+  std::vector<std::size_t> arms_;
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;

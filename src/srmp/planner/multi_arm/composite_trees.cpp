@@ -12,8 +12,8 @@ constexpr double longest_step = 1.0;  // over all joints [rad, prismatic joints 
 constexpr double stays = 0.1;         // share of the samples in which an arm is at its start; as many, at its goal
 }  // namespace
 
-CompositeTrees::CompositeTrees(ArmWorld& world, const std::vector<std::size_t>& arms, std::uint64_t sequence)
-    : space_(world, arms), random_(sequence << 32) {
+CompositeTrees::CompositeTrees(const CompositeSpace& space, std::uint64_t sequence)
+    : space_(space), random_(sequence << 32) {
   trees_[0].push_back({space_.start(), 0});
   for (const Eigen::VectorXd& target : space_.targets()) trees_[1].push_back({target, trees_[1].size()});
 }

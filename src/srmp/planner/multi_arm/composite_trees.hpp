@@ -16,8 +16,8 @@ namespace srmp {
 /// nothing.
 class CompositeTrees {
  public:
-  /// References outlive this. `sequence`: another number is another sequence, which mostly leads to another path.
-  CompositeTrees(ArmWorld& world, const std::vector<std::size_t>& arms, std::uint64_t sequence = 0);
+  /// The space outlives this. `sequence`: another number is another sequence, which mostly leads to another path.
+  explicit CompositeTrees(const CompositeSpace& space, std::uint64_t sequence = 0);
 
   /// Goes on until there is a path, or `attempts` were made since the first call.
   std::optional<CoupledPath> grow(std::uint64_t attempts, const Deadline& deadline);
@@ -37,7 +37,7 @@ class CompositeTrees {
   bool connect(Tree& tree, const Eigen::VectorXd& q);
   CoupledPath path(const Tree& from, const Tree& to, bool backward) const;
 
-  CompositeSpace space_;
+  const CompositeSpace& space_;
   Tree trees_[2];  // from the start; from the targets
   std::uint64_t attempts_{};
   std::uint64_t random_;

@@ -15,6 +15,7 @@
 #include "srmp/planner/multi_arm/reroute.hpp"
 #include "srmp/planner/multi_arm/roadmap_search.hpp"
 #include "srmp/planner/phase_timer.hpp"
+#include "srmp/planner/post_process.hpp"
 #include "srmp/planner/single_robot.hpp"
 
 namespace srmp {
@@ -193,16 +194,17 @@ class MultiRobotPlan {
   void improve(const Auto& options) {
     const Deadline until(std::min(options.improve_time, deadline_.remaining()),
                          [this] { return deadline_.cancelled(); });
-    std::vector<std::size_t> coupled;
+    std::vector<std::pair<std::size_t, CompositeSpace>> coupled;  // groups
     for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (groups_[g].path.arms.size() > 1) coupled.push_back(g);
+      if (const auto& arms = groups_[g].path.arms; arms.size() > 1)
+        coupled.emplace_back(g, CompositeSpace(*world_, arms));
     const auto good_enough = [&] {
       return until.stop_requested() || statistics_.bound <= std::max(options.final_weight, 1.0 + 1e-9);
     };
-    for (const std::size_t g : coupled) improve(g, shortened_[g], until);
+    for (const auto& [g, space] : coupled) improve(g, shortened_[g], until);
     for (std::uint64_t sequence = 1; !coupled.empty() && !good_enough(); ++sequence)
-      for (const std::size_t g : coupled) {
-        CompositeTrees trees(*world_, groups_[g].path.arms, sequence);
+      for (const auto& [g, space] : coupled) {
+        CompositeTrees trees(space, sequence);
         if (const auto path = trees.grow(most_attempts, until)) improve(g, shortened(*path, *world_, until), until);
         statistics_.expansions += trees.attempts();
       }
@@ -285,8 +287,9 @@ class MultiRobotPlan {
     multi::ConflictSearchOptions options = search_options(problem_.options);
     double lower = 0.0;
     for (const std::size_t i : arms) lower += direct(i);
+    std::optional<CompositeSpace> space;
     std::optional<CompositeTrees> trees;
-    if (composite) trees.emplace(*world_, arms);
+    if (composite) trees.emplace(space.emplace(*world_, arms));
     std::size_t level = 0, levels = 1;
     for (std::uint64_t effort = 1;; effort *= 4) {
       if (composite) {
@@ -308,7 +311,7 @@ class MultiRobotPlan {
       lower = std::max(lower, found.lower);
       if (found.status == Status::solved) return {coupled_path(*world_, arms, found.paths), lower};
       if (!composite || deadline_.stop_requested()) require_solved(found);
-      CompositeResult one = composite_search(*world_, arms, {.max_expansions = 16 * effort}, deadline_);
+      CompositeResult one = composite_search(*space, {.max_expansions = 16 * effort}, deadline_);
       statistics_.expansions += one.statistics.expansions;
       statistics_.generated += one.statistics.generated;
       if (one.status == Status::solved && one.path.length() <= options.bound() * lower)
@@ -411,9 +414,7 @@ MultiTrajectory plan_multi_robot(const MultiRobotProblem& problem, const Deadlin
     statistics.total_time_s = deadline.elapsed();
     return result;
   } catch (const PlanningError& error) {
-    statistics.status = error.status();
-    statistics.reason = error.what();
-    statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
+    note_failure(error, deadline, statistics);
     throw;
   }
 }
