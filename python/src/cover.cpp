@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bind.hpp"
+#include "srmp/robot/cover_file.hpp"
 #include "srmp/robot/mesh_file.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
@@ -97,6 +98,10 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
 }  // namespace
 
 void bind_cover(nb::module_& m) {
+  m.def(
+      "cover_folder", [] { return default_cover_folder().string(); },
+      "Where covers are kept between runs: $SRMP_CACHE_DIR/covers, else $XDG_CACHE_HOME/srmp/covers, else\n"
+      "~/.cache/srmp/covers; \"\" = nowhere (docs/covers.md).");
   m.def(
       "convex_hull",
       [](const ArrayLike& points) {

@@ -1,11 +1,24 @@
 """What every simulator has to show, on a scene of its own: the same questions for all."""
 
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import srmp
 from srmp.sim import SimulatedWorld, check_parity
+
+
+def panda(mbm_dir: Path) -> dict[str, Any]:
+    """Its URDF and SRDF, as read_sim is told of them."""
+    folder = mbm_dir / "panda"
+    return {
+        "urdf_path": str(folder / "panda.urdf"),
+        "srdf_path": str(folder / "panda.srdf"),
+        "end_effector": "panda_hand",
+        "package_dirs": [str(folder)],
+    }
 
 
 def parity(planner: srmp.PlannerInterface, sim: object, samples: int = 1000) -> None:

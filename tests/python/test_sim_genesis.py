@@ -136,16 +136,6 @@ def sim(scene):
     return scene
 
 
-def urdf_of(mbm_dir):
-    folder = mbm_dir / "panda"
-    return {
-        "urdf_path": str(folder / "panda.urdf"),
-        "srdf_path": str(folder / "panda.srdf"),
-        "end_effector": "panda_hand",
-        "package_dirs": [str(folder)],
-    }
-
-
 def base(planner):
     return planner.compute_fk("arm", planner.get_qpos("arm"), "arm7_base")
 
@@ -162,7 +152,7 @@ def test_every_geometry_of_the_simulators_own_model_agrees(mbm_dir, sim, sim_che
 
 
 def test_a_urdf_agrees_but_for_its_shapes(mbm_dir, sim, sim_checks):
-    planner, world = read(sim, {"panda": urdf_of(mbm_dir)})
+    planner, world = read(sim, {"panda": sim_checks.panda(mbm_dir)})
     assert world.differences == [
         "link of robot 'panda' is part of link 'panda_link7' in the simulator: panda_link8",
         "link of robot 'panda' is part of link 'panda_hand' in the simulator: panda_leftfinger, panda_rightfinger, "

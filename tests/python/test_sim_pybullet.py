@@ -167,16 +167,6 @@ def sim(client, mbm_dir, tmp_path):
     return client
 
 
-def urdf_of(mbm_dir):
-    folder = mbm_dir / "panda"
-    return {
-        "urdf_path": str(folder / "panda.urdf"),
-        "srdf_path": str(folder / "panda.srdf"),
-        "end_effector": "panda_hand",
-        "package_dirs": [str(folder)],
-    }
-
-
 def test_every_geometry_of_the_simulators_own_model_agrees(sim, sim_checks):
     planner = srmp.PlannerInterface()
     planner.read_sim(sim, "pybullet", articulations=OWN)
@@ -186,7 +176,7 @@ def test_every_geometry_of_the_simulators_own_model_agrees(sim, sim_checks):
 
 def test_a_urdf_agrees_but_for_its_shapes(sim, mbm_dir, sim_checks):
     planner = srmp.PlannerInterface()
-    planner.read_sim(sim, "pybullet", articulations={"panda": urdf_of(mbm_dir)})
+    planner.read_sim(sim, "pybullet", articulations={"panda": sim_checks.panda(mbm_dir)})
     sim_checks.parity(planner, sim)
 
 

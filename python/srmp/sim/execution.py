@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import Error, InvalidArgument, MultiTrajectory, Trajectory
+from srmp.sim.contacts import ContactNames, Pair
 from srmp.sim.robots import Robot, require_known
 from srmp.sim.simulator import diverged
 
@@ -184,32 +185,19 @@ class _Contacts:
     """Notes who touches whom, by the planner's names."""
 
     def __init__(self, world: SimulatedWorld) -> None:
-        self.world = world
-        known = world.names_of_keys()
-        self.names = {key: min(names) for key, names in known.items()}
-        self.groups = {min(names): names for names in known.values()}
-        self.first: dict[tuple[str, str], tuple[float, float]] = {}
-        with world.simulator.probe() as probe:
-            self.at_start = {pair for pair, _ in self._pairs(probe.touching())}
+        self.simulator = world.simulator
+        self.names = ContactNames(world)
+        self.first: dict[Pair, tuple[float, float]] = {}
+        with self.simulator.probe() as probe:
+            self.at_start = set(self.names.of_robots(probe.touching()))
 
     def note(self, now: float) -> None:
-        for pair, depth in self._pairs(self.world.simulator.touching()):
+        for pair, depth in self.names.of_robots(self.simulator.touching()).items():
             since, deepest = self.first.get(pair, (now, 0.0))
             self.first[pair] = (since, max(deepest, depth))
 
-    def _pairs(self, touches: list) -> list[tuple[tuple[str, str], float]]:  # type: ignore[type-arg]
-        pairs = []
-        for touch in touches:
-            a, b = self.names.get(touch.a), self.names.get(touch.b)
-            if a and b and a != b and (self.world.is_of_robot(a) or self.world.is_of_robot(b)):
-                pairs.append(((min(a, b), max(a, b)), touch.depth))
-        return pairs
-
     def events(self) -> list[TouchEvent]:
         return [
-            TouchEvent(a, b, since, depth, (a, b) in self.at_start or self._is_allowed(a, b))
+            TouchEvent(a, b, since, depth, (a, b) in self.at_start or self.names.told_to_ignore((a, b)))
             for (a, b), (since, depth) in sorted(self.first.items(), key=lambda item: item[1][0])
         ]
-
-    def _is_allowed(self, a: str, b: str) -> bool:
-        return self.world.told_to_ignore(self.groups[a], self.groups[b])

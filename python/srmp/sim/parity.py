@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import InvalidArgument, PlannerInterface, Pose
+from srmp.sim.contacts import ContactNames, Pair
 from srmp.sim.robots import Robot
 from srmp.sim.simulator import Probe
 from srmp.sim.world import SAME_POSE, SimulatedWorld, world_of
-
-Pair = tuple[str, str]  # objects, and links as "robot/link"; sorted
 
 
 @dataclass
@@ -116,11 +115,7 @@ class _Comparison:
         self.planner = world.planner
         self.kind = world.simulator.kind
         self.margin = margin
-        # Shapes that the simulator does not tell apart in its contacts are one here, called as the first of them.
-        known = world.names_of_keys()
-        self.names = {key: min(names) for key, names in known.items()}
-        self.first = {name: min(names) for names in known.values() for name in names}
-        self.groups = {min(names): names for names in known.values()}
+        self.names = ContactNames(world)
         self.differences: dict[tuple[Pair, str], Difference] = {}
         self.not_compared: dict[Pair, str] = {}
         self.errors: tuple[float, float, str] = (0.0, 0.0, "")
@@ -183,8 +178,7 @@ class _Comparison:
         pairs: dict[Pair, float] = {}
         for name, q in state.items():
             for contact in self.planner.contacts(name, q):
-                a, b = (self._full_name(body, name) for body in (contact.body_a, contact.body_b))
-                pair = _sorted(self.first.get(a, a), self.first.get(b, b))
+                pair = self.names.pair(*(self._full_name(body, name) for body in (contact.body_a, contact.body_b)))
                 pairs[pair] = max(pairs.get(pair, 0.0), -contact.distance)
         return pairs
 
@@ -192,17 +186,12 @@ class _Comparison:
         return f"{robot}/{body}" if body in self.planner.get_link_names(robot) else body
 
     def _simulator_pairs(self, probe: Probe) -> dict[Pair, float]:
-        """Pairs with a robot's link or what it holds."""
-        pairs: dict[Pair, float] = {}
-        for touch in probe.touching():
-            a, b = self.names.get(touch.a), self.names.get(touch.b)
-            if a is None or b is None or a == b or not (self.world.is_of_robot(a) or self.world.is_of_robot(b)):
-                continue
-            pair = _sorted(a, b)
-            if self.world.told_to_ignore(*(self.groups[name] for name in pair)):
-                self.not_compared[pair] = "the planner allows it"
-            else:
-                pairs[pair] = max(pairs.get(pair, 0.0), touch.depth)
+        """Those that the planner does not allow."""
+        pairs = self.names.of_robots(probe.touching())
+        ignored = [pair for pair in pairs if self.names.told_to_ignore(pair)]
+        for pair in ignored:
+            self.not_compared[pair] = "the planner allows it"
+            del pairs[pair]
         return pairs
 
     def _note(self, pair: Pair, who: str, depth: float, state: Mapping[str, NDArray[np.float64]]) -> None:
@@ -236,10 +225,6 @@ class _Comparison:
             if (difference.pair, difference.seen_by) not in comparison.differences:
                 links = [body for body in difference.pair if self.world.split(body)[0] in from_urdf]
                 difference.reason = f"the URDF's shapes of {' and '.join(links)} are not those of {self.kind}"
-
-
-def _sorted(a: str, b: str) -> Pair:
-    return (a, b) if a < b else (b, a)
 
 
 def _distance(a: Pose, b: Pose) -> tuple[float, float]:

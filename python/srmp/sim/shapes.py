@@ -96,9 +96,7 @@ def add_object(planner: PlannerInterface, name: str, shape: Shape, pose: Pose) -
         case Capsule(radius, length):
             planner.add_capsule(name, radius=radius, length=length, pose=pose)
         case Plane():
-            planner.add_box(
-                name, size=[2 * PLANE_REACH] * 2 + [PLANE_REACH], pose=pose @ Pose(p=[0, 0, -PLANE_REACH / 2])
-            )
+            planner.add_box(name, size=[2 * PLANE_REACH] * 2 + [PLANE_REACH], pose=placed_pose(shape, pose))
         case _:
             mesh = as_mesh(shape)
             convex = mesh.triangles is None

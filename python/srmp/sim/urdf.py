@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from srmp import NotSupported, Pose
+from srmp import NotSupported, Pose, cover_folder
 from srmp.sim.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere, as_mesh, hull
 from srmp.sim.simulator import Articulation, Joint
 
@@ -35,12 +34,8 @@ def to_urdf(articulation: Articulation, links: Mapping[str, str], joints: Mappin
 
 def mesh_folder() -> Path:
     """Where meshes of such robots are kept, beside the covers that are made of them (docs/covers.md)."""
-    cache = os.environ.get("SRMP_CACHE_DIR")
-    if cache:
-        return Path(cache) / "meshes"
-    if cache == "":
-        return Path(tempfile.gettempdir()) / "srmp" / "meshes"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "srmp" / "meshes"
+    covers = cover_folder()
+    return (Path(covers).parent if covers else Path(tempfile.gettempdir()) / "srmp") / "meshes"
 
 
 def _add_joint(robot: Element, joint: Joint, links: Mapping[str, str], joints: Mapping[str, str]) -> None:

@@ -11,6 +11,7 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
 from srmp._words import did_you_mean
@@ -39,7 +40,6 @@ class _Object:
 
     body: str
     shape: Shape
-    in_body: Pose
     pose: Pose  # of the shape in the world, as last read
     key: Hashable
     put: Pose = field(default_factory=Pose)  # where the planner's object was put
@@ -68,15 +68,13 @@ class SimulatedWorld:
 
     def read(self, articulations: Mapping[str, Mapping[str, Any]]) -> None:
         """Adds robots and objects, all or none."""
-        found = {articulation.name: articulation for articulation in self.simulator.articulations()}
+        found = self._articulations()
         added: list[str] = []
         try:
             for name, description in articulations.items():
                 self._add_robot(name, description, found, added)
             states, seen = self._joint_states(), self._read_objects(found)
-            self._update_robots(states)
-            self._update_objects(seen)
-            self._apply_filters(self._objects)
+            self._apply_filters(self._update_objects(seen, self._update_robots(states)), found)
         except BaseException:
             for name in self._objects:
                 self.planner.remove_object(name)
@@ -104,7 +102,7 @@ class SimulatedWorld:
         if sim is not None and not before.is_of(sim):
             self.simulator = type(before)(sim)  # type: ignore[call-arg]
         try:
-            found = {articulation.name: articulation for articulation in self.simulator.articulations()}
+            found = self._articulations()
             for robot in self.robots.values():
                 require_known("articulation", robot.articulation, found)
             states, seen = self._joint_states(), self._read_objects(found)
@@ -112,8 +110,7 @@ class SimulatedWorld:
         except BaseException:
             self.simulator = before
             raise
-        self._update_robots(states)
-        self._apply_filters(self._update_objects(seen))
+        self._apply_filters(self._update_objects(seen, self._update_robots(states)), found)
 
     def _add_robot(
         self, name: str, description: Mapping[str, Any], found: Mapping[str, Articulation], added: list[str]
@@ -212,10 +209,18 @@ class SimulatedWorld:
                 "call reset() of the planner, and read_sim again"
             )
 
-    def _update_robots(self, states: Mapping[str, Mapping[str, float]]) -> None:
+    def _articulations(self) -> dict[str, Articulation]:
+        return {articulation.name: articulation for articulation in self.simulator.articulations()}
+
+    def _update_robots(self, states: Mapping[str, Mapping[str, float]]) -> NDArray[np.float64]:
+        """Returns the middle of the robots' bases, (3,) [m]."""
+        bases = [np.zeros(3)] if not states else []
         for name, state in states.items():
             self.planner.set_joint_positions(name, dict(state))
-            self.planner.set_base_pose(name, self._base_pose(self.robots[name]))
+            base = self._base_pose(self.robots[name])
+            self.planner.set_base_pose(name, base)
+            bases.append(base.p)
+        return np.mean(bases, axis=0)
 
     def _base_pose(self, robot: Robot) -> Pose:
         """By the matched link nearest to the root, the root itself if the simulator has it."""
@@ -234,7 +239,7 @@ class SimulatedWorld:
         bodies = self.simulator.bodies()
         bodies += [link for name, other in found.items() if name not in robots for link in other.links]
         seen = {
-            name: _Object(body.name, geometry.shape, geometry.pose, body.pose @ geometry.pose, geometry.key)
+            name: _Object(body.name, geometry.shape, body.pose @ geometry.pose, geometry.key)
             for name, (body, geometry) in _named(bodies).items()
             if not self.exclude & {name, body.name}
         }
@@ -261,8 +266,8 @@ class SimulatedWorld:
                         "grasp instead of attach_object"
                     ) from error
 
-    def _update_objects(self, seen: Mapping[str, _Object]) -> dict[str, _Object]:
-        """Brings the planner's objects up to date; returns those that are new."""
+    def _update_objects(self, seen: Mapping[str, _Object], centre: NDArray[np.float64]) -> dict[str, _Object]:
+        """Brings the planner's objects up to date, planes around `centre`; returns those that are new."""
         present = set(self.planner.object_names)
         for name in [name for name, old in self._objects.items() if not _still_there(old, seen.get(name))]:
             if name in present:
@@ -270,7 +275,6 @@ class SimulatedWorld:
                 present.remove(name)
         self._objects = {name: old for name, old in self._objects.items() if name in present}
         self._held = {name: hand for name, hand in self._held.items() if name in present}
-        centre = np.mean([self._base_pose(robot).p for robot in self.robots.values()] or [np.zeros(3)], axis=0)
         new = {}
         for name, item in seen.items():
             old = self._objects.get(name)
@@ -287,9 +291,9 @@ class SimulatedWorld:
             self._objects[name] = item
         return new
 
-    def _apply_filters(self, objects: Mapping[str, _Object]) -> None:
+    def _apply_filters(self, objects: Mapping[str, _Object], found: Mapping[str, Articulation]) -> None:
         """Allows the contacts of these objects, and of robots among each other, that the simulator does not count."""
-        links = {robot.name: self._link_geometries(robot) for robot in self.robots.values()}
+        links = {robot.name: _link_geometries(robot, found) for robot in self.robots.values()}
         for robot, of_links in links.items():
             for link, geometries in of_links.items():
                 for name, item in objects.items():
@@ -302,12 +306,6 @@ class SimulatedWorld:
                         if not self._may_collide(geometries, others):
                             self.planner.set_allowed_collision(f"{robot}/{link}", f"{other}/{other_link}")
 
-    def _link_geometries(self, robot: Robot) -> dict[str, tuple[Geometry, ...]]:
-        """By the planner's link names; links without shapes are left out."""
-        found = next(a for a in self.simulator.articulations() if a.name == robot.articulation)
-        of = {link.name: link.geometries for link in found.links}
-        return {ours: of[theirs] for ours, theirs in (robot.links | robot.merged).items() if of[theirs]}
-
     def _may_collide(self, a: Sequence[Geometry], b: Sequence[Geometry]) -> bool:
         return any(self.simulator.may_collide(x.key, y.key) for x in a for y in b)
 
@@ -316,15 +314,12 @@ class SimulatedWorld:
         names: dict[Hashable, list[str]] = {}
         for name, item in self._objects.items():
             names.setdefault(item.key, []).append(name)
+        found = self._articulations()
         for robot in self.robots.values():
-            for link, geometries in self._link_geometries(robot).items():
+            for link, geometries in _link_geometries(robot, found).items():
                 for key in {geometry.key for geometry in geometries}:
                     names.setdefault(key, []).append(f"{robot.name}/{link}")
         return names
-
-    def told_to_ignore(self, a: Iterable[str], b: Iterable[str]) -> bool:
-        """Does the planner allow contact of any of these with any of those, which the simulator does not tell apart?"""
-        return any(self.planner.allowed_collision(x, y) for x in a for y in b)
 
     def objects_of(self, body: Any) -> list[str]:
         """The planner's objects that a body of the simulator became."""
@@ -374,7 +369,7 @@ class SimulatedWorld:
         robot, link = self.split(name)
         if not robot:
             return []  # something that the user added beside the simulator's
-        return [geometry.key for geometry in self._link_geometries(self.robots[robot]).get(link, ())]
+        return [geometry.key for geometry in _link_geometries(self.robots[robot], self._articulations()).get(link, ())]
 
     def with_own_models(self) -> SimulatedWorld:
         """The same scene read again into a planner of its own, with the simulator's models of all robots."""
@@ -524,6 +519,12 @@ def world_of(planner: PlannerInterface) -> SimulatedWorld:
     if not isinstance(planner.simulated_world, SimulatedWorld):
         raise InvalidArgument("the planner has read no simulator; call read_sim first")
     return planner.simulated_world
+
+
+def _link_geometries(robot: Robot, found: Mapping[str, Articulation]) -> dict[str, tuple[Geometry, ...]]:
+    """By the planner's link names; links without shapes are left out."""
+    of = {link.name: link.geometries for link in found[robot.articulation].links}
+    return {ours: of[theirs] for ours, theirs in (robot.links | robot.merged).items() if of[theirs]}
 
 
 def _still_there(old: _Object, new: _Object | None) -> bool:
