@@ -18,8 +18,17 @@ Body link_body(const RobotInstance& instance, std::size_t index) {
   bounds.center = geometry.center;
   bounds.radius = geometry.radius;
   const std::string scene_name = full_name(instance.model->name(), geometry.link);
-  return {scene_name, BodyKind::link, geometry.shape, instance.parts[index], nullptr, bounds, instance.padding, -1,
-          0,          scene_name,     index};
+  return {scene_name,
+          BodyKind::link,
+          geometry.shape,
+          instance.parts[index],
+          instance.fields[index],
+          bounds,
+          instance.padding,
+          -1,
+          0,
+          scene_name,
+          index};
 }
 
 Body object_body(const Object& object, BodyKind kind) {

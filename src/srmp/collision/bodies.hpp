@@ -20,7 +20,7 @@ struct Body {
   BodyKind kind{};
   std::shared_ptr<const coal::CollisionGeometry> geometry;
   GeometryParts parts;
-  std::shared_ptr<const DistanceField> field;  // of an object
+  std::shared_ptr<const DistanceField> field;  // of an object, or of a link that no planned joint moves
   Bounds bounds;
   double padding{};
   int member{-1};          // of the group: whose link it is, or whose link holds it

@@ -14,6 +14,7 @@
 #include "srmp/planner/ik_snap.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
+#include "srmp/planner/robot_trees.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
@@ -227,10 +228,14 @@ class SingleRobotPlan {
                             : default_primitives(robot_.joints(), lattice_step(), parallel_pairs(robot_));
   }
 
-  Lattice make_lattice(bool backward, PrimitiveSet primitives) {
+  std::vector<Eigen::VectorXd> target_configurations() const {
     std::vector<Eigen::VectorXd> goals;
     for (const Target& target : targets_) goals.push_back(target.q);
-    std::vector<Eigen::VectorXd> anchors{start_};
+    return goals;
+  }
+
+  Lattice make_lattice(bool backward, PrimitiveSet primitives) {
+    std::vector<Eigen::VectorXd> goals = target_configurations(), anchors{start_};
     if (backward) anchors.swap(goals);
     return Lattice(
         robot_, std::move(anchors), std::move(goals),
@@ -444,7 +449,7 @@ class SingleRobotPlan {
     const SnapGoal* snapped = lattice.snapped_goal(goal_state);
     found.goal_index =
         snapped ? snapped->goal : targets_[backward ? goal_state : goal_state - lattice.anchor_count()].goal_index;
-    if (backward) found.path = reversed(found.path);
+    if (backward) found.path = unwrapped({found.path.rbegin(), found.path.rend()});
     return found;
   }
 
@@ -504,15 +509,73 @@ class SingleRobotPlan {
     double scale;
   };
 
+  /// Two trees beside the lattices of the portfolio. They prove nothing, but the straight line is a bound for all.
+  class GrowingTrees {
+   public:
+    GrowingTrees(SingleRobotPlan& plan, double weight)
+        : plan_(plan), longest_(weight * plan.direct_), before_(plan.motions_checked()), trees_(space()) {}
+    ~GrowingTrees() {
+      plan_.statistics_.expansions += trees_.attempts();
+      plan_.statistics_.memory_bytes += trees_.memory();
+    }
+
+    /// Grows until seven eighths of all motions checked so far, and the first ones, are theirs.
+    std::optional<Found> grow() {
+      std::optional<std::vector<Eigen::VectorXd>> way;
+      while (!done_ && !way && !plan_.deadline_.stop_requested() &&
+             8 * checked_ < 8 * head_start + 7 * (plan_.motions_checked() - before_)) {
+        const std::uint64_t before = plan_.motions_checked();
+        way = trees_.grow(trees_.attempts() + turn, plan_.deadline_);
+        checked_ += plan_.motions_checked() - before;
+      }
+      if (!way) return std::nullopt;
+      done_ = true;
+      Found found{plan_.unwrapped(*way), plan_.goal_index_of(way->back()), plan_.length(*way), plan_.direct_,
+                  "every path"};
+      return found.cost <= longest_ ? std::optional(std::move(found)) : std::nullopt;
+    }
+
+   private:
+    static constexpr std::uint64_t turn = 16;         // attempts between two looks at the share
+    static constexpr std::uint64_t head_start = 128;  // motions
+
+    search::TreeSpace space() const {
+      search::TreeSpace space = tree_space(plan_.robot_, plan_.start_, plan_.target_configurations());
+      space.is_motion_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return plan_.is_motion_free(a, b);
+      };
+      return space;
+    }
+
+    SingleRobotPlan& plan_;
+    const double longest_;
+    const std::uint64_t before_;
+    std::uint64_t checked_{};
+    search::TwoTrees trees_;
+    bool done_{};
+  };
+
+  std::uint64_t motions_checked() { return problem_.checker.statistics(workspace()).motions; }
+
+  int goal_index_of(const Eigen::VectorXd& q) const {
+    return std::find_if(targets_.begin(), targets_.end(), [&](const Target& target) { return target.q == q; })
+        ->goal_index;
+  }
+
   void find_path_in_turns(const Auto& options) {
     pairs_ = parallel_pairs(robot_);
     direct_ = search::infinity;
     for (const Target& target : targets_) direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
     lower_ = direct_;
     statistics_.bound_graph = "every path";
-    search::PortfolioResult found = search_in_turns(search::infinity, 1.0, {.weight = options.weight}, deadline_);
-    require_solved(found.result);
-    Found first = found_by(found);
+    GrowingTrees trees(*this, options.weight);
+    std::optional<Found> grown;
+    search::PortfolioOptions turns{.weight = options.weight};
+    if (common_.direction == "auto" && common_.heuristic == CommonOptions().heuristic && !own_primitives())
+      turns.before_round = [&] { return (grown = trees.grow()).has_value(); };
+    const search::PortfolioResult found = search_in_turns(search::infinity, 1.0, turns, deadline_);
+    if (!grown) require_solved(found.result);
+    Found first = grown ? *std::move(grown) : found_by(found);
     if (take(first, quick()) && options.improve_time > 0.0) improve(std::move(first), options);
     improving_until_ = nullptr;
   }
@@ -619,12 +682,15 @@ class SingleRobotPlan {
 
   // ---
 
-  /// From start to goal, continuous joints unwrapped from the start on.
-  std::vector<Eigen::VectorXd> reversed(const std::vector<Eigen::VectorXd>& path) const {
-    std::vector<Eigen::VectorXd> result{start_};
-    for (std::size_t i = path.size() - 1; i-- > 0;)
-      result.push_back(result.back() + robot_.difference(result.back(), path[i]));
-    return result;
+  /// Continuous joints go on from waypoint to waypoint by the short way.
+  std::vector<Eigen::VectorXd> unwrapped(std::vector<Eigen::VectorXd> path) const {
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Eigen::VectorXd next = path[i - 1] + robot_.difference(path[i - 1], path[i]);
+      for (std::size_t k = 0; k < robot_.dof(); ++k)
+        if (const auto at = static_cast<Eigen::Index>(k); robot_.joints()[k].kind == JointKind::continuous)
+          path[i][at] = next[at];
+    }
+    return path;
   }
 
   void require_solved(const search::Result& result) const {

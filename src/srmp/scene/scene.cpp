@@ -116,8 +116,14 @@ void Scene::add_robot(std::shared_ptr<const RobotModel> model, const Pose& base)
                          nearest_to_zero(*model),
                          model->default_other_positions(),
                          0.0,
+                         {},
                          {}};
-  for (const LinkGeometry& geometry : model->geometries()) instance.parts.push_back(parts_of(geometry.shape));
+  for (const LinkGeometry& geometry : model->geometries()) {
+    instance.parts.push_back(parts_of(geometry.shape));
+    const bool moves = geometry.movers != 0;
+    instance.fields.push_back(moves ? nullptr
+                                    : make_distance_field(*geometry.shape, instance.parts.back().pieces.get()));
+  }
   robots_.emplace(name, std::move(instance));
 }
 

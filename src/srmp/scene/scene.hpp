@@ -39,6 +39,8 @@ struct RobotInstance {
   Eigen::VectorXd other_positions;   ///< RobotModel::other_joints
   double padding{0.0};               ///< [m] around every link, towards everything but the robot itself
   std::vector<GeometryParts> parts;  ///< of each of model->geometries()
+  /// Of each that no planned joint moves; nullptr of the others, and where the distance is a formula.
+  std::vector<std::shared_ptr<const DistanceField>> fields;
 };
 
 /// Robots, objects, attachments and allowed collisions: the planning world. Every mutator checks first and changes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -22,6 +23,8 @@ struct PortfolioOptions {
   std::uint64_t turn{8};  ///< > 0: expansions of one search before it is the next one's turn
   /// > 0; of one search; when all that are not exhausted have had as many, the answer is timed_out.
   std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};
+  /// Called before each may have its next turn; true: what is asked is known from elsewhere, stop as at the deadline.
+  std::function<bool()> before_round{};
 };
 
 template <Graph G, Heuristic H>
@@ -50,7 +53,8 @@ PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions
   const auto finish = [&](std::size_t winner, std::optional<Status> stop) {
     for (std::size_t i = 0; i < count; ++i)  // stopped before the proof: the cheapest path
       if (stop && searches[i] && searches[i]->cost() < searches[winner]->cost()) winner = i;
-    PortfolioResult answer{searches[winner]->result(stop), winner, std::vector<char>(count, 0)};
+    PortfolioResult answer{searches[winner] ? searches[winner]->result(stop) : Result{.status = *stop}, winner,
+                           std::vector<char>(count, 0)};
     answer.result.statistics = {};
     for (std::size_t i = 0; i < count; ++i) {
       if (!searches[i]) continue;
@@ -65,6 +69,7 @@ PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions
   };
   bool gave_up = false;
   for (bool working = true; working;) {
+    if (options.before_round && options.before_round()) return finish(0, Status::timed_out);
     working = gave_up = false;
     for (std::size_t i = 0; i < count; ++i) {
       if (!searches[i]) {

@@ -57,13 +57,12 @@ BOOST_AUTO_TEST_SUITE(composite)
 BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
   Pair pair;
   const srmp::CompositeSpace space(*pair.world, both);
-  srmp::CompositeTrees trees(space);
+  srmp::search::TwoTrees trees(srmp::tree_space(space));
   const auto grown = trees.grow(10'000, {});
   BOOST_REQUIRE(grown.has_value());
-  BOOST_TEST(trees.attempts() < 10'000u);
   const auto found = srmp::composite_search(space, {.max_expansions = 10'000}, {});
   BOOST_REQUIRE(found.status == srmp::Status::solved);
-  for (const CoupledPath& path : {*grown, found.path}) {
+  for (const CoupledPath& path : {space.path(*grown), found.path}) {
     pair.check_free(path);
     for (const srmp::RowMatrix& q : path.positions) {
       BOOST_TEST((q.row(0).transpose() == start));
@@ -72,28 +71,10 @@ BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_another) {
-  Pair pair;
-  const srmp::CompositeSpace space(*pair.world, both);
-  const auto grown = [&](std::uint64_t sequence) { return *srmp::CompositeTrees(space, sequence).grow(10'000, {}); };
-  const CoupledPath first = grown(0), again = grown(0), other = grown(1);
-  BOOST_TEST((first.positions[0] == again.positions[0] && first.positions[1] == again.positions[1]));
-  BOOST_TEST((first.size() != other.size() || first.positions[0] != other.positions[0]));
-  srmp::CompositeTrees in_parts(space);
-  std::optional<CoupledPath> found;
-  for (std::uint64_t attempts = 1; !found; ++attempts) found = in_parts.grow(attempts, {});
-  BOOST_TEST((found->positions[0] == first.positions[0]));
-}
-
-BOOST_AUTO_TEST_CASE(trees_stop_when_they_are_told_to) {
+BOOST_AUTO_TEST_CASE(there_is_no_way_to_where_arms_are_in_each_other) {
   Pair apart(Vector2d(0.0, 0.0));  // both straight: hands and elbows in each other
   const srmp::CompositeSpace nowhere(*apart.world, both);
-  BOOST_TEST(!srmp::CompositeTrees(nowhere).grow(1'000, {}).has_value());
-  Pair pair;
-  const srmp::CompositeSpace space(*pair.world, both);
-  srmp::CompositeTrees late(space);
-  BOOST_TEST(!late.grow(10'000, srmp::Deadline(1e-9)).has_value());
-  BOOST_TEST(late.attempts() == 0u);
+  BOOST_TEST(!srmp::search::TwoTrees(srmp::tree_space(nowhere)).grow(1'000, {}).has_value());
 }
 
 BOOST_AUTO_TEST_CASE(an_arm_that_needs_no_detour_is_rerouted) {

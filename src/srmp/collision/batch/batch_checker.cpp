@@ -111,7 +111,7 @@ struct BatchChecker::Impl {
   std::vector<batch::KernelObstacle> obstacles;
   std::vector<int> pair_obstacles, pair_ids;
   std::vector<batch::KernelSelfPair> self_pairs;
-  int stage_count{}, coarse_count{};
+  int stage_count{}, coarse_count{}, most_children{};
   std::vector<double> drive_reach;  // [m per rad, or 1] how far anything beyond the drive can be from its axis
 
   // Of each node: bounds on rotation error (operator norm), position error and distance from the base.
@@ -119,19 +119,13 @@ struct BatchChecker::Impl {
   double arm_reach{};  // bound on the distance of any body's point from the base
 
   batch::KernelModel view() const {
-    return {nodes.data(),
-            static_cast<int>(nodes.size()),
-            bodies.data(),
-            static_cast<int>(bodies.size()),
-            stage_count,
-            balls.data(),
-            coarse_count,
-            children.data(),
-            obstacles.data(),
-            pair_obstacles.data(),
-            static_cast<int>(pair_obstacles.size()),
-            self_pairs.data(),
-            static_cast<int>(self_pairs.size())};
+    return {nodes.data(),          static_cast<int>(nodes.size()),
+            bodies.data(),         static_cast<int>(bodies.size()),
+            stage_count,           balls.data(),
+            coarse_count,          children.data(),
+            most_children,         obstacles.data(),
+            pair_obstacles.data(), static_cast<int>(pair_obstacles.size()),
+            self_pairs.data(),     static_cast<int>(self_pairs.size())};
   }
 
   void require_valid() const;
@@ -314,6 +308,7 @@ void BatchChecker::Impl::add_bodies() {
       batch::KernelBall& parent = balls[bodies[i].first_ball + c];
       parent.first_child = static_cast<int>(children.size());
       parent.children = static_cast<int>(body.children[c].size());
+      most_children = std::max(most_children, parent.children);
       for (std::uint32_t child : body.children[c]) children.push_back(first_fine + static_cast<int>(child));
     }
     bodies[i].first_inner = static_cast<int>(balls.size());

@@ -53,7 +53,7 @@ class Builder {
     add_drives();
     for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
     for (BatchBody& body : scene_.world.bodies) finish(body);
-    for (const FixedBody& body : bodies_.fixed) add_fixed(body);
+    for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
     add_pairs();
     return std::move(scene_);
   }
@@ -197,8 +197,30 @@ class Builder {
     return o;
   }
 
-  void add_fixed(const FixedBody& from) {
-    if (from.kind != BodyKind::link) {
+  /// A distance field takes longer over a ball than another ball does: it pays for links under as many.
+  static constexpr std::size_t many_balls = 512;
+
+  /// Does a body stand among the obstacles? A link with a distance field may; but obstacles keep their padding from all
+  /// that moves, and a hit of any geometry of a link counts.
+  bool is_obstacle(std::size_t fixed) const {
+    const FixedBody& body = bodies_.fixed[fixed];
+    if (body.kind != BodyKind::link) return true;
+    if (body.member >= 0 && body.padding != 0.0) return false;
+    if (!body.field || cover_of_(*body.geometry).fine.size() < many_balls) return false;
+    std::vector<int> geometries(scene_.world.bodies.size()), pairs(geometries.size());
+    for (std::size_t i = 0; i < bodies_.moving.size(); ++i) {
+      const auto link = static_cast<std::size_t>(body_of_moving_[i]);
+      ++geometries[link];
+      if (bodies_.fixed_pair[i * bodies_.fixed.size() + fixed] >= 0) ++pairs[link];
+    }
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (pairs[i] != 0 && pairs[i] != geometries[i]) return false;
+    return true;
+  }
+
+  void add_fixed(std::size_t fixed) {
+    const FixedBody& from = bodies_.fixed[fixed];
+    if (is_obstacle(fixed)) {
       fixed_.push_back({true, static_cast<int>(scene_.world.obstacles.size())});
       scene_.world.obstacles.push_back(as_obstacle(from));
       return;

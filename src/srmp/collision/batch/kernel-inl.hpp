@@ -22,7 +22,10 @@ class Slice {
     stages_ = centers_ + 3 * kWidth * m_.body_count;
     margins_ = stages_ + kWidth * m_.stage_count;
     balls_ = margins_ + kWidth * m_.body_count;
-    placed_ = balls_ + 3 * kWidth * m_.coarse_count;
+    near_ = balls_ + 3 * kWidth * m_.coarse_count;
+    near_radii_ = near_ + 3 * kWidth * m_.most_children;
+    near_lanes_ = near_radii_ + m_.most_children;
+    placed_ = near_lanes_ + m_.most_children;
   }
 
   void run() {
@@ -137,9 +140,7 @@ class Slice {
   }
 
   /// A lower bound, see DistanceField.
-  __attribute__((noinline)) V squared_distance_to_field(const KernelObstacle& o, const V3& c) const {
-    const KernelField& f = o.field;
-    const GridPlace place = grid_place(o, c);
+  __attribute__((noinline)) V squared_distance_to_field(const KernelField& f, const GridPlace& place) const {
     const V one = all(1.0f);
     const V x = truncate(min(place.at.x, all(f.last[0] - 1.0f))), y = truncate(min(place.at.y, all(f.last[1] - 1.0f))),
             z = truncate(min(place.at.z, all(f.last[2] - 1.0f)));
@@ -171,9 +172,8 @@ class Slice {
     return bits(less(way, all(radius < f.reach ? radius : f.reach)));
   }
 
-  /// Exact but for a field, where it is a lower bound.
+  /// Of an obstacle without a field.
   SRMP_INLINE V squared_distance(const KernelObstacle& o, const V3& c) const {
-    if (o.field.squared) return squared_distance_to_field(o, c);
     auto [x, y, z] = local(o, c);
     z = max0(sub(abs(z), all(o.half[2])));
     if (o.cylinder) {
@@ -188,6 +188,14 @@ class Slice {
   /// Lanes in which a distance is not proved to exceed the limit.
   SRMP_INLINE unsigned within(V squared, V limit) const { return bits(not_greater(squared, mul(limit, limit))); }
 
+  /// Those of the lanes in which a point is not proved farther away than the limit.
+  SRMP_INLINE unsigned near(const KernelObstacle& o, const V3& c, V limit, unsigned lanes) const {
+    if (!o.field.squared) return within(squared_distance(o, c), limit) & lanes;
+    const GridPlace place = grid_place(o, c);
+    lanes &= within(place.squared_off, limit);
+    return lanes == 0 ? 0 : within(squared_distance_to_field(o.field, place), limit) & lanes;
+  }
+
   void check_obstacles(int i) {
     const KernelBody& body = m_.bodies[i];
     const V3 c{row(centers_, 3 * i), row(centers_, 3 * i + 1), row(centers_, 3 * i + 2)};
@@ -195,9 +203,7 @@ class Slice {
     for (int k = 0; k < body.pairs; ++k) {
       const int pair = body.first_pair + k;
       const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
-      const V reach = add(limit, all(o.radius));
-      if (o.field.squared && (within(grid_place(o, c).squared_off, reach) & alive_) == 0) continue;
-      const unsigned pending = within(squared_distance(o, c), reach) & alive_;
+      const unsigned pending = near(o, c, add(limit, all(o.radius)), alive_);
       if (pending == 0) continue;
       check_closely(i, o, pair, pending, margin);
       if (done()) return;
@@ -230,33 +236,30 @@ class Slice {
     unsigned undecided = 0;
     for (int b = body.first_ball; b < body.first_ball + body.balls; ++b) {
       const KernelBall& ball = m_.balls[b];
-      const V squared = squared_distance(o, coarse(b));
-      const unsigned near = within(squared, add(limit, all(ball.radius))) & pending;
-      if ((near & ~undecided) == 0 && !(body.exact && near)) continue;
-      if (body.exact && o.exact && hit_obstacle(o, coarse(b), squared, ball.radius + body.padding, near)) return;
+      const unsigned around =
+          near(o, coarse(b), add(limit, all(ball.radius)), body.exact ? pending : pending & ~undecided);
+      if (around == 0) continue;
+      if (body.exact && o.exact && hit_obstacle(o, coarse(b), ball.radius + body.padding, around)) return;
       if (ball.children == 0) {
-        undecided |= near;
+        undecided |= around;
         continue;
       }
-      for (int k = 0; k < ball.children && (near & ~undecided); ++k) {
+      for (int k = 0; k < ball.children && (around & ~undecided); ++k) {
         const KernelBall& child = m_.balls[m_.children[ball.first_child + k]];
-        undecided |= within(squared_distance(o, fine(body, child)), add(limit, all(child.radius))) & near;
+        undecided |= near(o, fine(body, child), add(limit, all(child.radius)), around & ~undecided);
       }
     }
     if (undecided == 0) return;
     if (o.exact && o.size > body.capacity)
       for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
-        if (const V3 center = fine(body, m_.balls[b]);
-            hit_obstacle(o, center, o.field.squared ? V{} : squared_distance(o, center),
-                         m_.balls[b].radius + body.padding, undecided))
-          return;
+        if (hit_obstacle(o, fine(body, m_.balls[b]), m_.balls[b].radius + body.padding, undecided)) return;
     report(pair, undecided);
   }
 
   /// Does a ball surely meet the obstacle in some lanes of `mask`? True when that ends the run.
-  SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, V squared, float ball, unsigned mask) {
+  SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, float ball, unsigned mask) {
     const float radius = ball + o.inner_radius;
-    if (!o.field.squared) return hit(squared, radius, mask);
+    if (!o.field.squared) return hit(squared_distance(o, center), radius, mask);
     return radius > 0.0f && hit(surely_within(o, center, radius) & mask);
   }
 
@@ -337,24 +340,69 @@ class Slice {
     return false;
   }
 
+  /// Children of a coarse ball that are near another body's coarse ball, found as far as they are asked for. Each is
+  /// placed once, however many balls of the other body it is compared with.
+  class NearChildren {
+   public:
+    SRMP_INLINE NearChildren(const Slice& slice, const KernelBody& body, const KernelBall& parent, const V3& other,
+                             V reach, unsigned near)
+        : slice_(slice), body_(body), parent_(parent), other_(other), reach_(reach), near_(near) {}
+
+    /// Is there one more, at `index`?
+    SRMP_INLINE bool has(int index) {
+      for (; index == found_ && next_ < parent_.children; ++next_) {
+        const KernelBall& child = slice_.m_.balls[slice_.m_.children[parent_.first_child + next_]];
+        const V3 c = slice_.fine(body_, child);
+        const unsigned lanes = slice_.within(between(other_, c), add(reach_, all(child.radius))) & near_;
+        if (lanes == 0) continue;
+        slice_.set_row(slice_.near_, 3 * found_, c.x);
+        slice_.set_row(slice_.near_, 3 * found_ + 1, c.y);
+        slice_.set_row(slice_.near_, 3 * found_ + 2, c.z);
+        slice_.near_radii_[found_] = child.radius;
+        slice_.near_lanes_[found_++] = static_cast<float>(lanes);  // small whole numbers: exact
+      }
+      return index < found_;
+    }
+    SRMP_INLINE V3 center(int i) const {
+      return {slice_.row(slice_.near_, 3 * i), slice_.row(slice_.near_, 3 * i + 1),
+              slice_.row(slice_.near_, 3 * i + 2)};
+    }
+    SRMP_INLINE float radius(int i) const { return slice_.near_radii_[i]; }
+    SRMP_INLINE unsigned lanes(int i) const { return static_cast<unsigned>(slice_.near_lanes_[i]); }
+
+   private:
+    const Slice& slice_;
+    const KernelBody& body_;
+    const KernelBall& parent_;
+    const V3 other_;
+    const V reach_;
+    const unsigned near_;
+    int next_{}, found_{};
+  };
+
   /// Two coarse balls are near: their children, or the ball itself where there is none.
   unsigned finer(const KernelBody& a, const KernelBall& ball_a, const V3& ca, const KernelBody& b,
                  const KernelBall& ball_b, const V3& cb, V limit, unsigned near) const {
     if (ball_a.children == 0 && ball_b.children == 0) return near;
+    NearChildren of_b(*this, b, ball_b, ca, add(limit, all(ball_a.radius)), near);
     unsigned undecided = 0;
-    for (int i = 0; i < (ball_a.children ? ball_a.children : 1); ++i) {
-      const KernelBall& fine_a = ball_a.children ? m_.balls[m_.children[ball_a.first_child + i]] : ball_a;
-      const V3 ci = ball_a.children ? fine(a, fine_a) : ca;
-      const unsigned left = within(between(ci, cb), add(limit, all(fine_a.radius + ball_b.radius))) & near & ~undecided;
+    if (ball_a.children == 0) {
+      for (int j = 0; (near & ~undecided) && of_b.has(j); ++j) undecided |= of_b.lanes(j);
+      return undecided;
+    }
+    for (int i = 0; i < ball_a.children && (near & ~undecided); ++i) {
+      const KernelBall& fine_a = m_.balls[m_.children[ball_a.first_child + i]];
+      const V3 ci = fine(a, fine_a);
+      const V reach = add(limit, all(fine_a.radius));
+      const unsigned left = within(between(ci, cb), add(reach, all(ball_b.radius))) & near & ~undecided;
       if (left == 0) continue;
       if (ball_b.children == 0) {
         undecided |= left;
         continue;
       }
-      for (int j = 0; j < ball_b.children && (left & ~undecided); ++j) {
-        const KernelBall& fine_b = m_.balls[m_.children[ball_b.first_child + j]];
-        undecided |= within(between(ci, fine(b, fine_b)), add(limit, all(fine_a.radius + fine_b.radius))) & left;
-      }
+      for (int j = 0; (left & ~undecided) && of_b.has(j); ++j)
+        if (of_b.lanes(j) & left & ~undecided)
+          undecided |= within(between(ci, of_b.center(j)), add(reach, all(of_b.radius(j)))) & of_b.lanes(j) & left;
     }
     return undecided;
   }
@@ -364,7 +412,7 @@ class Slice {
   KernelResult& result_;
   const int lane_;
   unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide
-  float *frames_, *centers_, *stages_, *margins_, *balls_, *placed_;
+  float *frames_, *centers_, *stages_, *margins_, *balls_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
 
 }  // namespace

@@ -81,6 +81,7 @@ struct KernelModel {
   const KernelBall* balls;  // coarse, then fine, then inner
   int coarse_count;
   const int* children;
+  int most_children;  // of a ball
   const KernelObstacle* obstacles;
   const int* pair_obstacles;
   int pair_count;  // body-obstacle pairs; self pairs are numbered after them
@@ -104,8 +105,9 @@ using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float*
 
 /// Floats of scratch memory (64-byte aligned) that a kernel needs.
 inline int scratch_floats(const KernelModel& m) {
-  return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count) +
-         m.body_count;
+  return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count +
+                   3 * m.most_children) +
+         2 * m.most_children + m.body_count;
 }
 
 void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);

@@ -204,8 +204,9 @@ class MultiRobotPlan {
     for (const auto& [g, space] : coupled) improve(g, shortened_[g], until);
     for (std::uint64_t sequence = 1; !coupled.empty() && !good_enough(); ++sequence)
       for (const auto& [g, space] : coupled) {
-        CompositeTrees trees(space, sequence);
-        if (const auto path = trees.grow(most_attempts, until)) improve(g, shortened(*path, *world_, until), until);
+        search::TwoTrees trees(tree_space(space), sequence);
+        if (const auto way = trees.grow(most_attempts, until))
+          improve(g, shortened(space.path(*way), *world_, until), until);
         statistics_.expansions += trees.attempts();
       }
   }
@@ -288,8 +289,8 @@ class MultiRobotPlan {
     double lower = 0.0;
     for (const std::size_t i : arms) lower += direct(i);
     std::optional<CompositeSpace> space;
-    std::optional<CompositeTrees> trees;
-    if (composite) trees.emplace(space.emplace(*world_, arms));
+    std::optional<search::TwoTrees> trees;
+    if (composite) trees.emplace(tree_space(space.emplace(*world_, arms)));
     std::size_t level = 0, levels = 1;
     for (std::uint64_t effort = 1;; effort *= 4) {
       if (composite) {
@@ -298,11 +299,14 @@ class MultiRobotPlan {
             return {*path, lower};
         ++levels;
         const std::uint64_t before = trees->attempts();
-        auto path = trees->grow(2048 * effort, deadline_);
+        const auto way = trees->grow(2048 * effort, deadline_);
         statistics_.expansions += trees->attempts() - before;
-        if (path && common_.shortcut)  // they go far astray
-          path = rerouted(shortened(std::move(*path), *world_, deadline_), *world_, deadline_);
-        if (path && path->length() <= options.bound() * lower) return {std::move(*path), lower};
+        if (way) {
+          CoupledPath path = space->path(*way);
+          if (common_.shortcut)  // they go far astray
+            path = rerouted(shortened(std::move(path), *world_, deadline_), *world_, deadline_);
+          if (path.length() <= options.bound() * lower) return {std::move(path), lower};
+        }
         options.max_evaluations = 128 * effort;
       }
       ArmTeam team(*world_, arms);

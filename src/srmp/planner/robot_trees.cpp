@@ -1,0 +1,51 @@
+#include "srmp/planner/robot_trees.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace srmp {
+
+namespace {
+
+constexpr double step = 0.7;      // over all joints [rad, prismatic joints m]
+constexpr double anywhere = 0.2;  // share of the samples
+
+/// Where samples are taken from: `beyond` what the ends span, within the limits.
+struct Region {
+  Eigen::VectorXd lower, upper;
+
+  Region(const RobotModel& robot, const search::TreeSpace& space, double beyond) {
+    lower = upper = space.starts.front();
+    for (const Eigen::VectorXd& goal : space.goals) {
+      lower = lower.cwiseMin(goal);
+      upper = upper.cwiseMax(goal);
+    }
+    for (std::size_t i = 0; i < robot.dof(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      lower[k] = std::max(robot.joints()[i].lower, lower[k] - beyond);
+      upper[k] = std::min(robot.joints()[i].upper, upper[k] + beyond);
+    }
+  }
+
+  Eigen::VectorXd sample(search::RandomSequence& random) const {
+    Eigen::VectorXd q = lower;
+    for (Eigen::Index k = 0; k < q.size(); ++k) q[k] += (upper[k] - lower[k]) * random.next();
+    return q;
+  }
+};
+
+}  // namespace
+
+search::TreeSpace tree_space(const RobotModel& robot, const Eigen::VectorXd& start,
+                             std::vector<Eigen::VectorXd> goals) {
+  search::TreeSpace space;
+  space.starts = {start};
+  space.goals = std::move(goals);
+  space.longest_step = step;
+  for (const Joint& joint : robot.joints()) space.turns.push_back(joint.kind == JointKind::continuous);
+  space.sample = [near = Region(robot, space, M_PI / 2), far = Region(robot, space, 2 * M_PI)](
+                     search::RandomSequence& random) { return (random.next() < anywhere ? far : near).sample(random); };
+  return space;
+}
+
+}  // namespace srmp
