@@ -60,6 +60,7 @@ class Rules {
     for (Body& body : bodies.moving) number(body);
     for (Body& body : bodies.fixed) number(body);
     allowed_.assign(names_.size() * names_.size(), unknown);
+    self_pairs_.resize(group.size());
   }
 
   bool matters(const Body& a, const Body& b) {
@@ -69,13 +70,22 @@ class Rules {
     if (a.member != b.member || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
     const RobotModel& model = group_.model(static_cast<std::size_t>(a.member));
-    const std::pair<std::size_t, std::size_t> pair = std::minmax(a.source, b.source);
-    return std::binary_search(model.self_pairs().begin(), model.self_pairs().end(), pair) ||
+    return is_self_pair(model, static_cast<std::size_t>(a.member), a.source, b.source) ||
            model.allowed(model.geometries()[a.source].link, model.geometries()[b.source].link);
   }
 
  private:
   static constexpr char unknown = 2;
+
+  bool is_self_pair(const RobotModel& model, std::size_t member, std::size_t a, std::size_t b) {
+    std::vector<char>& table = self_pairs_[member];
+    const std::size_t count = model.geometries().size();
+    if (table.empty()) {
+      table.assign(count * count, false);
+      for (const auto& [i, j] : model.self_pairs()) table[i * count + j] = table[j * count + i] = true;
+    }
+    return table[a * count + b];
+  }
 
   bool allowed(std::size_t a, std::size_t b) {
     char& answer = allowed_[a * names_.size() + b];
@@ -87,7 +97,8 @@ class Rules {
   const RobotGroup& group_;
   bool companions_only_;
   std::vector<const std::string*> names_;
-  std::vector<char> allowed_;  // [a * names + b]
+  std::vector<char> allowed_;                  // [a * names + b]
+  std::vector<std::vector<char>> self_pairs_;  // of each member [a * geometries + b]; empty until asked for
 };
 
 }  // namespace

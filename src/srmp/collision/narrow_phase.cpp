@@ -77,10 +77,10 @@ bool is_convex_solid(const coal::CollisionGeometry& geometry) { return geometry.
 
 int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b) {
   if (!has_formula(a.getNodeType(), b.getNodeType())) return -1;
-  const auto [it, added] =
-      known_.emplace(std::pair<int, int>(a.getNodeType(), b.getNodeType()), static_cast<int>(examples_.size()));
-  if (added) examples_.emplace_back(&a, &b);
-  return it->second;
+  const std::pair<int, int> types{a.getNodeType(), b.getNodeType()};
+  if (const auto known = known_.find(types); known != known_.end()) return known->second;
+  examples_.emplace_back(&a, &b);
+  return known_[types] = static_cast<int>(examples_.size()) - 1;
 }
 
 namespace {

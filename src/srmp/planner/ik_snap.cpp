@@ -1,5 +1,6 @@
 #include "srmp/planner/ik_snap.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -85,11 +86,13 @@ IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const 
 }
 
 GoalSnap make_ik_snap(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals, const Eigen::VectorXd& step) {
+  const auto by_joints = [](const GoalConstraint& goal) { return goal.type == GoalType::joints; };
+  if (std::all_of(goals.begin(), goals.end(), by_joints)) return {};
   IkSnap snap(robot, step);
   int number = 0;
   for (const GoalConstraint& goal : goals)
     for (const Eigen::VectorXd& target : goal.targets) {
-      if (goal.type != GoalType::joints) snap.add(ik_goal(goal, target, robot), number);
+      if (!by_joints(goal)) snap.add(ik_goal(goal, target, robot), number);
       ++number;
     }
   if (snap.empty()) return {};

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -563,7 +564,6 @@ class SingleRobotPlan {
   }
 
   void find_path_in_turns(const Auto& options) {
-    pairs_ = parallel_pairs(robot_);
     direct_ = search::infinity;
     for (const Target& target : targets_) direct_ = std::min(direct_, robot_.difference(start_, target.q).norm());
     lower_ = direct_;
@@ -648,9 +648,10 @@ class SingleRobotPlan {
   }
 
   search::PortfolioMember<Lattice, AnyHeuristic> make_member(Member& member, double limit) {
+    if (!pairs_) pairs_ = parallel_pairs(robot_);
     member.lattice.reset(new Lattice(make_lattice(
         member.backward,
-        own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale), pairs_))));
+        own_primitives() ? make_primitives() : rich_primitives(robot_.joints(), lattice_step(member.scale), *pairs_))));
     Lattice& lattice = *member.lattice;
     member.anchor = [&lattice, limit](search::StateId s) {
       const double ahead = lattice.distance_to_targets(s);
@@ -757,7 +758,7 @@ class SingleRobotPlan {
   const Deadline* improving_until_{nullptr};
   double direct_{0.0};  // straight to the nearest goal: no path at all is shorter
   std::vector<Member> members_;
-  std::vector<JointPair> pairs_;
+  std::optional<std::vector<JointPair>> pairs_;  // once asked for
   struct Grid {
     double resolution;
     std::vector<Eigen::Vector3d> goals;

@@ -4,7 +4,7 @@
 
 #include <map>
 #include <numeric>
-#include <tuple>
+#include <utility>
 
 #include "srmp/collision/bodies.hpp"
 
@@ -159,7 +159,7 @@ class Builder {
 
   int add_moving(const MovingBody& body) {
     const int drive = deepest_drive(body.movers);
-    const auto key = std::make_tuple(body.scene_name, body.attached());
+    const auto key = std::pair(body.name_id, body.attached());
     const auto [place, added] = links_.try_emplace(key, static_cast<int>(scene_.world.bodies.size()));
     if (added) {
       scene_.world.bodies.emplace_back();
@@ -269,7 +269,7 @@ class Builder {
   std::vector<Eigen::Isometry3d> frames_;  // of drives, at q = 0
   std::vector<int> body_of_moving_;
   std::vector<std::pair<bool, int>> fixed_;  // of Bodies::fixed: (obstacle?, index)
-  std::map<std::tuple<std::string, bool>, int> links_;
+  std::map<std::pair<std::size_t, bool>, int> links_;  // by name_id
   std::vector<std::vector<Ball>> bounds_;  // of each body's geometries
 };
 
