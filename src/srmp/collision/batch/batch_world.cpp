@@ -268,9 +268,9 @@ class Builder {
   BatchScene scene_;
   std::vector<Eigen::Isometry3d> frames_;  // of drives, at q = 0
   std::vector<int> body_of_moving_;
-  std::vector<std::pair<bool, int>> fixed_;  // of Bodies::fixed: (obstacle?, index)
+  std::vector<std::pair<bool, int>> fixed_;            // of Bodies::fixed: (obstacle?, index)
   std::map<std::pair<std::size_t, bool>, int> links_;  // by name_id
-  std::vector<std::vector<Ball>> bounds_;  // of each body's geometries
+  std::vector<std::vector<Ball>> bounds_;              // of each body's geometries
 };
 
 }  // namespace
