@@ -23,6 +23,7 @@ import srmp
 from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
+from srmp.cli import parse_key_values
 
 LARGEST_MOVE = np.radians(2.0)
 GOALS = 10
@@ -71,7 +72,14 @@ def row_of(
 
 
 def run(
-    data: str, robot: str, geometry: str, problems: str, planners: list[str], time_limit: float, threads: int
+    data: str,
+    robot: str,
+    geometry: str,
+    problems: str,
+    planners: list[str],
+    time_limit: float,
+    threads: int,
+    options: dict[str, str],
 ) -> dict[str, Any]:
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "auto", {}, time_limit)
@@ -82,10 +90,10 @@ def run(
             own = posed.goals[0].targets[0]
             goals = [own, *moved_goals(planner, robot, own, [at, problem.number])]
             for planner_id in planners:
-                planner.make_planner(robot, {"planner_id": planner_id, "time_limit": time_limit})
+                planner.make_planner(robot, {"planner_id": planner_id, "time_limit": time_limit, **options})
                 rows[planner_id].append(row_of(planner, robot, problem, posed.start, goals, threads))
-    options = {"robot": robot, "geometry": geometry, "problems": problems, "time_limit": time_limit}
-    header = mbm.header("consistency", options=options)
+    asked = {"robot": robot, "geometry": geometry, "problems": problems, "time_limit": time_limit, **options}
+    header = mbm.header("consistency", options=asked)
     return {"header": header, "planners": {name: {**summary(r), "rows": r} for name, r in rows.items()}}
 
 
@@ -118,11 +126,13 @@ def main() -> int:
     parser.add_argument("--problems", default="1-5", help="numbers in each scenario")
     parser.add_argument("--planner", dest="planners", action="append", help="may be repeated; default: auto and wAstar")
     parser.add_argument("--time-limit", type=float, default=10.0)
+    parser.add_argument("--option", dest="options", action="append", default=[], help="KEY=VALUE; may be repeated")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     options = vars(parser.parse_args())
     out = options.pop("out")
     options["planners"] = options["planners"] or list(PLANNERS)
+    options["options"] = parse_key_values(options["options"])
     result = run(**options)
     print(table(result))
     if out:

@@ -77,6 +77,19 @@ BOOST_AUTO_TEST_CASE(trees_find_a_free_way_through_a_maze) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(the_straight_way_is_taken_where_it_is_free) {
+  TreeSpace space = maze();
+  space.goals = {Vector2d(0.9, 0.9), Vector2d(0.1, 0.8)};
+  TwoTrees trees(space);
+  const auto way = trees.grow(1, {});
+  BOOST_REQUIRE(way.has_value());
+  check(*way, space);
+  BOOST_TEST((way->back() == space.goals[1]));
+  for (const VectorXd& q : *way) BOOST_TEST(q[0] == 0.1);
+  space.goals = space.starts;
+  BOOST_TEST(TwoTrees(space).grow(1, {}).value().size() == 2u);
+}
+
 BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_another) {
   const auto grown = [](std::uint64_t sequence) { return *TwoTrees(maze(), sequence).grow(many, {}); };
   const auto first = grown(0);

@@ -248,7 +248,7 @@ struct Planner {
 
 const std::vector<Planner>& registry() {
   static const std::vector<Planner> planners{
-      {{"auto", "the quickest: guided searches in turns, both directions, four resolutions; anytime if asked", true,
+      {{"auto", "the quickest: two trees and guided searches in turns, both directions, four resolutions; anytime if asked", true,
         true},
        Auto{},
        {}},

@@ -99,9 +99,11 @@ struct Prioritised {
   double weight_low_level_heuristic{50.0};  ///< >= 1
 };
 
-/// Eight greedy searches in turns (a portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 3,
-/// 1.5, 0.75 and 0.4 times `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of
-/// the one that finishes first; then anytime, for as long as asked.
+/// Two trees that grow towards each other (robot_trees.hpp) and, beside them, eight greedy searches in turns (a
+/// portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 3, 1.5, 0.75 and 0.4 times
+/// `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of the one that finishes
+/// first, or weight * the straight line; then anytime, for as long as asked. No trees where `heuristic`, `direction` or
+/// `mprim_path` asks for another search.
 struct Auto {
   CommonOptions common{};
   double weight{50.0};       ///< of the first path, >= 1

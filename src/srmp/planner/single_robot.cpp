@@ -527,7 +527,7 @@ class SingleRobotPlan {
              8 * checked_ < 8 * head_start + 7 * (plan_.motions_checked() - before_)) {
         const std::uint64_t before = plan_.motions_checked();
         way = trees_.grow(trees_.attempts() + turn, plan_.deadline_);
-        checked_ += plan_.motions_checked() - before;
+        checked_ += std::max(turn, plan_.motions_checked() - before);  // an attempt may check none
       }
       if (!way) return std::nullopt;
       done_ = true;

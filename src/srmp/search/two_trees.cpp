@@ -34,7 +34,10 @@ TwoTrees::TwoTrees(TreeSpace space, std::uint64_t sequence) : space_(std::move(s
 std::optional<std::vector<Eigen::VectorXd>> TwoTrees::grow(std::uint64_t attempts, const Deadline& deadline) {
   if (space_.starts.empty() || space_.goals.empty()) return std::nullopt;
   while (attempts_ < attempts && !stop_status(deadline)) {
-    ++attempts_;
+    if (attempts_++ == 0) {
+      if (auto way = straight_way()) return way;
+      continue;
+    }
     const bool backward = trees_[1].size() < trees_[0].size();
     Tree &tree = trees_[backward], &other = trees_[!backward];
     const Eigen::VectorXd q = space_.sample(random_);
@@ -102,6 +105,24 @@ bool TwoTrees::connect(Tree& tree, const Eigen::VectorXd& q) {
   for (std::size_t at = nearest(tree, q); extend(tree, at, q); at = tree.size() - 1)
     if (node(tree, tree.size() - 1) == q) return true;
   return false;
+}
+
+/// From a start to the goal that is nearest, if it is free.
+std::optional<std::vector<Eigen::VectorXd>> TwoTrees::straight_way() const {
+  double least = infinity;
+  std::vector<Eigen::VectorXd> way;
+  for (const Eigen::VectorXd& start : space_.starts)
+    for (const Eigen::VectorXd& goal : space_.goals)
+      if (const double length = difference(start, goal).norm(); length < least) {
+        least = length;
+        way = {start, goal};
+      }
+  const Eigen::VectorXd step = difference(way[0], way[1]) / std::max(1.0, std::ceil(least / space_.longest_step));
+  while (difference(way[way.size() - 2], way.back()).norm() > space_.longest_step)
+    way.insert(way.end() - 1, way[way.size() - 2] + step);
+  for (std::size_t i = 1; i < way.size(); ++i)
+    if (!space_.is_motion_free(way[i - 1], way[i])) return std::nullopt;
+  return way;
 }
 
 /// Through the last nodes of the two trees, which are at one place.

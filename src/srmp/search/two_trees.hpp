@@ -33,8 +33,8 @@ struct TreeSpace {
 
 /// Two trees of motions, from the starts and from the goals, that grow towards each other (Kuffner, LaValle 2000,
 /// "RRT-Connect: An Efficient Approach to Single-Query Path Planning"), by a sequence of configurations that is the
-/// same every time. Whichever is smaller grows, so the end in a narrow place has the most attempts. Quick where a
-/// lattice has no way that is found soon; proves nothing.
+/// same every time. The first attempt is the straight way; then whichever is smaller grows, so the end in a narrow
+/// place has the most attempts. Quick where a lattice has no way that is found soon; proves nothing.
 class TwoTrees {
  public:
   /// `sequence`: another number is another sequence, which mostly leads to another path. Throws InvalidArgument for a
@@ -59,6 +59,7 @@ class TwoTrees {
   std::size_t nearest(const Tree& tree, const Eigen::VectorXd& q);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
   bool connect(Tree& tree, const Eigen::VectorXd& q);
+  std::optional<std::vector<Eigen::VectorXd>> straight_way() const;
   std::vector<Eigen::VectorXd> path() const;
 
   TreeSpace space_;
