@@ -757,7 +757,7 @@ void bind_planning(nb::class_<Self>& cls) {
          "ARAstar  ARA* (Likhachev, Gordon, Thrun 2003), anytime\n"
          "MHAstar  MHA* (Aine et al. 2016), several heuristics\n"
          "wPASE    ePA*SE (Mukherjee, Aine, Likhachev 2022), parallel\n"
-         "auto     guided searches in turns: both directions, four resolutions; the default\n"
+         "auto     two trees and guided searches in turns, from both ends; the default\n"
          "CBS      conflict-based search (Sharon et al. 2015), many robots: optimal on their lattices\n"
          "ECBS     (Barer et al. 2014), many robots: within a bound\n"
          "xECBS    (Shaoul, Mishani, Likhachev, Li 2024), many robots: ECBS with experience; quick\n"

@@ -10,15 +10,20 @@ namespace {
 constexpr double step = 0.7;      // over all joints [rad, prismatic joints m]
 constexpr double anywhere = 0.2;  // share of the samples
 
-/// Where samples are taken from: `beyond` what the ends span, within the limits.
+/// Where samples are taken from: `beyond` what the straight ways span, within the limits.
 struct Region {
   Eigen::VectorXd lower, upper;
 
   Region(const RobotModel& robot, const search::TreeSpace& space, double beyond) {
-    lower = upper = space.starts.front();
+    const Eigen::VectorXd& start = space.starts.front();
+    lower = upper = start;
     for (const Eigen::VectorXd& goal : space.goals) {
-      lower = lower.cwiseMin(goal);
-      upper = upper.cwiseMax(goal);
+      const Eigen::VectorXd way = robot.difference(start, goal);
+      for (Eigen::Index k = 0; k < way.size(); ++k) {
+        const double end = space.turns[static_cast<std::size_t>(k)] ? start[k] + way[k] : goal[k];
+        lower[k] = std::min(lower[k], end);
+        upper[k] = std::max(upper[k], end);
+      }
     }
     for (std::size_t i = 0; i < robot.dof(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
