@@ -248,8 +248,7 @@ struct Planner {
 
 const std::vector<Planner>& registry() {
   static const std::vector<Planner> planners{
-      {{"auto", "the quickest: two trees and guided searches in turns, both directions, four resolutions; anytime if asked", true,
-        true},
+      {{"auto", "the quickest: two trees and guided searches from both ends; anytime if asked", true, true},
        Auto{},
        {}},
       {{"Astar", "A*: the shortest path on the lattice", true, false}, AStar{}, {"a*"}},
