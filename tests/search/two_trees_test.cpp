@@ -85,6 +85,7 @@ BOOST_AUTO_TEST_CASE(the_straight_way_is_taken_where_it_is_free) {
   BOOST_REQUIRE(way.has_value());
   check(*way, space);
   BOOST_TEST((way->back() == space.goals[1]));
+  BOOST_TEST(way->size() == 4u);
   for (const VectorXd& q : *way) BOOST_TEST(q[0] == 0.1);
   space.goals = space.starts;
   BOOST_TEST(TwoTrees(space).grow(1, {}).value().size() == 2u);

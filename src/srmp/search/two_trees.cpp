@@ -7,6 +7,13 @@
 
 namespace srmp::search {
 
+namespace {
+
+/// The same turn by the short way round [rad].
+double short_way(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle / (2.0 * M_PI)); }
+
+}  // namespace
+
 double RandomSequence::next() {
   std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
   z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
@@ -68,8 +75,7 @@ void TwoTrees::add(Tree& tree, const Eigen::VectorXd& q, std::size_t parent) {
 Eigen::VectorXd TwoTrees::difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
   Eigen::VectorXd way = b - a;
   for (std::size_t k = 0; k < space_.turns.size(); ++k)
-    if (double& angle = way[static_cast<Eigen::Index>(k)]; space_.turns[k])
-      angle -= 2.0 * M_PI * std::round(angle / (2.0 * M_PI));
+    if (double& angle = way[static_cast<Eigen::Index>(k)]; space_.turns[k]) angle = short_way(angle);
   return way;
 }
 
@@ -80,8 +86,7 @@ std::size_t TwoTrees::nearest(const Tree& tree, const Eigen::VectorXd& q) {
     const double at = q[static_cast<Eigen::Index>(k)];
     const bool turns = !space_.turns.empty() && space_.turns[k];
     for (std::size_t i = 0; i < tree.size(); ++i) {
-      double way = column[i] - at;
-      if (turns) way -= 2.0 * M_PI * std::nearbyint(way / (2.0 * M_PI));
+      const double way = turns ? short_way(column[i] - at) : column[i] - at;
       distances_[i] += way * way;
     }
   }
@@ -117,9 +122,9 @@ std::optional<std::vector<Eigen::VectorXd>> TwoTrees::straight_way() const {
         least = length;
         way = {start, goal};
       }
-  const Eigen::VectorXd step = difference(way[0], way[1]) / std::max(1.0, std::ceil(least / space_.longest_step));
-  while (difference(way[way.size() - 2], way.back()).norm() > space_.longest_step)
-    way.insert(way.end() - 1, way[way.size() - 2] + step);
+  const double steps = std::max(1.0, std::ceil(least / space_.longest_step));
+  const Eigen::VectorXd step = difference(way[0], way[1]) / steps;
+  for (double k = 1.0; k < steps; ++k) way.insert(way.end() - 1, way[way.size() - 2] + step);
   for (std::size_t i = 1; i < way.size(); ++i)
     if (!space_.is_motion_free(way[i - 1], way[i])) return std::nullopt;
   return way;
