@@ -140,10 +140,7 @@ OnSolution to_on_solution(const nb::object& callback) {
     throw InvalidArgument("on_solution must be a function of a dict and an array, or None");
   return [&callback](const Solution& solution, ConstRows waypoints) {
     const nb::gil_scoped_acquire gil;
-    std::vector<Eigen::VectorXd> rows;
-    for (Eigen::Index i = 0; i < waypoints.rows(); ++i) rows.emplace_back(waypoints.row(i).transpose());
-    const nb::object answer =
-        callback(to_dict(solution), to_numpy_rows(rows, static_cast<std::size_t>(waypoints.cols())));
+    const nb::object answer = callback(to_dict(solution), to_numpy_rows(RowMatrix(waypoints)));
     return answer.ptr() != Py_False;
   };
 }

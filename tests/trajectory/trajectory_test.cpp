@@ -516,6 +516,7 @@ BOOST_AUTO_TEST_CASE(the_long_way_round_is_refused) {
 BOOST_AUTO_TEST_CASE(stacking_refuses_mixed_sizes) {
   const std::vector<Eigen::VectorXd> good{Eigen::Vector2d(1, 2), Eigen::Vector2d(3, 4)};
   BOOST_TEST((stack_waypoints(good) == rows({{1, 2}, {3, 4}})));
+  BOOST_TEST((unstack_waypoints(rows({{1, 2}, {3, 4}})) == good));
   const std::vector<Eigen::VectorXd> bad{Eigen::Vector2d(1, 2), Eigen::Vector3d(3, 4, 5)};
   check_throws<InvalidArgument>([&] { stack_waypoints(bad); }, "waypoint 1 has 3 entries");
 }

@@ -57,6 +57,13 @@ RowMatrix stack_waypoints(std::span<const Eigen::VectorXd> waypoints) {
   return rows;
 }
 
+std::vector<Eigen::VectorXd> unstack_waypoints(ConstRows waypoints) {
+  std::vector<Eigen::VectorXd> result;
+  result.reserve(static_cast<std::size_t>(waypoints.rows()));
+  for (Eigen::Index i = 0; i < waypoints.rows(); ++i) result.emplace_back(waypoints.row(i).transpose());
+  return result;
+}
+
 RowMatrix without_redundant_waypoints(ConstRows waypoints) {
   std::vector<Eigen::Index> distinct;  // the last of equal rows may stand for all: they are equal
   for (Eigen::Index i = 0; i < waypoints.rows(); ++i)

@@ -12,6 +12,8 @@ double path_length(ConstRows waypoints);
 
 /// One row a waypoint. All must have the same size.
 RowMatrix stack_waypoints(std::span<const Eigen::VectorXd> waypoints);
+/// The way back: one vector a row.
+std::vector<Eigen::VectorXd> unstack_waypoints(ConstRows waypoints);
 
 /// Drops waypoints that equal their predecessor or lie on the straight line between their neighbours, in order along
 /// it, within 1e-12 of its length. First and last row stay as they are; the path does not move.
