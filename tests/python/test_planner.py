@@ -300,10 +300,12 @@ def test_exhausted_is_told_apart(arm, ready, tmp_path):
     primitives = tmp_path / "hand_only.yaml"
     last = arm.get_joint_names("arm")[-1]
     primitives.write_text(f"units: degrees\nfamilies:\n  - {{name: turn, joints: [{last}], by: 30, use: always}}\n")
-    arm.make_planner("arm", srmp.WAStar(mprim_path=str(primitives)))
-    with pytest.raises(srmp.PlanningError, match="holds no path") as error:
-        arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
-    assert error.value.status == srmp.Status.exhausted
+    for planner in (srmp.WAStar, srmp.Auto):
+        for direction, end in (("forward", "start"), ("backward", "goals")):
+            arm.make_planner("arm", planner(mprim_path=str(primitives), direction=direction))
+            with pytest.raises(srmp.PlanningError, match=f"hand_only.yaml' from the {end} holds no path") as error:
+                arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
+            assert error.value.status == srmp.Status.exhausted
 
 
 @pytest.fixture

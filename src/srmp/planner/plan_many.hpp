@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "srmp/planner/single_robot.hpp"
+#include "srmp/planner/single_arm/single_robot.hpp"
 
 namespace srmp {
 

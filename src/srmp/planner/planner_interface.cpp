@@ -12,7 +12,7 @@
 #include "srmp/planner/multi_arm/multi_robot.hpp"
 #include "srmp/planner/plan_many.hpp"
 #include "srmp/planner/problem_file.hpp"
-#include "srmp/planner/single_robot.hpp"
+#include "srmp/planner/single_arm/single_robot.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {

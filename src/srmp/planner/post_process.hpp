@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "srmp/planner/single_robot.hpp"
+#include "srmp/planner/single_arm/single_robot.hpp"
 #include "srmp/trajectory/parameterize.hpp"
 
 namespace srmp {

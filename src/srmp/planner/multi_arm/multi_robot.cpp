@@ -16,7 +16,7 @@
 #include "srmp/planner/multi_arm/roadmap_search.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
-#include "srmp/planner/single_robot.hpp"
+#include "srmp/planner/single_arm/single_robot.hpp"
 
 namespace srmp {
 

@@ -1,4 +1,4 @@
-#include "srmp/planner/ik_snap.hpp"
+#include "srmp/planner/single_arm/ik_snap.hpp"
 
 #include <boost/test/unit_test.hpp>
 

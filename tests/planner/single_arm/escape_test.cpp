@@ -1,4 +1,4 @@
-#include "srmp/planner/escape.hpp"
+#include "srmp/planner/single_arm/escape.hpp"
 
 #include <boost/test/unit_test.hpp>
 #include <map>
@@ -210,8 +210,7 @@ BOOST_AUTO_TEST_CASE(plans_begin_at_the_start_and_leave_it_by_the_rule) {
     BOOST_REQUIRE_GE(statistics.escape_waypoints, 1);
     BOOST_TEST(statistics.note.find("'table' overlap by 3 mm): the trajectory begins with the way out of it") !=
                std::string::npos);
-    Path way_out;
-    for (int i = 0; i <= statistics.escape_waypoints; ++i) way_out.emplace_back(t.waypoints.row(i).transpose());
+    const Path way_out = unstack_waypoints(t.waypoints.topRows(statistics.escape_waypoints + 1));
     check_escape(*planner.collision_checker("arm7"), ready(), way_out);
     BOOST_CHECK_CLOSE(length(way_out), statistics.escape_cost_rad, 1e-9);
     BOOST_CHECK_CLOSE(path_length(t.waypoints), statistics.escape_cost_rad + statistics.path_cost_rad, 1e-6);

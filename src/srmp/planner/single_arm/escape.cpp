@@ -1,4 +1,4 @@
-#include "srmp/planner/escape.hpp"
+#include "srmp/planner/single_arm/escape.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "srmp/planner/robot_trees.hpp"
+#include "srmp/planner/single_arm/robot_trees.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "srmp/planner/ik_snap.hpp"
+#include "srmp/planner/single_arm/ik_snap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,6 @@ class IkSnap {
     const double most_apart = turn_ * goal.in_base.p.norm() + slide_;
     targets_.push_back({std::move(goal), most_apart, number});
   }
-  bool empty() const { return targets_.empty(); }
 
   std::vector<SnapGoal> operator()(const Eigen::VectorXd& q) const {
     robot_.forward(*data_, q);
@@ -95,7 +94,6 @@ GoalSnap make_ik_snap(const PlacedRobot& robot, const std::vector<GoalConstraint
       if (!by_joints(goal)) snap.add(ik_goal(goal, target, robot), number);
       ++number;
     }
-  if (snap.empty()) return {};
   return snap;
 }
 
