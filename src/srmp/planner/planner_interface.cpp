@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <thread>
 
-#include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/self_filter.hpp"
 #include "srmp/io/joint_limits.hpp"
 #include "srmp/io/moveit.hpp"
@@ -12,17 +11,12 @@
 #include "srmp/planner/multi_arm/multi_robot.hpp"
 #include "srmp/planner/plan_many.hpp"
 #include "srmp/planner/problem_file.hpp"
+#include "srmp/planner/scene_checkers.hpp"
 #include "srmp/planner/single_arm/single_robot.hpp"
-#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
 namespace {
-
-struct ArmCheckerPair {
-  std::unique_ptr<const ArmCheckers> plan, judge;
-  std::vector<Eigen::VectorXd> others;  // where the robots that stand still do
-};
 
 void require_multi_question(const Scene& scene, const std::string& robot, ConstVector start,
                             const GoalConstraint& goal) {
@@ -42,6 +36,12 @@ void require_for_many(const PlannerOptions& options) {
                             "plan_multi");
 }
 
+std::vector<std::string> names_of(const std::vector<MultiRobotPart>& parts) {
+  std::vector<std::string> names;
+  for (const MultiRobotPart& part : parts) names.push_back(part.robot);
+  return names;
+}
+
 /// A robot that holds.
 Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::VectorXd& q, bool timed) {
   const RobotInstance& instance = scene.robot(robot);
@@ -58,11 +58,7 @@ Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::Ve
 struct PlannerInterface::Impl {
   Scene scene;
   PlannerTable planners;
-  // Of the scene as it is now. Single questions go to Coal alone, so that they do not wait for sphere covers.
-  mutable std::map<std::pair<std::string, CheckMode>, std::unique_ptr<Checker>> checkers;
-  std::shared_ptr<CoverStore> covers{std::make_shared<CoverStore>()};
-  std::shared_ptr<PairTableStore> pair_tables{std::make_shared<PairTableStore>(covers->folder())};
-  ArmCheckerPair together;  // of the last plan_multi
+  mutable SceneCheckers checkers;
   UserHeuristics heuristics;
   std::map<std::string, MotionLimits> motion_limits;  // of the user; other robots have default_limits
   PlanStatistics statistics;                          // of the last plan
@@ -74,7 +70,6 @@ struct PlannerInterface::Impl {
   void change(Change&& apply) {
     apply(scene);
     checkers.clear();
-    together = {};
     result.reset();
   }
 
@@ -87,37 +82,8 @@ struct PlannerInterface::Impl {
     std::erase_if(motion_limits, [&](const auto& entry) { return gone(entry.first); });
   }
 
-  const Checker& checker(const std::string& robot, CheckMode mode = CheckMode::coal) const {
-    scene.robot(robot);  // throws with the nearest name
-    std::unique_ptr<Checker>& slot = checkers[{robot, mode}];
-    if (!slot)
-      slot = std::make_unique<Checker>(scene, robot,
-                                       CheckerOptions{.mode = mode, .covers = covers, .pair_tables = pair_tables});
-    return *slot;
-  }
-
-  /// Slow for a robot seen for the first time, nothing otherwise.
-  void cover_robots() const {
-    for (const auto& [name, robot] : scene.robots()) {
-      ensure_covered(*robot.model, *covers);
-      pair_tables->tables(robot.model, robot.parts);
-    }
-  }
-
-  /// For robots that move together while the others stand as in `now`; kept for the next plan of the same.
-  const ArmCheckerPair& arm_checkers(const Scene& now, const std::vector<MultiRobotPart>& moving) {
-    std::vector<std::string> names;
-    std::vector<Eigen::VectorXd> others;
-    for (const MultiRobotPart& part : moving) names.push_back(part.robot);
-    for (const auto& [name, robot] : now.robots())
-      if (std::find(names.begin(), names.end(), name) == names.end()) others.push_back(robot.q);
-    if (together.plan && together.plan->names() == names && together.others == others) return together;
-    together.plan =
-        std::make_unique<ArmCheckers>(now, names, CheckerOptions{.covers = covers, .pair_tables = pair_tables});
-    together.judge = std::make_unique<ArmCheckers>(now, names, CheckerOptions{.mode = CheckMode::coal});
-    together.others = std::move(others);
-    return together;
-  }
+  /// Single questions go to Coal alone, so that they do not wait for sphere covers.
+  const Checker& checker(const std::string& robot) const { return checkers.of(scene, robot, CheckMode::coal); }
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
 
@@ -152,7 +118,7 @@ struct PlannerInterface::Impl {
     const RobotInstance& instance = scene.robot(robot);
     return {scene,
             robot,
-            checker(robot, CheckMode::exact),
+            checkers.of(scene, robot, CheckMode::exact),
             start,
             goals,
             options,
@@ -403,16 +369,13 @@ double PlannerInterface::distance_to_collision(const std::string& robot, ConstVe
 
 std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
   impl_->scene.robot(robot);  // throws with the nearest name
-  return std::make_shared<const Checker>(
-      impl_->scene, robot, CheckerOptions{.mode = mode, .covers = impl_->covers, .pair_tables = impl_->pair_tables});
+  return std::make_shared<const Checker>(impl_->scene, robot, impl_->checkers.options(mode));
 }
 
 std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
     const std::string& robot, const std::map<std::string, TimedPath>& others, CheckMode mode) const {
   impl_->scene.robot(robot);  // throws with the nearest name
-  return std::make_shared<const TimedChecker>(
-      impl_->scene, robot, others,
-      CheckerOptions{.mode = mode, .covers = impl_->covers, .pair_tables = impl_->pair_tables});
+  return std::make_shared<const TimedChecker>(impl_->scene, robot, others, impl_->checkers.options(mode));
 }
 
 // --- heuristics of the user
@@ -468,7 +431,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   require_heuristics(options, impl_->heuristic_names());
   std::vector<std::string> key = planner_key(impl_->scene, robots);
   require_planner_for(key, options);
-  impl_->cover_robots();
+  impl_->checkers.cover_robots(impl_->scene);
   impl_->result.reset();
   impl_->planners.insert_or_assign(std::move(key), options);
 }
@@ -480,7 +443,7 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const Interrupt& interrupt, const OnSolution& on_solution) {
   const PlannerOptions& options = planner_options({robot});
-  impl_->cover_robots();  // once for a robot, and no part of the plan
+  impl_->checkers.cover_robots(impl_->scene);  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
   const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
   const SingleRobotProblem problem =
@@ -547,8 +510,8 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
            std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})});
   }
   if (moving.empty()) throw InvalidArgument("plan_multi needs a goal for at least one of the robots");
-  impl_->cover_robots();
-  const ArmCheckerPair& checkers = impl_->arm_checkers(scene, moving);
+  impl_->checkers.cover_robots(impl_->scene);
+  const SceneCheckers::Together& checkers = impl_->checkers.of(scene, names_of(moving));
   const Deadline deadline(common_options(options).time_limit, interrupt);
   impl_->request.reset();
   impl_->result.reset();
