@@ -387,6 +387,7 @@ inline void check_same(const ConflictSearchResult& a, const ConflictSearchResult
   BOOST_REQUIRE_EQUAL(a.statistics.low.generated, b.statistics.low.generated);
   BOOST_REQUIRE_EQUAL(a.statistics.low.evaluations, b.statistics.low.evaluations);
   BOOST_REQUIRE_EQUAL(a.statistics.low.memory, b.statistics.low.memory);
+  BOOST_REQUIRE_EQUAL(a.statistics.memory, b.statistics.memory);
 }
 
 }  // namespace srmp::multi::test

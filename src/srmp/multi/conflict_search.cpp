@@ -6,6 +6,7 @@
 #include <set>
 #include <tuple>
 
+#include "srmp/core/memory_of.hpp"
 #include "srmp/search/lazy_tree.hpp"
 
 namespace srmp::multi {
@@ -81,6 +82,20 @@ struct TreeNode {
 
 using NodePtr = std::shared_ptr<TreeNode>;
 
+/// Bytes of a node in OPEN, without its ways.
+std::uint64_t memory_of(const TreeNode& node) {
+  constexpr std::size_t in_two_sets = 2 * (tree_node_overhead + sizeof(NodePtr));
+  return sizeof(TreeNode) + in_two_sets + srmp::memory_of(node.paths) + srmp::memory_of(node.lower) +
+         node.ahead.size() * (tree_node_overhead + sizeof(Pair)) + srmp::memory_of(node.conflicts);
+}
+
+/// Of what a node leaves to its descendants: the way that is its own, about as long as any, and its constraint.
+std::uint64_t memory_left_by(const TreeNode& node) {
+  std::size_t longest = 0;
+  for (const PathPtr& path : node.paths) longest = std::max(longest, srmp::memory_of(path->moves));
+  return sizeof(TimedPath) + longest + sizeof(Link);
+}
+
 struct ByLower {  // complete ones first
   bool operator()(const NodePtr& a, const NodePtr& b) const {
     return std::tuple(!a->complete, a->lower_sum, a->number) < std::tuple(!b->complete, b->lower_sum, b->number);
@@ -125,6 +140,7 @@ class ConflictSearch {
   void push(NodePtr node) {
     if (!node) return;
     node->number = result_.statistics.tree_nodes++;
+    held_ += memory_of(*node) + memory_left_by(*node);
     open_.insert(node);
     beyond_.insert(std::move(node));
   }
@@ -141,6 +157,7 @@ class ConflictSearch {
     const bool optimal = options_.bound() == 1.0 && !options_.priorities;  // all of focal_ has the least lower bound
     proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++turn_ % 4 == 0);
     if (!proves_) node = *focal_.begin();
+    held_ -= memory_of(*node);
     open_.erase(node);
     beyond_.erase(node);
     focal_.erase(node);
@@ -253,6 +270,7 @@ class ConflictSearch {
     low.generated += found.statistics.generated;
     low.evaluations += found.statistics.evaluations;
     low.memory = std::max(low.memory, found.statistics.memory);
+    result_.statistics.memory = std::max(result_.statistics.memory, held_ + found.statistics.memory);
     if (found.status != Status::solved) return found.status;
     node.lower[agent] = std::max(node.lower[agent], found.lower);
     node.paths[agent] = std::make_shared<const TimedPath>(std::move(found.path));
@@ -300,6 +318,7 @@ class ConflictSearch {
   double lower_{0.0};
   bool proves_{};  // the node was taken for its lower bound
   std::uint64_t turn_{0};
+  std::uint64_t held_{0};  // bytes of the tree
   ConflictSearchResult result_;
 };
 

@@ -34,6 +34,7 @@ struct ConflictSearchOptions {
 struct ConflictSearchStatistics {
   std::uint64_t tree_nodes{};  ///< of the constraint tree
   search::Statistics low;      ///< of all agents' searches
+  std::uint64_t memory{};      ///< bytes: the most that the tree and an agent's search took together
 };
 
 inline constexpr std::size_t no_agent = std::numeric_limits<std::size_t>::max();

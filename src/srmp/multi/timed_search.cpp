@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "srmp/core/memory_of.hpp"
 #include "srmp/search/lazy_tree.hpp"
 
 namespace srmp::multi {
@@ -43,9 +44,14 @@ class Heap {
   const Key& key() const { return heap_.top().first; }
   NodeId top() const { return heap_.top().second; }
   void pop() { heap_.pop(); }
+  std::size_t memory() const { return heap_.memory(); }
 
  private:
-  std::priority_queue<std::pair<Key, NodeId>, std::vector<std::pair<Key, NodeId>>, std::greater<>> heap_;
+  using Entry = std::pair<Key, NodeId>;
+  struct Queue : std::priority_queue<Entry, std::vector<Entry>, std::greater<>> {
+    std::size_t memory() const { return this->c.capacity() * sizeof(Entry); }
+  };
+  Queue heap_;
 };
 
 /// The step from which on the constraint forbids nothing.
@@ -282,7 +288,8 @@ class TimedSearch {
     result.status = status;
     result.lower = lower_;
     result.statistics = statistics_;
-    result.statistics.memory = nodes_.capacity() * sizeof(Node);
+    result.statistics.memory =
+        memory_of(nodes_) + by_f_.memory() + by_lead_.memory() + waiting_.memory() + focal_.memory() + memory_of(best_);
     return result;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "srmp/core/memory_of.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
 
 namespace srmp {
@@ -75,6 +76,7 @@ class ArmWorld::Arm : public multi::Agent {
   Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
   const RobotModel& robot() const { return robot_; }
   std::size_t states() const { return lattice_.size(); }
+  std::size_t memory() const { return lattice_.memory() + memory_of(costs_); }
 
   double step_time{};  // [s]
 
@@ -112,6 +114,12 @@ multi::Agent& ArmWorld::agent(std::size_t i) { return *arms_[i]; }
 std::uint64_t ArmWorld::states() const {
   std::uint64_t sum = 0;
   for (const auto& arm : arms_) sum += arm->states();
+  return sum;
+}
+
+std::size_t ArmWorld::memory() const {
+  std::size_t sum = memory_of(meetings_);
+  for (const auto& arm : arms_) sum += arm->memory();
   return sum;
 }
 

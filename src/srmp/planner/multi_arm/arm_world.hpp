@@ -60,6 +60,7 @@ class ArmWorld : public multi::World {
 
   std::uint64_t pair_checks() const { return pair_checks_; }
   std::uint64_t states() const;
+  std::size_t memory() const;  ///< bytes of the lattices and of what is known of motions and pairs of them
 
  private:
   class Arm;

@@ -36,6 +36,8 @@ class CompositeSearch {
         members_.size(), make, {.weight = options_.weight, .max_expansions = options_.max_expansions}, deadline);
     answer.status = found.result.status;
     answer.statistics = found.result.statistics;
+    for (const Member& member : members_)
+      if (member.lattice) answer.statistics.memory += member.lattice->memory();
     if (answer.status == Status::solved) answer.path = path_of(found);
     return answer;
   }

@@ -108,6 +108,7 @@ class MultiRobotPlan {
     statistics_.generated += alone.generated;
     statistics_.edge_checks += alone.edge_checks;
     statistics_.states += alone.states;
+    statistics_.memory_bytes = std::max(statistics_.memory_bytes, alone.memory_bytes);  // one after the other
     if (alone.note.empty()) return;
     statistics_.note += (statistics_.note.empty() ? "robot '" : "; robot '") + robot + "': " + alone.note;
   }
@@ -178,6 +179,7 @@ class MultiRobotPlan {
       add_group(together(arms));
     }
     statistics_.states += world_->states();
+    note_memory(0);
     for (const Group& group : groups_) statistics_.search_cost_rad += group.path.length();
     for (const Group& group : groups_) {
       const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
@@ -208,6 +210,7 @@ class MultiRobotPlan {
         if (const auto way = trees.grow(most_attempts, until))
           improve(g, shortened(space.path(*way), *world_, until), until);
         statistics_.expansions += trees.attempts();
+        note_memory(trees.memory());
       }
   }
 
@@ -301,6 +304,7 @@ class MultiRobotPlan {
         const std::uint64_t before = trees->attempts();
         const auto way = trees->grow(2048 * effort, deadline_);
         statistics_.expansions += trees->attempts() - before;
+        note_memory(trees->memory());
         if (way) {
           CoupledPath path = space->path(*way);
           if (common_.shortcut)  // they go far astray
@@ -312,12 +316,15 @@ class MultiRobotPlan {
       ArmTeam team(*world_, arms);
       const multi::ConflictSearchResult found = multi::conflict_search(team, options, deadline_);
       count(found);
+      const std::uint64_t beside = trees ? trees->memory() : 0;
+      note_memory(beside + found.statistics.memory);
       lower = std::max(lower, found.lower);
       if (found.status == Status::solved) return {coupled_path(*world_, arms, found.paths), lower};
       if (!composite || deadline_.stop_requested()) require_solved(found);
       CompositeResult one = composite_search(*space, {.max_expansions = 16 * effort}, deadline_);
       statistics_.expansions += one.statistics.expansions;
       statistics_.generated += one.statistics.generated;
+      note_memory(beside + one.statistics.memory);
       if (one.status == Status::solved && one.path.length() <= options.bound() * lower)
         return {std::move(one.path), lower};
       const bool no_more = found.status == Status::exhausted && one.status == Status::exhausted;
@@ -331,6 +338,7 @@ class MultiRobotPlan {
     if (roadmaps_.size() <= level) roadmaps_.push_back(std::make_unique<RoadmapSearch>(*world_, 2 << level));
     RoadmapSearch::Result found = roadmaps_[level]->run(arms, 16'000, 2'000 * effort, deadline_);
     statistics_.expansions += found.expansions;
+    note_memory(found.memory);
     if (found.status != Status::solved) return std::nullopt;
     return std::move(found.path);
   }
@@ -363,6 +371,13 @@ class MultiRobotPlan {
     return coupled_post_process(
         problem_, *world_, raw, shortened_, [this](const std::vector<CoupledPath>& paths) { set_costs(paths); },
         deadline_, statistics_);
+  }
+
+  /// What a search holds, beside the arms' lattices and roadmaps.
+  void note_memory(std::uint64_t held) {
+    held += world_->memory();
+    for (const auto& roadmaps : roadmaps_) held += roadmaps->memory();
+    statistics_.memory_bytes = std::max(statistics_.memory_bytes, held);
   }
 
   void count(const multi::ConflictSearchResult& found) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "srmp/core/memory_of.hpp"
 #include "srmp/search/lazy_tree.hpp"
 
 namespace srmp {
@@ -230,6 +231,13 @@ class RoadmapSearch::Query {
     return result;
   }
 
+  /// OPEN never has more entries than there are nodes; strings of many arms' states lie outside of their objects.
+  std::size_t memory() const {
+    const std::size_t outside = arms_.size() > State().capacity() ? (arms_.size() + 1) * sizeof(char16_t) : 0;
+    return memory_of(nodes_) + memory_of(best_) + nodes_.size() * sizeof(std::pair<double, std::uint32_t>) +
+           (nodes_.size() + best_.size()) * outside;
+  }
+
  private:
   using State = std::u16string;  // a point an arm
   static constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
@@ -340,7 +348,24 @@ RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, s
     make_asides(arm);
     if (deadline.stop_requested()) return {Status::timed_out, {}, 0};
   }
-  return Query(*this, arms).run(max_expansions, max_checks, deadline);
+  Query query(*this, arms);
+  Result result = query.run(max_expansions, max_checks, deadline);
+  result.memory = query.memory();
+  return result;
+}
+
+std::size_t RoadmapSearch::memory() const {
+  std::size_t sum = memory_of(passes_);
+  for (const auto& [pair, rows] : together_) {
+    sum += memory_of(rows);
+    for (const std::vector<std::int8_t>& row : rows) sum += memory_of(row);
+  }
+  for (const Roadmap& map : maps_) {
+    sum += memory_of(map.points) + memory_of(map.next) + memory_of(map.to_goal);
+    for (const Eigen::VectorXd& point : map.points) sum += static_cast<std::size_t>(point.size()) * sizeof(double);
+    for (const std::vector<Roadmap::Way>& ways : map.next) sum += memory_of(ways);
+  }
+  return sum;
 }
 
 }  // namespace srmp

@@ -39,10 +39,12 @@ class RoadmapSearch {
                                        ///< expansions or checks) or cancelled
     CoupledPath path;
     std::uint64_t expansions{};
+    std::size_t memory{};  ///< bytes of the search
   };
   /// `max_checks`: of motions of two arms.
   Result run(const std::vector<std::size_t>& arms, std::uint64_t max_expansions, std::uint64_t max_checks,
              const Deadline& deadline);
+  std::size_t memory() const;  ///< bytes of the roadmaps and of what is known of pairs of points and motions
 
  private:
   using Point = std::uint32_t;
