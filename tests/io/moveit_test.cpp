@@ -145,6 +145,15 @@ BOOST_AUTO_TEST_CASE(what_a_scene_leaves_out_is_empty) {
   BOOST_TEST(bare.objects[0].frame == "");
 }
 
+BOOST_AUTO_TEST_CASE(our_own_files_are_told_from_moveits) {
+  const std::string ours = "{\n\"format\": \"srmp problem\", \"format_version\": 1}";
+  check_throws<FileError>([&] { scene_from(ours); },
+                          ":2: this is a file of the format 'srmp problem', not a MoveIt planning scene; Planner");
+  check_throws<FileError>(
+      [&] { request_from(ours); },
+      ":2: this is a file of the format 'srmp problem', not a MoveIt motion plan request; srmp replay");
+}
+
 BOOST_AUTO_TEST_CASE(mistakes_in_scenes_are_refused_with_their_line) {
   scene_refused("primitive_poses:\n        - {p", "primitve_poses:\n        - {p",
                 "unknown key 'primitve_poses' in a collision object, did you mean 'primitive_poses'?");

@@ -79,6 +79,13 @@ class MessageReader {
   explicit MessageReader(const std::string& path) : file_(path) {}
 
  protected:
+  /// A file of this library in place of MoveIt's.
+  void refuse_our_own(const Node& root, const std::string& expected, const std::string& how) const {
+    if (!root.IsMap() || !root["format"].IsDefined() || !root["format"].IsScalar()) return;
+    const std::string& format = root["format"].Scalar();
+    if (format.starts_with("srmp "))
+      file_.fail(root["format"], "this is a file of the format '" + format + "', not " + expected + "; " + how);
+  }
   std::string optional_text(const Node& map, const std::string& key) const {
     const Node node = map[key];
     return is_empty(node) ? "" : file_.text(node, key);
@@ -319,6 +326,7 @@ class SceneReader : public MessageReader {
 
   SceneFile read() {
     const Node& root = file_.root();
+    refuse_our_own(root, "a MoveIt planning scene", "PlannerInterface.load_scene reads it");
     file_.require_map(root, "a planning scene", scene_keys);
     SceneFile scene;
     scene.path = file_.path();
@@ -429,6 +437,7 @@ class RequestReader : public MessageReader {
 
   RequestFile read() {
     const Node& root = file_.root();
+    refuse_our_own(root, "a MoveIt motion plan request", "srmp replay plans a saved problem again");
     file_.require_map(root, "a motion plan request", request_keys);
     RequestFile request;
     request.path = file_.path();
