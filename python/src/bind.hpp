@@ -8,6 +8,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <Eigen/Core>
@@ -53,6 +54,10 @@ NumpyArray to_numpy_rows(RowMatrix rows);
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
 std::vector<GoalConstraint> to_goals(nb::handle goal);
+/// The arguments of plan_multi.
+MultiPlanRequest to_multi_request(const std::map<std::string, ArrayLike>& starts,
+                                  const std::map<std::string, nb::object>& goals,
+                                  const std::optional<std::map<std::string, Trajectory>>& obstacles);
 /// A str or os.PathLike.
 std::string to_path(nb::handle path);
 /// One name, or a list of names.

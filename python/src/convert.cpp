@@ -117,4 +117,16 @@ std::vector<GoalConstraint> to_goals(nb::handle goal) {
                         nb::cast<std::string>(nb::repr(goal)));
 }
 
+MultiPlanRequest to_multi_request(const std::map<std::string, ArrayLike>& starts,
+                                  const std::map<std::string, nb::object>& goals,
+                                  const std::optional<std::map<std::string, Trajectory>>& obstacles) {
+  MultiPlanRequest request;
+  for (const auto& [name, start] : starts) request.starts[name] = start.vector("start of '" + name + "'");
+  for (const auto& [name, goal] : goals)
+    if (!nb::try_cast(goal, request.goals[name]))
+      throw InvalidArgument("the goal of '" + name + "' must be a GoalConstraint (which can have several targets)");
+  if (obstacles) request.obstacles = *obstacles;
+  return request;
+}
+
 }  // namespace srmp::python

@@ -29,12 +29,47 @@ void from_python(nb::handle value, std::vector<Solution>& solutions) {
 
 PlanStatistics to_statistics(const nb::dict& d) {
   PlanStatistics statistics;
-  for_each_field(statistics, [&](const char* name, auto& field) { from_python(d[name], field); });
+  const auto take = [&](const char* name, auto& field) { from_python(d[name], field); };
+  for_each_field(statistics, take);
+  if (d.contains("robot_cost_rad")) for_each_multi_field(statistics, take);
   return statistics;
 }
 
 nb::object own_options(const PlanRequest& request) {
   return request.options ? nb::object(to_dict(to_map(*request.options))) : nb::object(nb::none());
+}
+
+template <class Motion>
+void bind_result(nb::module_& m, const char* name, const char* what, const char* trajectory) {
+  using Result = ResultOf<Motion>;
+  nb::class_<Result> result(m, name, what);
+  result.def_prop_ro("solved", &Result::solved, "Is there a trajectory?")
+      .def_prop_ro("status", &Result::status, "How the plan ended.")
+      .def_prop_ro("reason", &Result::reason, "Why there is no trajectory; '' when solved.")
+      .def_prop_ro(
+          "statistics", [](const Result& r) { return to_dict(r.statistics()); },
+          nb::sig("def statistics(self) -> dict[str, typing.Any]"),
+          "What the plan did, solved or not: see PlannerInterface.get_planning_stats.")
+      .def_prop_ro(
+          "trajectory",
+          [](const Result& r) -> const Motion& {
+            if (!r.solved()) raise({r.status(), r.reason()}, to_dict(r.statistics()));
+            return r.trajectory();
+          },
+          nb::rv_policy::reference_internal, trajectory)
+      .def("__repr__", [name = std::string(name)](const Result& r) {
+        return name + (r.solved() ? "(solved)" : "(" + std::string(to_string(r.status())) + ": " + r.reason() + ")");
+      });
+  make_value(
+      result,
+      [](const Result& r) {
+        return nb::make_tuple(to_dict(r.statistics()), r.solved() ? nb::cast(r.trajectory()) : nb::none());
+      },
+      [](const nb::tuple& state) {
+        std::optional<Motion> motion;
+        if (!state[1].is_none()) motion = nb::cast<const Motion&>(state[1]);
+        return Result(to_statistics(nb::cast<nb::dict>(state[0])), std::move(motion));
+      });
 }
 
 }  // namespace
@@ -50,12 +85,9 @@ nb::dict to_dict(const Solution& s) {
 
 nb::dict to_dict(const PlanStatistics& statistics) {
   nb::dict d;
-  for_each_field(statistics, [&](const char* name, const auto& field) { d[name] = to_python(field); });
-  if (statistics.robot_cost_rad.empty()) return d;
-  d["robot_cost_rad"] = statistics.robot_cost_rad;
-  d["tree_nodes"] = statistics.tree_nodes;
-  d["makespan_s"] = statistics.makespan_s;
-  d["flow_time_s"] = statistics.flow_time_s;
+  const auto give = [&](const char* name, const auto& field) { d[name] = to_python(field); };
+  for_each_field(statistics, give);
+  if (!statistics.robot_cost_rad.empty()) for_each_multi_field(statistics, give);
   return d;
 }
 
@@ -101,36 +133,56 @@ void bind_plan_many(nb::module_& m) {
         return r;
       });
 
-  nb::class_<PlanResult> result(m, "PlanResult", "What became of one request of PlannerInterface.plan_many.");
-  result.def_prop_ro("solved", &PlanResult::solved, "Is there a trajectory?")
-      .def_prop_ro("status", &PlanResult::status, "How the plan ended.")
-      .def_prop_ro("reason", &PlanResult::reason, "Why there is no trajectory; '' when solved.")
-      .def_prop_ro(
-          "statistics", [](const PlanResult& r) { return to_dict(r.statistics()); },
-          nb::sig("def statistics(self) -> dict[str, typing.Any]"),
-          "What the plan did, solved or not: see PlannerInterface.get_planning_stats.")
-      .def_prop_ro(
-          "trajectory",
-          [](const PlanResult& r) -> const Trajectory& {
-            if (!r.solved()) raise({r.status(), r.reason()}, to_dict(r.statistics()));
-            return r.trajectory();
+  nb::class_<MultiPlanRequest> multi(m, "MultiPlanRequest", "One question to PlannerInterface.plan_multi.");
+  multi
+      .def(
+          "__init__",
+          [](MultiPlanRequest* self, const std::map<std::string, ArrayLike>& starts,
+             const std::map<std::string, nb::object>& goals,
+             const std::optional<std::map<std::string, Trajectory>>& obstacles) {
+            new (self) MultiPlanRequest(to_multi_request(starts, goals, obstacles));
           },
-          nb::rv_policy::reference_internal,
-          "The Trajectory. Raises PlanningError with status and reason unless solved.")
-      .def("__repr__", [](const PlanResult& r) {
-        return r.solved() ? "PlanResult(solved)"
-                          : "PlanResult(" + std::string(to_string(r.status())) + ": " + r.reason() + ")";
+          nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),
+          nb::sig("def __init__(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
+                  "goals: collections.abc.Mapping[str, GoalConstraint], "
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> None"),
+          "The arguments of plan_multi.\n\nRaises InvalidArgument for something that is no numbers or no goal.")
+      .def_prop_ro(
+          "starts",
+          [](const MultiPlanRequest& r) {
+            std::map<std::string, NumpyArray> starts;
+            for (const auto& [name, start] : r.starts) starts.emplace(name, to_numpy(start));
+            return starts;
+          },
+          "By robot name: (dof,) [rad or m]")
+      .def_prop_ro(
+          "goals", [](const MultiPlanRequest& r) { return r.goals; },
+          "By robot name; a robot with a start and no goal holds.")
+      .def_prop_ro(
+          "obstacles", [](const MultiPlanRequest& r) { return r.obstacles; },
+          "By robot name: motions that other robots are committed to.")
+      .def("__repr__", [](const MultiPlanRequest& r) {
+        return "MultiPlanRequest(" + std::to_string(r.starts.size()) + (r.starts.size() == 1 ? " robot" : " robots") +
+               (r.obstacles.empty() ? ")" : " among " + std::to_string(r.obstacles.size()) + " that are committed)");
       });
   make_value(
-      result,
-      [](const PlanResult& r) {
-        return nb::make_tuple(to_dict(r.statistics()), r.solved() ? nb::cast(r.trajectory()) : nb::none());
+      multi,
+      [](const MultiPlanRequest& r) {
+        std::map<std::string, std::vector<double>> starts;
+        for (const auto& [name, start] : r.starts)
+          starts.emplace(name, std::vector<double>(start.begin(), start.end()));
+        return nb::make_tuple(starts, r.goals, r.obstacles);
       },
       [](const nb::tuple& state) {
-        std::optional<Trajectory> trajectory;
-        if (!state[1].is_none()) trajectory = nb::cast<const Trajectory&>(state[1]);
-        return PlanResult(to_statistics(nb::cast<nb::dict>(state[0])), std::move(trajectory));
+        return to_multi_request(nb::cast<std::map<std::string, ArrayLike>>(state[0]),
+                                nb::cast<std::map<std::string, nb::object>>(state[1]),
+                                nb::cast<std::map<std::string, Trajectory>>(state[2]));
       });
+
+  bind_result<Trajectory>(m, "PlanResult", "What became of one request of PlannerInterface.plan or plan_many.",
+                          "The Trajectory. Raises PlanningError with status and reason unless solved.");
+  bind_result<MultiTrajectory>(m, "MultiPlanResult", "What became of a request of PlannerInterface.plan_multi.",
+                               "The MultiTrajectory. Raises PlanningError with status and reason unless solved.");
 }
 
 }  // namespace srmp::python

@@ -733,7 +733,41 @@ void bind_proofs(nb::class_<Self>& cls) {
           "jerk: hold it against the jerk limits too. max_deviation: [m] that it may leave its waypoints by. "
           "tightness: in (0, 1), the\n"
           "part of the clearance that is proved. The GIL is released.\n\n"
-          "Raises InvalidArgument for an unknown robot and options out of range.");
+          "Raises InvalidArgument for an unknown robot and options out of range.")
+      .def(
+          "verify_multi",
+          [](Self& self, const MultiTrajectory& trajectory,
+             const std::optional<std::map<std::string, ArrayLike>>& starts,
+             const std::optional<std::map<std::string, nb::object>>& goals,
+             const std::optional<std::map<std::string, Trajectory>>& obstacles, bool jerk,
+             std::optional<double> max_deviation, double tightness) {
+            MultiPlanRequest r = to_multi_request(starts.value_or(std::map<std::string, ArrayLike>{}),
+                                                  goals.value_or(std::map<std::string, nb::object>{}), obstacles);
+            const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
+                                             max_deviation,       tightness};
+            return self.use([&](const PlannerInterface& p) {
+              const nb::gil_scoped_release no_gil;
+              return p.verify_multi(trajectory, options);
+            });
+          },
+          nb::arg("trajectory"), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
+          nb::arg("obstacles") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
+          nb::arg("tightness") = 0.5,
+          nb::sig("def verify_multi(self, trajectory: MultiTrajectory, "
+                  "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
+                  "goals: collections.abc.Mapping[str, GoalConstraint] | None = None, "
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, jerk: bool = False, "
+                  "max_deviation: float | None = None, tightness: float = 0.5) -> dict[str, Certificate]"),
+          "verify of many robots that move on one clock: a Certificate of each, by name, held against the others too, "
+          "which rest\n"
+          "where their motions end. Robots not named stand still.\n\n"
+          "starts: (dof,) [rad or m] by robot name: where they should begin. goals: by robot name: what they should "
+          "reach; one that\n"
+          "holds should end where it should begin. obstacles: motions of further robots, which are not judged "
+          "themselves. The rest as\n"
+          "for verify. The GIL is released.\n\n"
+          "Raises InvalidArgument for an unknown robot, starts and goals of robots without a trajectory, and options "
+          "out of range.");
 }
 
 void bind_planning(nb::class_<Self>& cls) {
@@ -848,16 +882,9 @@ void bind_planning(nb::class_<Self>& cls) {
           "plan_multi",
           [](Self& self, const std::map<std::string, ArrayLike>& starts, const std::map<std::string, nb::object>& goals,
              const std::optional<std::map<std::string, Trajectory>>& obstacles) {
-            const std::map<std::string, Trajectory> committed = obstacles.value_or(std::map<std::string, Trajectory>{});
-            std::map<std::string, Eigen::VectorXd> q;
-            for (const auto& [name, start] : starts) q[name] = start.vector("start of '" + name + "'");
-            std::map<std::string, GoalConstraint> wanted;
-            for (const auto& [name, goal] : goals)
-              if (!nb::try_cast(goal, wanted[name]))
-                throw InvalidArgument("the goal of '" + name +
-                                      "' must be a GoalConstraint (which can have several targets)");
+            const MultiPlanRequest r = to_multi_request(starts, goals, obstacles);
             return self.use([&](PlannerInterface& p) {
-              return run_plan(p, [&] { return p.plan_multi(q, wanted, committed, python_interrupted); });
+              return run_plan(p, [&] { return p.plan_multi(r.starts, r.goals, r.obstacles, python_interrupted); });
             });
           },
           nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),
@@ -868,7 +895,8 @@ void bind_planning(nb::class_<Self>& cls) {
           "starts: (dof,) [rad or m] by robot name; goals: by robot name. A robot with a start and no goal holds still "
           "(GoalConstraint.hold()\n"
           "says so), one with GoalConstraint.aside() may move out of the way; robots without a start stand where "
-          "set_qpos put them.\n"
+          "set_qpos put them. Every\n"
+          "trajectory has a certificate that covers the others, those of robots that hold too.\n"
           "Planned by the planner that make_planner chose for the robots of `starts`. The GIL is released; Ctrl-C "
           "stops "
           "it.\n\n"
@@ -932,7 +960,8 @@ void bind_files(nb::class_<Self>& cls) {
          "Write the whole problem into one file (JSON, by custom *.srmp.json): the scene with its robots, planners, "
          "and "
          "the request of\n"
-         "the last plan with its result, if nothing was changed since. Whole or not at all; numbers read back bit for "
+         "the last plan or plan_multi with its result, if nothing was changed since. Whole or not at all; numbers read "
+         "back bit for "
          "bit.\n\n"
          "Raises FileError when the file cannot be written, and InvalidArgument when a planner names a heuristic of "
          "add_heuristic.")
@@ -971,15 +1000,15 @@ void bind_files(nb::class_<Self>& cls) {
           "Raises FileError, as load, and changes nothing.")
       .def_prop_ro(
           "last_request", [](Self& self) { return self.use([](const auto& p) { return p.last_request(); }); },
-          "What the last plan was asked, as a PlanRequest without options (those of make_planner count); None before "
-          "the first, and\n"
-          "once its robot or the scene was replaced.")
+          "What the last plan was asked, as a PlanRequest without options (those of make_planner count), or "
+          "plan_multi, "
+          "as a\n"
+          "MultiPlanRequest; None before the first, and once one of its robots or the scene was replaced.")
       .def_prop_ro(
           "last_result", [](Self& self) { return self.use([](const auto& p) { return p.last_result(); }); },
-          "What became of it, as a PlanResult; None before the first plan, and once scene or planner were changed: "
-          "then "
-          "it may be\n"
-          "another one.");
+          "What became of it, as a PlanResult, or a MultiPlanResult of plan_multi; None before the first plan, and "
+          "once scene or\n"
+          "planner were changed: then it may be another one.");
 }
 
 }  // namespace

@@ -6,25 +6,46 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from srmp import _srmp
+
 if TYPE_CHECKING:
     import srmp
 
 
-def first_difference(before: srmp.PlanResult, now: srmp.PlanResult) -> str | None:
-    """Where the two differ first, as a sentence; None: nowhere."""
+def ask(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlanRequest) -> None:
+    """Plan it; raises what plan or plan_multi does."""
+    if isinstance(request, _srmp.MultiPlanRequest):
+        world.plan_multi(request.starts, request.goals, request.obstacles)
+    else:
+        world.plan(request.robot, request.start, request.goals)
+
+
+def first_difference(
+    before: srmp.PlanResult | srmp.MultiPlanResult, now: srmp.PlanResult | srmp.MultiPlanResult
+) -> str | None:
+    """Where the two answers to one request differ first, as a sentence; None: nowhere."""
     if before.status != now.status:
         return f"the status was {before.status.name} and is {now.status.name}{f' ({now.reason})' if now.reason else ''}"
     if not before.solved:
         return None
-    if before.trajectory.joint_names != now.trajectory.joint_names:
-        return f"the joints were {before.trajectory.joint_names} and are {now.trajectory.joint_names}"
+    if isinstance(before, _srmp.PlanResult):
+        return _first_difference(before.trajectory, now.trajectory)
+    for robot, trajectory in before.trajectory.items():
+        if difference := _first_difference(trajectory, now.trajectory[robot]):
+            return f"robot '{robot}': {difference}"
+    return None
+
+
+def _first_difference(before: srmp.Trajectory, now: srmp.Trajectory) -> str | None:
+    if before.joint_names != now.joint_names:
+        return f"the joints were {before.joint_names} and are {now.joint_names}"
     for name in ("waypoints", "times", "positions", "velocities", "accelerations"):
-        a, b = getattr(before.trajectory, name), getattr(now.trajectory, name)
+        a, b = getattr(before, name), getattr(now, name)
         if len(a) != len(b):
             return f"{name} had {len(a)} rows and has {len(b)}"
         places = np.argwhere(np.ascontiguousarray(a).view(np.uint64) != np.ascontiguousarray(b).view(np.uint64))
         if len(places):
             place = tuple(places[0])
-            column = f", column {place[1]} ({before.trajectory.joint_names[place[1]]})" if len(place) > 1 else ""
+            column = f", column {place[1]} ({before.joint_names[place[1]]})" if len(place) > 1 else ""
             return f"{name}, row {place[0]}{column}: was {float(a[place])!r} and is {float(b[place])!r}"
     return None

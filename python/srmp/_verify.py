@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srmp import _srmp
@@ -32,7 +34,8 @@ def verify(
 
     scene: a PlannerInterface, or the path of a scene or problem file (package_dirs: where meshes of its robots are
     looked for). robot: default the one whose joint names are those of the trajectory, in any order, else the only one.
-    The request of a problem file, if it is for this robot, says start and goals where they are not given.
+    The request of a problem file, if it is for this robot, says start and goals where they are not given. Other robots
+    stand still; PlannerInterface.verify_multi is for those that move together.
 
     Raises InvalidArgument as PlannerInterface.verify, and where it is not clear which robot is meant; FileError as
     PlannerInterface.load.
@@ -43,7 +46,7 @@ def verify(
         world = _srmp.PlannerInterface.load(scene, package_dirs=list(package_dirs))
         request = world.last_request
     name = robot if robot is not None else robot_of(world, trajectory)
-    if request is not None and request.robot == name:
+    if isinstance(request, _srmp.PlanRequest) and request.robot == name:
         start = request.start if start is None else start
         goals = request.goals if goals is None else goals
     return world.verify(
@@ -55,6 +58,38 @@ def verify(
         jerk=jerk,
         max_deviation=max_deviation,
         tightness=tightness,
+    )
+
+
+def load_many(path: str | os.PathLike[str], package_dirs: Sequence[str]) -> srmp.PlannerInterface | None:
+    """A problem file whose last plan was a plan_multi; None: another file. Raises FileError when it has no answer."""
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        many = content["format"] == "srmp problem" and "starts" in content["request"]
+    except (ValueError, KeyError, TypeError):
+        return None  # whoever reads it says what it is
+    if not many:
+        return None
+    world = _srmp.PlannerInterface.load(path, package_dirs=list(package_dirs))
+    if world.last_result is None or not world.last_result.solved:
+        raise _srmp.FileError(f"{path}: it holds no trajectory: nothing was planned, or without success")
+    return world
+
+
+def verify_many(
+    world: srmp.PlannerInterface, *, jerk: bool, max_deviation: float | None
+) -> dict[str, srmp.Certificate]:
+    """The last answer held against its question, by code that planned nothing."""
+    request, result = world.last_request, world.last_result
+    assert isinstance(request, _srmp.MultiPlanRequest)
+    assert isinstance(result, _srmp.MultiPlanResult)
+    return world.verify_multi(
+        result.trajectory,
+        starts=request.starts,
+        goals=request.goals,
+        obstacles=request.obstacles,
+        jerk=jerk,
+        max_deviation=max_deviation,
     )
 
 

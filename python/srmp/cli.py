@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -226,18 +226,18 @@ def plan(
 @click.argument("problem", type=EXISTING_FILE)
 @click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated.")
 def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
-    """Plan the request of a problem file again: is the answer the same, bit for bit?
+    """Plan the request of a problem file again, of one robot or many: is the answer the same, bit for bit?
 
     Exits with 1 when it is not, and says where it differs first.
     """
-    from srmp._replay import first_difference
+    from srmp._replay import ask, first_difference
 
     world = srmp.PlannerInterface.load(problem, package_dirs=list(package_dirs))
     before, request = world.last_result, world.last_request
     if request is None or before is None:
         raise srmp.FileError(f"{problem}: it holds no answer to compare with; save after plan, before any change")
     with contextlib.suppress(srmp.PlanningError):
-        world.plan(request.robot, request.start, request.goals)
+        ask(world, request)
     now = world.last_result
     assert now is not None
     if difference := first_difference(before, now):
@@ -274,11 +274,18 @@ def verify(
 ) -> None:
     """Hold a trajectory against a scene: limits at every instant, collisions between samples too, start and goals.
 
-    PLAN is a trajectory file, what srmp plan writes, or a problem file, which says scene and request itself.
-    Exits with 1 and every fault when it has some.
+    PLAN is a trajectory file, what srmp plan writes, or a problem file, which says scene and request itself; one of
+    plan_multi has all robots held against each other too. Exits with 1 and every fault when it has some.
     """
     from srmp import _verify
 
+    many = _verify.load_many(plan, package_dirs)
+    if many is not None:
+        for_one = {"--scene": scene, "--urdf": urdf, "--robot": robot, "--request": request_path}
+        for_one |= {"--srdf": srdf, "--end-effector": end_effector, "--group": group, "--joint-limits": joint_limits}
+        if given := [option for option, value in for_one.items() if value]:
+            raise click.UsageError(f"{given[0]} is for one robot; {plan} holds a plan_multi, which says all itself.")
+        return _print_certificates(_verify.verify_many(many, jerk=jerk, max_deviation=max_deviation))
     trajectory = srmp.Trajectory.load(plan)
     request = srmp.load_moveit_request(request_path) if request_path else None
     if urdf:
@@ -292,7 +299,7 @@ def verify(
     question: Any = world.last_request
     if request:
         question = _apply_request(world, name, request)
-    elif question is not None and question.robot != name:
+    elif not isinstance(question, srmp.PlanRequest) or question.robot != name:
         question = None
     _apply_joint_limits(world, name, joint_limits)
     certificate = world.verify(
@@ -303,9 +310,19 @@ def verify(
         jerk=jerk,
         max_deviation=max_deviation,
     )
-    click.echo(certificate.report(), nl=False)
-    click.echo(_verify.summary(certificate))
-    if not certificate.holds:
+    _print_certificates({"": certificate})
+
+
+def _print_certificates(certificates: Mapping[str, srmp.Certificate]) -> None:
+    """By robot; "" where there is one. Exits with 1 when one does not hold."""
+    from srmp import _verify
+
+    for robot, certificate in certificates.items():
+        if robot:
+            click.echo(f"robot '{robot}':")
+        click.echo(certificate.report(), nl=False)
+        click.echo(_verify.summary(certificate))
+    if not all(certificate.holds for certificate in certificates.values()):
         raise click.exceptions.Exit(EXIT_NO_PATH)
 
 

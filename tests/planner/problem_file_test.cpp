@@ -52,6 +52,13 @@ bool same(const srmp::Trajectory& a, const srmp::Trajectory& b) {
          a.accelerations == b.accelerations && a.times == b.times && a.waypoints == b.waypoints;
 }
 
+const srmp::PlanRequest& request_of(const PlannerInterface& planner) {
+  return std::get<srmp::PlanRequest>(*planner.last_request());
+}
+const srmp::PlanResult& result_of(const PlannerInterface& planner) {
+  return std::get<srmp::PlanResult>(*planner.last_result());
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(problem_file)
@@ -62,10 +69,10 @@ BOOST_AUTO_TEST_CASE(a_problem_plans_again_to_the_same_answer) {
   auto read = reloaded(planner);
   BOOST_CHECK_EQUAL(text_of(read), text_of(planner));
   BOOST_REQUIRE(read.last_request() && read.last_result());
-  BOOST_CHECK(same(read.last_result()->trajectory(), trajectory));
+  BOOST_CHECK(same(result_of(read).trajectory(), trajectory));
   BOOST_CHECK_EQUAL(read.get_planning_stats().plan_time_s, planner.get_planning_stats().plan_time_s);
   BOOST_CHECK_EQUAL(read.get_planning_stats().expansions, planner.get_planning_stats().expansions);
-  const auto& request = *read.last_request();
+  const auto& request = request_of(read);
   BOOST_CHECK(request.start == start);
   BOOST_REQUIRE_EQUAL(request.goals.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -126,9 +133,9 @@ BOOST_AUTO_TEST_CASE(an_unsolved_request_is_kept_with_its_reason) {
   BOOST_CHECK_THROW(planner.plan("planar", start, GoalConstraint::position({5, 5, 5})), srmp::PlanningError);
   const auto read = reloaded(planner);
   BOOST_REQUIRE(read.last_result());
-  BOOST_CHECK(!read.last_result()->solved());
-  BOOST_CHECK(read.last_result()->status() == srmp::Status::goal_invalid);
-  BOOST_CHECK_EQUAL(read.last_result()->reason(), planner.get_planning_stats().reason);
+  BOOST_CHECK(!result_of(read).solved());
+  BOOST_CHECK(result_of(read).status() == srmp::Status::goal_invalid);
+  BOOST_CHECK_EQUAL(result_of(read).reason(), planner.get_planning_stats().reason);
 }
 
 BOOST_AUTO_TEST_CASE(a_result_goes_when_what_it_depends_on_changes) {

@@ -84,8 +84,9 @@ def test_stubs_know_every_public_name():
 
 def test_every_public_method_has_a_docstring():
     named = ("Pose", "GoalConstraint", "Trajectory", "PlannerInterface", "Contact", "PlanRequest", "PlanResult")
+    many = ("MultiTrajectory", "MultiPlanRequest", "MultiPlanResult")
     parts = ("Certificate", "Fault", "LimitUse", "MotionLimits", "SampledInterval")
-    for cls in (getattr(srmp, name) for name in (*named, *parts)):
+    for cls in (getattr(srmp, name) for name in (*named, *many, *parts)):
         assert cls.__doc__
         for name, member in vars(cls).items():
             if not name.startswith("_"):

@@ -83,6 +83,10 @@ Trajectory load_trajectory(const std::string& path) {
     root.finish();
     return trajectory;
   }
+  if (root.has("result") && root.inner("result").has("trajectories"))
+    root.fail(
+        "it holds the trajectories of a plan_multi, not one; load the file as a PlannerInterface, whose last_result "
+        "has them");
   if (!root.has("result") || !root.inner("result").has("trajectory"))
     root.fail("it holds no trajectory: nothing was planned, or without success");
   root.inner("result")("trajectory", trajectory);

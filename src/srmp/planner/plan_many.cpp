@@ -127,11 +127,6 @@ class ManyPlans {
 
 }  // namespace
 
-const Trajectory& PlanResult::trajectory() const {
-  if (!trajectory_) throw PlanningError(statistics_.status, statistics_.reason);
-  return *trajectory_;
-}
-
 std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, const PoseProblem& pose,
                                   std::size_t threads, const Deadline::Interrupt& interrupt,
                                   const PlannerInterface::Progress& progress) {

@@ -7,7 +7,9 @@
 #include "srmp/io/joint_limits.hpp"
 #include "srmp/io/moveit.hpp"
 #include "srmp/io/scene_file.hpp"
+#include "srmp/planner/multi_arm/among_others.hpp"
 #include "srmp/planner/multi_arm/committed.hpp"
+#include "srmp/planner/multi_arm/holding.hpp"
 #include "srmp/planner/multi_arm/multi_robot.hpp"
 #include "srmp/planner/plan_many.hpp"
 #include "srmp/planner/problem_file.hpp"
@@ -18,13 +20,25 @@ namespace srmp {
 
 namespace {
 
-void require_multi_question(const Scene& scene, const std::string& robot, ConstVector start,
-                            const GoalConstraint& goal) {
-  goal.validate();
-  const RobotModel& model = *scene.robot(robot).model;
-  model.require_configuration(start, "start of '" + robot + "'");
-  if (goal.type == GoalType::joints)
-    for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
+std::vector<std::string> names_of(const MultiPlanRequest& request) {
+  std::vector<std::string> names;
+  for (const auto& [name, start] : request.starts) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string> names_of(const std::vector<MultiRobotPart>& parts) {
+  std::vector<std::string> names;
+  for (const MultiRobotPart& part : parts) names.push_back(part.robot);
+  return names;
+}
+
+bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
+  const auto named = [&](const auto& entry) { return is_one(entry.first); };
+  return std::any_of(request.starts.begin(), request.starts.end(), named) ||
+         std::any_of(request.obstacles.begin(), request.obstacles.end(), named);
+}
+bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
+  return is_one(request.robot);
 }
 
 /// One robot may have been given a planner that knows no others.
@@ -36,23 +50,6 @@ void require_for_many(const PlannerOptions& options) {
                             "plan_multi");
 }
 
-std::vector<std::string> names_of(const std::vector<MultiRobotPart>& parts) {
-  std::vector<std::string> names;
-  for (const MultiRobotPart& part : parts) names.push_back(part.robot);
-  return names;
-}
-
-/// A robot that holds.
-Trajectory at_rest(const Scene& scene, const std::string& robot, const Eigen::VectorXd& q, bool timed) {
-  const RobotInstance& instance = scene.robot(robot);
-  const Eigen::Index rows = timed ? 1 : 0;
-  const RowMatrix row = q.transpose(), zero = RowMatrix::Zero(rows, q.size());
-  Trajectory trajectory{instance.model->joint_names(), row, zero, zero, Eigen::VectorXd::Zero(rows), row};
-  trajectory.robot =
-      std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions});
-  return trajectory;
-}
-
 }  // namespace
 
 struct PlannerInterface::Impl {
@@ -62,8 +59,8 @@ struct PlannerInterface::Impl {
   UserHeuristics heuristics;
   std::map<std::string, MotionLimits> motion_limits;  // of the user; other robots have default_limits
   PlanStatistics statistics;                          // of the last plan
-  std::optional<PlanRequest> request;                 // of the last plan
-  std::optional<PlanResult> result;                   // of it, while nothing that it depends on has changed
+  std::optional<LastRequest> request;                 // of the last plan
+  std::optional<LastResult> result;                   // of it, while nothing that it depends on has changed
 
   /// Runs a change of the scene; the checkers made for the old one go.
   template <class Change>
@@ -78,7 +75,7 @@ struct PlannerInterface::Impl {
   void forget(Gone&& gone) {
     std::erase_if(planners,
                   [&](const auto& entry) { return std::any_of(entry.first.begin(), entry.first.end(), gone); });
-    if (request && gone(request->robot)) request.reset();
+    if (request && std::visit([&](const auto& asked) { return names_any(asked, gone); }, *request)) request.reset();
     std::erase_if(motion_limits, [&](const auto& entry) { return gone(entry.first); });
   }
 
@@ -126,6 +123,52 @@ struct PlannerInterface::Impl {
             limits_of(robot),
             on_solution,
             std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})};
+  }
+
+  /// One robot's of many.
+  VerifyOptions verify_options(const std::string& robot, const MultiVerifyOptions& options) const {
+    VerifyOptions own{.jerk = options.jerk, .max_deviation = options.max_deviation, .tightness = options.tightness};
+    if (const auto start = options.starts.find(robot); start != options.starts.end()) own.start = start->second;
+    const auto goal = options.goals.find(robot);
+    if (goal == options.goals.end()) return own;
+    goal->second.validate();
+    if (!goal->second.targets.empty()) own.goals = {goal->second};
+    if (goal->second.type == GoalType::hold && own.start) own.goals = {GoalConstraint::joints(*own.start)};
+    if (!own.goals.empty()) require_question(scene, robot, own.start.value_or(scene.robot(robot).q), own.goals);
+    return own;
+  }
+
+  /// The robots of a question to many: those that move, or those that hold.
+  std::vector<MultiRobotPart> parts(const MultiPlanRequest& request, bool holding) const {
+    std::vector<MultiRobotPart> found;
+    for (const auto& [name, start] : request.starts) {
+      const auto goal = request.goals.find(name);
+      const GoalConstraint& wanted = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
+      if ((wanted.type == GoalType::hold) != holding) continue;
+      const RobotInstance& instance = scene.robot(name);
+      found.push_back(
+          {name, start, wanted, limits_of(name),
+           std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})});
+    }
+    return found;
+  }
+
+  /// The answer to a request in a scene where robots with obstacles stand at their ends; fills the statistics.
+  MultiTrajectory answer(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
+                         const Interrupt& interrupt) {
+    std::vector<MultiRobotPart> moving = parts(request, false);
+    std::vector<std::string> who_moves = names_of(moving);
+    for (const auto& [name, motion] : request.obstacles) who_moves.push_back(name);
+    const HoldingRobots holding(now, parts(request, true), who_moves);
+    const SceneCheckers::Together& judges = checkers.of(now, names_of(moving));
+    const Deadline deadline(common_options(options).time_limit, interrupt);
+    holding.require_starts(deadline, statistics);
+    const MultiRobotProblem problem{now, std::move(moving), *judges.plan, *judges.judge, options, heuristics};
+    MultiTrajectory result = request.obstacles.empty()
+                                 ? plan_multi_robot(problem, deadline, statistics)
+                                 : plan_around(problem, request.starts, request.obstacles, deadline, statistics);
+    holding.join(result, request.obstacles, common_options(options), deadline, statistics);
+    return result;
   }
 };
 
@@ -273,7 +316,7 @@ PlannerInterface PlannerInterface::load(const std::string& path, const std::vect
   impl.motion_limits = std::move(problem.motion_limits);
   impl.request = std::move(problem.request);
   impl.result = std::move(problem.result);
-  if (impl.result) impl.statistics = impl.result->statistics();
+  if (impl.result) impl.statistics = std::visit([](const auto& result) { return result.statistics(); }, *impl.result);
   return planner;
 }
 
@@ -420,6 +463,26 @@ Certificate PlannerInterface::verify(const std::string& robot, const Trajectory&
   return srmp::verify(trajectory, checker, impl_->limits_of(robot), options);
 }
 
+std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTrajectory& trajectory,
+                                                                  const MultiVerifyOptions& options) const {
+  const auto require_judged = [&](const auto& by_robot, const std::string& what) {
+    for (const auto& [name, value] : by_robot)
+      if (!trajectory.robots.contains(name))
+        throw InvalidArgument("robot '" + name + "' has " + what + ", but no trajectory to verify");
+  };
+  require_judged(options.starts, "a start");
+  require_judged(options.goals, "a goal");
+  std::map<std::string, Trajectory> motions = trajectory.robots;
+  for (const auto& [name, motion] : options.obstacles)
+    if (!motions.emplace(name, motion).second)
+      throw InvalidArgument("robot '" + name + "' has a trajectory to verify and is an obstacle too");
+  const MotionsTogether together(impl_->scene, motions);
+  std::map<std::string, Certificate> certificates;
+  for (const auto& [name, motion] : trajectory.robots)
+    certificates.emplace(name, together.verify(name, impl_->limits_of(name), impl_->verify_options(name, options)));
+  return certificates;
+}
+
 // --- planning
 
 void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {
@@ -485,51 +548,31 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
                                              const std::map<std::string, GoalConstraint>& goals,
                                              const std::map<std::string, Trajectory>& obstacles,
                                              const Interrupt& interrupt) {
-  std::vector<std::string> robots;
-  for (const auto& [name, start] : starts) robots.push_back(name);
-  for (const auto& [name, goal] : goals) {
-    impl_->scene.robot(name);  // throws with the nearest name
-    if (!starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
-  }
-  const PlannerOptions& options = planner_options(robots);
+  const MultiPlanRequest request{starts, goals, obstacles};  // a copy: the caller's may be last_request
+  require_multi_question(impl_->scene, request);
+  const PlannerOptions& options = planner_options(names_of(request));
   require_for_many(options);
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
-  stand_at_ends(scene, starts, obstacles, common_options(options));
-  std::vector<MultiRobotPart> moving;
-  for (const auto& [name, start] : starts) {
-    const auto goal = goals.find(name);
-    const GoalConstraint& wanted = goal == goals.end() ? GoalConstraint::hold() : goal->second;
-    require_multi_question(scene, name, start, wanted);
-    const RobotInstance& instance = scene.robot(name);
-    if (wanted.type == GoalType::hold)
-      scene.set_qpos(name, start);
-    else
-      moving.push_back(
-          {name, start, wanted, impl_->limits_of(name),
-           std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})});
-  }
-  if (moving.empty()) throw InvalidArgument("plan_multi needs a goal for at least one of the robots");
+  stand_at_ends(scene, request.starts, request.obstacles, common_options(options));
   impl_->checkers.cover_robots(impl_->scene);
-  const SceneCheckers::Together& checkers = impl_->checkers.of(scene, names_of(moving));
-  const Deadline deadline(common_options(options).time_limit, interrupt);
-  impl_->request.reset();
+  impl_->request = request;
   impl_->result.reset();
   impl_->statistics = {};
-  const MultiRobotProblem problem{scene,           std::move(moving), *checkers.plan,
-                                  *checkers.judge, options,           impl_->heuristics};
-  MultiTrajectory result = obstacles.empty() ? plan_multi_robot(problem, deadline, impl_->statistics)
-                                             : plan_around(problem, starts, obstacles, deadline, impl_->statistics);
-  for (const auto& [name, start] : starts)
-    if (!result.robots.contains(name))
-      result.robots.emplace(name, at_rest(scene, name, start, common_options(options).timing != "none"));
-  return result;
+  try {
+    MultiTrajectory result = impl_->answer(request, scene, options, interrupt);
+    impl_->result = MultiPlanResult(impl_->statistics, result);
+    return result;
+  } catch (const PlanningError&) {
+    impl_->result = MultiPlanResult(impl_->statistics);
+    throw;
+  }
 }
 
 const PlanStatistics& PlannerInterface::get_planning_stats() const { return impl_->statistics; }
 
-const std::optional<PlanRequest>& PlannerInterface::last_request() const { return impl_->request; }
+const std::optional<LastRequest>& PlannerInterface::last_request() const { return impl_->request; }
 
-const std::optional<PlanResult>& PlannerInterface::last_result() const { return impl_->result; }
+const std::optional<LastResult>& PlannerInterface::last_result() const { return impl_->result; }
 
 }  // namespace srmp

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "srmp/collision/timed_checker.hpp"
@@ -59,7 +60,7 @@ struct PlanStatistics {
   std::uint64_t configurations{};           ///< kinematics computed for them
   std::uint64_t narrow_phase{};             ///< pairs that Coal decided
   std::uint64_t states{};                   ///< states of the lattice
-  std::uint64_t memory_bytes{};     ///< the most that states, OPEN, search tree and heuristic grids took together
+  std::uint64_t memory_bytes{};     ///< the most that states, OPEN, search trees, roadmaps and grids took together
   int escape_waypoints{};           ///< the path is free from this waypoint on; above 0: CommonOptions::escape_start
   double escape_cost_rad{};         ///< joint-space length up to there, which no other cost here counts
   double search_cost_rad{};         ///< joint-space length of the search's cheapest path, before the shortcut
@@ -84,11 +85,19 @@ struct PlanRequest {
   std::optional<PlannerOptions> options{};  ///< none: those of make_planner
 };
 
-/// What became of a request.
-class PlanResult {
+/// One question to plan_multi: its arguments.
+struct MultiPlanRequest {
+  std::map<std::string, Eigen::VectorXd> starts;  ///< by robot name, dof [rad or m]
+  std::map<std::string, GoalConstraint> goals;    ///< by robot name; a robot with a start and no goal holds
+  std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that others are committed to
+};
+
+/// What became of a request, whose answer is a Motion.
+template <class Motion>
+class ResultOf {
  public:
-  PlanResult() = default;
-  explicit PlanResult(PlanStatistics statistics, std::optional<Trajectory> trajectory = {})
+  ResultOf() = default;
+  explicit ResultOf(PlanStatistics statistics, std::optional<Motion> trajectory = {})
       : statistics_(std::move(statistics)), trajectory_(std::move(trajectory)) {}
 
   bool solved() const { return trajectory_.has_value(); }
@@ -96,11 +105,31 @@ class PlanResult {
   const std::string& reason() const { return statistics_.reason; }  ///< why there is no trajectory; "" when solved
   const PlanStatistics& statistics() const { return statistics_; }
   /// Throws PlanningError with status and reason unless solved.
-  const Trajectory& trajectory() const;
+  const Motion& trajectory() const {
+    if (!trajectory_) throw PlanningError(statistics_.status, statistics_.reason);
+    return *trajectory_;
+  }
 
  private:
   PlanStatistics statistics_;
-  std::optional<Trajectory> trajectory_;
+  std::optional<Motion> trajectory_;
+};
+using PlanResult = ResultOf<Trajectory>;
+using MultiPlanResult = ResultOf<MultiTrajectory>;
+
+/// Of plan or of plan_multi, whichever was last.
+using LastRequest = std::variant<PlanRequest, MultiPlanRequest>;
+using LastResult = std::variant<PlanResult, MultiPlanResult>;
+
+/// What trajectories of many robots are held against, besides the scene and each other.
+struct MultiVerifyOptions {
+  std::map<std::string, Eigen::VectorXd> starts{};  ///< by robot name, dof [rad or m]: where they should begin
+  /// By robot name: what they should reach. One that holds should end where it should begin; one aside, anywhere.
+  std::map<std::string, GoalConstraint> goals{};
+  std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that are not judged themselves
+  bool jerk{false};                               ///< the rest as in VerifyOptions
+  std::optional<double> max_deviation{};
+  double tightness{0.5};
 };
 
 /// The door to everything: a world of robots and objects, and planners for them. The Python class has the same words.
@@ -149,8 +178,8 @@ class PlannerInterface {
 
   // --- files (docs/files.md): JSON, written whole or not at all; numbers read back bit for bit
   /// Writes the whole problem: the scene with its robots, planners, motion limits that were set, and the request of
-  /// the last plan with its result, if nothing was changed since. Throws FileError when it cannot be written, and
-  /// InvalidArgument when a planner names a heuristic of add_heuristic.
+  /// the last plan or plan_multi with its result, if nothing was changed since. Throws FileError when it cannot be
+  /// written, and InvalidArgument when a planner names a heuristic of add_heuristic.
   void save(const std::string& path) const;
   /// As it was saved: planning again gives the same trajectory, get_planning_stats and last_result are the saved ones.
   /// Of a scene file: the scene.
@@ -203,6 +232,10 @@ class PlannerInterface {
   /// too, start and goals (certify). Faults are found, not thrown. Throws InvalidArgument for options that do not suit
   /// the robot.
   Certificate verify(const std::string& robot, const Trajectory& trajectory, const VerifyOptions& options = {}) const;
+  /// The same of many robots that move on one clock, by name: each is held against the others too, which rest where
+  /// their motions end. Robots not named stand still. Throws InvalidArgument for options that do not suit the robots.
+  std::map<std::string, Certificate> verify_multi(const MultiTrajectory& trajectory,
+                                                  const MultiVerifyOptions& options = {}) const;
 
   // --- heuristics of the user
   /// From now on `name` may stand where options ask for a heuristic, for any robot. With it, bounds are proven only if
@@ -243,7 +276,8 @@ class PlannerInterface {
 
   /// Motions of many robots together, on one clock, from `starts` to `goals`, both by robot name: collision-free among
   /// each other too. A robot with a start and no goal holds still, as with GoalConstraint::hold; robots without a start
-  /// stand where set_qpos put them. Planned by the planner that make_planner chose for the robots of `starts`. Throws
+  /// stand where set_qpos put them. Every trajectory has a certificate that covers the others, those of robots that
+  /// hold too. Planned by the planner that make_planner chose for the robots of `starts`. Throws
   /// PlanningError with a typed status and a sentence when there are none, InvalidArgument for a goal without a start,
   /// and when no robot is to move.
   ///
@@ -257,11 +291,12 @@ class PlannerInterface {
                              const std::map<std::string, Trajectory>& obstacles = {}, const Interrupt& interrupt = {});
   /// Of the last plan, solved or not; status `exhausted` with zeros before the first.
   const PlanStatistics& get_planning_stats() const;
-  /// What the last plan was asked, without options: those of make_planner count. None before the first, and once its
-  /// robot or the scene was replaced.
-  const std::optional<PlanRequest>& last_request() const;
-  /// What became of it. None before the first plan, and once scene or planner were changed: then it may be another one.
-  const std::optional<PlanResult>& last_result() const;
+  /// What the last plan or plan_multi was asked, without options: those of make_planner count. None before the first,
+  /// and once one of its robots or the scene was replaced.
+  const std::optional<LastRequest>& last_request() const;
+  /// What became of it: a PlanResult of a PlanRequest, a MultiPlanResult of a MultiPlanRequest. None before the first,
+  /// and once scene or planner were changed: then it may be another one.
+  const std::optional<LastResult>& last_result() const;
 
  private:
   struct Impl;

@@ -5,6 +5,7 @@
 
 #include "srmp/io/scene_archive.h"
 #include "srmp/io/trajectory_archive.h"
+#include "srmp/planner/multi_arm/committed.hpp"
 #include "srmp/planner/statistics_fields.hpp"
 
 namespace srmp {
@@ -18,10 +19,12 @@ struct PlannerText {
   OptionMap options;
 };
 
+template <class Motion>
 struct ResultText {
   PlanStatistics statistics;
-  std::optional<Trajectory> trajectory;
+  std::optional<Motion> motion;
 };
+using Motions = std::map<std::string, Trajectory>;
 
 /// The name in the options that is no heuristic of this library; "" = there is none.
 std::string foreign_heuristic(const OptionMap& options) {
@@ -85,6 +88,28 @@ void require_question(const Scene& scene, const std::string& robot, ConstVector 
   model.require_configuration(start, "start of '" + robot + "'");
 }
 
+void require_multi_question(const Scene& scene, const MultiPlanRequest& request) {
+  for (const auto& [name, goal] : request.goals) {
+    scene.robot(name);  // throws with the nearest name
+    if (!request.starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
+  }
+  for (const auto& [name, motion] : request.obstacles) scene.robot(name);
+  if (request.starts.empty()) throw InvalidArgument("plan_multi needs the start of at least one robot");
+  bool one_moves = false;
+  for (const auto& [name, start] : request.starts) {
+    const RobotModel& model = *scene.robot(name).model;
+    model.require_configuration(start, "start of '" + name + "'");
+    const auto found = request.goals.find(name);
+    if (found == request.goals.end()) continue;
+    const GoalConstraint& goal = found->second;
+    goal.validate();
+    one_moves |= goal.type != GoalType::hold;
+    if (goal.type == GoalType::joints)
+      for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + name + "'");
+  }
+  if (!one_moves) throw InvalidArgument("plan_multi needs a goal for at least one of the robots");
+}
+
 namespace io {
 
 template <class Archive>
@@ -103,6 +128,13 @@ void describe(Archive& archive, Ref<Archive, PlanRequest> request) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, MultiPlanRequest> request) {
+  archive("starts", request.starts);
+  archive("goals", request.goals);
+  archive("obstacles", request.obstacles);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, Solution> solution) {
   archive("time_s", solution.time_s);
   archive("cost_rad", solution.cost_rad);
@@ -112,13 +144,26 @@ void describe(Archive& archive, Ref<Archive, Solution> solution) {
 
 template <class Archive>
 void describe(Archive& archive, Ref<Archive, PlanStatistics> statistics) {
-  for_each_field(statistics, [&](const char* name, auto& field) { archive(name, field); });
+  const auto describe_field = [&](const char* name, auto& field) { archive(name, field); };
+  for_each_field(statistics, describe_field);
+  bool many{};
+  if constexpr (Archive::reading)
+    many = archive.has("robot_cost_rad");
+  else
+    many = !statistics.robot_cost_rad.empty();
+  if (many) for_each_multi_field(statistics, describe_field);
 }
 
 template <class Archive>
-void describe(Archive& archive, Ref<Archive, ResultText> result) {
+void describe(Archive& archive, Ref<Archive, ResultText<Trajectory>> result) {
   archive("statistics", result.statistics);
-  archive("trajectory", result.trajectory);
+  archive("trajectory", result.motion);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, ResultText<Motions>> result) {
+  archive("statistics", result.statistics);
+  archive("trajectories", result.motion);
 }
 
 template <class Archive>
@@ -129,6 +174,18 @@ void describe(Archive& archive, Ref<Archive, PlannerText> planner) {
 
 }  // namespace io
 
+namespace {
+
+ResultText<Trajectory> result_text(const PlanResult& result) {
+  return {result.statistics(), result.solved() ? std::optional(result.trajectory()) : std::nullopt};
+}
+
+ResultText<Motions> result_text(const MultiPlanResult& result) {
+  return {result.statistics(), result.solved() ? std::optional(result.trajectory().robots) : std::nullopt};
+}
+
+}  // namespace
+
 void save_problem(const Problem& problem, const std::string& path) {
   std::vector<PlannerText> planners;
   for (const auto& [robots, options] : problem.planners) planners.push_back(planner_text(robots, options));
@@ -136,14 +193,12 @@ void save_problem(const Problem& problem, const std::string& path) {
   writer("scene", io::SceneText{problem.scene});
   writer("planners", planners);
   if (!problem.motion_limits.empty()) writer("motion_limits", problem.motion_limits);
-  writer("request", problem.request);
-  if (problem.result) {
-    const PlanResult& result = *problem.result;
-    writer("result",
-           ResultText{result.statistics(), result.solved() ? std::optional(result.trajectory()) : std::nullopt});
-  }
+  if (problem.request) std::visit([&](const auto& request) { writer("request", request); }, *problem.request);
+  if (problem.result) std::visit([&](const auto& result) { writer("result", result_text(result)); }, *problem.result);
   writer.save(path);
 }
+
+namespace {
 
 /// There are none where no limits were set.
 void read_limits(io::JsonReader& root, Problem& problem) {
@@ -158,6 +213,74 @@ void read_limits(io::JsonReader& root, Problem& problem) {
     }
   });
 }
+
+PlanRequest read_single_request(io::JsonReader& reader, const Scene& scene) {
+  PlanRequest request;
+  describe(reader, request);
+  reader.guarded([&] { require_question(scene, request.robot, request.start, request.goals); });
+  return request;
+}
+
+MultiPlanRequest read_multi_request(io::JsonReader& reader, const Scene& scene) {
+  MultiPlanRequest request;
+  describe(reader, request);
+  reader.guarded([&] {
+    require_multi_question(scene, request);
+    Scene settled = scene;
+    stand_at_ends(settled, request.starts, request.obstacles, {});
+  });
+  return request;
+}
+
+std::optional<LastRequest> read_request(io::JsonReader& root, const Scene& scene) {
+  if (!root.has("request")) return std::nullopt;
+  io::JsonReader reader = root.inner("request");
+  if (!reader.has("robot") && !reader.has("starts"))
+    reader.fail("it has neither 'robot', as one of plan has, nor 'starts', as one of plan_multi has");
+  const LastRequest request = reader.has("starts") ? LastRequest(read_multi_request(reader, scene))
+                                                   : LastRequest(read_single_request(reader, scene));
+  reader.finish();
+  return request;
+}
+
+template <class Motion>
+ResultText<Motion> read_result_text(io::JsonReader& reader) {
+  ResultText<Motion> text;
+  describe(reader, text);
+  reader.finish();
+  if (text.motion.has_value() != (text.statistics.status == Status::solved))
+    reader.fail("the status is '" + std::string(to_string(text.statistics.status)) + "', but there is " +
+                (text.motion ? "a" : "no") + " trajectory");
+  return text;
+}
+
+LastResult read_result_of(const PlanRequest&, io::JsonReader& reader) {
+  auto text = read_result_text<Trajectory>(reader);
+  return PlanResult(std::move(text.statistics), std::move(text.motion));
+}
+
+LastResult read_result_of(const MultiPlanRequest& request, io::JsonReader& reader) {
+  auto text = read_result_text<Motions>(reader);
+  if (!text.motion) return MultiPlanResult(std::move(text.statistics));
+  const auto names = [](const auto& by_robot) {
+    std::vector<std::string> all;
+    for (const auto& [name, value] : by_robot) all.push_back(name);
+    return all;
+  };
+  if (names(*text.motion) != names(request.starts))
+    reader.fail("the trajectories are of " + quoted_list(names(*text.motion)) + ", but the request has starts of " +
+                quoted_list(names(request.starts)));
+  return MultiPlanResult(std::move(text.statistics), MultiTrajectory{std::move(*text.motion)});
+}
+
+std::optional<LastResult> read_result(io::JsonReader& root, const std::optional<LastRequest>& request) {
+  if (!root.has("result")) return std::nullopt;
+  io::JsonReader reader = root.inner("result");
+  if (!request) root.fail("it has a result, but no request");
+  return std::visit([&](const auto& asked) { return read_result_of(asked, reader); }, *request);
+}
+
+}  // namespace
 
 Problem load_problem(const std::string& path, const std::vector<std::string>& package_dirs) {
   const io::JsonFile file(path, formats);
@@ -182,19 +305,8 @@ Problem load_problem(const std::string& path, const std::vector<std::string>& pa
     });
   }
   read_limits(root, problem);
-  root("request", problem.request);
-  if (const auto& request = problem.request)
-    root.inner("request").guarded(
-        [&] { require_question(problem.scene, request->robot, request->start, request->goals); });
-  std::optional<ResultText> result;
-  root("result", result);
-  if (result) {
-    if (!problem.request) root.fail("it has a result, but no request");
-    if (result->trajectory.has_value() != (result->statistics.status == Status::solved))
-      root.inner("result").fail("the status is '" + std::string(to_string(result->statistics.status)) +
-                                "', but there is " + (result->trajectory ? "a" : "no") + " trajectory");
-    problem.result = PlanResult(result->statistics, std::move(result->trajectory));
-  }
+  problem.request = read_request(root, problem.scene);
+  problem.result = read_result(root, problem.request);
   root.finish();
   return problem;
 }

@@ -19,14 +19,17 @@ void require_planner_for(const std::vector<std::string>& robots, const PlannerOp
 /// Throws InvalidArgument unless start and goals suit the robot.
 void require_question(const Scene& scene, const std::string& robot, ConstVector start,
                       const std::vector<GoalConstraint>& goals);
+/// The same of many robots: throws InvalidArgument unless starts and goals suit them, and one is to move. Of obstacles
+/// only the names are looked at; the rest is stand_at_ends'.
+void require_multi_question(const Scene& scene, const MultiPlanRequest& request);
 
 /// What a problem file holds: a world, how its robots plan, and the last question with its answer.
 struct Problem {
   Scene scene;
   PlannerTable planners;
   std::map<std::string, MotionLimits> motion_limits{};  ///< of robots whose limits were set
-  std::optional<PlanRequest> request;                   ///< without options: those of `planners` count
-  std::optional<PlanResult> result;                     ///< of the request, in this scene, by these planners
+  std::optional<LastRequest> request;                   ///< without options: those of `planners` count
+  std::optional<LastResult> result;                     ///< of the request, in this scene, by these planners
 };
 
 /// Throws FileError when the file cannot be written, and InvalidArgument when a planner names a heuristic of the

@@ -39,4 +39,13 @@ void for_each_field(Statistics& s, F&& f) {
   f("goal_index", s.goal_index);
 }
 
+/// The same for those of plan_multi.
+template <class Statistics, class F>
+void for_each_multi_field(Statistics& s, F&& f) {
+  f("robot_cost_rad", s.robot_cost_rad);
+  f("tree_nodes", s.tree_nodes);
+  f("makespan_s", s.makespan_s);
+  f("flow_time_s", s.flow_time_s);
+}
+
 }  // namespace srmp

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "srmp/planner/verify.hpp"
+#include "srmp/scene/scene.hpp"
+
+namespace srmp {
+
+// Judgement of robots of a scene that move on one clock from time 0 on, and rest where their motions end: each by
+// itself among robots that stand still, and then against every other. By Coal alone.
+
+/// certify of one robot. `others`, by robot name, are whole, and all motions have times.
+Certificate certify_among(const Scene& scene, const std::string& robot, const Trajectory& motion,
+                          const std::map<std::string, Trajectory>& others, const MotionLimits& limits,
+                          const CertifyOptions& options);
+
+/// verify of any motions.
+class MotionsTogether {
+ public:
+  /// By robot name; references outlive this. Throws InvalidArgument for a robot that is not in the scene.
+  MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions);
+
+  /// Of one of the robots. A motion of another one that cannot be read, or does not begin at time 0, is a fault too.
+  Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options) const;
+
+ private:
+  const Scene& scene_;
+  const std::map<std::string, Trajectory>& motions_;
+  std::map<std::string, Fault> unfit_;  // why a motion cannot be held against others
+};
+
+}  // namespace srmp
