@@ -46,6 +46,12 @@ def plan(planner, obstacle, start=-0.9, end=0.9):
     return planner.plan_multi({"left": turned(start)}, {"left": goal(turned(end))}, obstacles={"right": obstacle})
 
 
+def via(planner, times, angles):
+    """At rest at each of the angles of the other arm's base."""
+    rows = np.array([turned(angle) for angle in angles])
+    return srmp.Trajectory(planner.get_joint_names("right"), rows, times, np.zeros((len(times), 7)))
+
+
 def wait(trajectory):
     moved = np.flatnonzero((trajectory.positions != trajectory.positions[0]).any(axis=1))
     return trajectory.times[moved[0] - 1]
@@ -65,10 +71,13 @@ def scenario():
     return {"robots": robots, "held": [], "objects": []}
 
 
-@pytest.mark.parametrize("duration", [0.8, 2.0, 5.0])
-def test_it_waits_until_the_other_has_passed(two, duration):
+WAITS = pytest.mark.parametrize(("duration", "way"), [(0.8, (-0.9, 0.9)), (0.8, (0.9, -0.9)), (2.0, (0.9, -0.9))])
+
+
+@WAITS
+def test_it_waits_until_the_other_has_passed(two, duration, way):
     obstacle = sweep(two, duration)
-    trajectory = plan(two, obstacle)["left"]
+    trajectory = plan(two, obstacle, *way)["left"]
     assert trajectory.times[0] == 0
     assert 0 < wait(trajectory) <= duration
     assert not trajectory.velocities[:2].any()
@@ -76,7 +85,7 @@ def test_it_waits_until_the_other_has_passed(two, duration):
     assert certificate.holds
     assert certificate.proved_free
     assert certificate.clearance_proved > 0
-    np.testing.assert_allclose(trajectory.positions[-1], turned(0.9), atol=1e-9)
+    np.testing.assert_allclose(trajectory.positions[-1], turned(way[1]), atol=1e-9)
     stats = two.get_planning_stats()
     assert stats["makespan_s"] == trajectory.duration
     assert stats["flow_time_s"] == pytest.approx(trajectory.duration)
@@ -99,12 +108,8 @@ def test_the_arms_keep_apart_all_the_time(two, duration, way):
     assert trajectory.certificate.clearance_proved <= least + 1e-9
 
 
-@pytest.mark.parametrize("duration", [0.8, 2.0])
-def test_pinocchio_and_coal_find_no_contact_at_1_khz(two, suite, duration):
-    recheck = suite("recheck_multi")
-    world = recheck.World(scenario())
-    motions = {"left": plan(two, sweep(two, duration))["left"], "right": sweep(two, duration)}
-    robots = {
+def tables(motions):
+    return {
         name: {
             "joint_names": motion.joint_names,
             "times": motion.times,
@@ -113,12 +118,27 @@ def test_pinocchio_and_coal_find_no_contact_at_1_khz(two, suite, duration):
         }
         for name, motion in motions.items()
     }
-    assert [world.touching(q) for q in recheck.motion(world, robots, 1000.0)[1] if world.touching(q)] == []
+
+
+def contacts_at_1_khz(suite, motions):
+    """By Pinocchio and Coal alone."""
+    recheck = suite("recheck_multi")
+    world = recheck.World(scenario())
+    found = (world.touching(q) for q in recheck.motion(world, tables(motions), 1000.0)[1])
+    return [pair for pair in found if pair]
+
+
+@WAITS
+def test_pinocchio_and_coal_find_no_contact_at_1_khz(two, suite, duration, way):
+    obstacle = sweep(two, duration)
+    trajectory = plan(two, obstacle, *way)["left"]
+    assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
     # Begun at once, they would meet.
-    robots["left"]["times"] = np.maximum(motions["left"].times - wait(motions["left"]), 0)[1:]
-    for key in ("positions", "velocities"):
-        robots["left"][key] = robots["left"][key][1:]
-    assert any(world.touching(q) for q in recheck.motion(world, robots, 1000.0)[1])
+    at_once = trajectory.slice(wait(trajectory), trajectory.times[-1])
+    at_once = srmp.Trajectory(
+        at_once.joint_names, at_once.positions, at_once.times - at_once.times[0], at_once.velocities
+    )
+    assert contacts_at_1_khz(suite, {"left": at_once, "right": obstacle})
 
 
 def test_straight_motions_and_sudden_stops_are_obstacles_too(two):
@@ -136,23 +156,99 @@ def test_straight_motions_and_sudden_stops_are_obstacles_too(two):
 @pytest.mark.parametrize("timing", ["toppra", "ruckig"])
 def test_every_planner_for_many_plans_for_one(two, planner_id, timing):
     two.make_planner("left", {"planner_id": planner_id, "timing": timing, "time_limit": 20})
-    trajectory = plan(two, sweep(two))["left"]
-    assert wait(trajectory) > 0
-    assert trajectory.certificate.proved_free
+    for start in (-0.9, 0.0):  # the second where the other arm passes
+        trajectory = plan(two, sweep(two), start)["left"]
+        assert trajectory.certificate.proved_free
+        assert trajectory.certificate.holds
+        np.testing.assert_allclose(trajectory.positions[[0, -1]], [turned(start), turned(0.9)], atol=1e-9)
 
 
-def test_without_certificates_it_waits_as_long(two):
-    certified = plan(two, sweep(two))["left"]
+@pytest.mark.parametrize("question", [(0.8, -0.9), (2.0, -0.9), (2.0, 0.0)], ids=["waits", "goes round", "makes way"])
+def test_without_certificates_it_moves_the_same(two, question):
+    duration, start = question
+    certified = plan(two, sweep(two, duration), start)["left"]
     two.make_planner("left", {"planner_id": "xECBS", "certify": False})
-    bare = plan(two, sweep(two))["left"]
+    bare = plan(two, sweep(two, duration), start)["left"]
     assert bare.certificate is None
+    assert bare.times.tobytes() == certified.times.tobytes()
     assert bare.positions.tobytes() == certified.positions.tobytes()
 
 
-def test_the_same_every_time(two):
-    first, second = (plan(two, sweep(two))["left"] for _ in range(2))
+@pytest.mark.parametrize("question", [(0.8, -0.9), (2.0, -0.9), (2.0, 0.0)], ids=["waits", "goes round", "makes way"])
+def test_the_same_every_time(two, question):
+    duration, start = question
+    first, second = (plan(two, sweep(two, duration), start)["left"] for _ in range(2))
     assert first.times.tobytes() == second.times.tobytes()
     assert first.positions.tobytes() == second.positions.tobytes()
+    assert first.velocities.tobytes() == second.velocities.tobytes()
+
+
+MAKES_WAY = {  # times and angles of the other arm's base; where this one starts and ends; when it must be there
+    "and goes on": ([0, 2], [-0.9, 0.9], (0.0, 0.9), 2.0),
+    "and comes back": ([0, 2], [-0.9, 0.9], (0.0, 0.0), 2.5),
+    "and is where the other will end": ([0, 2], [-0.9, 0.0], (0.0, 0.9), 2.0),
+    "twice": ([0, 1, 3, 4, 6], [-1.5, -1.5, 1.5, 1.5, -1.5], (-0.3, 0.0), 6.5),
+}
+
+
+@pytest.mark.parametrize("case", MAKES_WAY)
+def test_it_leaves_a_start_that_is_swept(two, suite, case):
+    times, angles, (start, end), latest = MAKES_WAY[case]
+    obstacle = via(two, times, angles)
+    resting = srmp.Trajectory(two.get_joint_names("left"), [turned(start)], [0], np.zeros((1, 7)))
+    assert contacts_at_1_khz(suite, {"left": resting, "right": obstacle})
+    trajectory = plan(two, obstacle, start, end)["left"]
+    assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
+    assert trajectory.certificate.holds
+    assert trajectory.certificate.proved_free
+    np.testing.assert_allclose(trajectory.positions[[0, -1]], [turned(start), turned(end)], atol=1e-9)
+    assert trajectory.duration < latest
+    stats = two.get_planning_stats()
+    assert stats["status"] == srmp.Status.solved
+    assert stats["makespan_s"] == stats["flow_time_s"] == trajectory.duration
+    assert stats["bound"] == np.inf
+
+
+def test_it_arrives_after_its_goal_was_swept(two, suite):
+    obstacle = via(two, [0, 3, 5], [-1.5, -1.5, 1.5])
+    trajectory = plan(two, obstacle, -0.9, 0.0)["left"]
+    assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
+    assert 4 < trajectory.duration < 5
+    moved = two.get_planning_stats()["path_cost_rad"]
+    assert moved == pytest.approx(np.linalg.norm(np.diff(trajectory.waypoints, axis=0), axis=1).sum())
+
+
+def test_it_goes_round_one_that_is_long_in_the_way(two, suite):
+    """Waiting, it would arrive after 15 s."""
+    obstacle = via(two, [0, 1, 14, 15], [-0.9, 0, 0, -0.9])
+    trajectory = plan(two, obstacle)["left"]
+    assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
+    assert trajectory.duration < 3
+    assert trajectory.certificate.holds
+    assert trajectory.certificate.proved_free
+
+
+def test_one_that_may_move_aside_does(two, suite):
+    obstacle = sweep(two, 2.0)
+    goals = {"left": srmp.GoalConstraint.aside()}
+    trajectory = two.plan_multi({"left": turned(0)}, goals, obstacles={"right": obstacle})["left"]
+    assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
+    assert trajectory.certificate.proved_free
+    assert (trajectory.positions[-1] != turned(0)).any()
+
+
+@pytest.mark.parametrize("timing", ["toppra", "ruckig"])
+def test_limits_hold_where_it_waits_on_the_way(two, timing):
+    options = {"planner_id": "xECBS", "timing": timing, "velocity_scaling": 0.8, "acceleration_scaling": 0.5}
+    two.make_planner("left", options | {"time_limit": 20})
+    trajectory = plan(two, sweep(two, 4.0), 0.0, 0.0)["left"]
+    certificate = trajectory.certificate
+    assert certificate.holds
+    limits = srmp.default_limits([2.2, 2.2, 2.4, 2.4, 3.0, 3.0, 3.0])
+    for time in np.arange(0, trajectory.duration, 1e-3):
+        _, velocity, acceleration, _ = trajectory.state(time)
+        assert (abs(velocity) <= 0.8 * limits.velocity + 1e-9).all()
+        assert (abs(acceleration) <= 0.5 * limits.acceleration + 1e-6).all()
 
 
 def test_no_obstacles_no_wait(two):
@@ -168,7 +264,7 @@ def test_no_obstacles_no_wait(two):
 FAILURES = [
     ((2.0, -0.9, 0.0), (-0.9, 0.0), "goal_invalid", "right/arm7_"),
     ((2.0, 0.0, 0.9), (0.0, 0.9), "start_invalid", "'right' begins where 'left' starts: 'left/arm7_"),
-    ((2.0, -0.9, 0.0), (0.0, 0.9), "start_invalid", "'right' ends where 'left' starts: 'left/arm7_"),
+    ((0.1, -0.9, 0.0), (0.0, 0.9), "start_invalid", "'right' ends where 'left' starts: 'left/arm7_"),
     (
         (0.4, -0.9, 0.9),
         (0.0, 0.9),

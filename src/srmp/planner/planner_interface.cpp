@@ -166,7 +166,8 @@ struct PlannerInterface::Impl {
     const MultiRobotProblem problem{now, std::move(moving), *judges.plan, *judges.judge, options, heuristics};
     MultiTrajectory result = request.obstacles.empty()
                                  ? plan_multi_robot(problem, deadline, statistics)
-                                 : plan_around(problem, request.starts, request.obstacles, deadline, statistics);
+                                 : plan_around(problem, request.starts, request.obstacles,
+                                               checkers.options(CheckMode::exact), deadline, statistics);
     holding.join(result, request.obstacles, common_options(options), deadline, statistics);
     return result;
   }

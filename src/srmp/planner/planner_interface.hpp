@@ -282,10 +282,11 @@ class PlannerInterface {
   /// and when no robot is to move.
   ///
   /// `obstacles`: timed motions that other robots of the scene are committed to. They begin at time 0 too, the robots
-  /// rest where they end, and are not asked to move. The planned motions end among them so, and begin, all together, as
-  /// soon as they get by: an explicit rest at the starts comes first (planner/multi_arm/committed.hpp, which says what
-  /// is refused). Starts where a committed motion begins or ends are `start_invalid`, goals where one ends
-  /// `goal_invalid`; `exhausted` names links and time when there is no time to begin.
+  /// rest where they end, and are not asked to move. The planned motions end among them so. They begin, all together,
+  /// as soon as they get by; or, where that fails or is late, each robot moves and waits as suits the others. Every
+  /// wait is explicit (planner/multi_arm/committed.hpp, which says what is refused). Starts where a committed motion
+  /// begins are `start_invalid` (where one ends too, unless the robot can leave before), goals where one ends
+  /// `goal_invalid`; `exhausted` names links and time when no motions are found.
   MultiTrajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
                              const std::map<std::string, GoalConstraint>& goals,
                              const std::map<std::string, Trajectory>& obstacles = {}, const Interrupt& interrupt = {});

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <boost/test/unit_test.hpp>
+#include <limits>
 
 #include "srmp/planner/planner_interface.hpp"
 #include "support/robots.hpp"
@@ -87,7 +88,7 @@ BOOST_AUTO_TEST_CASE(a_robot_waits_until_the_other_has_passed) {
 
 BOOST_AUTO_TEST_CASE(no_longer_than_it_must) {
   auto planner = two_arms();
-  const Trajectory obstacle = sweep();
+  const Trajectory obstacle = sweep(1.5);
   const Trajectory left = plan(planner, obstacle);
   const double delay = wait(left);
   BOOST_REQUIRE_GT(delay, 0.05);
@@ -149,8 +150,76 @@ BOOST_AUTO_TEST_CASE(what_no_wait_helps_is_said_with_links_and_time) {
   fails(sweep(0.6), Q(0.3, 0.0), srmp::Status::exhausted, "'left/lower' and 'right/lower' touch at ");
   fails(motion({0.0, 1.0}, {Q(0.0, 0.0), Q(2.0, 0.0)}), Q(0.0, 0.0), srmp::Status::start_invalid,
         "begins where 'left' starts: 'left/lower' and 'right/lower'");
-  fails(motion({0.0, 1.0}, {Q(2.0, 0.0), Q(0.0, 0.0)}), Q(0.0, 0.0), srmp::Status::start_invalid,
+  fails(motion({0.0, 0.1}, {Q(2.0, 0.0), Q(0.0, 0.0)}), Q(0.0, 0.0), srmp::Status::start_invalid,
         "ends where 'left' starts: 'left/lower' and 'right/lower'");
+}
+
+BOOST_AUTO_TEST_CASE(a_robot_leaves_where_the_other_passes) {
+  struct Question {
+    Trajectory obstacle;
+    Q from, to;
+  };
+  const std::vector<Question> questions{
+      {sweep(), Q(0.3, 0.0), goal},                                        // leaves in time
+      {sweep(), Q(0.3, 0.0), Q(0.3, 0.0)},                                 // makes way and comes back
+      {motion({0.0, 3.0}, {Q(2.0, 0.0), Q(0.0, 0.0)}), Q(0.0, 0.0), goal}  // the other ends there
+  };
+  for (const auto& [obstacle, from, to] : questions) {
+    auto planner = two_arms();
+    BOOST_CHECK_LE(distance(planner, motion({0.0, 3.0}, {from, from}), obstacle), 0.0);
+    const Trajectory left = plan(planner, obstacle, from, to);
+    BOOST_CHECK_GT(distance(planner, left, obstacle), 0.0);
+    BOOST_REQUIRE(left.certificate);
+    BOOST_CHECK(left.certificate->holds() && left.certificate->proved_free());
+    BOOST_CHECK(left.positions.row(0) == from.transpose());
+    BOOST_CHECK(left.positions.bottomRows(1) == to.transpose());
+    BOOST_CHECK_LT(left.certificate->goal_error, 1e-9);
+    const srmp::PlanStatistics& statistics = planner.get_planning_stats();
+    BOOST_CHECK(statistics.status == srmp::Status::solved && statistics.reason.empty());
+    BOOST_CHECK_EQUAL(statistics.makespan_s, left.duration());
+    auto again = two_arms();
+    const Trajectory same = plan(again, obstacle, from, to);
+    BOOST_CHECK(same.positions == left.positions && same.times == left.times);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(several_robots_make_way_for_the_others_and_for_each_other) {
+  // The third stands above the middle and reaches down into it, as the left one does; the right one passes both.
+  auto planner = two_arms();
+  srmp::RobotDescription third = robots::planar_description();
+  third.name = "third";
+  planner.add_articulation(third, srmp::Pose::from_rpy({1.5, 2.4, 0.0}, {0.0, 0.0, -M_PI / 2.0}));
+  planner.make_planner({"left", "third"}, srmp::XECBS{});
+  const std::map<std::string, Eigen::VectorXd> starts{{"left", Q(-0.2, 0.0)}, {"third", Q(0.0, 0.0)}};
+  const std::map<std::string, GoalConstraint> goals{{"left", GoalConstraint::joints(Q(-0.2, 0.0))},
+                                                    {"third", GoalConstraint::joints(Q(0.0, 0.0))}};
+  const Trajectory obstacle = motion({0.0, 4.0}, {Q(1.2, 0.0), Q(-1.2, 0.0)});
+  const auto found = planner.plan_multi(starts, goals, {{"right", obstacle}});
+  for (const std::string name : {"left", "third"}) {
+    const Trajectory& trajectory = found.at(name);
+    BOOST_REQUIRE(trajectory.certificate);
+    BOOST_CHECK(trajectory.certificate->holds() && trajectory.certificate->proved_free());
+    BOOST_CHECK(trajectory.positions.bottomRows(1) == starts.at(name).transpose());
+  }
+  BOOST_CHECK_GT(distance(planner, found.at("left"), obstacle), 0.0);
+  BOOST_CHECK_EQUAL(planner.get_planning_stats().makespan_s, found.duration());
+}
+
+BOOST_AUTO_TEST_CASE(a_way_round_that_ends_sooner_is_preferred) {
+  auto planner = two_arms();
+  const Trajectory slow = motion({0.0, 30.0}, {Q(-0.1, 0.9), Q(0.1, 0.9)});  // in the middle all the while
+  const Trajectory left = plan(planner, slow);
+  BOOST_CHECK_LT(left.duration(), 10.0);
+  BOOST_CHECK_GT(distance(planner, left, slow), 0.0);
+  BOOST_CHECK_EQUAL(planner.get_planning_stats().bound, std::numeric_limits<double>::infinity());
+  BOOST_CHECK_EQUAL(planner.get_planning_stats().makespan_s, left.duration());
+}
+
+BOOST_AUTO_TEST_CASE(one_that_may_move_aside_makes_way) {
+  auto planner = two_arms();
+  const auto found =
+      planner.plan_multi({{"left", Q(0.0, 0.0)}}, {{"left", GoalConstraint::aside()}}, {{"right", sweep()}});
+  BOOST_CHECK_GT(distance(planner, found.at("left"), sweep()), 0.0);
 }
 
 BOOST_AUTO_TEST_CASE(a_robot_that_holds_cannot_be_run_into) {

@@ -1,10 +1,16 @@
 #include "srmp/planner/multi_arm/committed.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
+#include <set>
 
+#include "srmp/planner/multi_arm/plan_in_time.hpp"
+#include "srmp/planner/multi_arm/timed_motion.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
+#include "srmp/planner/verify.hpp"
+#include "srmp/search/graph.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/prove_apart.hpp"
 
@@ -12,38 +18,13 @@ namespace srmp {
 
 namespace {
 
-constexpr double delay_step = 0.1;    // [s]
-constexpr double look_period = 0.05;  // [s] of the quick look before a proof
-
-double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
-
-/// A robot that stays.
-Trajectory rest(const std::vector<std::string>& joints, const RowMatrix& rows, double duration) {
-  const RowMatrix zero = RowMatrix::Zero(rows.rows(), rows.cols());
-  return {joints, rows, zero, zero, Eigen::VectorXd::LinSpaced(rows.rows(), 0.0, duration), rows.topRows(1)};
-}
+constexpr double delay_step = 0.1;  // [s]
+// A way round must arrive sooner by more than these: it takes longer ways, and the planner's.
+constexpr double least_gain = 0.1;        // [s]
+constexpr double least_gain_share = 0.1;  // of the time until all are there
 
 Trajectory rest_at(const Trajectory& motion, Eigen::Index row) {
   return rest(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
-}
-
-Trajectory delayed(const Trajectory& motion, double delay) {
-  if (delay == 0.0) return motion;
-  Trajectory result = rest(motion.joint_names, motion.positions.row(0).replicate(2, 1), delay).followed_by(motion);
-  result.robot = motion.robot;
-  return result;
-}
-
-/// A contact at samples; a proof takes longer to find one.
-std::optional<double> look(const Checker& judge, const Trajectory& a, const Trajectory& b,
-                           Checker::Workspace& workspace) {
-  const double end = std::max(end_of(a), end_of(b));
-  Eigen::VectorXd both(a.positions.cols() + b.positions.cols());
-  for (int i = 0; i * look_period <= end; ++i) {
-    both << a.sample(i * look_period), b.sample(i * look_period);
-    if (!judge.is_free(both, workspace)) return i * look_period;
-  }
-  return std::nullopt;
 }
 
 // --- the plan
@@ -51,10 +32,12 @@ std::optional<double> look(const Checker& judge, const Trajectory& a, const Traj
 class PlanAround {
  public:
   PlanAround(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
-             const CommittedMotions& committed, const Deadline& deadline, PlanStatistics& statistics)
+             const CommittedMotions& committed, const CheckerOptions& quick, const Deadline& deadline,
+             PlanStatistics& statistics)
       : problem_(problem),
         common_(common_options(problem.options)),
         committed_(committed),
+        quick_(quick),
         deadline_(deadline),
         statistics_(statistics) {
     for (const auto& [name, start] : starts) {
@@ -69,12 +52,14 @@ class PlanAround {
       find_pairs();
       for (const Pair& pair : pairs_) require_start(pair);
     }
-    planned_ = plan_multi_robot(problem_, deadline_, statistics_);
-    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    const double delay = first_delay();
-    for (auto& [name, trajectory] : planned_.robots) begin_after(delay, trajectory);
-    if (common_.certify) certify_all();
-    return std::move(planned_);
+    begin_together();
+    if (!refused_ && !late()) return certified();
+    in_time_ = std::make_unique<const ArmCheckers>(problem_.scene, team_->names(), quick_);
+    if (auto found = one_by_one(refused_ ? search::infinity : statistics_.makespan_s - gain()))
+      take(std::move(*found));
+    else if (refused_)
+      throw *refused_;
+    return certified();
   }
 
  private:
@@ -108,16 +93,19 @@ class PlanAround {
 
   // --- what no delay can help
 
-  void require_start(const Pair& pair) const {
+  void require_start(const Pair& pair) {
     const Trajectory &here = waiting_.at(pair.robot), &motion = committed_.at(pair.other);
-    const auto require = [&](const Trajectory& at, const std::string& does) {
+    const auto stands_on_it = [&](const Trajectory& at, const std::string& does) -> std::optional<PlanningError> {
       const MotionProof proof = prove_apart(*pair.judge, here, at, {.tightness = 0.0});
-      if (!proof.free)
-        fail(Status::start_invalid, "the committed motion of '" + pair.other + "' " + does + " '" + pair.robot +
-                                        "' starts: " + touching(pair, proof));
+      if (proof.free) return std::nullopt;
+      return PlanningError(Status::start_invalid, "the committed motion of '" + pair.other + "' " + does + " '" +
+                                                      pair.robot + "' starts: " + touching(pair, proof));
     };
-    require(rest_at(motion, 0), "begins where");
-    require(rest_at(motion, motion.positions.rows() - 1), "ends where");
+    if (const auto error = stands_on_it(rest_at(motion, 0), "begins where")) throw *error;
+    if (const auto error = stands_on_it(rest_at(motion, motion.positions.rows() - 1), "ends where")) {
+      if (!moves(pair.robot)) throw *error;
+      if (!refused_) refused_ = error;  // it may have left by then
+    }
     if (moves(pair.robot)) return;
     if (const auto when = meets_waiting(pair))
       fail(Status::exhausted, "the committed motion of '" + pair.other + "' passes through '" + pair.robot +
@@ -170,11 +158,26 @@ class PlanAround {
   void stop_if_late() const {
     if (deadline_.cancelled()) fail(Status::cancelled, "the plan was cancelled while the others' motions were awaited");
     if (deadline_.expired())
-      fail(Status::timed_out, "no time to begin that suits the committed motions was found within the time limit of " +
+      fail(Status::timed_out, "no motions that suit the committed ones were found within the time limit of " +
                                   to_text(common_.time_limit) + " s");
   }
 
-  // --- when to begin
+  // --- all motions begun together
+
+  /// Leaves why not in `refused_`.
+  void begin_together() {
+    if (refused_) return;
+    try {
+      planned_ = plan_multi_robot(problem_, deadline_, statistics_);
+      undelayed_ = planned_.robots;
+      const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+      const double delay = first_delay();
+      for (auto& [name, trajectory] : planned_.robots) begin_after(delay, trajectory);
+    } catch (const PlanningError& error) {
+      if (error.status() != Status::exhausted || deadline_.stop_requested()) throw;
+      refused_ = error;
+    }
+  }
 
   double first_delay() {
     double latest = 0.0;
@@ -203,8 +206,10 @@ class PlanAround {
       if (!moved.contains(pair.robot)) continue;
       const auto workspace = pair.judge->make_workspace();
       const Trajectory &motion = moved.at(pair.robot), &other = committed_.at(pair.other);
+      const double end = std::max(end_of(motion), end_of(other));
       stop_if_late();
-      if (const auto time = look(*pair.judge, motion, other, *workspace)) return meeting_at(pair, motion, *time);
+      if (const auto time = look(motion, {nullptr, pair.judge, false, &other}, 0.0, end, *workspace))
+        return meeting_at(pair, motion, *time);
     }
     for (const Pair& pair : pairs_) {
       if (!moved.contains(pair.robot)) continue;
@@ -238,14 +243,161 @@ class PlanAround {
 
   void begin_after(double delay, Trajectory& trajectory) {
     const bool goes = (trajectory.positions.rowwise() - trajectory.positions.row(0)).cwiseAbs().maxCoeff() > 0.0;
-    Trajectory later = delayed(trajectory, delay);
-    later.certificate = trajectory.certificate;  // until it has its own
-    trajectory = std::move(later);
+    trajectory = delayed(trajectory, delay);
     if (goes) statistics_.flow_time_s += delay;
     statistics_.makespan_s = std::max(statistics_.makespan_s, end_of(trajectory));
   }
 
+  // --- each by itself
+
+  double gain() const { return std::max(least_gain, least_gain_share * statistics_.makespan_s); }
+
+  /// Would the motions be over much sooner if they could begin at once?
+  bool late() const {
+    double soonest = 0.0;
+    for (const auto& [name, motion] : undelayed_) soonest = std::max(soonest, end_of(motion));
+    return soonest < statistics_.makespan_s - gain();
+  }
+
+  using Motions = std::map<std::string, Trajectory>;
+
+  /// One robot after the other, each around the committed motions and those of the robots before it; one that finds no
+  /// motion is put first, until an order comes again (priorities: Erdmann, Lozano-Pérez 1987).
+  std::optional<Motions> one_by_one(double before) {
+    std::vector<std::size_t> order(problem_.moving.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::set<std::vector<std::size_t>> tried;
+    while (tried.insert(order).second) {
+      Motions found;
+      const auto stuck =
+          std::find_if_not(order.begin(), order.end(), [&](std::size_t i) { return plan_one(i, before, found); });
+      if (stuck == order.end()) return found;
+      if (deadline_.stop_requested()) break;
+      std::rotate(order.begin(), stuck, std::next(stuck));
+    }
+    if (refused_) stop_if_late();
+    return std::nullopt;
+  }
+
+  /// Adds the robot's motion to `done`; false: none was found that arrives sooner than `before` [s].
+  bool plan_one(std::size_t i, double before, Motions& done) {
+    const MultiRobotPart& part = problem_.moving[i];
+    const std::vector<MovingRobot> others = others_of(i, done);
+    if (const auto at_once = undelayed_.find(part.robot); at_once != undelayed_.end() &&
+                                                          end_of(at_once->second) < before &&
+                                                          !when_met(at_once->second, others, deadline_)) {
+      done.emplace(part.robot, at_once->second);
+      return true;
+    }
+    const auto task = task_of(i, others);
+    if (!task) return false;
+    const PhaseTimer timer(deadline_, statistics_.search_time_s);
+    TimedAnswer answer = plan_in_time(*task, before, deadline_);
+    statistics_.expansions += answer.expansions;
+    if (answer.status != Status::solved) return false;
+    answer.motion.robot = part.placed;
+    done.emplace(part.robot, std::move(answer.motion));
+    return true;
+  }
+
+  std::vector<MovingRobot> others_of(std::size_t i, const Motions& done) const {
+    std::vector<MovingRobot> others;
+    for (std::size_t j = 0; j < team_->size(); ++j) {
+      const std::string& name = team_->names()[j];
+      const Trajectory* motion = nullptr;
+      if (const auto committed = committed_.find(name); committed != committed_.end())
+        motion = &committed->second;
+      else if (const auto planned = done.find(name); planned != done.end())
+        motion = &planned->second;
+      if (!motion || !team_->may_meet(i, j)) continue;
+      const auto [a, b] = std::minmax(i, j);
+      others.push_back({in_time_->pair(a, b), team_->pair(a, b), j < i, motion});
+    }
+    return others;
+  }
+
+  /// Its way among what stands still leads the search; of the robots that move none stands anywhere. None: there is no
+  /// such way, though motions are known.
+  std::optional<TimedTask> task_of(std::size_t i, const std::vector<MovingRobot>& others) const {
+    const MultiRobotPart& part = problem_.moving[i];
+    const Checker& checker = in_time_->alone(i);
+    TimedTask task{checker, team_->alone(i), others, part.start, {}, {}, scaled(part.limits, common_), {}};
+    try {
+      RobotPath path = path_alone(part, checker);
+      task.start = std::move(path.start);
+      if (part.goal.type != GoalType::aside) {
+        task.targets = std::move(path.targets);
+        task.way = std::move(path.waypoints);
+        if (const auto known = undelayed_.find(part.robot); known != undelayed_.end()) {
+          const Eigen::VectorXd end = known->second.positions.bottomRows(1).transpose();
+          if (std::find(task.targets.begin(), task.targets.end(), end) == task.targets.end())
+            task.targets.push_back(end);
+        }
+      }
+    } catch (const PlanningError& error) {
+      if (!refused_) return std::nullopt;
+      fail(error.status(), "robot '" + part.robot + "': " + error.what());
+    }
+    task.in_time = [this, &checker, limits = task.limits](const RowMatrix& rows) {
+      const auto workspace = checker.make_workspace();
+      TimingOptions timing = timing_options(common_, common_.blend_deviation);
+      timing.reach = checker.reach();
+      timing.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return checker.is_free(a, *workspace) && checker.is_motion_free(a, b, *workspace, true);
+      };
+      return time_parameterize(rows, checker.robot().joint_names(), limits, timing);
+    };
+    return task;
+  }
+
+  RobotPath path_alone(const MultiRobotPart& part, const Checker& checker) const {
+    const bool aside = part.goal.type == GoalType::aside;
+    const std::vector<GoalConstraint> goals{aside ? GoalConstraint::joints(part.start) : part.goal};
+    Auto alone{.common = common_};
+    alone.common.escape_start = false;
+    const PlannerOptions options = alone;
+    PlanStatistics statistics;
+    const Deadline left(std::max(deadline_.remaining(), 1e-6), [this] { return deadline_.cancelled(); });
+    return find_robot_path({problem_.scene,
+                            part.robot,
+                            checker,
+                            part.start,
+                            goals,
+                            options,
+                            problem_.heuristics,
+                            part.limits,
+                            {},
+                            part.placed},
+                           left, statistics);
+  }
+
+  void take(Motions found) {
+    planned_.robots = std::move(found);
+    statistics_.status = Status::solved;
+    statistics_.reason.clear();
+    statistics_.path_cost_rad = statistics_.makespan_s = statistics_.flow_time_s = 0.0;
+    for (const auto& [name, motion] : planned_.robots) {
+      double length = 0.0;
+      for (Eigen::Index k = 1; k < motion.waypoints.rows(); ++k)
+        length += (motion.waypoints.row(k) - motion.waypoints.row(k - 1)).norm();
+      statistics_.path_cost_rad += statistics_.robot_cost_rad[name] = length;
+      statistics_.makespan_s = std::max(statistics_.makespan_s, end_of(motion));
+      statistics_.flow_time_s += end_of(motion);
+    }
+    statistics_.search_cost_rad = statistics_.path_cost_rad;
+    statistics_.bound = search::infinity;
+    statistics_.bound_graph.clear();
+    statistics_.plan_time_s = deadline_.elapsed();
+    statistics_.solutions = {{deadline_.elapsed(), statistics_.path_cost_rad, statistics_.bound, {}}};
+  }
+
   // --- proof
+
+  MultiTrajectory certified() {
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    if (common_.certify) certify_all();
+    return std::move(planned_);
+  }
 
   /// By judges that know no robot standing where a committed motion ends.
   void certify_all() {
@@ -256,9 +408,11 @@ class PlanAround {
       const Trajectory& trajectory = planned_.at(part.robot);
       Certificate certificate = certify(trajectory, team_->alone(i), scaled(part.limits, common_),
                                         {.jerk = common_.timing == "ruckig", .deadline = &until});
-      certificate.goal_error = trajectory.certificate->goal_error;
-      certificate.bound = trajectory.certificate->bound;
-      certificate.bound_graph = trajectory.certificate->bound_graph;
+      if (part.goal.type != GoalType::aside)
+        certificate.goal_error =
+            goal_miss({part.goal}, team_->alone(i), trajectory.positions.bottomRows(1).transpose()).error;
+      certificate.bound = statistics_.bound;
+      certificate.bound_graph = statistics_.bound_graph;
       certificates.emplace(part.robot, std::move(certificate));
     }
     for (std::size_t i = 0; i < team_->size(); ++i)
@@ -286,12 +440,16 @@ class PlanAround {
   const MultiRobotProblem& problem_;
   const CommonOptions& common_;
   const CommittedMotions& committed_;
+  const CheckerOptions& quick_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::map<std::string, Trajectory> waiting_;  // at the starts
   std::unique_ptr<const ArmCheckers> team_, held_;
   std::vector<Pair> pairs_;
+  std::optional<PlanningError> refused_;  // motions begun together
   MultiTrajectory planned_;
+  std::map<std::string, Trajectory> undelayed_;  // as they were planned, begun together
+  std::unique_ptr<const ArmCheckers> in_time_;   // the team by quick checkers
 };
 
 }  // namespace
@@ -329,9 +487,10 @@ void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& s
 }
 
 MultiTrajectory plan_around(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
-                            const CommittedMotions& committed, const Deadline& deadline, PlanStatistics& statistics) {
+                            const CommittedMotions& committed, const CheckerOptions& quick, const Deadline& deadline,
+                            PlanStatistics& statistics) {
   try {
-    MultiTrajectory result = PlanAround(problem, starts, committed, deadline, statistics).run();
+    MultiTrajectory result = PlanAround(problem, starts, committed, quick, deadline, statistics).run();
     statistics.total_time_s = deadline.elapsed();
     return result;
   } catch (const PlanningError& error) {

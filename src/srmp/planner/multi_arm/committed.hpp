@@ -16,14 +16,18 @@ using CommittedMotions = std::map<std::string, Trajectory>;
 void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& starts,
                    const CommittedMotions& committed, const CommonOptions& options);
 
-/// plan_multi_robot among robots that move as they are committed to, and stand at the ends of their motions in the
-/// problem's scene: paths are planned there, and begun together as soon as the others let them pass, in steps of 0.1 s;
-/// until then the robots rest at their starts. Every motion returned is proved apart from the committed ones, between
-/// rows too, and the certificates cover them. `starts` names the robots that hold as well.
+/// Among robots that move as they are committed to. First plan_multi_robot among those robots where their motions end,
+/// as they stand in the problem's scene; its motions are begun together as soon as the others let them pass, in steps
+/// of 0.1 s, and rest at their starts until then. Where that fails, or ends much later than with no wait, one robot
+/// after the other is planned in time (plan_in_time.hpp), around the committed motions and the robots before it.
 ///
-/// Not complete: no way is planned that leads out of a committed motion's way. Throws PlanningError for that
-/// (`exhausted`, with links and time), and start_invalid for a start where a committed motion begins or ends.
+/// Every motion returned is proved apart from the committed ones, between rows too, and the certificates cover them.
+/// `starts` names the robots that hold as well; `quick`: for checkers that plan.
+///
+/// Not complete. Throws PlanningError: `exhausted`, with links and time, where no motions were found; start_invalid for
+/// a start where a committed motion begins, or ends if the robot does not find a way to leave before.
 MultiTrajectory plan_around(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
-                            const CommittedMotions& committed, const Deadline& deadline, PlanStatistics& statistics);
+                            const CommittedMotions& committed, const CheckerOptions& quick, const Deadline& deadline,
+                            PlanStatistics& statistics);
 
 }  // namespace srmp

@@ -1,0 +1,363 @@
+#include "srmp/planner/multi_arm/safe_intervals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <queue>
+#include <tuple>
+
+namespace srmp {
+
+namespace {
+
+constexpr double step_time = 0.05;         // [s]
+constexpr std::size_t neighbours = 12;     // of a point
+constexpr double spacing = 0.6;            // of points on the way [rad, prismatic joints m]
+constexpr double share_of_joints = 0.4;    // that are moved for a point about the way
+constexpr double farthest = 1.6;           // that a joint is moved [rad]
+constexpr double farthest_straight = 0.5;  // the same [m]
+constexpr std::size_t most_tries = 50;     // for a point
+
+double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
+
+}  // namespace
+
+SafeIntervals::SafeIntervals(const TimedTask& task) : task_(task), workspace_(task.alone.make_workspace()) {
+  for (const MovingRobot& other : task.others)
+    last_ = std::max(last_, static_cast<int>(std::ceil(end_of(*other.motion) / step_time)));
+  for (const MovingRobot& other : task.others) {
+    pairs_.push_back(other.pair->make_workspace());
+    RowMatrix& rows = motions_.emplace_back(last_ + 1, other.motion->positions.cols());
+    for (int step = 0; step <= last_; ++step)
+      rows.row(step) = other.motion->sample(std::min(step * step_time, end_of(*other.motion))).transpose();
+  }
+  add(task.start);
+  for (const Eigen::VectorXd& target : task.targets) add(target);
+  const RobotModel& robot = task.alone.robot();
+  for (std::size_t k = 1; k < task.way.size(); ++k) {
+    const Eigen::VectorXd step = robot.difference(task.way[k - 1], task.way[k]);
+    const int parts = std::max(1, static_cast<int>(std::ceil(step.norm() / spacing)));
+    for (int i = k == 1 ? 1 : 0; i < parts; ++i) add(task.way[k - 1] + static_cast<double>(i) / parts * step);
+  }
+  connect();
+}
+
+// --- the roadmap
+
+void SafeIntervals::add(Eigen::VectorXd q) {
+  points_.push_back(std::move(q));
+  intervals_.emplace_back();
+}
+
+/// Somewhere on the way, some joints moved.
+void SafeIntervals::add_points(std::size_t count) {
+  const RobotModel& robot = task_.alone.robot();
+  const std::size_t stations = task_.way.size() > 1 ? task_.way.size() - 1 : 0;
+  const auto random = [this] { return sequence_.next(); };
+  for (std::size_t tries = 0, added = 0; added < count && tries < most_tries * count; ++tries) {
+    Eigen::VectorXd q = task_.start;
+    if (stations > 0) {
+      const double at = random() * static_cast<double>(stations);
+      const std::size_t k = std::min(static_cast<std::size_t>(at), stations - 1);
+      q = task_.way[k] + (at - static_cast<double>(k)) * robot.difference(task_.way[k], task_.way[k + 1]);
+    }
+    for (std::size_t j = 0; j < robot.dof(); ++j) {
+      const double moved = random(), by = 2.0 * random() - 1.0;
+      if (moved > share_of_joints) continue;
+      const Joint& joint = robot.joints()[j];
+      const auto i = static_cast<Eigen::Index>(j);
+      q[i] += by * (joint.kind == JointKind::prismatic ? farthest_straight : farthest);
+      if (joint.kind != JointKind::continuous) q[i] = std::clamp(q[i], joint.lower, joint.upper);
+    }
+    if (robot.limit_violation(q) || !task_.alone.is_free(q, *workspace_)) continue;
+    add(std::move(q));
+    ++added;
+  }
+  connect();
+}
+
+/// Each with its nearest, and with start and targets, in both directions.
+void SafeIntervals::connect() {
+  const RobotModel& robot = task_.alone.robot();
+  const auto size = static_cast<Point>(points_.size()), ends = static_cast<Point>(1 + task_.targets.size());
+  std::vector<std::set<Point>> next(size);
+  const auto join = [&](Point a, Point b) {
+    if (a == b) return;
+    next[a].insert(b);
+    next[b].insert(a);
+  };
+  for (Point p = 0; p < size; ++p) {
+    for (Point end = 0; end < ends; ++end) join(p, end);
+    std::vector<std::pair<double, Point>> near;
+    for (Point other = 0; other < size; ++other)
+      if (other != p) near.emplace_back(robot.difference(points_[p], points_[other]).norm(), other);
+    const std::size_t kept = std::min(neighbours, near.size());
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
+    for (std::size_t k = 0; k < kept; ++k) join(p, near[k].second);
+  }
+  next_.clear();
+  for (const std::set<Point>& of : next) next_.emplace_back(of.begin(), of.end());
+  find_steps_left();
+}
+
+/// By Dijkstra; no way is shorter.
+void SafeIntervals::find_steps_left() {
+  left_.assign(points_.size(), task_.targets.empty() ? 0 : forever);
+  using Entry = std::pair<int, Point>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  for (Point p = 1; p <= task_.targets.size(); ++p) {
+    left_[p] = 0;
+    open.emplace(0, p);
+  }
+  while (!open.empty()) {
+    const auto [steps, p] = open.top();
+    open.pop();
+    if (steps > left_[p]) continue;
+    for (const Point other : next_[p])
+      if (const int all = steps + least_steps(other, p); all < left_[other]) {
+        left_[other] = all;
+        open.emplace(all, other);
+      }
+  }
+}
+
+/// With no more than velocities and accelerations limited.
+int SafeIntervals::least_steps(Point a, Point b) const {
+  const Eigen::ArrayXd way = task_.alone.robot().difference(points_[a], points_[b]).array().abs();
+  const double cruise = (way / task_.limits.velocity.array()).maxCoeff();
+  const double ramp = std::sqrt((way / task_.limits.acceleration.array()).maxCoeff());
+  const double time = ramp > cruise || cruise == 0.0 ? 2.0 * ramp : cruise + ramp * ramp / cruise;
+  return std::max(1, static_cast<int>(std::ceil(time / step_time - 0.05)));
+}
+
+const SafeIntervals::Way& SafeIntervals::way(Point from, Point to) {
+  Way& way = ways_[{from, to}];
+  if (std::exchange(way.known, true)) return way;
+  way.free = task_.alone.is_motion_free(points_[from], points_[to], *workspace_, true);
+  if (!way.free) return way;
+  RowMatrix ends(2, points_[from].size());
+  ends.row(0) = points_[from].transpose();
+  ends.row(1) = ends.row(0) + task_.alone.robot().difference(points_[from], points_[to]).transpose();
+  if (ends.row(0) == ends.row(1)) {  // a goal where it starts
+    way.rows = ends;
+    return way;
+  }
+  const Trajectory motion = task_.in_time(ends);
+  const int steps = std::max(1, static_cast<int>(std::ceil(end_of(motion) / step_time - 1e-9)));
+  way.rows.resize(steps + 1, ends.cols());
+  for (int k = 0; k <= steps; ++k) way.rows.row(k) = motion.sample(std::min(k * step_time, end_of(motion))).transpose();
+  return way;
+}
+
+// --- time
+
+/// The arm at rows, a step each from `step` on, and the other where it is then.
+RowMatrix SafeIntervals::beside(std::size_t other, const RowMatrix& rows, int step) const {
+  const RowMatrix& motion = motions_[other];
+  RowMatrix both(rows.rows(), rows.cols() + motion.cols());
+  const bool first = task_.others[other].first;
+  both.middleCols(first ? motion.cols() : 0, rows.cols()) = rows;
+  for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    both.row(k).segment(first ? 0 : rows.cols(), motion.cols()) =
+        motion.row(std::min(static_cast<int>(k) + step, last_));
+  return both;
+}
+
+bool SafeIntervals::is_free(const RowMatrix& rows, int step) {
+  const auto count = static_cast<std::size_t>(rows.rows());
+  looks_ += count;
+  const auto free = std::make_unique<bool[]>(count);
+  for (std::size_t i = 0; i < task_.others.size(); ++i) {
+    const RowMatrix both = beside(i, rows, step);
+    task_.others[i].pair->are_free(both, {free.get(), count}, *pairs_[i]);
+    if (!std::all_of(free.get(), free.get() + count, [](bool fine) { return fine; })) return false;
+  }
+  for (std::size_t i = 0; i < task_.others.size(); ++i) {
+    const RowMatrix both = beside(i, rows, step);
+    for (Eigen::Index k = 0; k + 1 < both.rows(); ++k)
+      if (!task_.others[i].pair->is_motion_free(both.row(k).transpose(), both.row(k + 1).transpose(), *pairs_[i], true))
+        return false;
+  }
+  return true;
+}
+
+/// Of each step: is the arm free there (even entries), and until the next (odd ones)?
+std::vector<char> SafeIntervals::rests_free(Point p) {
+  const auto count = static_cast<std::size_t>(last_ + 1);
+  looks_ += count;
+  std::vector<char> all(2 * count, true);
+  const auto free = std::make_unique<bool[]>(count);
+  const RowMatrix rows = points_[p].transpose().replicate(last_ + 1, 1);
+  for (std::size_t i = 0; i < task_.others.size(); ++i) {
+    const RowMatrix both = beside(i, rows, 0);
+    task_.others[i].pair->are_free(both, {free.get(), count}, *pairs_[i]);
+    for (std::size_t k = 0; k < count; ++k) {
+      all[2 * k] = all[2 * k] && free[k];
+      if (k + 1 == count || !all[2 * k + 1]) continue;
+      const auto row = static_cast<Eigen::Index>(k);
+      all[2 * k + 1] = free[k] && free[k + 1] &&
+                       task_.others[i].pair->is_motion_free(both.row(row).transpose(), both.row(row + 1).transpose(),
+                                                            *pairs_[i], true);
+    }
+  }
+  for (auto at = no_rest_.lower_bound({p, 0}); at != no_rest_.end() && at->first == p; ++at)
+    all[2 * static_cast<std::size_t>(std::min(at->second, last_)) + (at->second < last_ ? 1 : 0)] = false;
+  return all;
+}
+
+const std::vector<SafeIntervals::Interval>& SafeIntervals::intervals(Point p) {
+  if (intervals_[p]) return *intervals_[p];
+  const std::vector<char> free = rests_free(p);
+  std::vector<Interval>& found = intervals_[p].emplace();
+  for (int k = 0; k <= last_; ++k) {
+    const auto at = 2 * static_cast<std::size_t>(k);
+    if (!free[at]) continue;
+    if (k > 0 && free[at - 2] && free[at - 1])
+      found.back().to = k;
+    else
+      found.push_back({k, k});
+  }
+  if (!found.empty() && found.back().to == last_) found.back().to = forever;
+  return found;
+}
+
+void SafeIntervals::forbid(const std::vector<TimedStop>& stops, double time) {
+  int arrival = 0;
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    const bool last = i + 1 == stops.size();
+    if (last || time < stops[i].step * step_time) {
+      no_rest_.emplace(stops[i].point, std::max(arrival, static_cast<int>(time / step_time)));
+      intervals_[stops[i].point].reset();
+      return;
+    }
+    arrival = stops[i].step + way(stops[i].point, stops[i + 1].point).steps();
+    if (time <= arrival * step_time) {
+      no_departure_.insert({{stops[i].point, stops[i + 1].point}, stops[i].step});
+      return;
+    }
+  }
+}
+
+// --- the search
+
+class SafeIntervals::Query {
+ public:
+  Query(SafeIntervals& map, double before) : map_(map), before_(before), taken_(map.points_.size()) {}
+
+  Result run(std::uint64_t max_looks, const Deadline& deadline) {
+    Result result;
+    const std::uint64_t looks = map_.looks_;
+    const std::vector<Interval>& at_start = map_.intervals(0);
+    if (at_start.empty() || at_start.front().from > 0) return result;
+    push({.point = 0, .interval = 0, .parent = none, .possible = true});
+    while (!open_.empty()) {
+      if (deadline.cancelled()) return {Status::cancelled, {}, result.expansions};
+      if (deadline.expired() || map_.looks_ - looks > max_looks) return {Status::timed_out, {}, result.expansions};
+      const std::uint32_t id = std::get<2>(open_.top());
+      open_.pop();
+      const Node node = nodes_[id];
+      if (node.interval < 0) {
+        add_departures(node);
+        continue;
+      }
+      if (taken(node.point, node.interval)) continue;
+      if (!node.possible) {
+        depart(node);
+        continue;
+      }
+      taken(node.point, node.interval) = true;
+      if (map_.is_goal(node.point) && interval(node).to == forever) {
+        result.status = Status::solved;
+        result.stops = stops(id);
+        return result;
+      }
+      ++result.expansions;
+      for (const Point next : map_.next_[node.point])
+        push({.point = next, .arrival = node.arrival + map_.least_steps(node.point, next), .parent = id});
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  Interval interval(const Node& node) { return map_.intervals(node.point)[static_cast<std::size_t>(node.interval)]; }
+
+  char& taken(Point p, int interval) {
+    std::vector<char>& row = taken_[p];
+    row.resize(std::max(row.size(), map_.intervals(p).size()), false);
+    return row[static_cast<std::size_t>(interval)];
+  }
+
+  /// First come, first served; of those that come at the same time the one with the shorter way.
+  void push(Node node) {
+    const int left = map_.left_[node.point];
+    if (left == forever || (node.arrival + left) * step_time >= before_) return;
+    if (node.parent != none)
+      node.length =
+          nodes_[node.parent].length +
+          map_.task_.alone.robot().difference(map_.points_[nodes_[node.parent].point], map_.points_[node.point]).norm();
+    nodes_.push_back(node);
+    open_.emplace(node.arrival + left, node.length, static_cast<std::uint32_t>(nodes_.size() - 1));
+  }
+
+  /// The first that is worth a look, for each interval at the other end.
+  void add_departures(const Node& node) {
+    const Node from = nodes_[node.parent];
+    const int count = static_cast<int>(map_.intervals(node.point).size());
+    bool open = false;
+    for (int i = 0; i < count; ++i) open = open || !taken(node.point, i);
+    if (!open || !map_.way(from.point, node.point).free) return;
+    const int steps = map_.way(from.point, node.point).steps();
+    for (int i = 0; i < count; ++i) {
+      Node next = node;
+      next.interval = i;
+      next.left = std::max(from.arrival, interval(next).from - steps);
+      if (!taken(node.point, i)) push_departure(next, steps);
+    }
+  }
+
+  /// If it can wait so long here and comes in time there.
+  void push_departure(Node node, int steps) {
+    const Node& from = nodes_[node.parent];
+    const Interval there = interval(node);
+    if (node.left > interval(from).to || (there.to != forever && node.left + steps > there.to)) return;
+    if (node.left > std::max(from.arrival, map_.last_)) return;  // from then on nothing changes
+    node.arrival = node.left + steps;
+    push(node);
+  }
+
+  /// It does, or a step later.
+  void depart(Node node) {
+    const Point from = nodes_[node.parent].point;
+    const Way& way = map_.way(from, node.point);
+    node.possible = !map_.no_departure_.contains({{from, node.point}, node.left}) && map_.is_free(way.rows, node.left);
+    if (!node.possible) ++node.left;
+    push_departure(node, way.steps());
+  }
+
+  std::vector<TimedStop> stops(std::uint32_t id) const {
+    std::vector<TimedStop> found;
+    int leaves = forever;
+    for (; id != none; id = nodes_[id].parent) {
+      const Node& node = nodes_[id];
+      found.push_back({map_.points_[node.point], leaves * step_time, node.point, leaves});
+      leaves = node.left;
+    }
+    std::reverse(found.begin(), found.end());
+    return found;
+  }
+
+  SafeIntervals& map_;
+  double before_;
+  std::vector<std::vector<char>> taken_;  // by point and interval
+  std::vector<Node> nodes_;
+  using Entry = std::tuple<int, double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+};
+
+SafeIntervals::Result SafeIntervals::run(double before, std::uint64_t max_looks, const Deadline& deadline) {
+  return Query(*this, before).run(max_looks, deadline);
+}
+
+}  // namespace srmp
