@@ -35,14 +35,14 @@ int main() {
   planner.make_planner({"right"}, srmp::WAStar{.common = {.time_limit = 30}});
   const srmp::Trajectory committed = planner.plan("right", turned(-0.9), GoalConstraint::joints(turned(0.9)));
 
-  // The left arm crosses the same place in the other direction. It rests until there is a way past.
+  // The left arm crosses the same place in the other direction. It waits, makes way or goes round.
   planner.make_planner({"left"}, srmp::XECBS{.common = {.time_limit = 30}});
   const srmp::MultiTrajectory planned = planner.plan_multi(
       {{"left", turned(-0.9)}}, {{"left", GoalConstraint::joints(turned(0.9))}}, {{"right", committed}});
   const srmp::Trajectory& trajectory = planned.at("left");
 
   std::printf("right: %.17g s\n", committed.duration());
-  std::printf("left: %.17g s, of which it waits %.17g s\n", trajectory.duration(), trajectory.times[1]);
+  std::printf("left: %.17g s\n", trajectory.duration());
   std::printf("proved free: %s\n", trajectory.certificate->proved_free() ? "yes" : "no");
   for (const auto& q : trajectory.waypoints.rowwise()) print_numbers(q);
 }
