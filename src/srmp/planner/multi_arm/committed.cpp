@@ -198,7 +198,7 @@ class PlanAround {
     }
   }
 
-  /// With all motions begun after `delay`.
+  /// With all motions begun after `delay`, until when nobody meets those that wait.
   std::optional<Meeting> first_meeting(double delay) const {
     std::map<std::string, Trajectory> moved;
     for (const auto& [name, motion] : planned_.robots) moved.emplace(name, delayed(motion, delay));
@@ -208,7 +208,7 @@ class PlanAround {
       const Trajectory &motion = moved.at(pair.robot), &other = committed_.at(pair.other);
       const double end = std::max(end_of(motion), end_of(other));
       stop_if_late();
-      if (const auto time = look(motion, {nullptr, pair.judge, false, &other}, 0.0, end, *workspace))
+      if (const auto time = look(motion, {nullptr, pair.judge, false, &other}, delay, end, *workspace))
         return meeting_at(pair, motion, *time);
     }
     for (const Pair& pair : pairs_) {

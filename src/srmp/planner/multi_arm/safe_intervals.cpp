@@ -17,6 +17,7 @@ constexpr double share_of_joints = 0.4;    // that are moved for a point about t
 constexpr double farthest = 1.6;           // that a joint is moved [rad]
 constexpr double farthest_straight = 0.5;  // the same [m]
 constexpr std::size_t most_tries = 50;     // for a point
+constexpr int patience = 64;               // a departure is tried again after this share of the wait, or a step
 
 double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
 
@@ -327,12 +328,15 @@ class SafeIntervals::Query {
     push(node);
   }
 
-  /// It does, or a step later.
+  /// It does, or later: by a step, or by a share of the wait so far, so that long waits are not tried step by step.
   void depart(Node node) {
     const Point from = nodes_[node.parent].point;
     const Way& way = map_.way(from, node.point);
     node.possible = !map_.no_departure_.contains({{from, node.point}, node.left}) && map_.is_free(way.rows, node.left);
-    if (!node.possible) ++node.left;
+    if (!node.possible) {
+      const int first = std::max(nodes_[node.parent].arrival, interval(node).from - way.steps());
+      node.left += std::max(1, (node.left - first) / patience);
+    }
     push_departure(node, way.steps());
   }
 

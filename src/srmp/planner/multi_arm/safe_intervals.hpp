@@ -49,7 +49,8 @@ struct TimedStop {
 
 /// Safe interval path planning (Phillips, Likhachev 2011) on a roadmap of one arm, with lazy edges: straight motions
 /// from rest to rest between points at which it may wait. In steps of 50 ms; a state is a point and an interval of time
-/// during which the arm can rest there, so of all ways on the roadmap, in these steps, the one found arrives first.
+/// during which the arm can rest there, so of all ways on the roadmap, in these steps, the one found arrives first (but
+/// for waits of more than 6 s: how long they last is tried in steps of a 64th).
 ///
 /// The roadmap: start, targets, the way, and points about the way, some joints moved, by a fixed sequence. Between
 /// steps the others are taken to move straight: what is found is to be proved, and forbidden where it cannot be.
