@@ -123,10 +123,12 @@ class Auto(_Options):
     planner_id: ClassVar[str] = "auto"
     weight: float = 50.0
     """Of the first path, >= 1."""
+    improve_rounds: int = 0
+    """Of better paths after the first, >= 0: the same answer on every machine."""
     improve_time: float = 0.0
-    """[s] for better paths after the first, within the time limit; 0 = the first will do."""
+    """[s] for better paths, within the time limit; 0 = as long as the rounds take."""
     final_weight: float = 1.0
-    """Stop improving once this bound is proven, >= 1; 1 = go on as long as there is time."""
+    """Stop improving once this bound is proven, >= 1; 1 = go on as long as asked."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -160,6 +162,8 @@ class XECBS(_Options):
     """>= 1."""
     low_level_focal_suboptimality: float = 1.3
     """>= 1."""
+    improve_rounds: int = 0
+    """Of better paths after the first, >= 0."""
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -138,6 +138,8 @@ PLANNERS = [
     ({"planner_id": "wAstar", "heuristic": "bsf"}, "'heuristic' is 'bsf', did you mean 'bfs'"),
     ({"planner_id": "wPASE", "num_threads": 1.5}, "'num_threads' is 1.5; it must be a whole number"),
     ({"planner_id": "auto", "improve_time": -1}, "'improve_time' is -1; it must be at least 0"),
+    ({"planner_id": "auto", "improve_rounds": -1}, "'improve_rounds' is -1; it must be at least 0"),
+    ({"planner_id": "xECBS", "improve_rounds": 0.5}, "'improve_rounds' is 0.5"),
     ({"planner_id": "auto", "final_weight": 0.9}, "'final_weight' is 0.9; it must be at least 1"),
     ({"planner_id": "wAstar", "shortcut": "maybe"}, "'shortcut' must be true or false"),
     ({"planner_id": 7}, "'planner_id' must be a word"),

@@ -78,6 +78,18 @@ def test_solutions_get_better_and_never_worse(arm, ready, options):
         assert len(seen) == 2
 
 
+def test_rounds_of_improvement_are_the_same_every_time(arm, ready):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
+    costs = []
+    for rounds in (0, 1, 2):
+        arm.make_planner("arm", srmp.Auto(improve_rounds=rounds, time_limit=60))
+        paths = [arm.plan("arm", ready, goal).waypoints for _ in range(2)]
+        np.testing.assert_array_equal(*paths)
+        costs.append(arm.get_planning_stats()["path_cost_rad"])
+    assert costs == sorted(costs, reverse=True)
+    assert costs[1] < costs[0]
+
+
 def test_bounds_are_true_of_the_lattice_they_name(arm, ready, tmp_path):
     primitives = tmp_path / "three_joints.yaml"
     primitives.write_text(

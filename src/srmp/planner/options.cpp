@@ -85,6 +85,7 @@ template <class V>
 void visit_fields(Auto& o, V&& field) {
   visit_fields(o.common, field);
   field("weight", o.weight, from_one);
+  field("improve_rounds", o.improve_rounds, from_zero);
   field("improve_time", o.improve_time, from_zero);
   field("final_weight", o.final_weight, from_one);
 }
@@ -106,6 +107,7 @@ void visit_fields(ECBS& o, V&& field) {
 template <class V>
 void visit_fields(XECBS& o, V&& field) {
   visit_conflict_fields(o, field);
+  field("improve_rounds", o.improve_rounds, from_zero);
 }
 template <class V>
 void visit_fields(Prioritised& o, V&& field) {
@@ -353,6 +355,12 @@ OptionMap to_map(const PlannerOptions& options) {
   OptionMap map{{"planner_id", planner_id(options)}};
   std::visit([&](auto& typed) { visit_fields(typed, Writer{map}); }, copy);
   return map;
+}
+
+Improvement improvement(const PlannerOptions& options) {
+  if (const auto* any = std::get_if<Auto>(&options)) return {any->improve_rounds, any->improve_time, any->final_weight};
+  if (const auto* xecbs = std::get_if<XECBS>(&options)) return {.rounds = xecbs->improve_rounds};
+  return {};
 }
 
 const CommonOptions& common_options(const PlannerOptions& options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <span>
@@ -91,6 +92,7 @@ struct XECBS {
   double weight_low_level_heuristic{50.0};     ///< >= 1
   double high_level_focal_suboptimality{1.3};  ///< >= 1
   double low_level_focal_suboptimality{1.3};   ///< >= 1
+  int improve_rounds{0};                       ///< of better paths after the first, >= 0
 };
 
 /// Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: fast; incomplete, and nothing is proved.
@@ -107,8 +109,9 @@ struct Prioritised {
 struct Auto {
   CommonOptions common{};
   double weight{50.0};       ///< of the first path, >= 1
-  double improve_time{0.0};  ///< [s] for better paths after the first, within the time limit; 0 = the first will do
-  double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as there is time
+  int improve_rounds{0};     ///< of better paths after the first, >= 0: the same answer on every machine
+  double improve_time{0.0};  ///< [s] for better paths, within the time limit; 0 = as long as the rounds take
+  double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as asked
 };
 
 using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised>;
@@ -135,6 +138,19 @@ void require_heuristics(const PlannerOptions& options, std::span<const std::stri
 OptionMap to_map(const PlannerOptions& options);
 
 const CommonOptions& common_options(const PlannerOptions& options);
+
+/// What is asked for after the first path.
+struct Improvement {
+  int rounds{0};     ///< 0, with a time: as many as it allows
+  double time{0.0};  ///< [s]; 0, with rounds: what they take
+  double final_weight{1.0};
+
+  bool wanted() const { return rounds > 0 || time > 0.0; }
+  bool goes_on_after(int round) const { return rounds > 0 ? round < rounds : time > 0.0; }
+  double time_of(double remaining) const { return time > 0.0 ? std::min(time, remaining) : remaining; }
+};
+Improvement improvement(const PlannerOptions& options);
+
 std::string planner_id(const PlannerOptions& options);
 
 struct PlannerInfo {

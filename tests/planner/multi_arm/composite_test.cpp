@@ -101,7 +101,46 @@ BOOST_AUTO_TEST_CASE(an_arm_that_steps_aside_for_another_comes_back) {
   pair.check_free(path);
   const CoupledPath better = srmp::rerouted(path, *pair.world, {});
   pair.check_free(better);
-  BOOST_TEST((better.positions[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
+  BOOST_TEST((better.positions[1].bottomRows(1).transpose() == straight.transpose()));
+}
+
+BOOST_AUTO_TEST_CASE(an_arm_goes_by_a_place_that_is_nearer) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), far(1.6, 1.0), near(1.2, 0.5);
+  Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});
+  const CoupledPath path =
+      srmp::coupled_path(*pair.world, both, {{up, up, down, down}, {straight, far, far, straight}});
+  pair.check_free(path);
+  const CoupledPath better = srmp::rerouted(path, *pair.world, {}, {{}, {near}});
+  pair.check_free(better);
+  BOOST_TEST(better.length(1) < 0.95 * path.length(1));
+  BOOST_TEST(better.length(1) < srmp::rerouted(path, *pair.world, {}).length(1));
+}
+
+BOOST_AUTO_TEST_CASE(ways_bend_no_more_than_they_must) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), far(1.6, 1.0);
+  Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});
+  const CoupledPath path =
+      srmp::coupled_path(*pair.world, both, {{up, up, down, down}, {straight, far, far, straight}});
+  const CoupledPath tight = srmp::tightened(path, *pair.world, {});
+  pair.check_free(tight);
+  BOOST_TEST(tight.length(0) <= path.length(0));
+  BOOST_TEST(tight.length(1) < 0.95 * path.length(1));
+  for (std::size_t arm : both) {
+    BOOST_TEST((tight.positions[arm].row(0) == path.positions[arm].row(0)));
+    BOOST_TEST((tight.positions[arm].bottomRows(1) == path.positions[arm].bottomRows(1)));
+  }
+  BOOST_TEST(srmp::tightened(path, *pair.world, srmp::Deadline(1e-9)).length() == path.length());
+}
+
+BOOST_AUTO_TEST_CASE(arms_at_their_goals_are_there_exactly) {
+  const Vector2d goal(-1.1, 0.3);
+  Pair pair(goal);
+  const Vector2d by(0.7, -0.9);  // 1.2 + (by - 1.2) is not by
+  const CoupledPath path = srmp::coupled_path(*pair.world, both, {{start, by, goal}, {start, by, goal}});
+  for (const srmp::RowMatrix& q : path.positions) {
+    BOOST_TEST((q.row(1).transpose() == by));
+    BOOST_TEST((q.row(2).transpose() == goal));
+  }
 }
 
 BOOST_AUTO_TEST_SUITE_END()

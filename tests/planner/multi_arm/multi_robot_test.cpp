@@ -166,6 +166,20 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
   BOOST_CHECK(planner.get_planning_stats().total_time_s < 10);
 }
 
+BOOST_AUTO_TEST_CASE(rounds_of_improvement_are_the_same_every_time_and_never_for_the_worse) {
+  double cost = INFINITY;
+  for (const int rounds : {0, 1, 6}) {
+    const srmp::XECBS options{.common = {.time_limit = 20}, .improve_rounds = rounds};
+    auto planner = planar_pair(options), again = planar_pair(options);
+    const srmp::MultiTrajectory motion = planner.plan_multi(starts, goals);
+    check_apart(planner, motion);
+    for (const auto& [name, trajectory] : again.plan_multi(starts, goals).robots)
+      BOOST_TEST((trajectory.positions == motion.robots.at(name).positions));
+    BOOST_TEST(planner.get_planning_stats().path_cost_rad <= cost);
+    cost = planner.get_planning_stats().path_cost_rad;
+  }
+}
+
 BOOST_AUTO_TEST_CASE(auto_improves_for_as_long_as_asked_and_never_for_the_worse) {
   auto first = planar_pair(srmp::Auto{.common = {.time_limit = 20}});
   first.plan_multi(starts, goals);
@@ -183,6 +197,8 @@ BOOST_AUTO_TEST_CASE(auto_improves_for_as_long_as_asked_and_never_for_the_worse)
     BOOST_TEST(statistics.solutions[i].bound <= statistics.solutions[i - 1].bound);
   }
   BOOST_TEST(statistics.solutions.back().cost_rad == statistics.path_cost_rad);
+
+  BOOST_CHECK_THROW(planar_pair(srmp::XECBS{.improve_rounds = -1}), srmp::InvalidArgument);
 
   auto enough = planar_pair(srmp::Auto{.common = {.time_limit = 20}, .improve_time = 10, .final_weight = 50});
   enough.plan_multi(starts, goals);

@@ -5,6 +5,7 @@
 
 #include "srmp/core/memory_of.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
+#include "srmp/trajectory/path.hpp"
 
 namespace srmp {
 
@@ -17,7 +18,7 @@ class ArmWorld::Arm : public multi::Agent {
       : checker_(checker),
         robot_(checker.robot()),
         workspace_(checker.make_workspace()),
-        speed_(default_limits(robot_).velocity),
+        limits_(default_limits(robot_)),
         wait_cost_(0.1 * options.resolution),
         task_(std::move(task)),
         lattice_(robot_, {task_.start}, task_.targets,
@@ -69,10 +70,10 @@ class ArmWorld::Arm : public multi::Agent {
   bool is_free(const Eigen::VectorXd& q) { return checker_.is_free(q, *workspace_); }
 
   double time_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-    return (robot_.difference(a, b).array().abs() / speed_.array()).maxCoeff();
+    return (robot_.difference(a, b).array().abs() / limits_.velocity.array()).maxCoeff();
   }
   const ArmTask& task() const { return task_; }
-  double mean_speed() const { return speed_.mean(); }
+  const MotionLimits& limits() const { return limits_; }
   Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
   const RobotModel& robot() const { return robot_; }
   std::size_t states() const { return lattice_.size(); }
@@ -89,7 +90,7 @@ class ArmWorld::Arm : public multi::Agent {
   const Checker& checker_;
   const RobotModel& robot_;
   Checker::WorkspacePtr workspace_;
-  Eigen::VectorXd speed_;
+  MotionLimits limits_;
   double wait_cost_;
   ArmTask task_;
   std::vector<double> rest_;  // of the backbone, from each waypoint on
@@ -101,7 +102,7 @@ ArmWorld::ArmWorld(const ArmCheckers& checkers, std::vector<ArmTask> tasks, cons
     : checkers_(checkers), options_(options) {
   for (std::size_t i = 0; i < checkers.size(); ++i) {
     arms_.push_back(std::make_unique<Arm>(checkers.alone(i), std::move(tasks[i]), options));
-    step_time_ = std::max(step_time_, options.resolution / arms_.back()->mean_speed());
+    step_time_ = std::max(step_time_, options.resolution / arms_.back()->limits().velocity.mean());
     for (std::size_t j = i + 1; j < checkers.size(); ++j)
       if (const Checker* pair = checkers.pair(i, j)) workspaces_.emplace(std::pair(i, j), pair->make_workspace());
   }
@@ -127,8 +128,10 @@ Eigen::VectorXd ArmWorld::at(std::size_t arm, const Move& move, int step) const 
   const Arm& a = *arms_[arm];
   const Eigen::VectorXd from = a.configuration(move.from);
   if (move.waits() || step <= move.start) return from;
-  const double share = static_cast<double>(std::min(step, move.end) - move.start) / (move.end - move.start);
-  return from + share * a.robot().difference(from, a.configuration(move.to));
+  const Eigen::VectorXd to = a.configuration(move.to);
+  if (step >= move.end) return to;
+  const double share = static_cast<double>(step - move.start) / (move.end - move.start);
+  return from + share * a.robot().difference(from, to);
 }
 
 bool ArmWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
@@ -165,6 +168,10 @@ std::size_t ArmWorld::MeetingHash::operator()(const Meeting& key) const {
 
 int ArmWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
   return std::max(1, static_cast<int>(std::ceil(arms_[arm]->time_of(from, to) / step_time_ - 1e-9)));
+}
+
+RowMatrix ArmWorld::unwrapped(std::size_t arm, ConstRows rows) const {
+  return unwrap_waypoints(rows, arms_[arm]->limits().continuous);
 }
 
 const ArmTask& ArmWorld::task(std::size_t arm) const { return arms_[arm]->task(); }

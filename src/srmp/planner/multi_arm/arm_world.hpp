@@ -43,6 +43,8 @@ class ArmWorld : public multi::World {
   double step_time() const { return step_time_; }  ///< [s] at full speed
   /// Steps that a straight motion takes, > 0.
   int duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
+  /// Full turns added to continuous joints, so that every row follows the one before by the short way.
+  RowMatrix unwrapped(std::size_t arm, ConstRows rows) const;
   const ArmTask& task(std::size_t arm) const;
   const Options& options() const { return options_; }
 

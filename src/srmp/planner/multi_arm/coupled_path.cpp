@@ -25,12 +25,8 @@ CoupledPath coupled_path(const ArmWorld& world, std::size_t arm, const std::vect
 CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& arms,
                          const std::vector<std::vector<Eigen::VectorXd>>& ways) {
   CoupledPath path{arms, {0.0}, {}};
-  for (std::size_t i = 0; i < arms.size(); ++i) {
-    std::vector<Eigen::VectorXd> rows{ways[i].front()};
-    for (std::size_t k = 1; k < ways[i].size(); ++k)
-      rows.push_back(rows.back() + world.robot(arms[i]).difference(rows.back(), ways[i][k]));
-    path.positions.push_back(stack_waypoints(rows));
-  }
+  for (std::size_t i = 0; i < arms.size(); ++i)
+    path.positions.push_back(world.unwrapped(arms[i], stack_waypoints(ways[i])));
   for (std::size_t k = 1; k < ways.front().size(); ++k) {
     int longest = 1;
     for (std::size_t i = 0; i < arms.size(); ++i)
@@ -50,17 +46,14 @@ CoupledPath coupled_path(const ArmWorld& world, const std::vector<std::size_t>& 
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   coupled.steps.assign(steps.begin(), steps.end());
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const RobotModel& robot = world.robot(arms[i]);
-    RowMatrix q(static_cast<Eigen::Index>(steps.size()), static_cast<Eigen::Index>(robot.dof()));
+    RowMatrix q(std::ssize(steps), static_cast<Eigen::Index>(world.robot(arms[i]).dof()));
     auto move = paths[i].moves.begin();
     for (Eigen::Index row = 0; row < q.rows(); ++row) {
       const int step = steps[static_cast<std::size_t>(row)];
       while (move->end <= step) ++move;
-      const Eigen::VectorXd here = world.at(arms[i], *move, step);
-      q.row(row) = here.transpose();
-      if (row > 0) q.row(row) = q.row(row - 1) + robot.difference(q.row(row - 1).transpose(), here).transpose();
+      q.row(row) = world.at(arms[i], *move, step).transpose();
     }
-    coupled.positions.push_back(std::move(q));
+    coupled.positions.push_back(world.unwrapped(arms[i], q));
   }
   return coupled;
 }
@@ -124,6 +117,10 @@ class Shortener {
   Shortener(CoupledPath& path, ArmWorld& world, const Deadline& deadline)
       : path_(path), world_(world), deadline_(deadline) {}
 
+  void tighten() {
+    for (std::size_t arm = 0; arm < path_.positions.size(); ++arm) tighten(arm);
+  }
+
   void run() {
     for (int round = 0; round < 3 && !late(); ++round) {
       const double before = path_.length();
@@ -136,6 +133,8 @@ class Shortener {
   }
 
  private:
+  static constexpr double slack = 0.05;  // that is worth tightening [rad, prismatic joints m]
+
   std::size_t number(std::size_t arm) const { return path_.arms[arm]; }
   bool late() const { return deadline_.stop_requested(); }
 
@@ -194,6 +193,46 @@ class Shortener {
       scratch_.clear();
       a = reached;
     }
+  }
+
+  void tighten(std::size_t arm) {
+    const std::size_t last = path_.size() - 1;
+    for (std::size_t part = last; part >= 2; part = part > 2 ? (part + 1) / 2 : 1)
+      for (std::size_t a = 0; a < last && !late(); a += part / 2) tighten(arm, a, std::min(a + part, last));
+  }
+
+  /// By bisection, if there is much to gain.
+  void tighten(std::size_t arm, std::size_t a, std::size_t b) {
+    if (b < a + 2) return;
+    RowMatrix& rows = path_.positions[arm];
+    const auto first = static_cast<Eigen::Index>(a + 1), count = static_cast<Eigen::Index>(b - a - 1);
+    const RowMatrix bent = rows.middleRows(first, count);
+    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(arm, b) - at(arm, a)).norm() < slack) return;
+    RowMatrix straight = bent;
+    for (std::size_t row = a + 1; row < b; ++row)
+      straight.row(static_cast<Eigen::Index>(row - a - 1)) = between(arm, a, b, row).transpose();
+    RowMatrix best = bent;
+    double left = 1.0;
+    for (const double less : {0.5, 0.25, 0.125}) {
+      rows.middleRows(first, count) = straight + (left - less) * (bent - straight);
+      if (!is_free(arm, a, b)) continue;
+      best = rows.middleRows(first, count);
+      left -= less;
+    }
+    rows.middleRows(first, count) = best;
+  }
+
+  bool is_free(std::size_t arm, std::size_t a, std::size_t b) {
+    for (std::size_t row = a; row < b; ++row)
+      if (late() || !world_.is_free_alone(number(arm), at(arm, row), at(arm, row + 1))) return false;
+    for (std::size_t other = 0; other < path_.positions.size(); ++other) {
+      if (other == arm || !world_.may_meet(number(arm), number(other))) continue;
+      for (std::size_t row = a; row < b; ++row)
+        if (!world_.are_apart(number(arm), at(arm, row), at(arm, row + 1), number(other), at(other, row),
+                              at(other, row + 1), true))
+          return false;
+    }
+    return true;
   }
 
   /// Is the part not straight and even already?
@@ -262,6 +301,11 @@ class Shortener {
 
 CoupledPath shortened(CoupledPath path, ArmWorld& world, const Deadline& deadline) {
   if (path.size() > 2) Shortener(path, world, deadline).run();
+  return path;
+}
+
+CoupledPath tightened(CoupledPath path, ArmWorld& world, const Deadline& deadline) {
+  if (path.size() > 2) Shortener(path, world, deadline).tighten();
   return path;
 }
 

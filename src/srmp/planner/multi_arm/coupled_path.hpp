@@ -41,5 +41,8 @@ bool meet(ArmWorld& world, const CoupledPath& a, const CoupledPath& b);
 /// Shorter, and free where `path` is: all arms at once go straight between rows where they can; then arm by arm, while
 /// the others do as before (its own waits go too). No arm's way becomes longer. Stops at the deadline with what it has.
 CoupledPath shortened(CoupledPath path, ArmWorld& world, const Deadline& deadline);
+/// Nearer to straight where it cannot be straight, arm by arm: parts of ways bend no more than they must, from whole
+/// ways to parts of two rows.
+CoupledPath tightened(CoupledPath path, ArmWorld& world, const Deadline& deadline);
 
 }  // namespace srmp

@@ -186,46 +186,67 @@ class MultiRobotPlan {
       shortened_.push_back(common_.shortcut ? shortened(group.path, *world_, deadline_) : group.path);
     }
     set_costs(shortened_);
-    if (const auto* options = std::get_if<Auto>(&problem_.options); options && options->improve_time > 0.0)
-      improve(*options);
+    improve();
     statistics_.edge_checks += world_->pair_checks();
   }
 
-  /// Better and better paths: of arms that are planned together each by itself, while the others do as before; then all
-  /// of them anew, by trees of other sequences.
-  void improve(const Auto& options) {
-    const Deadline until(std::min(options.improve_time, deadline_.remaining()),
-                         [this] { return deadline_.cancelled(); });
-    std::vector<std::pair<std::size_t, CompositeSpace>> coupled;  // groups
+  /// Better and better paths of arms that are planned together: of each by itself, while the others do as before; then,
+  /// as long as asked, of all of them anew, by trees of other sequences.
+  void improve() {
+    const Improvement asked = improvement(problem_.options);
+    const Deadline until(asked.time_of(deadline_.remaining()), [this] { return deadline_.cancelled(); });
+    std::vector<std::size_t> coupled;  // groups
     for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (const auto& arms = groups_[g].path.arms; arms.size() > 1)
-        coupled.emplace_back(g, CompositeSpace(*world_, arms));
+      if (groups_[g].path.arms.size() > 1) coupled.push_back(g);
+    if (common_.shortcut || asked.wanted()) {
+      const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
+      for (const std::size_t g : coupled) take_if_shorter(g, each_by_itself(shortened_[g], until), 1.0);
+    }
+    const PhaseTimer timer(deadline_, statistics_.search_time_s);
     const auto good_enough = [&] {
-      return until.stop_requested() || statistics_.bound <= std::max(options.final_weight, 1.0 + 1e-9);
+      return until.stop_requested() || statistics_.bound <= std::max(asked.final_weight, 1.0 + 1e-9);
     };
-    for (const auto& [g, space] : coupled) improve(g, shortened_[g], until);
-    for (std::uint64_t sequence = 1; !coupled.empty() && !good_enough(); ++sequence)
-      for (const auto& [g, space] : coupled) {
-        search::TwoTrees trees(tree_space(space), sequence);
-        if (const auto way = trees.grow(most_attempts, until))
-          improve(g, shortened(space.path(*way), *world_, until), until);
-        statistics_.expansions += trees.attempts();
-        note_memory(trees.memory());
-      }
+    for (int round = 0; !coupled.empty() && asked.goes_on_after(round) && !good_enough(); ++round)
+      for (const std::size_t g : coupled) try_anew(g, static_cast<std::uint64_t>(round) + 1, until);
   }
 
-  /// Takes the path, made as short as it can be, if it is shorter than the group's and no other arm is met on it.
-  void improve(std::size_t g, CoupledPath path, const Deadline& until) {
+  void try_anew(std::size_t g, std::uint64_t sequence, const Deadline& until) {
+    const CompositeSpace space(*world_, groups_[g].path.arms);
+    search::TwoTrees trees(tree_space(space), sequence);
+    const auto way = trees.grow(most_attempts, until);
+    statistics_.expansions += trees.attempts();
+    note_memory(trees.memory());
+    if (!way) return;
+    CoupledPath path = shortened(space.path(*way), *world_, until);
+    if (path.length() < worth_a_look * shortened_[g].length())
+      take_if_shorter(g, each_by_itself(std::move(path), until), worth_a_change);
+  }
+
+  /// As short as it can be while no more than one arm changes its way at a time.
+  CoupledPath each_by_itself(CoupledPath path, const Deadline& until) {
     for (double before = search::infinity; path.length() < 0.99 * before;) {
       before = path.length();
-      CoupledPath better = rerouted(path, *world_, until);
+      CoupledPath better = rerouted(path, *world_, until, places_aside());
       if (better.length() < before) path = shortened(std::move(better), *world_, until);
     }
-    if (path.length() >= shortened_[g].length()) return;
+    return tightened(std::move(path), *world_, until);
+  }
+
+  /// By that factor, unless another arm is met on it.
+  void take_if_shorter(std::size_t g, CoupledPath path, double factor) {
+    if (path.length() >= factor * shortened_[g].length()) return;
     for (std::size_t other = 0; other < groups_.size(); ++other)
       if (other != g && meet(*world_, path, groups_[other].path)) return;
     groups_[g].path = shortened_[g] = std::move(path);
     set_costs(shortened_);
+  }
+
+  /// Of each arm, where it has a roadmap.
+  std::vector<std::vector<Eigen::VectorXd>> places_aside() const {
+    std::vector<std::vector<Eigen::VectorXd>> places(count_);
+    if (!roadmaps_.empty())
+      for (std::size_t i = 0; i < count_; ++i) places[i] = roadmaps_.front()->places_aside(i);
+    return places;
   }
 
   void add_group(Group group) {
@@ -307,8 +328,7 @@ class MultiRobotPlan {
         note_memory(trees->memory());
         if (way) {
           CoupledPath path = space->path(*way);
-          if (common_.shortcut)  // they go far astray
-            path = rerouted(shortened(std::move(path), *world_, deadline_), *world_, deadline_);
+          if (common_.shortcut) path = shortened(std::move(path), *world_, deadline_);  // they go far astray
           if (path.length() <= options.bound() * lower) return {std::move(path), lower};
         }
         options.max_evaluations = 128 * effort;
@@ -403,8 +423,11 @@ class MultiRobotPlan {
     }
   }
 
-  static constexpr std::size_t most_levels = 4;             // of roadmaps
-  static constexpr std::uint64_t most_attempts = 1u << 14;  // of trees that may be better
+  static constexpr std::size_t most_levels = 4;         // of roadmaps
+  static constexpr std::uint64_t most_attempts = 2048;  // of trees that may be better
+  /// Times the best: of a way that may be the best once each arm was looked at by itself; and of one that is so much
+  /// better that it is taken in place of a way of another kind, so that similar questions have similar answers.
+  static constexpr double worth_a_look = 1.1, worth_a_change = 0.98;
 
   const MultiRobotProblem& problem_;
   const CommonOptions& common_;

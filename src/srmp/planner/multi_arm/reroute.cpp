@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <queue>
+#include <span>
 
 #include "srmp/search/graph.hpp"
 
@@ -13,15 +14,17 @@ namespace {
 
 constexpr double worth = 0.95;    // a way that is not shorter by this factor is left alone
 constexpr double waiting = 0.01;  // cost of a step of rest [rad], so that arms do not wait without need
+constexpr int rest = 3;           // steps of time that an arm rests before it thinks again
 constexpr int most_steps = 250;   // of time
 constexpr std::size_t most_nodes = 4000;
 
 /// One arm of a path, its places, and the others as they go.
 class Reroute {
  public:
-  Reroute(const CoupledPath& path, std::size_t arm, ArmWorld& world, const Deadline& deadline)
+  Reroute(const CoupledPath& path, std::size_t arm, ArmWorld& world, std::span<const Eigen::VectorXd> places,
+          const Deadline& deadline)
       : path_(path), arm_(arm), world_(world), deadline_(deadline), task_(world.task(number(arm))) {
-    add_places();
+    add_places(places);
     int alone = 0;
     for (std::size_t k = 1; k < task_.backbone.size(); ++k)
       alone += world.duration(number(arm), task_.backbone[k - 1], task_.backbone[k]);
@@ -42,7 +45,8 @@ class Reroute {
       if (node.parent != no_node && !is_free(nodes_[node.parent], node)) continue;
       best_[{node.place, node.step}] = node.cost;
       if (left_[node.place] == 0.0 && can_stay(node)) return answer(id);
-      if (node.step < end_) push(node.place, node.step + 1, node.cost + waiting, id);
+      const int waits = std::min(rest, end_ - node.step);
+      if (waits > 0) push(node.place, node.step + waits, node.cost + waits * waiting, id);
       for (std::size_t to = 0; to < places_.size(); ++to) {
         if (to == node.place) continue;
         const double cost = node.cost + distance(node.place, to);
@@ -65,13 +69,15 @@ class Reroute {
   std::size_t number(std::size_t arm) const { return path_.arms[arm]; }
   const RobotModel& robot() const { return world_.robot(number(arm_)); }
 
-  void add_places() {
+  void add_places(std::span<const Eigen::VectorXd> more) {
     const RowMatrix& rows = path_.positions[arm_];
     add(rows.row(0).transpose());
     add(rows.bottomRows(1).transpose());
     for (Eigen::Index row = 1; row + 1 < rows.rows(); ++row)
       if (turns(row)) add(rows.row(row).transpose());
     for (const Eigen::VectorXd& q : task_.backbone) add(q);
+    for (const Eigen::VectorXd& q : more)
+      if (way_through(q) < worth * path_.length(arm_)) add(q);
     left_.assign(places_.size(), search::infinity);
     for (std::size_t goal = 0; goal < places_.size(); ++goal)
       if (is_goal(places_[goal]))
@@ -90,6 +96,9 @@ class Reroute {
     return (in.stableNormalized() - out.stableNormalized()).norm() > 1e-6;
   }
 
+  double way_through(const Eigen::VectorXd& q) const {
+    return robot().difference(places_[0], q).norm() + robot().difference(q, places_[1]).norm();
+  }
   double distance(std::size_t a, std::size_t b) const { return robot().difference(places_[a], places_[b]).norm(); }
   int duration(std::size_t a, std::size_t b) const { return world_.duration(number(arm_), places_[a], places_[b]); }
 
@@ -106,17 +115,30 @@ class Reroute {
       if (added) known->second = world_.is_free_alone(number(arm_), places_[from.place], places_[to.place]);
       if (!known->second) return false;
     }
-    for (int step = from.step; step < to.step; ++step)
-      for (std::size_t other = 0; other < path_.arms.size(); ++other) {
-        if (other == arm_ || !world_.may_meet(number(arm_), number(other))) continue;
-        if (!world_.are_apart(number(arm_), between(from, to, step), between(from, to, step + 1), number(other),
-                              position_at(path_, other, step), position_at(path_, other, step + 1), true))
-          return false;
-      }
+    for (std::size_t other = 0; other < path_.arms.size(); ++other)
+      if (other != arm_ && world_.may_meet(number(arm_), number(other)) && !are_apart(from, to, other)) return false;
     return true;
   }
-  Eigen::VectorXd between(const Node& from, const Node& to, int step) const {
-    const double share = static_cast<double>(step - from.step) / (to.step - from.step);
+  /// The other moves straight from row to row. Exact distances matter where an arm must be, balls are quicker
+  /// elsewhere.
+  bool are_apart(const Node& from, const Node& to, std::size_t other) {
+    auto row = std::upper_bound(path_.steps.begin(), path_.steps.end(), from.step);
+    for (double step = from.step, next = step; step < to.step; step = next) {
+      next = row == path_.steps.end() ? to.step : std::min<double>(to.step, *row++);
+      const Eigen::VectorXd a = between(from, to, step), b = between(from, to, next);
+      const Eigen::VectorXd c = position_at(path_, other, step), d = position_at(path_, other, next);
+      const bool by_balls = !is_end(arm_, a) && !is_end(arm_, b) && !is_end(other, c) && !is_end(other, d);
+      if (!world_.are_apart(number(arm_), a, b, number(other), c, d, true, by_balls)) return false;
+    }
+    return true;
+  }
+  bool is_end(std::size_t arm, const Eigen::VectorXd& q) const {
+    const RowMatrix& rows = path_.positions[arm];
+    return q == rows.row(0).transpose() || q == rows.bottomRows(1).transpose();
+  }
+  Eigen::VectorXd between(const Node& from, const Node& to, double step) const {
+    if (step >= to.step) return places_[to.place];
+    const double share = (step - from.step) / (to.step - from.step);
     return places_[from.place] + share * robot().difference(places_[from.place], places_[to.place]);
   }
 
@@ -132,10 +154,8 @@ class Reroute {
       const Node& node = way[static_cast<std::size_t>(row)];
       own.steps.push_back(node.step);
       q.row(row) = places_[node.place].transpose();
-      if (row > 0)
-        q.row(row) = q.row(row - 1) + robot().difference(q.row(row - 1).transpose(), places_[node.place]).transpose();
     }
-    own.positions.push_back(std::move(q));
+    own.positions.push_back(world_.unwrapped(number(arm_), q));
     for (std::size_t other = 0; other < path_.arms.size(); ++other)
       if (other != arm_) {
         others.arms.push_back(path_.arms[other]);
@@ -161,10 +181,13 @@ class Reroute {
 
 }  // namespace
 
-CoupledPath rerouted(CoupledPath path, ArmWorld& world, const Deadline& deadline) {
+CoupledPath rerouted(CoupledPath path, ArmWorld& world, const Deadline& deadline,
+                     const std::vector<std::vector<Eigen::VectorXd>>& places) {
   if (path.size() < 3 || path.arms.size() < 2) return path;
-  for (std::size_t arm = 0; arm < path.arms.size() && !deadline.stop_requested(); ++arm)
-    if (auto better = Reroute(path, arm, world, deadline).run()) path = std::move(*better);
+  for (std::size_t arm = 0; arm < path.arms.size() && !deadline.stop_requested(); ++arm) {
+    const std::vector<Eigen::VectorXd> more = places.empty() ? std::vector<Eigen::VectorXd>{} : places[path.arms[arm]];
+    if (auto better = Reroute(path, arm, world, more, deadline).run()) path = std::move(*better);
+  }
   return path;
 }
 

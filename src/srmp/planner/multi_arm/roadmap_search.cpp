@@ -150,6 +150,7 @@ void RoadmapSearch::make_asides(std::size_t arm) {
         if (world_.is_free_alone(arm, map.points[other], near[i])) add_straight(map, arm, other, near[i], aside);
       kept.push_back(i);
       points.push_back(aside);
+      map.asides.push_back(aside);
     }
   }
   // The way that is left (Dijkstra).
@@ -170,6 +171,12 @@ void RoadmapSearch::make_asides(std::size_t arm) {
     if (cost > map.to_goal[p]) continue;
     for (const Roadmap::Way& way : map.next[p]) reach(way.to, cost + way.length);
   }
+}
+
+std::vector<Eigen::VectorXd> RoadmapSearch::places_aside(std::size_t arm) const {
+  std::vector<Eigen::VectorXd> found;
+  for (const Point aside : maps_[arm].asides) found.push_back(maps_[arm].points[aside]);
+  return found;
 }
 
 // --- pairs

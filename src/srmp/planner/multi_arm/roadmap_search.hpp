@@ -22,7 +22,8 @@ struct Roadmap {
   std::vector<Eigen::VectorXd> points;  ///< free; 0: the start
   std::vector<std::vector<Way>> next;   ///< of each point: where free straight motions lead
   std::uint32_t goal{};
-  std::vector<double> to_goal;  ///< of each point: length of the way that is left
+  std::vector<std::uint32_t> asides;  ///< where the ways aside lead
+  std::vector<double> to_goal;        ///< of each point: length of the way that is left
 };
 
 /// Arms on roadmaps of their own, searched together: a greedy search over the product of the roadmaps (tensor roadmaps:
@@ -44,6 +45,8 @@ class RoadmapSearch {
   /// `max_checks`: of motions of two arms.
   Result run(const std::vector<std::size_t>& arms, std::uint64_t max_expansions, std::uint64_t max_checks,
              const Deadline& deadline);
+  /// Of an arm; none when its roadmap is not made yet.
+  std::vector<Eigen::VectorXd> places_aside(std::size_t arm) const;
   std::size_t memory() const;  ///< bytes of the roadmaps and of what is known of pairs of points and motions
 
  private:

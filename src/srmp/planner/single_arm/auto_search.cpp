@@ -85,6 +85,7 @@ class AutoSearch {
       : context_(context),
         ends_(ends),
         options_(options),
+        improvement_(improvement(options)),
         best_(best),
         lattices_(context, ends),
         heuristics_(context, ends.start) {
@@ -104,7 +105,7 @@ class AutoSearch {
     const search::PortfolioResult found = search_lattices(search::infinity, 1.0, turns, context_.deadline);
     if (!grown) require_solved(found.result);
     FoundPath first = grown ? *std::move(grown) : path_of(found);
-    if (best_.take(first, context_.deadline, quick()) && options_.improve_time > 0.0) improve(std::move(first));
+    if (best_.take(first, context_.deadline, quick()) && improvement_.wanted()) improve(std::move(first));
   }
 
  private:
@@ -126,11 +127,12 @@ class AutoSearch {
   /// what it is longer than the straight line (Gammell, Srinivasa, Barfoot 2014, "Informed RRT*"); a lattice exhausted
   /// there proves its optimum longer. When no round finds any, the next rounds have more time, in finer lattices.
   void improve(FoundPath first) {
-    const Deadline until(std::min(options_.improve_time, context_.deadline.remaining()),
+    const Deadline until(improvement_.time_of(context_.deadline.remaining()),
                          [this] { return context_.deadline.cancelled(); });
     if (!best_.take(std::move(first), until)) return;  // now with all the care that shortening can take
+    std::uint64_t expansions = 64;
     double finer = 1.0;
-    for (std::uint64_t expansions = 64;; expansions *= 4, finer *= 0.87)
+    for (int round = 0; improvement_.goes_on_after(round); ++round, expansions *= 4, finer *= 0.87)
       for (const double share : {0.5, 0.75, 0.9, 1.0})
         while (true) {
           if (good_enough() || until.stop_requested()) return;
@@ -149,7 +151,7 @@ class AutoSearch {
 
   /// A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
   bool good_enough() const {
-    if (options_.final_weight > 1.0 && context_.statistics.bound <= options_.final_weight) return true;
+    if (improvement_.final_weight > 1.0 && context_.statistics.bound <= improvement_.final_weight) return true;
     return best_cost() <= direct_ * (1.0 + 1e-9);
   }
 
@@ -216,6 +218,7 @@ class AutoSearch {
   PlanContext& context_;
   const PlanEnds& ends_;
   const Auto& options_;
+  const Improvement improvement_;
   BestPath& best_;
   PlanLattices lattices_;
   PlanHeuristics heuristics_;
