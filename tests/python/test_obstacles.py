@@ -167,7 +167,7 @@ def test_every_planner_for_many_plans_for_one(two, planner_id, timing):
 def test_without_certificates_it_moves_the_same(two, question):
     duration, start = question
     certified = plan(two, sweep(two, duration), start)["left"]
-    two.make_planner("left", {"planner_id": "xECBS", "certify": False})
+    two.make_planner("left", {"planner_id": "xECBS", "time_limit": 20, "certify": False})
     bare = plan(two, sweep(two, duration), start)["left"]
     assert bare.certificate is None
     assert bare.times.tobytes() == certified.times.tobytes()
@@ -280,7 +280,10 @@ def test_what_cannot_be_says_why(two, motion, way, status, sentence):
         plan(two, sweep(two, *motion), *way)
     assert error.value.status == srmp.Status[status]
     assert two.get_planning_stats()["status"] == srmp.Status[status]
-    assert two.get_planning_stats()["reason"] == str(error.value)
+    stats = two.get_planning_stats()
+    assert stats["reason"] == str(error.value)
+    assert stats["robot_cost_rad"] == {"left": 0}
+    assert {"tree_nodes", "makespan_s", "flow_time_s"} <= stats.keys()
 
 
 def with_start(planner):

@@ -107,12 +107,16 @@ struct PlannerInterface::Impl {
     return names;
   }
 
+  std::shared_ptr<const PlacedRobot> placed(const std::string& robot) const {
+    const RobotInstance& instance = scene.robot(robot);
+    return std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions});
+  }
+
   /// A question about the scene as it is now, looked over; all that it names must outlive it.
   SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const PlannerOptions& options, const OnSolution& on_solution = {}) const {
     require_heuristics(options, heuristic_names());
     require_question(scene, robot, start, goals);
-    const RobotInstance& instance = scene.robot(robot);
     return {scene,
             robot,
             checkers.of(scene, robot, CheckMode::exact),
@@ -122,7 +126,7 @@ struct PlannerInterface::Impl {
             heuristics,
             limits_of(robot),
             on_solution,
-            std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})};
+            placed(robot)};
   }
 
   /// One robot's of many.
@@ -145,10 +149,7 @@ struct PlannerInterface::Impl {
       const auto goal = request.goals.find(name);
       const GoalConstraint& wanted = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
       if ((wanted.type == GoalType::hold) != holding) continue;
-      const RobotInstance& instance = scene.robot(name);
-      found.push_back(
-          {name, start, wanted, limits_of(name),
-           std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions})});
+      found.push_back({name, start, wanted, limits_of(name), placed(name)});
     }
     return found;
   }
@@ -560,6 +561,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   impl_->request = request;
   impl_->result.reset();
   impl_->statistics = {};
+  for (const MultiRobotPart& part : impl_->parts(request, false)) impl_->statistics.robot_cost_rad[part.robot] = 0.0;
   try {
     MultiTrajectory result = impl_->answer(request, scene, options, interrupt);
     impl_->result = MultiPlanResult(impl_->statistics, result);

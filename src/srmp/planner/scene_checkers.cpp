@@ -22,8 +22,10 @@ const SceneCheckers::Together& SceneCheckers::of(const Scene& scene, const std::
   for (const auto& [name, robot] : scene.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
   if (together_.plan && together_.plan->names() == robots && others_ == others) return together_;
-  together_.plan = std::make_unique<const ArmCheckers>(scene, robots, options(CheckMode::exact));
-  together_.judge = std::make_unique<const ArmCheckers>(scene, robots, CheckerOptions{.mode = CheckMode::coal});
+  // Both or none: a checker that cannot be made throws.
+  Together now{std::make_unique<const ArmCheckers>(scene, robots, options(CheckMode::exact)),
+               std::make_unique<const ArmCheckers>(scene, robots, CheckerOptions{.mode = CheckMode::coal})};
+  together_ = std::move(now);
   others_ = std::move(others);
   return together_;
 }

@@ -9,8 +9,6 @@ namespace srmp {
 
 namespace {
 
-double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
-
 /// Where a robot is at a time in [from, to], during which its velocity does not jump.
 void copy_state(const Trajectory& motion, double time, double from, double to, Eigen::Ref<Eigen::RowVectorXd> position,
                 Eigen::Ref<Eigen::RowVectorXd> velocity) {
@@ -56,6 +54,8 @@ MotionProof prove_part(const Checker& judge, const Trajectory& a, const Trajecto
 }
 
 }  // namespace
+
+double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
 
 MotionProof prove_apart(const Checker& judge, const Trajectory& a, const Trajectory& b, const ProofOptions& options) {
   constexpr double infinity = std::numeric_limits<double>::infinity();

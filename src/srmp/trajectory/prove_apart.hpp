@@ -7,6 +7,9 @@
 
 namespace srmp {
 
+/// [s]: the time of its last row.
+double end_of(const Trajectory& motion);
+
 /// prove_motion of two robots that move at once, each by its own rows: `a` and then `b`, whose joints stand in this
 /// order in the judge's configurations. Both have times, which begin at 0; one whose own times are over rests where it
 /// ended, however fast it came. Velocities may jump there, and at the rows of a motion without velocities: those are

@@ -35,6 +35,14 @@ Trajectory motion(const std::vector<double>& times, const std::vector<Q>& rows) 
   return result;
 }
 
+/// The third stands above the middle and reaches down into it.
+void add_third(srmp::PlannerInterface& planner, const srmp::PlannerOptions& options = srmp::XECBS{}) {
+  srmp::RobotDescription third = robots::planar_description();
+  third.name = "third";
+  planner.add_articulation(third, srmp::Pose::from_rpy({1.5, 2.4, 0.0}, {0.0, 0.0, -M_PI / 2.0}));
+  planner.make_planner({"left", "third"}, options);
+}
+
 /// Stretched, from one side through the middle to the other.
 Trajectory sweep(double duration = 3.0) { return motion({0.0, duration}, {Q(-1.2, 0.0), Q(1.2, 0.0)}); }
 
@@ -46,8 +54,10 @@ Trajectory plan(srmp::PlannerInterface& planner, const Trajectory& obstacle, con
 }
 
 /// The smallest distance at instants 1 ms apart.
-double distance(const srmp::PlannerInterface& planner, const Trajectory& left, const Trajectory& right) {
-  const srmp::Checker both(planner.scene(), "left", {.mode = srmp::CheckMode::coal, .companions = {"right"}});
+double distance(const srmp::PlannerInterface& planner, const Trajectory& left, const Trajectory& right,
+                const std::string& one = "left", const std::string& other = "right") {
+  const srmp::Checker both(planner.scene(), one,
+                           {.mode = srmp::CheckMode::coal, .companions = {other}, .companions_only = true});
   const auto workspace = both.make_workspace();
   double least = 1e9;
   for (double t = 0.0; t <= std::max(left.duration(), right.duration()); t += 1e-3) {
@@ -184,12 +194,8 @@ BOOST_AUTO_TEST_CASE(a_robot_leaves_where_the_other_passes) {
 }
 
 BOOST_AUTO_TEST_CASE(several_robots_make_way_for_the_others_and_for_each_other) {
-  // The third stands above the middle and reaches down into it, as the left one does; the right one passes both.
   auto planner = two_arms();
-  srmp::RobotDescription third = robots::planar_description();
-  third.name = "third";
-  planner.add_articulation(third, srmp::Pose::from_rpy({1.5, 2.4, 0.0}, {0.0, 0.0, -M_PI / 2.0}));
-  planner.make_planner({"left", "third"}, srmp::XECBS{});
+  add_third(planner);  // the right one passes both
   const std::map<std::string, Eigen::VectorXd> starts{{"left", Q(-0.2, 0.0)}, {"third", Q(0.0, 0.0)}};
   const std::map<std::string, GoalConstraint> goals{{"left", GoalConstraint::joints(Q(-0.2, 0.0))},
                                                     {"third", GoalConstraint::joints(Q(0.0, 0.0))}};
@@ -202,7 +208,97 @@ BOOST_AUTO_TEST_CASE(several_robots_make_way_for_the_others_and_for_each_other) 
     BOOST_CHECK(trajectory.positions.bottomRows(1) == starts.at(name).transpose());
   }
   BOOST_CHECK_GT(distance(planner, found.at("left"), obstacle), 0.0);
-  BOOST_CHECK_EQUAL(planner.get_planning_stats().makespan_s, found.duration());
+  BOOST_CHECK_GT(distance(planner, found.at("third"), obstacle, "third", "right"), 0.0);
+  BOOST_CHECK_GT(distance(planner, found.at("left"), found.at("third"), "left", "third"), 0.0);
+  const srmp::PlanStatistics& statistics = planner.get_planning_stats();
+  BOOST_CHECK_EQUAL(statistics.makespan_s, found.duration());
+  BOOST_CHECK(statistics.memory_bytes > 0 && statistics.edge_checks > 0);
+  BOOST_CHECK(statistics.plan_time_s > 0.0 && statistics.plan_time_s <= statistics.total_time_s);
+}
+
+BOOST_AUTO_TEST_CASE(starts_and_goals_are_judged_before_anybody_is_planned_around) {
+  const auto fails = [](const Q& right_end, const Q& left, const Q& left_goal, const Q& third, const Q& third_goal,
+                        srmp::Status status, const std::string& sentence) {
+    auto planner = two_arms();
+    add_third(planner);
+    const Trajectory obstacle = motion({0.0, 3.0}, {Q(2.0, 0.0), right_end});  // where the left one starts
+    try {
+      planner.plan_multi({{"left", left}, {"third", third}},
+                         {{"left", GoalConstraint::joints(left_goal)}, {"third", GoalConstraint::joints(third_goal)}},
+                         {{"right", obstacle}});
+      BOOST_ERROR("planned: " + sentence);
+    } catch (const srmp::PlanningError& error) {
+      BOOST_CHECK_EQUAL(to_string(error.status()), to_string(status));
+      BOOST_TEST(std::string(error.what()).find(sentence) != std::string::npos, error.what());
+      BOOST_CHECK_EQUAL(planner.get_planning_stats().robot_cost_rad.size(), 2u);
+      BOOST_CHECK(planner.last_result() && !std::get<srmp::MultiPlanResult>(*planner.last_result()).solved());
+    }
+  };
+  const Q middle(0.0, 0.0), up(M_PI / 2.0, 0.0);
+  fails(Q(-0.3, 0.0), Q(0.3, 0.0), Q(1.2, 0.0), Q(0.2, 0.0), up, srmp::Status::start_invalid,
+        "the starts are invalid: 'left' and 'third'");
+  fails(middle, middle, middle, up, up, srmp::Status::goal_invalid,
+        "robot 'left': the goal is invalid: link 'lower' and link 'right/lower'");
+  fails(middle, middle, Q(0.5, 0.0), up, Q(-0.3, 0.0), srmp::Status::goal_invalid,
+        "the goals cannot be reached together");
+}
+
+BOOST_AUTO_TEST_CASE(statistics_of_a_plan_of_many_name_its_robots_even_if_it_ends_at_once) {
+  auto planner = two_arms();
+  add_third(planner);
+  const std::map<std::string, GoalConstraint> goals{{"left", GoalConstraint::joints(goal)}};
+  const std::map<std::string, double> none{{"left", 0.0}};
+  planner.add_sphere("ball", 0.2, {.p = {1.5, 1.4, 0.0}});  // in the third arm, which holds
+  BOOST_CHECK_THROW(planner.plan_multi({{"left", start}, {"third", Q(0.0, 0.0)}}, goals), srmp::PlanningError);
+  BOOST_CHECK(planner.get_planning_stats().robot_cost_rad == none);
+  planner.remove_object("ball");
+  planner.make_planner({"left"}, srmp::XECBS{});
+  BOOST_CHECK_THROW(
+      planner.plan_multi({{"left", Q(0.0, 0.0)}}, goals, {{"right", motion({0.0, 1.0}, {Q(0.0, 0.0), Q(1.2, 0.0)})}}),
+      srmp::PlanningError);
+  BOOST_CHECK(planner.get_planning_stats().robot_cost_rad == none);
+}
+
+BOOST_AUTO_TEST_CASE(short_of_time_it_says_so_or_returns_what_holds) {
+  // A wait helps the first question, the others only what is planned in time; for the last two there is nothing.
+  const std::vector<std::pair<Trajectory, Q>> questions{{sweep(8.0), start},
+                                                        {motion({0.0, 30.0}, {Q(-0.1, 0.9), Q(0.1, 0.9)}), start},
+                                                        {sweep(), Q(0.3, 0.0)},
+                                                        {sweep(0.6), Q(0.3, 0.0)},
+                                                        {sweep(100.0), Q(0.3, 0.0)}};
+  for (const auto& [obstacle, from] : questions)
+    for (const double limit : {1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1}) {
+      auto planner = two_arms(srmp::XECBS{.common = {.time_limit = limit}});
+      try {
+        const Trajectory left = plan(planner, obstacle, from);
+        BOOST_REQUIRE(left.certificate);
+        BOOST_CHECK(left.certificate->holds());
+        const srmp::PlanStatistics& statistics = planner.get_planning_stats();
+        BOOST_CHECK(left.certificate->proved_free() || statistics.total_time_s > limit);
+        BOOST_CHECK_GT(distance(planner, left, obstacle), 0.0);
+      } catch (const srmp::PlanningError& error) {
+        const bool never = from != start && obstacle.duration() == 0.6;
+        BOOST_CHECK(error.status() == srmp::Status::timed_out || (never && error.status() == srmp::Status::exhausted));
+        BOOST_CHECK(planner.get_planning_stats().status == error.status());
+      }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(it_can_be_interrupted_at_any_time) {
+  const std::vector<std::pair<Trajectory, Q>> questions{{sweep(8.0), start}, {sweep(0.6), Q(0.3, 0.0)}};
+  for (const auto& [obstacle, from] : questions)
+    for (const int calls : {0, 1, 2, 5, 10}) {
+      auto planner = two_arms();
+      int called = 0;
+      const auto interrupt = [&] { return called++ >= calls; };
+      try {
+        const auto found = planner.plan_multi({{"left", from}}, {{"left", GoalConstraint::joints(goal)}},
+                                              {{"right", obstacle}}, interrupt);
+        BOOST_CHECK(found.at("left").certificate->holds());
+      } catch (const srmp::PlanningError& error) {
+        BOOST_CHECK(error.status() == (called > calls ? srmp::Status::cancelled : srmp::Status::exhausted));
+      }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(a_way_round_that_ends_sooner_is_preferred) {

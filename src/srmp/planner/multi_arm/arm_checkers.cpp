@@ -2,6 +2,12 @@
 
 namespace srmp {
 
+RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_first) {
+  RowMatrix both(arm.rows(), arm.cols() + other.cols());
+  both << (other_first ? other : arm), (other_first ? arm : other);
+  return both;
+}
+
 ArmCheckers::ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options)
     : names_(std::move(robots)) {
   std::vector<Ball> ranges;

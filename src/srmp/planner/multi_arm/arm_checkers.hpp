@@ -9,6 +9,9 @@
 
 namespace srmp {
 
+/// Rows of an arm and of another robot, as many, as a checker of both has them: the other's joints stand first or last.
+RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_first);
+
 /// Checkers for robots that move together: each alone in the scene, the others left out; and each two that can reach
 /// each other, by themselves. Where all of these say free, nothing touches.
 class ArmCheckers {

@@ -196,12 +196,8 @@ std::vector<char> ArmWorld::which_apart(std::size_t a, const Eigen::VectorXd& q,
   const std::pair<std::size_t, std::size_t> pair = std::minmax(a, b);
   const Checker* checker = checkers_.pair(pair.first, pair.second);
   if (!checker || points.empty()) return apart;
-  const Eigen::Index rows = static_cast<Eigen::Index>(points.size()), dof = points.front().size();
-  RowMatrix both(rows, dof + q.size());
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    both.row(i).segment(a < b ? 0 : dof, q.size()) = q.transpose();
-    both.row(i).segment(a < b ? q.size() : 0, dof) = points[static_cast<std::size_t>(i)].transpose();
-  }
+  const RowMatrix rows = stack_waypoints(points);
+  const RowMatrix both = side_by_side(rows, q.transpose().replicate(rows.rows(), 1), a < b);
   const auto free = std::make_unique<bool[]>(points.size());
   checker->are_free(both, {free.get(), points.size()}, *workspaces_.at(pair), true);
   std::copy(free.get(), free.get() + points.size(), apart.begin());

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "srmp/planner/multi_arm/certify_together.hpp"
+#include "srmp/planner/multi_arm/timed_motion.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
-#include "srmp/planner/verify.hpp"
-#include "srmp/trajectory/prove_apart.hpp"
 
 namespace srmp {
 
@@ -41,7 +41,8 @@ class CoupledPostProcess {
     for (Cluster& cluster : clusters_)
       for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) {
         Trajectory& trajectory = cluster.trajectories[i];
-        if (common_.certify) take_certificate(trajectory, cluster.path.arms[i], std::move(cluster.certificates[i]));
+        if (common_.certify)
+          seal(trajectory, std::move(cluster.certificates[i]), name(cluster.path.arms[i]), statistics_);
         result.robots.emplace(name(cluster.path.arms[i]), std::move(trajectory));
       }
     set_times(result);
@@ -56,15 +57,6 @@ class CoupledPostProcess {
     std::vector<Trajectory> trajectories{};
     std::vector<Certificate> certificates{};
   };
-
-  void take_certificate(Trajectory& trajectory, std::size_t arm, Certificate certificate) const {
-    if (!certificate.holds())
-      throw Error("internal error: the trajectory found for '" + name(arm) + "' is wrong (" +
-                  certificate.faults.front().text + "); nothing is returned. Please report this");
-    certificate.bound = statistics_.bound;
-    certificate.bound_graph = statistics_.bound_graph;
-    trajectory.certificate = std::make_shared<const Certificate>(std::move(certificate));
-  }
 
   /// The ways that were found for both, which do not meet, shortened together.
   void merge_clusters(std::size_t i, std::size_t j) {
@@ -89,11 +81,23 @@ class CoupledPostProcess {
       cluster.deviation = deviation;
       cluster.trajectories = in_time(cluster.path, deviation);
       if (!common_.certify) return;
-      cluster.certificates = certified(cluster, until);
+      {
+        const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+        cluster.certificates = certify_together(problem_.judges, parts_of(cluster), common_, until);
+      }
       const bool proved = std::all_of(cluster.certificates.begin(), cluster.certificates.end(),
                                       [](const Certificate& c) { return c.proved_free(); });
       if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
     }
+  }
+
+  std::vector<MovingPart> parts_of(const Cluster& cluster) const {
+    std::vector<MovingPart> moving;
+    for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) {
+      const std::size_t arm = cluster.path.arms[i];
+      moving.push_back({arm, &problem_.moving[arm], cluster.trajectories[i]});
+    }
+    return moving;
   }
 
   /// Proves arms of different clusters apart; false: two that are not have become one.
@@ -102,11 +106,7 @@ class CoupledPostProcess {
       for (std::size_t j = i + 1; j < clusters_.size(); ++j) {
         Cluster &a = clusters_[i], &b = clusters_[j];
         std::vector<Certificate> of_a = a.certificates, of_b = b.certificates;
-        bool apart = true;
-        for (std::size_t k = 0; k < a.path.arms.size() && apart; ++k)
-          for (std::size_t l = 0; l < b.path.arms.size() && apart; ++l)
-            apart = certify_pair({a.path.arms[k], a.trajectories[k], of_a[k]},
-                                 {b.path.arms[l], b.trajectories[l], of_b[l]}, until);
+        const bool apart = certify_clusters(parts_of(a), of_a, parts_of(b), of_b, until);
         if (!apart) {
           merge_clusters(i, j);
           return false;
@@ -115,6 +115,16 @@ class CoupledPostProcess {
         b.certificates = std::move(of_b);
       }
     return true;
+  }
+
+  bool certify_clusters(const std::vector<MovingPart>& a, std::vector<Certificate>& of_a,
+                        const std::vector<MovingPart>& b, std::vector<Certificate>& of_b, const Deadline& until) const {
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    bool apart = true;
+    for (std::size_t k = 0; k < a.size() && apart; ++k)
+      for (std::size_t l = 0; l < b.size() && apart; ++l)
+        apart = certify_pair(problem_.judges, a[k], of_a[k], b[l], of_b[l], until);
+    return apart;
   }
 
   std::vector<Trajectory> in_time(const CoupledPath& path, double deviation) {
@@ -194,54 +204,6 @@ class CoupledPostProcess {
     statistics_.makespan_s = result.duration();
     statistics_.flow_time_s = 0.0;
     for (const auto& [robot, trajectory] : result.robots) statistics_.flow_time_s += arrival(trajectory);
-  }
-
-  /// When the robot is at rest for good.
-  static double arrival(const Trajectory& trajectory) {
-    if (!trajectory.timed()) return 0.0;
-    Eigen::Index row = trajectory.positions.rows() - 1;
-    while (row > 0 && trajectory.positions.row(row - 1) == trajectory.positions.row(row)) --row;
-    return trajectory.times[row];
-  }
-
-  std::vector<Certificate> certified(const Cluster& cluster, const Deadline& until) {
-    std::vector<Certificate> certificates;
-    const std::vector<std::size_t>& arms = cluster.path.arms;
-    for (std::size_t i = 0; i < arms.size(); ++i) {
-      const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-      const MultiRobotPart& part = problem_.moving[arms[i]];
-      const Trajectory& trajectory = cluster.trajectories[i];
-      const CertifyOptions options{
-          .limits = trajectory.timed(), .jerk = common_.timing == "ruckig", .deadline = &until};
-      certificates.push_back(
-          certify(numbered(trajectory), problem_.judges.alone(arms[i]), scaled(part.limits, common_), options));
-      if (part.goal.type == GoalType::aside) continue;
-      const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
-      certificates.back().goal_error = goal_miss({part.goal}, problem_.judges.alone(arms[i]), end).error;
-    }
-    for (std::size_t i = 0; i < arms.size(); ++i)
-      for (std::size_t j = i + 1; j < arms.size(); ++j)
-        certify_pair({arms[i], cluster.trajectories[i], certificates[i]},
-                     {arms[j], cluster.trajectories[j], certificates[j]}, until);
-    return certificates;
-  }
-
-  struct Certified {
-    std::size_t arm;
-    const Trajectory& trajectory;
-    Certificate& certificate;
-  };
-
-  /// What the two do to each other; false: they are not proved apart.
-  bool certify_pair(Certified a, Certified b, const Deadline& until) {
-    if (a.arm > b.arm) return certify_pair(b, a, until);
-    const Checker* judge = problem_.judges.pair(a.arm, b.arm);
-    if (!judge) return true;
-    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    const MotionProof proof = prove_apart(*judge, numbered(a.trajectory), numbered(b.trajectory), {0.5, &until});
-    add_proof(a.certificate, proof);
-    add_proof(b.certificate, seen_from_companion(proof, *judge, name(b.arm)));
-    return proof.free && proof.unproved.empty();
   }
 
   const std::string& name(std::size_t i) const { return problem_.moving[i].robot; }

@@ -3,14 +3,14 @@
 #include <algorithm>
 
 #include "srmp/planner/multi_arm/among_others.hpp"
+#include "srmp/planner/multi_arm/certify_together.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
+#include "srmp/planner/validity.hpp"
 
 namespace srmp {
 
 namespace {
-
-constexpr double start_mercy = 1e-6;  // a start outside a limit by no more is moved onto it [rad or m]
 
 Trajectory at_rest(const MultiRobotPart& part, bool timed) {
   const Eigen::Index rows = timed ? 1 : 0;
@@ -26,7 +26,7 @@ HoldingRobots::HoldingRobots(Scene& scene, std::vector<MultiRobotPart> robots, s
     : scene_(scene), robots_(std::move(robots)), moving_(std::move(moving)) {
   for (MultiRobotPart& part : robots_) {
     const RobotModel& model = *part.placed->model;
-    part.start = model.clamped(part.start, start_mercy);
+    part.start = model.clamped(part.start, limit_mercy);
     if (!model.limit_violation(part.start)) scene.set_qpos(part.robot, part.start);
   }
 }
@@ -45,10 +45,7 @@ void HoldingRobots::require_starts(const Deadline& deadline, PlanStatistics& sta
 
 std::string HoldingRobots::contact(const MultiRobotPart& part) const {
   const Checker checker(scene_, part.robot, {.mode = CheckMode::coal, .absent = moving_});
-  const auto workspace = checker.make_workspace();
-  if (checker.is_free(part.start, *workspace)) return "";
-  const auto contacts = checker.contacts(part.start, *workspace);
-  return contacts.empty() ? "it is in collision" : contacts.front().describe();
+  return invalidity(checker, part.start, *checker.make_workspace());
 }
 
 void HoldingRobots::join(MultiTrajectory& motions, const CommittedMotions& committed, const CommonOptions& options,
@@ -63,12 +60,7 @@ void HoldingRobots::join(MultiTrajectory& motions, const CommittedMotions& commi
     if (options.certify) {
       Certificate certificate = certify_among(scene_, part.robot, numbered(rest), others, scaled(part.limits, options),
                                               {.limits = timed, .deadline = &until});
-      if (!certificate.holds())
-        throw Error("internal error: '" + part.robot + "', which holds, is in the way (" +
-                    certificate.faults.front().text + "); nothing is returned. Please report this");
-      certificate.bound = statistics.bound;
-      certificate.bound_graph = statistics.bound_graph;
-      rest.certificate = std::make_shared<const Certificate>(std::move(certificate));
+      seal(rest, std::move(certificate), part.robot, statistics);
     }
     motions.robots.emplace(part.robot, std::move(rest));
   }

@@ -14,9 +14,9 @@
 #include "srmp/planner/multi_arm/coupled_post_process.hpp"
 #include "srmp/planner/multi_arm/reroute.hpp"
 #include "srmp/planner/multi_arm/roadmap_search.hpp"
+#include "srmp/planner/multi_arm/way_alone.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
-#include "srmp/planner/single_arm/single_robot.hpp"
 
 namespace srmp {
 
@@ -73,44 +73,12 @@ class MultiRobotPlan {
 
   /// What every robot would do if it were alone.
   void find_tasks() {
-    Auto alone{.common = common_};
-    alone.common.escape_start = false;
-    options_alone_ = alone;
-    for (const MultiRobotPart& part : problem_.moving) tasks_.push_back(task(part));
-  }
-
-  ArmTask task(const MultiRobotPart& part) {
-    const std::size_t i = tasks_.size();
-    const Checker& checker = problem_.checkers.alone(i);
-    const bool aside = part.goal.type == GoalType::aside;
-    const std::vector<GoalConstraint> goals{aside ? GoalConstraint::joints(part.start) : part.goal};
-    PlanStatistics alone;
-    const SingleRobotProblem problem{problem_.scene, part.robot,          checker,     part.start, goals,
-                                     options_alone_, problem_.heuristics, part.limits, {},         part.placed};
-    const Deadline left(std::max(deadline_.remaining(), 1e-6), [this] { return deadline_.cancelled(); });
-    try {
-      RobotPath path = find_robot_path(problem, left, alone);
-      add(part.robot, alone);
-      if (aside) return {path.start, {}, {}, true};
-      return {path.start, std::move(path.targets), std::move(path.waypoints)};
-    } catch (const PlanningError& error) {
-      add(part.robot, alone);
-      fail(error.status(), "robot '" + part.robot + "': " + error.what());
+    for (std::size_t i = 0; i < count_; ++i) {
+      const MultiRobotPart& part = problem_.moving[i];
+      RobotPath path = find_way_alone(problem_, part, problem_.checkers.alone(i), deadline_, statistics_);
+      const bool aside = part.goal.type == GoalType::aside;
+      tasks_.push_back({std::move(path.start), std::move(path.targets), std::move(path.waypoints), aside});
     }
-  }
-
-  void add(const std::string& robot, const PlanStatistics& alone) {
-    statistics_.ik_time_s += alone.ik_time_s;
-    statistics_.heuristic_time_s += alone.heuristic_time_s;
-    statistics_.search_time_s += alone.search_time_s;
-    statistics_.shortcut_time_s += alone.shortcut_time_s;
-    statistics_.expansions += alone.expansions;
-    statistics_.generated += alone.generated;
-    statistics_.edge_checks += alone.edge_checks;
-    statistics_.states += alone.states;
-    statistics_.memory_bytes = std::max(statistics_.memory_bytes, alone.memory_bytes);  // one after the other
-    if (alone.note.empty()) return;
-    statistics_.note += (statistics_.note.empty() ? "robot '" : "; robot '") + robot + "': " + alone.note;
   }
 
   /// What two robots touch with at two configurations; "" = nothing.
@@ -434,7 +402,6 @@ class MultiRobotPlan {
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::size_t count_;
-  PlannerOptions options_alone_;
   std::vector<ArmTask> tasks_;
   std::unique_ptr<ArmWorld> world_;
   std::vector<std::unique_ptr<RoadmapSearch>> roadmaps_;  // richer and richer
@@ -449,7 +416,6 @@ class MultiRobotPlan {
 MultiTrajectory plan_multi_robot(const MultiRobotProblem& problem, const Deadline& deadline,
                                  PlanStatistics& statistics) {
   MultiRobotPlan plan(problem, deadline, statistics);
-  for (const MultiRobotPart& part : problem.moving) statistics.robot_cost_rad[part.robot] = 0.0;
   try {
     MultiTrajectory result = plan.run();
     statistics.status = Status::solved;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srmp/planner/multi_arm/timed_motion.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/path.hpp"
 
@@ -11,15 +10,10 @@ namespace srmp {
 
 namespace {
 
-constexpr std::size_t first_points = 128;  // of the first roadmap; each next one has four times as many
-constexpr int most_levels = 3;
-constexpr int levels_for_sooner = 1;  // where there is a motion already
-constexpr std::uint64_t looks_for_sooner = 500'000;
-constexpr std::uint64_t most_looks = 20'000'000;
-constexpr int most_repairs = 32;     // of ways that cannot be proved
-constexpr int most_rounds = 4;       // of improvements
-constexpr double step_time = 0.05;   // [s] between the departures that are tried
-constexpr double least_gain = 1e-6;  // [s, rad] of an improvement
+constexpr std::size_t first_points = 128;  // of the first roadmap; then four times as many more, and again
+constexpr int most_repairs = 32;           // of ways that cannot be proved
+constexpr int most_rounds = 4;             // of improvements
+constexpr double least_gain = 1e-6;        // [s, rad] of an improvement
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// One motion from rest to rest.
@@ -33,9 +27,7 @@ using Moves = std::vector<Move>;
 
 double length(const Moves& moves) {
   double sum = 0.0;
-  for (const Move& move : moves)
-    for (Eigen::Index k = 1; k < move.waypoints.rows(); ++k)
-      sum += (move.waypoints.row(k) - move.waypoints.row(k - 1)).norm();
+  for (const Move& move : moves) sum += path_length(move.waypoints);
   return sum;
 }
 
@@ -54,42 +46,47 @@ RowMatrix both(const RowMatrix& a, const RowMatrix& b) {
 
 class PlanInTime {
  public:
-  PlanInTime(const TimedTask& task, double before, const Deadline& deadline)
-      : task_(task), before_(before), deadline_(deadline), workspace_(task.alone.make_workspace()) {}
+  PlanInTime(const TimedTask& task, const TimedEffort& effort)
+      : task_(task),
+        effort_(effort),
+        workspace_(task.alone.make_workspace()),
+        map_(task, effort.deadline),
+        watch_(task.others, effort.deadline) {}
 
   TimedAnswer run() {
-    SafeIntervals map(task_);
-    TimedAnswer answer;
-    const bool sooner = before_ < infinity;
     std::size_t points = first_points;
-    for (int level = 0; level < (sooner ? levels_for_sooner : most_levels); ++level, points *= 4) {
-      map.add_points(points);
-      answer.status = Status::exhausted;
-      for (int repair = 0; repair < most_repairs; ++repair) {
-        const SafeIntervals::Result found = map.run(before_, sooner ? looks_for_sooner : most_looks, deadline_);
-        answer.expansions += found.expansions;
-        answer.status = found.status;
-        if (found.status != Status::solved) break;
-        Moves moves = moves_of(found.stops);
-        const auto met = when_met(joined(moves), task_.others, deadline_);
-        if (!met) {
-          answer.motion = joined(improved(std::move(moves)));
-          return answer;
-        }
-        answer.status = Status::exhausted;
-        if (deadline_.stop_requested()) break;
-        map.forbid(found.stops, *met);
-      }
-      if (deadline_.stop_requested()) {
-        answer.status = deadline_.cancelled() ? Status::cancelled : Status::timed_out;
-        return answer;
-      }
+    for (int k = 0; k < effort_.roadmaps && answer_.status == Status::exhausted; ++k, points *= 4) {
+      map_.add_points(points);
+      if (const auto moves = find()) answer_.motion = joined(improved(*moves));
     }
-    answer.status = Status::exhausted;
-    return answer;
+    answer_.edge_checks = map_.edge_checks();
+    answer_.memory_bytes = map_.memory();
+    effort_.looks -= std::min(effort_.looks, looks());
+    return std::move(answer_);
   }
 
  private:
+  std::uint64_t looks() const { return map_.looks() + watch_.looks(); }
+  std::uint64_t looks_left() const { return effort_.looks - std::min(effort_.looks, looks()); }
+
+  /// On this roadmap; where what was found cannot be proved, again without it.
+  std::optional<Moves> find() {
+    for (int repair = 0; repair < most_repairs; ++repair) {
+      const SafeIntervals::Result found = map_.run(effort_.before, looks_left());
+      answer_.expansions += found.expansions;
+      answer_.status = found.status;
+      if (found.status != Status::solved) return std::nullopt;
+      Moves moves = moves_of(found.stops);
+      const Trajectory motion = joined(moves);
+      const auto met = watch_.find(motion);
+      if (!met) return moves;
+      const Meeting all = watch_.extended(motion, *met);
+      map_.forbid(found.stops, all.from, all.to);
+    }
+    answer_.status = Status::exhausted;
+    return std::nullopt;
+  }
+
   Moves moves_of(const std::vector<TimedStop>& stops) const {
     Moves moves;
     Eigen::RowVectorXd last = stops.front().q.transpose();
@@ -100,7 +97,7 @@ class PlanInTime {
       for (Eigen::Index j = 0; j < last.size(); ++j)  // without rounding, but where it has gone round
         if (std::abs(rows(1, j) - stops[k].q[j]) < 1e-9) rows(1, j) = stops[k].q[j];
       last = rows.row(1);
-      if (rows.row(0) != rows.row(1)) moves.push_back({rows, stops[k - 1].leaves, task_.in_time(rows)});
+      if (rows.row(0) != rows.row(1)) moves.push_back({rows, stops[k - 1].leaves(), task_.in_time(rows)});
     }
     return moves;
   }
@@ -119,7 +116,7 @@ class PlanInTime {
   // --- better
 
   /// Fewer waypoints, fewer stops, sooner: as long as the whole is proved apart from the others.
-  Moves improved(Moves moves) const {
+  Moves improved(Moves moves) {
     for (int round = 0; round < most_rounds; ++round) {
       bool better = false;
       for (std::size_t k = 0; k < moves.size(); ++k) {
@@ -127,19 +124,21 @@ class PlanInTime {
         for (Eigen::Index row = 1; row + 1 < moves[k].waypoints.rows(); ++row)
           while (row + 1 < moves[k].waypoints.rows() && leave_out(moves, k, 1, moves[k].waypoints, row)) better = true;
         if (replace(moves, k, 1, moves[k].waypoints)) better = true;  // sooner
-        if (deadline_.stop_requested()) return moves;
+        if (stops()) return moves;
       }
       if (!better) break;
     }
     return moves;
   }
 
-  bool merge(Moves& moves, std::size_t k) const {
+  bool stops() const { return effort_.improve_until.stop_requested() || looks_left() == 0; }
+
+  bool merge(Moves& moves, std::size_t k) {
     const RowMatrix rows = both(moves[k].waypoints, moves[k + 1].waypoints);
     return leave_out(moves, k, 2, rows, moves[k].waypoints.rows() - 1) || replace(moves, k, 2, rows);
   }
 
-  bool leave_out(Moves& moves, std::size_t k, std::size_t count, const RowMatrix& rows, Eigen::Index row) const {
+  bool leave_out(Moves& moves, std::size_t k, std::size_t count, const RowMatrix& rows, Eigen::Index row) {
     const Eigen::VectorXd from = rows.row(row - 1).transpose(), to = rows.row(row + 1).transpose();
     if ((task_.alone.robot().difference(from, to) - (to - from)).cwiseAbs().maxCoeff() > 1e-6) return false;  // winds
     return task_.alone.is_motion_free(from, to, *workspace_, true) && replace(moves, k, count, without_row(rows, row));
@@ -147,7 +146,7 @@ class PlanInTime {
 
   /// One move along `rows` in place of moves[k] and those after it, `count` in all, begun as soon as it gets by. Taken
   /// if it arrives sooner, or no later on a shorter way.
-  bool replace(Moves& moves, std::size_t k, std::size_t count, const RowMatrix& rows) const {
+  bool replace(Moves& moves, std::size_t k, std::size_t count, const RowMatrix& rows) {
     const auto first = moves.begin() + static_cast<std::ptrdiff_t>(k),
                last = first + static_cast<std::ptrdiff_t>(count);
     const double arrived = std::prev(last)->arrives();
@@ -157,12 +156,12 @@ class PlanInTime {
     const bool shorter = length(now) < length(moves) - least_gain;
     Move& move = now[k];
     const double latest = arrived - (shorter ? 0.0 : least_gain) - end_of(move.motion);
-    for (double leaves = move.leaves; leaves <= latest; leaves += step_time) {
-      if (deadline_.stop_requested()) return false;
+    for (double leaves = move.leaves; leaves <= latest; leaves += time_step) {
+      if (stops()) return false;
       move.leaves = leaves;
       const Trajectory all = joined(now);
-      if (touches(all, leaves, k + 1 < now.size() ? now[k + 1].leaves : infinity)) continue;
-      if (when_met(all, task_.others, deadline_)) continue;
+      if (watch_.look(all, leaves, k + 1 < now.size() ? now[k + 1].leaves : infinity)) continue;
+      if (watch_.prove(all)) continue;
       if (rows.rows() > 2 && !proved_alone(move.motion)) return false;
       moves = std::move(now);
       return true;
@@ -170,29 +169,22 @@ class PlanInTime {
     return false;
   }
 
-  bool touches(const Trajectory& motion, double from, double to) const {
-    for (const MovingRobot& other : task_.others) {
-      const double end = std::min(to, std::max(end_of(motion), end_of(*other.motion)));
-      if (look(motion, other, from, end, *other.judge->make_workspace())) return true;
-    }
-    return false;
-  }
-
   bool proved_alone(const Trajectory& motion) const {
-    return certify(motion, task_.judge, task_.limits, {.limits = false, .tightness = 0.01, .deadline = &deadline_})
+    return certify(motion, task_.judge, task_.limits,
+                   {.limits = false, .tightness = 0.01, .deadline = &effort_.deadline})
         .proved_free();
   }
 
   const TimedTask& task_;
-  double before_;
-  const Deadline& deadline_;
+  const TimedEffort& effort_;
   Checker::WorkspacePtr workspace_;
+  SafeIntervals map_;
+  Watch watch_;
+  TimedAnswer answer_;
 };
 
 }  // namespace
 
-TimedAnswer plan_in_time(const TimedTask& task, double before, const Deadline& deadline) {
-  return PlanInTime(task, before, deadline).run();
-}
+TimedAnswer plan_in_time(const TimedTask& task, const TimedEffort& effort) { return PlanInTime(task, effort).run(); }
 
 }  // namespace srmp

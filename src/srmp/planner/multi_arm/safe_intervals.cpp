@@ -6,11 +6,13 @@
 #include <queue>
 #include <tuple>
 
+#include "srmp/core/memory_of.hpp"
+#include "srmp/planner/multi_arm/arm_checkers.hpp"
+
 namespace srmp {
 
 namespace {
 
-constexpr double step_time = 0.05;         // [s]
 constexpr std::size_t neighbours = 12;     // of a point
 constexpr double spacing = 0.6;            // of points on the way [rad, prismatic joints m]
 constexpr double share_of_joints = 0.4;    // that are moved for a point about the way
@@ -18,19 +20,19 @@ constexpr double farthest = 1.6;           // that a joint is moved [rad]
 constexpr double farthest_straight = 0.5;  // the same [m]
 constexpr std::size_t most_tries = 50;     // for a point
 constexpr int patience = 64;               // a departure is tried again after this share of the wait, or a step
-
-double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
+constexpr int block = 256;                 // of steps, between two looks at the clock
 
 }  // namespace
 
-SafeIntervals::SafeIntervals(const TimedTask& task) : task_(task), workspace_(task.alone.make_workspace()) {
+SafeIntervals::SafeIntervals(const TimedTask& task, const Deadline& deadline)
+    : task_(task), deadline_(deadline), workspace_(task.alone.make_workspace()) {
   for (const MovingRobot& other : task.others)
-    last_ = std::max(last_, static_cast<int>(std::ceil(end_of(*other.motion) / step_time)));
+    last_ = std::max(last_, static_cast<int>(std::ceil(end_of(*other.motion) / time_step)));
   for (const MovingRobot& other : task.others) {
     pairs_.push_back(other.pair->make_workspace());
     RowMatrix& rows = motions_.emplace_back(last_ + 1, other.motion->positions.cols());
     for (int step = 0; step <= last_; ++step)
-      rows.row(step) = other.motion->sample(std::min(step * step_time, end_of(*other.motion))).transpose();
+      rows.row(step) = other.motion->sample(std::min(step * time_step, end_of(*other.motion))).transpose();
   }
   add(task.start);
   for (const Eigen::VectorXd& target : task.targets) add(target);
@@ -56,6 +58,7 @@ void SafeIntervals::add_points(std::size_t count) {
   const std::size_t stations = task_.way.size() > 1 ? task_.way.size() - 1 : 0;
   const auto random = [this] { return sequence_.next(); };
   for (std::size_t tries = 0, added = 0; added < count && tries < most_tries * count; ++tries) {
+    if (deadline_.stop_requested()) return;
     Eigen::VectorXd q = task_.start;
     if (stations > 0) {
       const double at = random() * static_cast<double>(stations);
@@ -79,26 +82,44 @@ void SafeIntervals::add_points(std::size_t count) {
 
 /// Each with its nearest, and with start and targets, in both directions.
 void SafeIntervals::connect() {
-  const RobotModel& robot = task_.alone.robot();
+  for (auto p = static_cast<Point>(nearest_.size()); p < points_.size(); ++p) {
+    if (deadline_.stop_requested()) return;
+    find_nearest(p);
+  }
   const auto size = static_cast<Point>(points_.size()), ends = static_cast<Point>(1 + task_.targets.size());
-  std::vector<std::set<Point>> next(size);
+  next_.assign(size, {});
   const auto join = [&](Point a, Point b) {
     if (a == b) return;
-    next[a].insert(b);
-    next[b].insert(a);
+    next_[a].push_back(b);
+    next_[b].push_back(a);
   };
   for (Point p = 0; p < size; ++p) {
     for (Point end = 0; end < ends; ++end) join(p, end);
-    std::vector<std::pair<double, Point>> near;
-    for (Point other = 0; other < size; ++other)
-      if (other != p) near.emplace_back(robot.difference(points_[p], points_[other]).norm(), other);
-    const std::size_t kept = std::min(neighbours, near.size());
-    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
-    for (std::size_t k = 0; k < kept; ++k) join(p, near[k].second);
+    for (const auto& [distance, other] : nearest_[p]) join(p, other);
   }
-  next_.clear();
-  for (const std::set<Point>& of : next) next_.emplace_back(of.begin(), of.end());
+  for (std::vector<Point>& next : next_) {
+    std::sort(next.begin(), next.end());
+    next.erase(std::unique(next.begin(), next.end()), next.end());
+  }
   find_steps_left();
+}
+
+/// Of the points before p, whose nearest it may be too.
+void SafeIntervals::find_nearest(Point p) {
+  nearest_.emplace_back();
+  const auto keep = [&](Point of, double distance, Point other) {
+    Near& near = nearest_[of];
+    const std::pair<double, Point> entry{distance, other};
+    if (near.size() == neighbours && near.back() < entry) return;
+    near.insert(std::lower_bound(near.begin(), near.end(), entry), entry);
+    if (near.size() > neighbours) near.pop_back();
+  };
+  const RobotModel& robot = task_.alone.robot();
+  for (Point other = 0; other < p; ++other) {
+    const double distance = robot.difference(points_[p], points_[other]).norm();
+    keep(p, distance, other);
+    keep(other, distance, p);
+  }
 }
 
 /// By Dijkstra; no way is shorter.
@@ -110,7 +131,7 @@ void SafeIntervals::find_steps_left() {
     left_[p] = 0;
     open.emplace(0, p);
   }
-  while (!open.empty()) {
+  while (!open.empty() && !deadline_.stop_requested()) {
     const auto [steps, p] = open.top();
     open.pop();
     if (steps > left_[p]) continue;
@@ -128,12 +149,13 @@ int SafeIntervals::least_steps(Point a, Point b) const {
   const double cruise = (way / task_.limits.velocity.array()).maxCoeff();
   const double ramp = std::sqrt((way / task_.limits.acceleration.array()).maxCoeff());
   const double time = ramp > cruise || cruise == 0.0 ? 2.0 * ramp : cruise + ramp * ramp / cruise;
-  return std::max(1, static_cast<int>(std::ceil(time / step_time - 0.05)));
+  return std::max(1, static_cast<int>(std::ceil(time / time_step - 0.05)));
 }
 
 const SafeIntervals::Way& SafeIntervals::way(Point from, Point to) {
   Way& way = ways_[{from, to}];
   if (std::exchange(way.known, true)) return way;
+  ++edge_checks_;
   way.free = task_.alone.is_motion_free(points_[from], points_[to], *workspace_, true);
   if (!way.free) return way;
   RowMatrix ends(2, points_[from].size());
@@ -144,9 +166,9 @@ const SafeIntervals::Way& SafeIntervals::way(Point from, Point to) {
     return way;
   }
   const Trajectory motion = task_.in_time(ends);
-  const int steps = std::max(1, static_cast<int>(std::ceil(end_of(motion) / step_time - 1e-9)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(end_of(motion) / time_step - 1e-9)));
   way.rows.resize(steps + 1, ends.cols());
-  for (int k = 0; k <= steps; ++k) way.rows.row(k) = motion.sample(std::min(k * step_time, end_of(motion))).transpose();
+  for (int k = 0; k <= steps; ++k) way.rows.row(k) = motion.sample(std::min(k * time_step, end_of(motion))).transpose();
   return way;
 }
 
@@ -154,21 +176,18 @@ const SafeIntervals::Way& SafeIntervals::way(Point from, Point to) {
 
 /// The arm at rows, a step each from `step` on, and the other where it is then.
 RowMatrix SafeIntervals::beside(std::size_t other, const RowMatrix& rows, int step) const {
-  const RowMatrix& motion = motions_[other];
-  RowMatrix both(rows.rows(), rows.cols() + motion.cols());
-  const bool first = task_.others[other].first;
-  both.middleCols(first ? motion.cols() : 0, rows.cols()) = rows;
+  RowMatrix its(rows.rows(), motions_[other].cols());
   for (Eigen::Index k = 0; k < rows.rows(); ++k)
-    both.row(k).segment(first ? 0 : rows.cols(), motion.cols()) =
-        motion.row(std::min(static_cast<int>(k) + step, last_));
-  return both;
+    its.row(k) = motions_[other].row(std::min(static_cast<int>(k) + step, last_));
+  return side_by_side(rows, its, task_.others[other].stands_before_arm);
 }
 
 bool SafeIntervals::is_free(const RowMatrix& rows, int step) {
   const auto count = static_cast<std::size_t>(rows.rows());
-  looks_ += count;
+  ++edge_checks_;
   const auto free = std::make_unique<bool[]>(count);
   for (std::size_t i = 0; i < task_.others.size(); ++i) {
+    looks_ += count;
     const RowMatrix both = beside(i, rows, step);
     task_.others[i].pair->are_free(both, {free.get(), count}, *pairs_[i]);
     if (!std::all_of(free.get(), free.get() + count, [](bool fine) { return fine; })) return false;
@@ -184,26 +203,32 @@ bool SafeIntervals::is_free(const RowMatrix& rows, int step) {
 
 /// Of each step: is the arm free there (even entries), and until the next (odd ones)?
 std::vector<char> SafeIntervals::rests_free(Point p) {
-  const auto count = static_cast<std::size_t>(last_ + 1);
-  looks_ += count;
-  std::vector<char> all(2 * count, true);
-  const auto free = std::make_unique<bool[]>(count);
-  const RowMatrix rows = points_[p].transpose().replicate(last_ + 1, 1);
-  for (std::size_t i = 0; i < task_.others.size(); ++i) {
-    const RowMatrix both = beside(i, rows, 0);
-    task_.others[i].pair->are_free(both, {free.get(), count}, *pairs_[i]);
-    for (std::size_t k = 0; k < count; ++k) {
-      all[2 * k] = all[2 * k] && free[k];
-      if (k + 1 == count || !all[2 * k + 1]) continue;
-      const auto row = static_cast<Eigen::Index>(k);
-      all[2 * k + 1] = free[k] && free[k + 1] &&
-                       task_.others[i].pair->is_motion_free(both.row(row).transpose(), both.row(row + 1).transpose(),
-                                                            *pairs_[i], true);
+  std::vector<char> free(2 * static_cast<std::size_t>(last_ + 1), true);
+  for (std::size_t i = 0; i < task_.others.size(); ++i)
+    for (int first = 0; first <= last_; first += block) {
+      if (deadline_.stop_requested()) return free;
+      look_at_rest(i, p, first, std::min(block, last_ + 1 - first), free);
     }
-  }
   for (auto at = no_rest_.lower_bound({p, 0}); at != no_rest_.end() && at->first == p; ++at)
-    all[2 * static_cast<std::size_t>(std::min(at->second, last_)) + (at->second < last_ ? 1 : 0)] = false;
-  return all;
+    free[2 * static_cast<std::size_t>(std::min(at->second, last_)) + (at->second < last_ ? 1 : 0)] = false;
+  return free;
+}
+
+/// From a step on, so many of them.
+void SafeIntervals::look_at_rest(std::size_t other, Point p, int first, int count, std::vector<char>& free) {
+  const Checker& pair = *task_.others[other].pair;
+  const int rows = count + (first + count <= last_ ? 1 : 0);  // the next block's first, for the way to it
+  const RowMatrix both = beside(other, points_[p].transpose().replicate(rows, 1), first);
+  const auto now = std::make_unique<bool[]>(static_cast<std::size_t>(rows));
+  pair.are_free(both, {now.get(), static_cast<std::size_t>(rows)}, *pairs_[other]);
+  looks_ += static_cast<std::uint64_t>(count);
+  for (int k = 0; k < count; ++k) {
+    char* const at = &free[2 * static_cast<std::size_t>(first + k)];
+    at[0] = at[0] && now[static_cast<std::size_t>(k)];
+    if (k + 1 == rows || !at[1]) continue;
+    at[1] = now[static_cast<std::size_t>(k)] && now[static_cast<std::size_t>(k) + 1] &&
+            pair.is_motion_free(both.row(k).transpose(), both.row(k + 1).transpose(), *pairs_[other], true);
+  }
 }
 
 const std::vector<SafeIntervals::Interval>& SafeIntervals::intervals(Point p) {
@@ -222,21 +247,36 @@ const std::vector<SafeIntervals::Interval>& SafeIntervals::intervals(Point p) {
   return found;
 }
 
-void SafeIntervals::forbid(const std::vector<TimedStop>& stops, double time) {
+void SafeIntervals::forbid(const std::vector<TimedStop>& stops, double from, double to) {
   int arrival = 0;
   for (std::size_t i = 0; i < stops.size(); ++i) {
+    const TimedStop& stop = stops[i];
     const bool last = i + 1 == stops.size();
-    if (last || time < stops[i].step * step_time) {
-      no_rest_.emplace(stops[i].point, std::max(arrival, static_cast<int>(time / step_time)));
-      intervals_[stops[i].point].reset();
+    if (last || from < stop.leaves()) {
+      const int first = std::max(arrival, static_cast<int>(from / time_step));
+      for (int k = first; k == first || (k < std::min(stop.step, last_) && k * time_step < to); ++k)
+        no_rest_.emplace(stop.point, k);
+      intervals_[stop.point].reset();
       return;
     }
-    arrival = stops[i].step + way(stops[i].point, stops[i + 1].point).steps();
-    if (time <= arrival * step_time) {
-      no_departure_.insert({{stops[i].point, stops[i + 1].point}, stops[i].step});
-      return;
-    }
+    arrival = stop.step + way(stop.point, stops[i + 1].point).steps();
+    if (from > arrival * time_step) continue;
+    for (int later = 0; later == 0 || later * time_step < to - from; ++later)
+      no_departure_.insert({{stop.point, stops[i + 1].point}, stop.step + later});
+    return;
   }
+}
+
+std::size_t SafeIntervals::memory() const {
+  const std::size_t row = static_cast<std::size_t>(task_.start.size()) * sizeof(double);
+  std::size_t sum = memory_of(points_) + points_.size() * row + memory_of(next_) + memory_of(nearest_) +
+                    memory_of(left_) + memory_of(ways_) + memory_of(intervals_) + most_nodes_ * sizeof(Node);
+  for (const RowMatrix& motion : motions_) sum += static_cast<std::size_t>(motion.size()) * sizeof(double);
+  for (const std::vector<Point>& next : next_) sum += memory_of(next);
+  for (const Near& near : nearest_) sum += memory_of(near);
+  for (const auto& [ends, way] : ways_) sum += static_cast<std::size_t>(way.rows.size()) * sizeof(double);
+  for (const auto& found : intervals_) sum += found ? memory_of(*found) : 0;
+  return sum;
 }
 
 // --- the search
@@ -245,15 +285,18 @@ class SafeIntervals::Query {
  public:
   Query(SafeIntervals& map, double before) : map_(map), before_(before), taken_(map.points_.size()) {}
 
-  Result run(std::uint64_t max_looks, const Deadline& deadline) {
+  ~Query() { map_.most_nodes_ = std::max(map_.most_nodes_, nodes_.size()); }
+
+  Result run(std::uint64_t max_looks) {
     Result result;
     const std::uint64_t looks = map_.looks_;
-    const std::vector<Interval>& at_start = map_.intervals(0);
-    if (at_start.empty() || at_start.front().from > 0) return result;
-    push({.point = 0, .interval = 0, .parent = none, .possible = true});
-    while (!open_.empty()) {
-      if (deadline.cancelled()) return {Status::cancelled, {}, result.expansions};
-      if (deadline.expired() || map_.looks_ - looks > max_looks) return {Status::timed_out, {}, result.expansions};
+    if (!map_.deadline_.stop_requested() && can_be_solved())
+      push({.point = 0, .interval = 0, .parent = none, .possible = true});
+    while (true) {
+      if (map_.deadline_.cancelled()) return {Status::cancelled, {}, result.expansions};
+      if (map_.deadline_.expired()) return {Status::timed_out, {}, result.expansions};
+      if (open_.empty()) return result;
+      if (map_.looks_ - looks > max_looks) return {Status::timed_out, {}, result.expansions};
       const std::uint32_t id = std::get<2>(open_.top());
       open_.pop();
       const Node node = nodes_[id];
@@ -276,11 +319,23 @@ class SafeIntervals::Query {
       for (const Point next : map_.next_[node.point])
         push({.point = next, .arrival = node.arrival + map_.least_steps(node.point, next), .parent = id});
     }
-    return result;
   }
 
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  /// It can be where it starts, and stay at a target.
+  bool can_be_solved() const {
+    const std::vector<Interval>& at_start = map_.intervals(0);
+    if (at_start.empty() || at_start.front().from > 0) return false;
+    const std::size_t targets = map_.task_.targets.size();
+    bool can_stay = targets == 0;
+    for (Point target = 1; target <= targets && !can_stay; ++target) {
+      const std::vector<Interval>& there = map_.intervals(target);
+      can_stay = !there.empty() && there.back().to == forever;
+    }
+    return can_stay;
+  }
 
   Interval interval(const Node& node) { return map_.intervals(node.point)[static_cast<std::size_t>(node.interval)]; }
 
@@ -293,7 +348,7 @@ class SafeIntervals::Query {
   /// First come, first served; of those that come at the same time the one with the shorter way.
   void push(Node node) {
     const int left = map_.left_[node.point];
-    if (left == forever || (node.arrival + left) * step_time >= before_) return;
+    if (left == forever || (node.arrival + left) * time_step >= before_) return;
     if (node.parent != none)
       node.length =
           nodes_[node.parent].length +
@@ -342,10 +397,10 @@ class SafeIntervals::Query {
 
   std::vector<TimedStop> stops(std::uint32_t id) const {
     std::vector<TimedStop> found;
-    int leaves = forever;
+    int leaves = TimedStop::never;
     for (; id != none; id = nodes_[id].parent) {
       const Node& node = nodes_[id];
-      found.push_back({map_.points_[node.point], leaves * step_time, node.point, leaves});
+      found.push_back({map_.points_[node.point], node.point, leaves});
       leaves = node.left;
     }
     std::reverse(found.begin(), found.end());
@@ -360,8 +415,8 @@ class SafeIntervals::Query {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
 };
 
-SafeIntervals::Result SafeIntervals::run(double before, std::uint64_t max_looks, const Deadline& deadline) {
-  return Query(*this, before).run(max_looks, deadline);
+SafeIntervals::Result SafeIntervals::run(double before, std::uint64_t max_looks) {
+  return Query(*this, before).run(max_looks);
 }
 
 }  // namespace srmp

@@ -9,22 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "srmp/collision/checker.hpp"
-#include "srmp/core/deadline.hpp"
 #include "srmp/core/status.hpp"
+#include "srmp/planner/multi_arm/timed_motion.hpp"
 #include "srmp/search/two_trees.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
-#include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
-
-/// A robot that moves as is known; before and after it rests.
-struct MovingRobot {
-  const Checker* pair;       ///< quick: of the arm and this robot, and of nothing else
-  const Checker* judge;      ///< the same by Coal alone
-  bool first;                ///< its joints stand before the arm's in the configurations of both
-  const Trajectory* motion;  ///< begins at time 0
-};
 
 /// What an arm is to do among robots that move. References outlive the call.
 struct TimedTask {
@@ -39,12 +29,14 @@ struct TimedTask {
   std::function<Trajectory(const RowMatrix&)> in_time;
 };
 
-/// Where an arm stops, and when it leaves [s]; of its goal it does not.
+/// Where an arm stops, and when it leaves.
 struct TimedStop {
+  static constexpr int never = std::numeric_limits<int>::max();
+
   Eigen::VectorXd q;
-  double leaves{};
-  std::uint32_t point{};  ///< of the roadmap
-  int step{};             ///< at which it leaves
+  std::uint32_t point{};                              ///< of the roadmap
+  int step{never};                                    ///< at which it leaves; never: it is at a target
+  double leaves() const { return step * time_step; }  ///< [s], if it does
 };
 
 /// Safe interval path planning (Phillips, Likhachev 2011) on a roadmap of one arm, with lazy edges: straight motions
@@ -56,7 +48,8 @@ struct TimedStop {
 /// steps the others are taken to move straight: what is found is to be proved, and forbidden where it cannot be.
 class SafeIntervals {
  public:
-  explicit SafeIntervals(const TimedTask& task);
+  /// References outlive this. Once the deadline passes, run says so, and the rest does nothing that takes long.
+  SafeIntervals(const TimedTask& task, const Deadline& deadline);
 
   void add_points(std::size_t count);
 
@@ -68,13 +61,18 @@ class SafeIntervals {
     std::uint64_t expansions{};
   };
   /// Only ways that arrive sooner than `before` [s]. `max_looks`: at configurations among the others.
-  Result run(double before, std::uint64_t max_looks, const Deadline& deadline);
-  /// What run found does not hold at this time [s]; it will not be found again.
-  void forbid(const std::vector<TimedStop>& stops, double time);
+  Result run(double before, std::uint64_t max_looks);
+  /// What run found does not hold from one time to another [s]: it will not be found again, nor rests there then, nor
+  /// departures that are later by less than this takes.
+  void forbid(const std::vector<TimedStop>& stops, double from, double to);
+
+  std::uint64_t looks() const { return looks_; }              ///< at configurations among the others, so far
+  std::uint64_t edge_checks() const { return edge_checks_; }  ///< motions looked at
+  std::size_t memory() const;                                 ///< [bytes]
 
  private:
   using Point = std::uint32_t;
-  static constexpr int forever = std::numeric_limits<int>::max();
+  static constexpr int forever = TimedStop::never;
   struct Interval {
     int from, to;  // steps, both included
   };
@@ -97,29 +95,35 @@ class SafeIntervals {
 
   void add(Eigen::VectorXd q);
   void connect();
+  void find_nearest(Point p);
   void find_steps_left();
   int least_steps(Point a, Point b) const;
   const Way& way(Point from, Point to);
   const std::vector<Interval>& intervals(Point p);
   std::vector<char> rests_free(Point p);
+  void look_at_rest(std::size_t other, Point p, int first, int count, std::vector<char>& free);
   bool is_free(const RowMatrix& rows, int step);
   bool is_goal(Point p) const { return task_.targets.empty() || (p > 0 && p <= task_.targets.size()); }
   RowMatrix beside(std::size_t other, const RowMatrix& rows, int step) const;
 
   const TimedTask& task_;
+  const Deadline& deadline_;
   Checker::WorkspacePtr workspace_;
   std::vector<Checker::WorkspacePtr> pairs_;  // of the others
   std::vector<RowMatrix> motions_;            // of the others, at each step
   int last_{};                                // step from which all the others rest
   search::RandomSequence sequence_{1};
-  std::vector<Eigen::VectorXd> points_;   // 0: the start; then the targets
+  std::vector<Eigen::VectorXd> points_;  // 0: the start; then the targets
+  using Near = std::vector<std::pair<double, Point>>;
+  std::vector<Near> nearest_;             // of each point, the nearest first
   std::vector<std::vector<Point>> next_;  // neighbours
   std::vector<int> left_;                 // steps to a target if nobody were in the way
   std::map<std::pair<Point, Point>, Way> ways_;
   std::vector<std::optional<std::vector<Interval>>> intervals_;
   std::set<std::pair<Point, int>> no_rest_;                         // from this step to the next
   std::set<std::pair<std::pair<Point, Point>, int>> no_departure_;  // along a way, at this step
-  std::uint64_t looks_{};
+  std::uint64_t looks_{}, edge_checks_{};
+  std::size_t most_nodes_{};  // of a search
 };
 
 }  // namespace srmp

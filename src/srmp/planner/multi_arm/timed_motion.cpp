@@ -2,15 +2,33 @@
 
 #include <algorithm>
 
+#include "srmp/planner/multi_arm/arm_checkers.hpp"
+
 namespace srmp {
 
 namespace {
 
-constexpr double look_period = 0.05;  // [s]
+constexpr std::uint64_t looks_of_a_proof = 500;
+
+/// All that is open from the first part on, with no gap.
+Meeting unproved(const std::vector<MotionProof::Part>& parts, std::size_t other) {
+  const MotionProof::Part& first = parts.front();
+  Meeting meeting{first.from, first.to, other, first.body_a, first.body_b, false};
+  std::vector<MotionProof::Part> sorted = parts;
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.from < b.from; });
+  for (const MotionProof::Part& part : sorted)
+    if (part.from <= meeting.to) meeting.to = std::max(meeting.to, part.to);
+  return meeting;
+}
 
 }  // namespace
 
-double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
+double arrival(const Trajectory& trajectory) {
+  if (!trajectory.timed()) return 0.0;
+  Eigen::Index row = trajectory.positions.rows() - 1;
+  while (row > 0 && trajectory.positions.row(row - 1) == trajectory.positions.row(row)) --row;
+  return trajectory.times[row];
+}
 
 Trajectory rest(const std::vector<std::string>& joints, const RowMatrix& rows, double duration) {
   const RowMatrix zero = RowMatrix::Zero(rows.rows(), rows.cols());
@@ -24,37 +42,69 @@ Trajectory delayed(const Trajectory& motion, double delay) {
   return result;
 }
 
-std::optional<double> look(const Trajectory& motion, const MovingRobot& other, double from, double to,
-                           Checker::Workspace& workspace) {
-  const Eigen::Index mine = motion.positions.cols(), its = other.motion->positions.cols();
-  Eigen::VectorXd both(mine + its);
-  for (int i = 0; from + i * look_period <= to; ++i) {
-    const double time = from + i * look_period;
-    both.segment(other.first ? its : 0, mine) = motion.sample(time);
-    both.segment(other.first ? 0 : mine, its) = other.motion->sample(time);
-    if (!other.judge->is_free(both, workspace)) return time;
+Watch::Watch(const std::vector<MovingRobot>& others, const Deadline& deadline) : others_(others), deadline_(deadline) {
+  for (const MovingRobot& other : others) workspaces_.push_back(other.judge->make_workspace());
+}
+
+Eigen::VectorXd Watch::both(const Trajectory& motion, std::size_t other, double time) const {
+  const MovingRobot& it = others_[other];
+  return side_by_side(motion.sample(time).transpose(), it.motion->sample(time).transpose(), it.stands_before_arm)
+      .transpose();
+}
+
+bool Watch::is_free(const Trajectory& motion, std::size_t other, double time) {
+  ++looks_;
+  return others_[other].judge->is_free(both(motion, other, time), *workspaces_[other]);
+}
+
+double Watch::end(const Trajectory& motion, std::size_t other) const {
+  return std::max(end_of(motion), end_of(*others_[other].motion));
+}
+
+std::optional<Meeting> Watch::look(const Trajectory& motion, double from, double to) {
+  for (std::size_t other = 0; other < others_.size(); ++other) {
+    const double until = std::min(to, end(motion, other));
+    for (int i = 0; from + i * time_step <= until && !deadline_.stop_requested(); ++i) {
+      const double time = from + i * time_step;
+      if (is_free(motion, other, time)) continue;
+      Meeting meeting{time, time, other, {}, {}, true};
+      const auto contacts = others_[other].judge->contacts(both(motion, other, time), *workspaces_[other]);
+      if (contacts.empty()) return meeting;
+      meeting.body_a = contacts.front().body_a;
+      meeting.body_b = contacts.front().body_b;
+      return meeting;
+    }
   }
   return std::nullopt;
 }
 
-MotionProof prove_apart(const Trajectory& motion, const MovingRobot& other, const ProofOptions& options) {
-  return other.first ? prove_apart(*other.judge, *other.motion, motion, options)
-                     : prove_apart(*other.judge, motion, *other.motion, options);
-}
-
-std::optional<double> when_met(const Trajectory& motion, const std::vector<MovingRobot>& others,
-                               const Deadline& deadline) {
-  for (const MovingRobot& other : others) {
-    const auto workspace = other.judge->make_workspace();
-    const double end = std::max(end_of(motion), end_of(*other.motion));
-    if (const auto time = look(motion, other, 0.0, end, *workspace)) return time;
-  }
-  for (const MovingRobot& other : others) {
-    const MotionProof proof = prove_apart(motion, other, {.tightness = 0.0, .deadline = &deadline});
-    if (!proof.free) return proof.time;
-    if (!proof.unproved.empty()) return proof.unproved.front().from;
+std::optional<Meeting> Watch::prove(const Trajectory& motion) {
+  for (std::size_t other = 0; other < others_.size(); ++other) {
+    const auto& [pair, judge, stands_before_arm, its] = others_[other];
+    const ProofOptions options{.tightness = 0.0, .deadline = &deadline_};
+    looks_ += looks_of_a_proof;
+    const MotionProof proof =
+        stands_before_arm ? prove_apart(*judge, *its, motion, options) : prove_apart(*judge, motion, *its, options);
+    if (!proof.free) return Meeting{proof.time, proof.time, other, proof.body_a, proof.body_b, true};
+    if (!proof.unproved.empty()) return unproved(proof.unproved, other);
   }
   return std::nullopt;
+}
+
+std::optional<Meeting> Watch::find(const Trajectory& motion) {
+  const auto seen = look(motion, 0.0, std::numeric_limits<double>::infinity());
+  return seen ? seen : prove(motion);
+}
+
+Meeting Watch::extended(const Trajectory& motion, Meeting touch) {
+  const auto touches = [&](double time) {
+    return time >= 0.0 && time <= end(motion, touch.other) && !deadline_.stop_requested() &&
+           !is_free(motion, touch.other, time);
+  };
+  const double fine = time_step / 4.0;
+  while (touch.touch && touches(touch.from - fine)) touch.from -= fine;
+  while (touch.touch && touches(touch.to + fine)) touch.to += fine;
+  return touch;
 }
 
 }  // namespace srmp

@@ -5,21 +5,11 @@
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/single_arm/escape.hpp"
 #include "srmp/planner/single_arm/ik_snap.hpp"
+#include "srmp/planner/validity.hpp"
 
 namespace srmp {
 
 namespace {
-
-constexpr double start_mercy = 1e-6;  // a start outside a limit by no more is moved onto it [rad or m]
-
-/// Why q cannot be an end of a path, or "".
-std::string invalidity(PlanContext& context, const Eigen::VectorXd& q) {
-  if (const auto violation = context.robot.limit_violation(q)) return *violation;
-  const Checker& checker = context.checks.checker();
-  if (checker.is_free(q, context.checks.workspace())) return "";
-  const std::vector<Contact> contacts = checker.contacts(q, context.checks.workspace());
-  return contacts.empty() ? "it is in collision" : contacts.front().describe();
-}
 
 /// From a start in collision, for the reason `why`, to a free one, from which the plan is made.
 void escape(PlanContext& context, PlanEnds& ends, const std::string& why) {
@@ -41,10 +31,10 @@ void escape(PlanContext& context, PlanEnds& ends, const std::string& why) {
 void find_start(PlanContext& context, PlanEnds& ends) {
   const SingleRobotProblem& problem = context.problem;
   context.robot.require_configuration(problem.start, "start of '" + problem.robot + "'");
-  ends.start = context.robot.clamped(problem.start, start_mercy);
+  ends.start = context.robot.clamped(problem.start, limit_mercy);
   if (ends.start != problem.start)
     context.statistics.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
-  const std::string why = invalidity(context, ends.start);
+  const std::string why = invalidity(context.checks.checker(), ends.start, context.checks.workspace());
   if (why.empty()) return;
   if (!context.common.escape_start || context.robot.limit_violation(ends.start))
     throw PlanningError(Status::start_invalid, "the start is invalid: " + why);
@@ -56,7 +46,7 @@ std::vector<Eigen::VectorXd> configurations(const PlanContext& context, const Ei
                                             const GoalConstraint& goal, const Eigen::VectorXd& target,
                                             std::string& why) {
   const RobotModel& robot = context.robot;
-  if (goal.type == GoalType::joints) return {robot.clamped(target, start_mercy)};
+  if (goal.type == GoalType::joints) return {robot.clamped(target, limit_mercy)};
   auto [in_base, options] = ik_goal(goal, target, *context.problem.placed);
   options.max_solutions = context.common.ik_solutions;
   auto found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
@@ -80,7 +70,7 @@ void find_targets(PlanContext& context, PlanEnds& ends) {
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
       for (Eigen::VectorXd& q : configurations(context, ends.start, goal, target, why)) {
-        const std::string invalid = invalidity(context, q);
+        const std::string invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
         if (invalid.empty()) {
           ends.targets.push_back(std::move(q));
           ends.goal_indices.push_back(index);

@@ -1,0 +1,54 @@
+#include "srmp/planner/multi_arm/certify_together.hpp"
+
+#include "srmp/planner/post_process.hpp"
+#include "srmp/planner/verify.hpp"
+#include "srmp/trajectory/certify.hpp"
+#include "srmp/trajectory/prove_apart.hpp"
+
+namespace srmp {
+
+namespace {
+
+Certificate certify_alone(const Checker& judge, const MultiRobotPart& part, const Trajectory& motion,
+                          const CommonOptions& options, const Deadline& until) {
+  Certificate certificate = certify(numbered(motion), judge, scaled(part.limits, options),
+                                    {.limits = motion.timed(), .jerk = options.timing == "ruckig", .deadline = &until});
+  if (part.goal.type != GoalType::aside)
+    certificate.goal_error = goal_miss({part.goal}, judge, motion.positions.bottomRows(1).transpose()).error;
+  return certificate;
+}
+
+}  // namespace
+
+std::vector<Certificate> certify_together(const ArmCheckers& judges, const std::vector<MovingPart>& moving,
+                                          const CommonOptions& options, const Deadline& until) {
+  std::vector<Certificate> certificates;
+  for (const auto& [robot, part, motion] : moving)
+    certificates.push_back(part ? certify_alone(judges.alone(robot), *part, motion, options, until) : Certificate{});
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    for (std::size_t j = i + 1; j < moving.size(); ++j)
+      certify_pair(judges, moving[i], certificates[i], moving[j], certificates[j], until);
+  return certificates;
+}
+
+bool certify_pair(const ArmCheckers& judges, const MovingPart& a, Certificate& of_a, const MovingPart& b,
+                  Certificate& of_b, const Deadline& until) {
+  if (a.robot > b.robot) return certify_pair(judges, b, of_b, a, of_a, until);
+  const Checker* judge = judges.pair(a.robot, b.robot);
+  if (!judge || (!a.part && !b.part)) return true;
+  const MotionProof proof = prove_apart(*judge, numbered(a.motion), numbered(b.motion), {0.5, &until});
+  if (a.part) add_proof(of_a, proof);
+  if (b.part) add_proof(of_b, seen_from_companion(proof, *judge, judges.names()[b.robot]));
+  return proof.free && proof.unproved.empty();
+}
+
+void seal(Trajectory& motion, Certificate certificate, const std::string& robot, const PlanStatistics& statistics) {
+  if (!certificate.holds())
+    throw Error("internal error: the trajectory found for '" + robot + "' is wrong (" +
+                certificate.faults.front().text + "); nothing is returned. Please report this");
+  certificate.bound = statistics.bound;
+  certificate.bound_graph = statistics.bound_graph;
+  motion.certificate = std::make_shared<const Certificate>(std::move(certificate));
+}
+
+}  // namespace srmp

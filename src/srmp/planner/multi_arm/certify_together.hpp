@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "srmp/planner/multi_arm/multi_robot.hpp"
+
+namespace srmp {
+
+/// A robot's motion on the clock of the others.
+struct MovingPart {
+  std::size_t robot;           ///< its number among the judges
+  const MultiRobotPart* part;  ///< null: it is committed, and needs no certificate
+  const Trajectory& motion;
+};
+
+/// Certificates of robots that move together, by judges that know all of them: each by itself, and each two against
+/// each other. In their order, without bounds; those of committed robots are empty. Once the deadline passes, what is
+/// not proved yet goes to Certificate::sampled. References outlive the call.
+std::vector<Certificate> certify_together(const ArmCheckers& judges, const std::vector<MovingPart>& moving,
+                                          const CommonOptions& options, const Deadline& until);
+
+/// Adds to both certificates what the two do to each other; false: they are not proved apart.
+bool certify_pair(const ArmCheckers& judges, const MovingPart& a, Certificate& of_a, const MovingPart& b,
+                  Certificate& of_b, const Deadline& until);
+
+/// Gives it to the motion, with the bound of the plan. Throws Error when it does not hold: what was planned is wrong.
+void seal(Trajectory& motion, Certificate certificate, const std::string& robot, const PlanStatistics& statistics);
+
+}  // namespace srmp
