@@ -478,7 +478,7 @@ std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTra
   for (const auto& [name, motion] : options.obstacles)
     if (!motions.emplace(name, motion).second)
       throw InvalidArgument("robot '" + name + "' has a trajectory to verify and is an obstacle too");
-  const MotionsTogether together(impl_->scene, motions);
+  MotionsTogether together(impl_->scene, motions, options.tightness);
   std::map<std::string, Certificate> certificates;
   for (const auto& [name, motion] : trajectory.robots)
     certificates.emplace(name, together.verify(name, impl_->limits_of(name), impl_->verify_options(name, options)));

@@ -89,11 +89,7 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
   if (options.start) robot.require_configuration(*options.start, "start of '" + robot.name() + "'");
   Certificate certificate = certify(trajectory, checker, options.limits.value_or(limits),
                                     {.jerk = options.jerk, .tightness = options.tightness});
-  const bool readable = std::none_of(certificate.faults.begin(), certificate.faults.end(), [](const Fault& fault) {
-    return fault.kind == FaultKind::joint_names || fault.kind == FaultKind::shape ||
-           fault.kind == FaultKind::not_finite || fault.kind == FaultKind::times;
-  });
-  if (!readable) return certificate;
+  if (unreadable(trajectory, robot)) return certificate;
   if (options.start) check_start(trajectory, robot, *options.start, certificate);
   if (!options.goals.empty()) check_goal(trajectory, checker, options.goals, certificate);
   if (options.max_deviation && certificate.deviation > *options.max_deviation + rounding)

@@ -31,30 +31,22 @@ struct Worst {
   }
 };
 
-class Certifier {
+/// Is it a trajectory of this robot, of which claims can be made?
+class Reader {
  public:
-  Certifier(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
-            const CertifyOptions& options)
-      : t_(trajectory), checker_(checker), robot_(checker.robot()), limits_(limits), options_(options) {}
+  Reader(const Trajectory& trajectory, const RobotModel& robot) : t_(trajectory), robot_(robot) {}
 
-  Certificate run() {
-    result_.limits = limits_;
-    if (names_agree() && shapes_agree() && numbers_are_finite() && times_increase() && polynomials_are_finite()) {
-      check_limits();
-      check_rest();
-      check_deviation();
-      if (options_.collisions) check_collisions();
-    }
-    return std::move(result_);
+  std::optional<Fault> run() {
+    if (names_agree() && shapes_agree() && numbers_are_finite() && times_increase() && polynomials_are_finite())
+      return std::nullopt;
+    return fault_;
   }
 
  private:
   bool fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
-    result_.faults.push_back({kind, text, time});
+    fault_ = {kind, text, time};
     return false;
   }
-
-  // --- is it a trajectory of this robot?
 
   bool names_agree() {
     const std::vector<std::string>& names = robot_.joint_names();
@@ -104,8 +96,6 @@ class Certifier {
     return true;
   }
 
-  // --- limits
-
   /// Rows too near in time, or too fast: no claim could be made of such a motion.
   bool polynomials_are_finite() {
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
@@ -121,6 +111,38 @@ class Certifier {
       }
     return true;
   }
+
+  const Trajectory& t_;
+  const RobotModel& robot_;
+  Fault fault_;
+};
+
+class Certifier {
+ public:
+  Certifier(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
+            const CertifyOptions& options)
+      : t_(trajectory), checker_(checker), robot_(checker.robot()), limits_(limits), options_(options) {}
+
+  Certificate run() {
+    result_.limits = limits_;
+    if (const auto why = unreadable(t_, robot_)) {
+      result_.faults.push_back(*why);
+      return std::move(result_);
+    }
+    check_limits();
+    check_rest();
+    check_deviation();
+    if (options_.collisions) check_collisions();
+    return std::move(result_);
+  }
+
+ private:
+  bool fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
+    result_.faults.push_back({kind, text, time});
+    return false;
+  }
+
+  // --- limits
 
   void check_limits() {
     for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) check_limits_of(j);
@@ -312,6 +334,10 @@ class Certifier {
 };
 
 }  // namespace
+
+std::optional<Fault> unreadable(const Trajectory& trajectory, const RobotModel& robot) {
+  return Reader(trajectory, robot).run();
+}
 
 void add_proof(Certificate& certificate, const MotionProof& proof) {
   if (proof.clearance < certificate.clearance || certificate.body_a.empty()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/motion_proof.hpp"
@@ -20,10 +21,14 @@ struct CertifyOptions {
   const Deadline* deadline{};  ///< once it passes, what is not proved yet goes to Certificate::sampled; null: none
 };
 
+/// Why a trajectory cannot be looked over: joint names, arrays that do not fit together, numbers that are not finite or
+/// polynomials that overflow, times that do not increase. None: it can.
+std::optional<Fault> unreadable(const Trajectory& trajectory, const RobotModel& robot);
+
 /// Looks a trajectory over, whoever made it, by code that plans nothing: the polynomials' extrema against every limit
 /// (to 1e-6 of it, or to what rounded positions let be known), the motion against everything that it could hit
-/// (prove_motion), and its distance from its waypoints. Faults are found, not thrown; a trajectory whose arrays do not
-/// fit together, or whose joints are not the robot's, is not looked at further. Best with a checker of CheckMode::coal,
+/// (prove_motion), and its distance from its waypoints. Faults are found, not thrown; a trajectory that is
+/// unreadable is not looked at further. Best with a checker of CheckMode::coal,
 /// which has nothing in common with the one that planned.
 Certificate certify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
                     const CertifyOptions& options = {});

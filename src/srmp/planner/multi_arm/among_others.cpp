@@ -18,20 +18,13 @@ Checker without(const Scene& scene, const std::string& robot, const Motions& oth
   return Checker(scene, robot, options);
 }
 
-void add_proof_against(const std::string& other, const Trajectory& its, const Scene& scene, const std::string& robot,
-                       const Trajectory& motion, const ProofOptions& options, Certificate& certificate) {
-  const Checker judge(scene, robot, {.mode = CheckMode::coal, .companions = {other}, .companions_only = true});
-  add_proof(certificate, prove_apart(judge, motion, its, options));
+Checker beside(const Scene& scene, const std::string& robot, const std::string& other) {
+  return Checker(scene, robot, {.mode = CheckMode::coal, .companions = {other}, .companions_only = true});
 }
 
 /// Why a motion cannot be held against others; nothing: it can.
-std::optional<Fault> unfitness(const Trajectory& motion, const Checker& checker) {
-  const Certificate certificate =
-      certify(motion, checker, default_limits(checker.robot()), {.limits = false, .collisions = false});
-  for (const Fault& fault : certificate.faults)
-    if (fault.kind == FaultKind::joint_names || fault.kind == FaultKind::shape || fault.kind == FaultKind::not_finite ||
-        fault.kind == FaultKind::times)
-      return fault;
+std::optional<Fault> unfitness(const Trajectory& motion, const RobotModel& robot) {
+  if (auto fault = unreadable(motion, robot)) return fault;
   const double begin = motion.times[0];
   if (begin == 0.0) return std::nullopt;
   const std::string text = "the trajectory begins at " + to_text(begin) + " s; motions on one clock begin at time 0";
@@ -44,20 +37,28 @@ Certificate certify_among(const Scene& scene, const std::string& robot, const Tr
                           const MotionLimits& limits, const CertifyOptions& options) {
   Certificate certificate = certify(motion, without(scene, robot, others), limits, options);
   for (const auto& [name, other] : others)
-    add_proof_against(name, other, scene, robot, motion, {options.tightness, options.deadline}, certificate);
+    add_proof(certificate,
+              prove_apart(beside(scene, robot, name), motion, other, {options.tightness, options.deadline}));
   return certificate;
 }
 
-MotionsTogether::MotionsTogether(const Scene& scene, const Motions& motions) : scene_(scene), motions_(motions) {
+MotionsTogether::MotionsTogether(const Scene& scene, const Motions& motions, double tightness)
+    : scene_(scene), motions_(motions), tightness_(tightness) {
   for (const auto& [name, motion] : motions)
-    if (const auto fault = unfitness(motion, Checker(scene, name, {.mode = CheckMode::coal})))
-      unfit_.emplace(name, *fault);
+    if (const auto fault = unfitness(motion, *scene.robot(name).model)) unfit_.emplace(name, *fault);
+}
+
+const MotionProof& MotionsTogether::proof(const std::string& robot, const std::string& other) {
+  if (const auto known = proofs_.find({robot, other}); known != proofs_.end()) return known->second;
+  const Checker judge = beside(scene_, robot, other);
+  const MotionProof proof = prove_apart(judge, motions_.at(robot), motions_.at(other), {.tightness = tightness_});
+  proofs_.emplace(std::pair(other, robot), seen_from_companion(proof, judge, other));
+  return proofs_.emplace(std::pair(robot, other), proof).first->second;
 }
 
 Certificate MotionsTogether::verify(const std::string& robot, const MotionLimits& limits,
-                                    const VerifyOptions& options) const {
-  const Trajectory& motion = motions_.at(robot);
-  Certificate certificate = srmp::verify(motion, without(scene_, robot, motions_), limits, options);
+                                    const VerifyOptions& options) {
+  Certificate certificate = srmp::verify(motions_.at(robot), without(scene_, robot, motions_), limits, options);
   if (!certificate.collisions_checked) return certificate;
   if (const auto unfit = unfit_.find(robot); unfit != unfit_.end()) {
     certificate.faults.push_back(unfit->second);
@@ -69,7 +70,7 @@ Certificate MotionsTogether::verify(const std::string& robot, const MotionLimits
       const Fault& its = unfit->second;
       certificate.faults.push_back({its.kind, "'" + name + "' cannot be kept clear of: " + its.text, its.time});
     } else {
-      add_proof_against(name, other, scene_, robot, motion, {.tightness = options.tightness}, certificate);
+      add_proof(certificate, proof(robot, name));
     }
   }
   return certificate;

@@ -5,6 +5,7 @@
 
 #include "srmp/planner/verify.hpp"
 #include "srmp/scene/scene.hpp"
+#include "srmp/trajectory/prove_apart.hpp"
 
 namespace srmp {
 
@@ -19,15 +20,21 @@ Certificate certify_among(const Scene& scene, const std::string& robot, const Tr
 /// verify of any motions.
 class MotionsTogether {
  public:
-  /// By robot name; references outlive this. Throws InvalidArgument for a robot that is not in the scene.
-  MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions);
+  /// By robot name; references outlive this. `tightness`: of proofs of two, VerifyOptions::tightness. Throws
+  /// InvalidArgument for a robot that is not in the scene.
+  MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions, double tightness);
 
   /// Of one of the robots. A motion of another one that cannot be read, or does not begin at time 0, is a fault too.
-  Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options) const;
+  Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options);
 
  private:
+  /// Of two robots, as the first one's judge names the bodies; made once for both.
+  const MotionProof& proof(const std::string& robot, const std::string& other);
+
   const Scene& scene_;
   const std::map<std::string, Trajectory>& motions_;
+  double tightness_;
+  std::map<std::pair<std::string, std::string>, MotionProof> proofs_;
   std::map<std::string, Fault> unfit_;  // why a motion cannot be held against others
 };
 
