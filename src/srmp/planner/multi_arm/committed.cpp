@@ -333,6 +333,15 @@ class PlanAround {
   std::unique_ptr<OneByOne> one_by_one_;         // if it comes to that
 };
 
+/// Costs of motions that were found, but are not returned.
+void forget_motions(PlanStatistics& statistics) {
+  statistics.path_cost_rad = statistics.search_cost_rad = statistics.bound = 0.0;
+  statistics.makespan_s = statistics.flow_time_s = 0.0;
+  statistics.bound_graph.clear();
+  statistics.solutions.clear();
+  for (auto& [robot, cost] : statistics.robot_cost_rad) cost = 0.0;
+}
+
 }  // namespace
 
 void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& starts,
@@ -375,6 +384,7 @@ MultiTrajectory plan_around(const MultiRobotProblem& problem, const std::map<std
     statistics.total_time_s = deadline.elapsed();
     return result;
   } catch (const PlanningError& error) {
+    forget_motions(statistics);
     note_failure(error, deadline, statistics);
     throw;
   }
