@@ -91,7 +91,9 @@ nb::dict to_dict(const PlanStatistics& statistics) {
   return d;
 }
 
-void bind_plan_many(nb::module_& m) {
+namespace {
+
+void bind_plan_request(nb::module_& m) {
   nb::class_<PlanRequest> request(m, "PlanRequest", "One plan of PlannerInterface.plan_many.");
   request
       .def(
@@ -132,7 +134,9 @@ void bind_plan_many(nb::module_& m) {
         if (!state[3].is_none()) r.options = parse_options(to_option_map(state[3]));
         return r;
       });
+}
 
+void bind_multi_plan_request(nb::module_& m) {
   nb::class_<MultiPlanRequest> multi(m, "MultiPlanRequest", "One question to PlannerInterface.plan_multi.");
   multi
       .def(
@@ -178,7 +182,13 @@ void bind_plan_many(nb::module_& m) {
                                 nb::cast<std::map<std::string, nb::object>>(state[1]),
                                 nb::cast<std::map<std::string, Trajectory>>(state[2]));
       });
+}
 
+}  // namespace
+
+void bind_plan_many(nb::module_& m) {
+  bind_plan_request(m);
+  bind_multi_plan_request(m);
   bind_result<Trajectory>(m, "PlanResult", "What became of one request of PlannerInterface.plan or plan_many.",
                           "The Trajectory. Raises PlanningError with status and reason unless solved.");
   bind_result<MultiTrajectory>(m, "MultiPlanResult", "What became of a request of PlannerInterface.plan_multi.",

@@ -61,19 +61,25 @@ def verify(
     )
 
 
-def load_many(path: str | os.PathLike[str], package_dirs: Sequence[str]) -> srmp.PlannerInterface | None:
-    """A problem file whose last plan was a plan_multi; None: another file. Raises FileError when it has no answer."""
+def load_answer(
+    path: str | os.PathLike[str], package_dirs: Sequence[str], *, solved: bool = False
+) -> srmp.PlannerInterface:
+    """A problem file with a question and what became of it: a trajectory, if solved. Raises FileError without one."""
+    world = _srmp.PlannerInterface.load(path, package_dirs=list(package_dirs))
+    if world.last_request is None or world.last_result is None:
+        raise _srmp.FileError(f"{path}: it holds no answer to a question; save after plan, before any change")
+    if solved and not world.last_result.solved:
+        raise _srmp.FileError(f"{path}: it holds no trajectory: the plan ended with {world.last_result.status.name}")
+    return world
+
+
+def is_of_many(path: str | os.PathLike[str]) -> bool:
+    """A problem file whose last question was for plan_multi? Of no other file anything more is asked here."""
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
-        many = content["format"] == "srmp problem" and "starts" in content["request"]
+        return content["format"] == "srmp problem" and "starts" in content["request"]
     except (ValueError, KeyError, TypeError):
-        return None  # whoever reads it says what it is
-    if not many:
-        return None
-    world = _srmp.PlannerInterface.load(path, package_dirs=list(package_dirs))
-    if world.last_result is None or not world.last_result.solved:
-        raise _srmp.FileError(f"{path}: it holds no trajectory: nothing was planned, or without success")
-    return world
+        return False  # whoever reads it says what it is
 
 
 def verify_many(

@@ -231,11 +231,12 @@ def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
     Exits with 1 when it is not, and says where it differs first.
     """
     from srmp._replay import ask, first_difference
+    from srmp._verify import load_answer
 
-    world = srmp.PlannerInterface.load(problem, package_dirs=list(package_dirs))
+    world = load_answer(problem, package_dirs)
     before, request = world.last_result, world.last_request
-    if request is None or before is None:
-        raise srmp.FileError(f"{problem}: it holds no answer to compare with; save after plan, before any change")
+    assert before is not None
+    assert request is not None
     with contextlib.suppress(srmp.PlanningError):
         ask(world, request)
     now = world.last_result
@@ -279,12 +280,12 @@ def verify(
     """
     from srmp import _verify
 
-    many = _verify.load_many(plan, package_dirs)
-    if many is not None:
+    if _verify.is_of_many(plan):
         for_one = {"--scene": scene, "--urdf": urdf, "--robot": robot, "--request": request_path}
         for_one |= {"--srdf": srdf, "--end-effector": end_effector, "--group": group, "--joint-limits": joint_limits}
         if given := [option for option, value in for_one.items() if value]:
             raise click.UsageError(f"{given[0]} is for one robot; {plan} holds a plan_multi, which says all itself.")
+        many = _verify.load_answer(plan, package_dirs, solved=True)
         return _print_certificates(_verify.verify_many(many, jerk=jerk, max_deviation=max_deviation))
     trajectory = srmp.Trajectory.load(plan)
     request = srmp.load_moveit_request(request_path) if request_path else None

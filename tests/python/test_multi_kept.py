@@ -155,13 +155,17 @@ def test_without_an_answer_the_reason_is_kept(world, request_, tmp_path):
     loaded = srmp.PlannerInterface.load(tmp_path / "p.json")
     assert loaded.last_result == world.last_result
     assert loaded.last_result.status == srmp.Status.start_invalid
+    costs = loaded.get_planning_stats()["robot_cost_rad"]
+    assert costs == world.get_planning_stats()["robot_cost_rad"] == dict.fromkeys(costs, 0)
+    assert costs
+    assert "holder" not in costs
     with pytest.raises(srmp.PlanningError, match="'holder': the start is invalid"):
         _ = loaded.last_result.trajectory
     result = run("replay", tmp_path / "p.json")
     assert (result.exit_code, result.output) == (0, "the same: start_invalid\n")
     result = run("verify", tmp_path / "p.json")
     assert result.exit_code == 2
-    assert result.output.strip().endswith("it holds no trajectory: nothing was planned, or without success")
+    assert result.output.strip().endswith("it holds no trajectory: the plan ended with start_invalid")
 
 
 def test_the_last_one_counts(world, request_):
