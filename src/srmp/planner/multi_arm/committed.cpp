@@ -54,11 +54,12 @@ class PlanAround {
       one_by_one().require_ends();
     else
       begin_together();
-    if (refused_)
+    if (refused_) {
       plan_one_by_one();
-    else
+    } else {
       certify();
-    if (!refused_ && late()) try_sooner();
+      if (late()) try_sooner();
+    }
     return std::move(planned_);
   }
 

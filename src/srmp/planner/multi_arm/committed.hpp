@@ -19,7 +19,8 @@ void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& s
 /// Among robots that move as they are committed to. First plan_multi_robot among those robots where their motions end,
 /// as they stand in the problem's scene; its motions are begun together as soon as the others let them pass, in steps
 /// of 0.1 s, and rest at their starts until then. Where that fails, or ends much later than with no wait, one robot
-/// after the other is planned in time (plan_in_time.hpp), around the committed motions and the robots before it.
+/// after the other is planned in time (plan_in_time.hpp), around the committed motions and the robots before it;
+/// motions that end late are proved first, and stay if no others are found and proved in the time that is left.
 ///
 /// Every motion returned is proved apart from the committed ones, between rows too, and the certificates cover them.
 /// `starts` names the robots that hold as well; `quick`: for checkers that plan.
