@@ -38,6 +38,7 @@ STATISTICS = (
     *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
 )
 PROFILES = ("times", "positions", "velocities", "accelerations")
+COSTS = ("path_cost_rad", "straight_cost_rad", "ee_cost_m")
 _Problem = TypeVar("_Problem")
 Progress: TypeAlias = Callable[[Sequence[_Problem]], contextlib.AbstractContextManager[Iterator[_Problem]]]
 
@@ -238,9 +239,10 @@ class Runner:
         row.update((key, stats[key]) for key in STATISTICS)
         row["joint_names"] = planner.get_joint_names(self._files.name)
         if trajectory is None:
-            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "bound", "certificate", *PROFILES)))
+            row.update(dict.fromkeys(("path", *COSTS, "bound", "certificate", *PROFILES)))
             return row
         row["path"] = trajectory.waypoints
+        row["straight_cost_rad"] = straight_length(planner, self._files.name, trajectory.waypoints)
         row["path_cost_rad"] = stats["path_cost_rad"]
         row["ee_cost_m"] = end_effector_length(planner, self._files.name, trajectory.waypoints)
         row["bound"] = stats["bound"]
@@ -255,6 +257,14 @@ def certificate_row(certificate: srmp.Certificate | None) -> dict[str, Any] | No
         return None
     kept = ("holds", "proved_free", "clearance", "clearance_proved", "deviation", "goal_error")
     return {name: getattr(certificate, name) for name in kept}
+
+
+def straight_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
+    """Straight from the path's start to its end, continuous joints by the short way: no path is shorter [rad]."""
+    way = path[-1] - path[0]
+    continuous = np.isinf(planner.get_joint_limits(robot)).all(axis=1)
+    way[continuous] = (way[continuous] + np.pi) % (2 * np.pi) - np.pi
+    return float(np.linalg.norm(way))
 
 
 def end_effector_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
@@ -357,6 +367,7 @@ class ScenarioStatistics:
     time_p95: float
     time_max: float
     mean_cost_rad: float
+    mean_straight_cost_rad: float
     mean_ee_cost_m: float
     after_median: float
     """Time for timing and certificate."""
@@ -376,6 +387,7 @@ def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatist
     valid = [row for row in rows if row["status"] not in ("start_invalid", "goal_invalid")]
     times = np.array([row["plan_time_s"] for row in solved]) if solved else np.array([math.nan])
     costs = [row["path_cost_rad"] for row in solved] or [math.nan]
+    straight = [row.get("straight_cost_rad", math.nan) for row in solved] or [math.nan]
     lengths = [row["ee_cost_m"] for row in solved] or [math.nan]
     after = [row.get("total_time_s", math.nan) - row["plan_time_s"] for row in solved] or [math.nan]
     return ScenarioStatistics(
@@ -388,6 +400,7 @@ def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatist
         time_p95=float(np.percentile(times, 95)),
         time_max=float(np.max(times)),
         mean_cost_rad=float(np.mean(costs)),
+        mean_straight_cost_rad=float(np.mean(straight)),
         mean_ee_cost_m=float(np.mean(lengths)),
         after_median=float(np.median(after)),
         proved=sum(bool(c and c["holds"] and c["proved_free"]) for c in (row.get("certificate") for row in solved)),
@@ -395,7 +408,7 @@ def _statistics(name: str, rows: Sequence[Mapping[str, Any]]) -> ScenarioStatist
 
 
 COLUMNS = (
-    *("scenario", "solved/valid/total", "median", "mean", "p95", "max", "cost [rad]", "end effector [m]"),
+    *("scenario", "solved/valid/total", "median", "mean", "p95", "max", "cost [rad]", "straight", "end effector [m]"),
     *("timing + proof", "proved"),
 )
 
@@ -408,6 +421,7 @@ def cells(entry: ScenarioStatistics) -> list[str]:
         f"{entry.solved}/{entry.valid}/{entry.total}",
         *("–" if math.isnan(time) else format_seconds(time) for time in times),
         "–" if math.isnan(entry.mean_cost_rad) else f"{entry.mean_cost_rad:.2f}",
+        "–" if math.isnan(entry.mean_straight_cost_rad) else f"{entry.mean_straight_cost_rad:.2f}",
         "–" if math.isnan(entry.mean_ee_cost_m) else f"{entry.mean_ee_cost_m:.2f}",
         "–" if math.isnan(entry.after_median) else format_seconds(entry.after_median),
         str(entry.proved),

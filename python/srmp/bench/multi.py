@@ -55,7 +55,8 @@ class Runner:
         stats = self._planner.get_planning_stats()
         row.update((key, stats.get(key)) for key in _STATISTICS)  # of a refused question: fewer
         row["robots"] = {name: self._robot_row(name, problem, stats, trajectory) for name in problem.starts}
-        row["ee_cost_m"] = None if trajectory is None else sum(robot["ee_cost_m"] for robot in row["robots"].values())
+        for cost in ("straight_cost_rad", "ee_cost_m"):
+            row[cost] = None if trajectory is None else sum(robot[cost] for robot in row["robots"].values())
         row["certificate"] = _joint_certificate([robot["certificate"] for robot in row["robots"].values()])
         return row
 
@@ -68,11 +69,12 @@ class Runner:
             "goal": problem.goals[name],
         }
         if found is None:
-            row.update(dict.fromkeys(("path", "path_cost_rad", "ee_cost_m", "certificate", *mbm.PROFILES)))
+            row.update(dict.fromkeys(("path", *mbm.COSTS, "certificate", *mbm.PROFILES)))
             return row
         trajectory = found[name]
         row["path"] = trajectory.waypoints
         row["path_cost_rad"] = stats["robot_cost_rad"][name]
+        row["straight_cost_rad"] = mbm.straight_length(self._planner, name, trajectory.waypoints)
         row["ee_cost_m"] = mbm.end_effector_length(self._planner, name, trajectory.waypoints)
         row["certificate"] = _certificate(trajectory)
         row.update((profile, getattr(trajectory, profile)) for profile in mbm.PROFILES)
