@@ -66,8 +66,12 @@ class Rules {
   bool matters(const Body& a, const Body& b) {
     if (a.member != 0 && b.member != 0) return false;
     if (companions_only_ && (a.member == b.member || a.member < 0 || b.member < 0)) return false;
+    const bool same_robot = a.member == b.member && a.kind == BodyKind::link && b.kind == BodyKind::link;
+    if (by_model_alone(a, b))
+      return !same_robot || is_self_pair(group_.model(static_cast<std::size_t>(a.member)),
+                                         static_cast<std::size_t>(a.member), a.source, b.source);
     if (allowed(a.name_id, b.name_id)) return false;
-    if (a.member != b.member || a.kind != BodyKind::link || b.kind != BodyKind::link) return true;
+    if (!same_robot) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
     const RobotModel& model = group_.model(static_cast<std::size_t>(a.member));
     return is_self_pair(model, static_cast<std::size_t>(a.member), a.source, b.source) ||
@@ -76,6 +80,12 @@ class Rules {
 
  private:
   static constexpr char unknown = 2;
+
+  /// Nothing in the scene speaks of the two: most pairs of most scenes.
+  bool by_model_alone(const Body& a, const Body& b) const {
+    return scene_.allowed_settings().empty() && a.kind != BodyKind::attached_object &&
+           b.kind != BodyKind::attached_object;
+  }
 
   bool is_self_pair(const RobotModel& model, std::size_t member, std::size_t a, std::size_t b) {
     std::vector<char>& table = self_pairs_[member];
