@@ -227,6 +227,30 @@ BOOST_AUTO_TEST_CASE(straight_motions_are_judged_as_the_checker_does) {
   BOOST_TEST(free < 900);
 }
 
+BOOST_AUTO_TEST_CASE(velocities_that_jump_at_every_row_make_straight_motions_too) {
+  const Scene scene = crowd(arm7(), 3, 5, "arm7_hand");
+  const Checker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const auto workspace = checker.make_workspace();
+  Dice dice(23);
+  int free = 0;
+  for (int i = 0; i < 200; ++i) {
+    Trajectory t = random_walk(dice, checker, 8, 0.05);
+    t.velocities.resize(0, 7);
+    RowMatrix departures = RowMatrix::Zero(8, 7), arrivals = departures;
+    for (Eigen::Index row = 0; row + 1 < 8; ++row)
+      departures.row(row) = arrivals.row(row + 1) =
+          (t.positions.row(row + 1) - t.positions.row(row)) / (t.times[row + 1] - t.times[row]);
+    const MotionProof expected = prove(checker, t, *workspace);
+    const MotionProof proof = prove_motion(checker, {t.times, t.positions, departures, &arrivals}, *workspace);
+    free += proof.free;
+    BOOST_TEST(proof.free == expected.free);
+    if (!proof.free) continue;
+    BOOST_TEST(proof.unproved.size() == expected.unproved.size());
+    BOOST_TEST(std::abs(proof.clearance - expected.clearance) < gjk);
+  }
+  BOOST_TEST((free > 20 && free < 180));
+}
+
 // --- cases that can be worked out by hand
 
 BOOST_AUTO_TEST_CASE(the_clearance_is_where_the_tip_passes_the_ball) {
@@ -258,6 +282,21 @@ BOOST_AUTO_TEST_CASE(velocities_bend_the_way_into_a_ball_that_the_rows_pass_by) 
   BOOST_TEST((proof.time > 0.2 && proof.time < 0.8));
   t.velocities *= 0.5;  // to 0.25: 0.47 m from the ball's middle
   BOOST_TEST(prove(world.checker, t, *world.workspace).unproved.empty());
+}
+
+BOOST_AUTO_TEST_CASE(what_arrives_faster_than_it_leaves_bends_the_way_before_the_row) {
+  const Beside world(at(1.9, 0, 0));
+  const Eigen::VectorXd times = Eigen::Vector3d(0, 1, 2);
+  const RowMatrix positions{{0.5, 0}, {0.5, 0}, {0.5, 0}}, rest = RowMatrix::Zero(3, 2);
+  const auto proof = [&](double speed) {
+    const RowMatrix arrivals{{0, 0}, {speed, 0}, {0, 0}};  // a dip of 4/27 of it
+    return prove_motion(world.checker, {times, positions, rest, &arrivals}, *world.workspace);
+  };
+  BOOST_TEST(proof(0.0).unproved.empty());
+  BOOST_TEST(proof(-3.0).unproved.empty());  // away from the ball
+  const MotionProof touching = proof(3.4);
+  BOOST_TEST(!touching.free);
+  BOOST_TEST((touching.time > 0.3 && touching.time < 1.0));
 }
 
 BOOST_AUTO_TEST_CASE(a_thin_foil_between_two_of_a_hundred_rows_is_found) {

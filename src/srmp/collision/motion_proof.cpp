@@ -57,7 +57,9 @@ class Pieces {
     const double a = motion_.positions(piece, joint), b = motion_.positions(piece + 1, joint);
     if (motion_.velocities.rows() == 0) return {a, a + (b - a) / 3.0, b - (b - a) / 3.0, b};
     const double third = (motion_.times[piece + 1] - motion_.times[piece]) / 3.0;
-    return {a, a + third * motion_.velocities(piece, joint), b - third * motion_.velocities(piece + 1, joint), b};
+    const double arrival =
+        motion_.arrivals ? (*motion_.arrivals)(piece + 1, joint) : motion_.velocities(piece + 1, joint);
+    return {a, a + third * motion_.velocities(piece, joint), b - third * arrival, b};
   }
 
   /// The polynomial's coefficient for the arguments r, s, t (its polar form).
@@ -360,6 +362,9 @@ void require_motion(const CubicMotion& motion, std::size_t dof) {
   if (motion.velocities.rows() > 0 && motion.velocities.cols() != motion.positions.cols())
     throw InvalidArgument("motion: its velocities have " + std::to_string(motion.velocities.cols()) +
                           " joints, but its positions " + std::to_string(motion.positions.cols()));
+  if (motion.arrivals &&
+      (motion.arrivals->rows() != motion.velocities.rows() || motion.arrivals->cols() != motion.velocities.cols()))
+    throw InvalidArgument("motion: its arrivals have not the shape of its velocities");
   const auto require_finite = [](bool finite) {
     if (!finite) throw InvalidArgument("motion: it holds NaN, infinity or numbers that overflow");
   };
@@ -369,8 +374,11 @@ void require_motion(const CubicMotion& motion, std::size_t dof) {
     if (motion.times[i] <= motion.times[i - 1])
       throw InvalidArgument("motion: time " + std::to_string(i) + " is " + to_text(motion.times[i]) +
                             " s, not after the one before (" + to_text(motion.times[i - 1]) + " s)");
-  for (Eigen::Index i = 1; i < motion.velocities.rows(); ++i)
-    require_finite(small((motion.times[i] - motion.times[i - 1]) * motion.velocities.middleRows(i - 1, 2)));
+  for (Eigen::Index i = 1; i < motion.velocities.rows(); ++i) {
+    const double duration = motion.times[i] - motion.times[i - 1];
+    require_finite(small(duration * motion.velocities.middleRows(i - 1, 2)));
+    if (motion.arrivals) require_finite(small(duration * motion.arrivals->row(i)));
+  }
 }
 
 }  // namespace

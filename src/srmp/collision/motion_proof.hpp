@@ -14,6 +14,9 @@ struct CubicMotion {
   const Eigen::VectorXd& times;  ///< n [s], strictly increasing
   ConstRows positions;           ///< n x dof [rad or m]
   ConstRows velocities;          ///< n x dof, or no rows
+  /// Where velocities jump at rows: those with which each row is reached, n x dof; `velocities` are those with which it
+  /// is left. Null: they are the same.
+  const RowMatrix* arrivals{};
 };
 
 struct MotionProof {

@@ -1,56 +1,34 @@
 #include "srmp/trajectory/prove_apart.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <set>
 #include <vector>
 
 namespace srmp {
 
 namespace {
 
-/// Where a robot is at a time in [from, to], during which its velocity does not jump.
-void copy_state(const Trajectory& motion, double time, double from, double to, Eigen::Ref<Eigen::RowVectorXd> position,
-                Eigen::Ref<Eigen::RowVectorXd> velocity) {
-  position = motion.sample(time).transpose();
-  if (from >= end_of(motion))
-    velocity.setZero();
-  else if (motion.velocities.rows() > 0)
-    velocity = motion.state(time).velocity.transpose();
-  else
-    velocity = (motion.sample(to) - motion.sample(from)).transpose() / (to - from);
+std::vector<double> rows_of_both(const Trajectory& a, const Trajectory& b) {
+  std::vector<double> times{0.0};
+  for (const Trajectory* motion : {&a, &b}) times.insert(times.end(), motion->times.begin(), motion->times.end());
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
 }
 
-/// The times between which no velocity jumps: at its end a robot rests, without velocities it turns at every row.
-std::vector<double> jumps(const Trajectory& a, const Trajectory& b) {
-  std::set<double> times{0.0};
-  for (const Trajectory* motion : {&a, &b}) {
-    times.insert(end_of(*motion));
-    if (motion->velocities.rows() == 0) times.insert(motion->times.begin(), motion->times.end());
+/// Fills a motion's columns. Between two of the times it follows one polynomial, or rests after its own end.
+void copy_columns(const Trajectory& motion, const Eigen::VectorXd& times, Eigen::Ref<RowMatrix> positions,
+                  Eigen::Ref<RowMatrix> departures, Eigen::Ref<RowMatrix> arrivals) {
+  const bool straight = motion.velocities.rows() == 0;
+  for (Eigen::Index i = 0; i < times.size(); ++i) {
+    const MotionState here = motion.state(times[i]);
+    positions.row(i) = here.position.transpose();
+    const bool reached = i > 0 && times[i - 1] < end_of(motion);
+    if (reached && straight)
+      arrivals.row(i) = departures.row(i - 1);
+    else if (reached)
+      arrivals.row(i) = here.velocity.transpose();
+    if (times[i] < end_of(motion)) departures.row(i) = here.velocity.transpose();
   }
-  return {times.begin(), times.end()};
-}
-
-std::vector<double> rows_within(const Trajectory& a, const Trajectory& b, double from, double to) {
-  std::set<double> times{from, to};
-  for (const Trajectory* motion : {&a, &b})
-    for (const double time : motion->times)
-      if (time > from && time < to) times.insert(time);
-  return {times.begin(), times.end()};
-}
-
-MotionProof prove_part(const Checker& judge, const Trajectory& a, const Trajectory& b, double from, double to,
-                       Checker::Workspace& workspace, const ProofOptions& options) {
-  const std::vector<double> rows = rows_within(a, b, from, to);
-  const auto n = static_cast<Eigen::Index>(rows.size());
-  const Eigen::Index of_a = a.positions.cols(), of_b = b.positions.cols();
-  const Eigen::VectorXd times = Eigen::Map<const Eigen::VectorXd>(rows.data(), n);
-  RowMatrix positions(n, of_a + of_b), velocities(n, of_a + of_b);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    copy_state(a, times[i], from, to, positions.row(i).head(of_a), velocities.row(i).head(of_a));
-    copy_state(b, times[i], from, to, positions.row(i).tail(of_b), velocities.row(i).tail(of_b));
-  }
-  return prove_motion(judge, {times, positions, velocities}, workspace, options);
 }
 
 }  // namespace
@@ -58,24 +36,15 @@ MotionProof prove_part(const Checker& judge, const Trajectory& a, const Trajecto
 double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
 
 MotionProof prove_apart(const Checker& judge, const Trajectory& a, const Trajectory& b, const ProofOptions& options) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const auto workspace = judge.make_workspace();
-  const std::vector<double> times = jumps(a, b);
-  MotionProof all{.free = true, .clearance = infinity, .proved = infinity};
-  for (std::size_t i = 0; i == 0 || i + 1 < times.size(); ++i) {
-    MotionProof part = prove_part(judge, a, b, times[i], times[std::min(i + 1, times.size() - 1)], *workspace, options);
-    if (!part.free) return part;
-    part.unproved.insert(part.unproved.begin(), all.unproved.begin(), all.unproved.end());
-    part.proved = std::min(part.proved, all.proved);
-    if (i > 0 && all.clearance <= part.clearance) {
-      part.clearance = all.clearance;
-      part.time = all.time;
-      part.body_a = all.body_a;
-      part.body_b = all.body_b;
-    }
-    all = std::move(part);
-  }
-  return all;
+  const std::vector<double> rows = rows_of_both(a, b);
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  const Eigen::Index of_a = a.positions.cols(), of_b = b.positions.cols();
+  const Eigen::VectorXd times = Eigen::Map<const Eigen::VectorXd>(rows.data(), n);
+  RowMatrix positions(n, of_a + of_b);
+  RowMatrix departures = RowMatrix::Zero(n, of_a + of_b), arrivals = departures;
+  copy_columns(a, times, positions.leftCols(of_a), departures.leftCols(of_a), arrivals.leftCols(of_a));
+  copy_columns(b, times, positions.rightCols(of_b), departures.rightCols(of_b), arrivals.rightCols(of_b));
+  return prove_motion(judge, {times, positions, departures, &arrivals}, *judge.make_workspace(), options);
 }
 
 MotionProof seen_from_companion(MotionProof proof, const Checker& judge, const std::string& companion) {
