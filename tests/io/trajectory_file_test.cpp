@@ -113,7 +113,7 @@ BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_refused_both_ways) {
   srmp::io::save_trajectory(odd_numbers(), folder.path("t.json"));
   const std::string text = read_text(folder.path("t.json"));
   check_refused(replaced(text, "\"waypoints\": [\n", "\"waypoints\": [[1], \n"),
-                "waypoints[1] must be 1 numbers, not 2");
+                "waypoints[1] is 2 numbers, but the row before it 1; all rows have one length");
   check_refused(replaced(text, "[\"a\", \"b\"]", "[\"a\"]"), "positions has 3 rows of 2 numbers; there are");
   check_refused(replaced(text, "\"velocities\": [\n", "\"velocities\": [[1, 2], \n"), "velocities has 4 rows");
   check_refused(replaced(text, "\"nan\"", "null"), "times must be a number, not nothing");

@@ -232,6 +232,8 @@ BOOST_AUTO_TEST_CASE(wrong_problems_are_refused_with_the_place) {
   check("\"status\": \"solved\"", "\"status\": \"exhausted\"", "the status is 'exhausted', but there is a trajectory");
   check("\"expansions\":", "\"expansions\": -1, \"expnsions\":", "expansions must be a whole number, 0 or above");
   check("\"request\":", "\"requests\":", "it has a result, but no request");
+  check("\"joint_names\": [\"a\", \"b\"]", "\"joint_names\": [\"a\", \"c\"]",
+        "result.trajectory: the joints are 'a' and 'c', but those of robot 'planar' are 'a' and 'b'");
   check("\"format\": \"srmp problem\"", "\"format\": \"srmp trajectory\"", "the format is 'srmp trajectory'; expected");
   const std::string limits = "\"motion_limits\": {\n\"planar\": {\n  ";
   check(limits + "\"velocity\": [2, 2]", limits + "\"velocity\": [2, 0]",

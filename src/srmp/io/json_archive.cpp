@@ -149,8 +149,9 @@ void JsonReader::read(const Node& node, const std::string& place, RowMatrix& val
   value.resize(static_cast<Eigen::Index>(rows.size()), rows.empty() ? 0 : rows[0].size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].size() != value.cols())
-      file_.fail(node[i], place + "[" + std::to_string(i) + "] must be " + std::to_string(value.cols()) +
-                              " numbers, not " + std::to_string(rows[i].size()));
+      file_.fail(node[i], place + "[" + std::to_string(i) + "] is " + std::to_string(rows[i].size()) +
+                              " numbers, but the row before it " + std::to_string(value.cols()) +
+                              "; all rows have one length");
     value.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
   }
 }

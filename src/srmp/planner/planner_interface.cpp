@@ -130,14 +130,21 @@ struct PlannerInterface::Impl {
   }
 
   /// One robot's of many.
-  VerifyOptions verify_options(const std::string& robot, const MultiVerifyOptions& options) const {
+  VerifyOptions verify_options(const std::string& robot, const Trajectory& motion,
+                               const MultiVerifyOptions& options) const {
     VerifyOptions own{.jerk = options.jerk, .max_deviation = options.max_deviation, .tightness = options.tightness};
     if (const auto start = options.starts.find(robot); start != options.starts.end()) own.start = start->second;
     const auto goal = options.goals.find(robot);
     if (goal == options.goals.end()) return own;
     goal->second.validate();
+    if (goal->second.type == GoalType::hold) {
+      if (own.start)
+        own.goals = {GoalConstraint::joints(*own.start)};
+      else if (motion.positions.rows() > 0)  // one that cannot be read has other faults
+        own.goals = {GoalConstraint::joints(motion.positions.row(0).transpose())};
+      return own;
+    }
     if (!goal->second.targets.empty()) own.goals = {goal->second};
-    if (goal->second.type == GoalType::hold && own.start) own.goals = {GoalConstraint::joints(*own.start)};
     if (!own.goals.empty()) require_question(scene, robot, own.start.value_or(scene.robot(robot).q), own.goals);
     return own;
   }
@@ -481,7 +488,8 @@ std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTra
   MotionsTogether together(impl_->scene, motions, options.tightness);
   std::map<std::string, Certificate> certificates;
   for (const auto& [name, motion] : trajectory.robots)
-    certificates.emplace(name, together.verify(name, impl_->limits_of(name), impl_->verify_options(name, options)));
+    certificates.emplace(name,
+                         together.verify(name, impl_->limits_of(name), impl_->verify_options(name, motion, options)));
   return certificates;
 }
 

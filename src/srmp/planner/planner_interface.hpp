@@ -124,7 +124,8 @@ using LastResult = std::variant<PlanResult, MultiPlanResult>;
 /// What trajectories of many robots are held against, besides the scene and each other.
 struct MultiVerifyOptions {
   std::map<std::string, Eigen::VectorXd> starts{};  ///< by robot name, dof [rad or m]: where they should begin
-  /// By robot name: what they should reach. One that holds should end where it should begin; one aside, anywhere.
+  /// By robot name: what they should reach. One that holds should end where it should begin, or does if that is not
+  /// said; one aside, anywhere.
   std::map<std::string, GoalConstraint> goals{};
   std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that are not judged themselves
   bool jerk{false};                               ///< the rest as in VerifyOptions

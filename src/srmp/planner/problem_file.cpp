@@ -89,8 +89,9 @@ void require_question(const Scene& scene, const std::string& robot, ConstVector 
 }
 
 void require_multi_question(const Scene& scene, const MultiPlanRequest& request) {
+  for (const auto& [name, start] : request.starts) scene.robot(name);  // throws with the nearest name
   for (const auto& [name, goal] : request.goals) {
-    scene.robot(name);  // throws with the nearest name
+    scene.robot(name);
     if (!request.starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
   }
   for (const auto& [name, motion] : request.obstacles) scene.robot(name);
@@ -107,7 +108,10 @@ void require_multi_question(const Scene& scene, const MultiPlanRequest& request)
     if (goal.type == GoalType::joints)
       for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + name + "'");
   }
-  if (!one_moves) throw InvalidArgument("plan_multi needs a goal for at least one of the robots");
+  if (!one_moves)
+    throw InvalidArgument(
+        "plan_multi has nothing to plan: every robot with a start holds; one moves when it has a goal to reach, or may "
+        "move aside");
 }
 
 namespace io {
@@ -254,12 +258,23 @@ ResultText<Motion> read_result_text(io::JsonReader& reader) {
   return text;
 }
 
-LastResult read_result_of(const PlanRequest&, io::JsonReader& reader) {
+/// An answer may be edited into another one, but not into one that is no motion of its robot.
+void require_motion(const io::JsonReader& place, const RobotModel& robot, const Trajectory& motion) {
+  place.guarded([&] {
+    motion.validate();
+    if (motion.joint_names != robot.joint_names())
+      throw InvalidArgument("the joints are " + quoted_list(motion.joint_names) + ", but those of robot '" +
+                            robot.name() + "' are " + quoted_list(robot.joint_names()));
+  });
+}
+
+LastResult read_result_of(const PlanRequest& request, io::JsonReader& reader, const Scene& scene) {
   auto text = read_result_text<Trajectory>(reader);
+  if (text.motion) require_motion(reader.inner("trajectory"), *scene.robot(request.robot).model, *text.motion);
   return PlanResult(std::move(text.statistics), std::move(text.motion));
 }
 
-LastResult read_result_of(const MultiPlanRequest& request, io::JsonReader& reader) {
+LastResult read_result_of(const MultiPlanRequest& request, io::JsonReader& reader, const Scene& scene) {
   auto text = read_result_text<Motions>(reader);
   if (!text.motion) return MultiPlanResult(std::move(text.statistics));
   const auto names = [](const auto& by_robot) {
@@ -270,14 +285,17 @@ LastResult read_result_of(const MultiPlanRequest& request, io::JsonReader& reade
   if (names(*text.motion) != names(request.starts))
     reader.fail("the trajectories are of " + quoted_list(names(*text.motion)) + ", but the request has starts of " +
                 quoted_list(names(request.starts)));
+  for (const auto& [name, motion] : *text.motion)
+    require_motion(reader.inner("trajectories").inner(name.c_str()), *scene.robot(name).model, motion);
   return MultiPlanResult(std::move(text.statistics), MultiTrajectory{std::move(*text.motion)});
 }
 
-std::optional<LastResult> read_result(io::JsonReader& root, const std::optional<LastRequest>& request) {
+std::optional<LastResult> read_result(io::JsonReader& root, const std::optional<LastRequest>& request,
+                                      const Scene& scene) {
   if (!root.has("result")) return std::nullopt;
   io::JsonReader reader = root.inner("result");
   if (!request) root.fail("it has a result, but no request");
-  return std::visit([&](const auto& asked) { return read_result_of(asked, reader); }, *request);
+  return std::visit([&](const auto& asked) { return read_result_of(asked, reader, scene); }, *request);
 }
 
 }  // namespace
@@ -306,7 +324,7 @@ Problem load_problem(const std::string& path, const std::vector<std::string>& pa
   }
   read_limits(root, problem);
   problem.request = read_request(root, problem.scene);
-  problem.result = read_result(root, problem.request);
+  problem.result = read_result(root, problem.request, problem.scene);
   root.finish();
   return problem;
 }

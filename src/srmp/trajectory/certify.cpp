@@ -18,10 +18,6 @@ constexpr double largest = 1e100;         // beyond it, squares overflow
 constexpr double narrowest = 1e-9;        // [rad or m] half a joint's range, where both limits are the same
 constexpr double rest_tolerance = 1e-6;   // [rad/s or m/s]
 
-std::string place(double time, Eigen::Index row) {
-  return to_text(time) + " s (between rows " + std::to_string(row) + " and " + std::to_string(row + 1) + ")";
-}
-
 /// The worst of a joint: by how much of the limit, what it is, and where.
 struct Worst {
   double share{}, value{}, time{};
@@ -204,6 +200,12 @@ class Certifier {
 
   static void note(LimitUse& use, const Worst& worst, const std::string& joint) {
     if (worst.share > use.share) use = {worst.share, joint, worst.time};
+  }
+
+  std::string place(double time, Eigen::Index row) const {
+    const std::string at = to_text(time) + " s (";
+    if (row + 1 == t_.positions.rows()) return at + "row " + std::to_string(row) + ", the last)";
+    return at + "between rows " + std::to_string(row) + " and " + std::to_string(row + 1) + ")";
   }
 
   void judge(FaultKind kind, const char* what, const std::string& joint, const Worst& worst, double limit) {

@@ -48,18 +48,19 @@ Trajectory MultiTrajectory::merged() const {
   const bool timed = robots.begin()->second.timed();
   std::vector<double> times;
   Eigen::Index rows = 0, columns = 0;
-  bool smooth = false, straight = false;
+  const std::string *smooth = nullptr, *straight = nullptr;  // robots that move
   Trajectory merged;
   for (const auto& [name, trajectory] : robots) {
     if (trajectory.timed() != timed) throw InvalidArgument("some of the trajectories have times and others have not");
     times.insert(times.end(), trajectory.times.begin(), trajectory.times.end());
-    (trajectory.velocities.rows() > 0 ? smooth : straight) |= trajectory.size() > 1;  // one that moves
+    if (trajectory.size() > 1) (trajectory.velocities.rows() > 0 ? smooth : straight) = &name;
     rows = std::max(rows, trajectory.positions.rows());
     columns += trajectory.positions.cols();
     for (const std::string& joint : trajectory.joint_names) merged.joint_names.push_back(name + "/" + joint);
   }
   if (timed && smooth && straight)
-    throw InvalidArgument("some of the trajectories have velocities and others have not");
+    throw InvalidArgument("the trajectory of '" + *smooth + "' has velocities, but that of '" + *straight +
+                          "' has none: one motion has them or not");
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (timed) rows = static_cast<Eigen::Index>(times.size());

@@ -195,8 +195,8 @@ BOOST_AUTO_TEST_CASE(wrong_questions_are_refused_with_the_place) {
   asks("\"goals\":", "\"aims\":", "request: it has no 'goals'");
   asks("\"obstacles\":", "\"others\":", "request: it has no 'obstacles'");
   asks("\"obstacles\":", "\"robot\": \"left\",\n\"obstacles\":", "unknown key 'robot' in request");
-  asks("\"left\": [1.2, 0]", "\"lft\": [1.2, 0]", "request: robot 'left' has a goal but no start");
-  asks("\"holder\": [0, ", "\"hold\": [0, ", "request: robot 'holder' has a goal but no start");
+  asks("\"left\": [1.2, 0]", "\"lft\": [1.2, 0]", "request: unknown robot 'lft', did you mean 'left'");
+  asks("\"holder\": [0, ", "\"hold\": [0, ", "request: unknown robot 'hold', did you mean 'holder'");
   asks("\"left\": [1.2, 0]", "\"left\": [1.2, 0],\n\"lft\": [1.2, 0]", "request: unknown robot 'lft', did you mean");
   asks("\"left\": [1.2, 0]", "\"left\": [1.2]", "request: start of 'left' has 1 values");
   asks("\"left\": [1.2, 0]", "\"left\": [1.2, \"nan\"]", "request: start of 'left': b is NaN");
@@ -224,7 +224,10 @@ BOOST_AUTO_TEST_CASE(wrong_questions_are_refused_with_the_place) {
         "result: the trajectories are of 'holder', 'idler', 'lft' and 'right', but the request has starts of 'holder', "
         "'idler', 'left' and 'right'");
   check(trajectories, "\"positions\": [", "\"positions\": [\n[1, 2, 3],",
-        "result.trajectories.holder.positions[1] must");
+        "result.trajectories.holder.positions[1] is 2 numbers, but the row before it 3");
+  check(trajectories, "\"joint_names\": [\"a\", \"b\"]", "\"joint_names\": [\"b\", \"a\"]",
+        "result.trajectories.holder: the joints are 'b' and 'a', but those of robot 'holder' are 'a' and 'b'");
+  check(trajectories, "\"times\": [", "\"times\": [\n9,", "result.trajectories.holder: times has");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -138,7 +138,7 @@ BOOST_AUTO_TEST_CASE(wrong_questions_are_refused) {
   refused(starts, {{"lft", goals.at("left")}}, "'lft', did you mean 'left'");
   refused({{"left", Eigen::Vector3d::Zero()}, {"right", Vector2d::Zero()}}, {}, "start of 'left' has 3 values");
   refused(starts, {{"left", GoalConstraint::joints(Vector2d(0.0, std::nan("")))}}, "NaN");
-  refused(starts, {{"left", GoalConstraint::hold()}}, "plan_multi needs a goal for at least one of the robots");
+  refused(starts, {{"left", GoalConstraint::hold()}}, "plan_multi has nothing to plan: every robot with a start holds");
   refused({{"left", Vector2d::Zero()}}, {{"left", goals.at("left")}}, "call make_planner first");
   check_throws<srmp::InvalidArgument>([&] { planner.make_planner({"left", "right"}, srmp::WAStar{}); },
                                       "plans for one robot, but 2 were named");
