@@ -8,6 +8,9 @@ _srmp.__suffix__:
     class InvalidArgument(Error, ValueError):
         """An argument was refused; nothing was changed."""
 
+    class UnknownRobot(InvalidArgument, KeyError):
+        """There is nothing of a robot of this name."""
+
     class FileError(Error, OSError):
         """A file is missing, unreadable or wrong."""
 

@@ -12,8 +12,11 @@
 #include <nanobind/stl/vector.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <typeinfo>
 #include <vector>
 
 #include "srmp/core/error.hpp"
@@ -54,10 +57,11 @@ NumpyArray to_numpy_rows(RowMatrix rows);
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
 std::vector<GoalConstraint> to_goals(nb::handle goal);
-/// The arguments of plan_multi.
-MultiPlanRequest to_multi_request(const std::map<std::string, ArrayLike>& starts,
-                                  const std::map<std::string, nb::object>& goals,
-                                  const std::optional<std::map<std::string, Trajectory>>& obstacles);
+/// By robot name; `what` says which argument it is.
+std::map<std::string, nb::object> to_map(nb::handle mapping, const std::string& what);
+std::map<std::string, Trajectory> to_trajectories(nb::handle mapping, const std::string& what);
+/// The arguments of plan_multi; obstacles may be None.
+MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles);
 /// A str or os.PathLike.
 std::string to_path(nb::handle path);
 /// One name, or a list of names.
@@ -68,17 +72,70 @@ nb::dict to_dict(const Solution& solution);
 
 /// Raises PlanningError with these attributes.
 [[noreturn]] void raise(const PlanningError& error, const nb::dict& statistics);
+/// Raises UnknownRobot, an InvalidArgument for a mapping's key.
+[[noreturn]] void raise_unknown_robot(const std::string& what);
 
-/// Gives a class the manners of a value. `get` makes a tuple of Python objects that can be compared and pickled, `set`
-/// makes the value from it; with them it is compared, pickled and copied. Values can change hands but have no hash.
+/// What __setstate__ was given, which may be anything.
+class State {
+ public:
+  explicit State(nb::tuple entries) : entries_(std::move(entries)) {}
+
+  nb::object operator[](std::size_t i) const {
+    read_ = std::max(read_, i + 1);
+    if (i >= entries_.size()) throw std::out_of_range("it ends too early");
+    return entries_[i];
+  }
+  void require_all_read() const {
+    if (read_ < entries_.size()) throw std::out_of_range("it has more entries than are known");
+  }
+
+ private:
+  nb::tuple entries_;
+  mutable std::size_t read_{};
+};
+
+/// `get` makes a tuple of Python objects, `set` makes the value from them again, given a State.
+template <class T, class Get, class Set>
+void make_picklable(nb::class_<T>& cls, Get get, Set set) {
+  const auto restored = [set, name = nb::cast<std::string>(cls.attr("__name__"))](const nb::tuple& entries) -> T {
+    const auto refuse = [&](const char* why) -> InvalidArgument {
+      return InvalidArgument("this is not the pickled state of a " + name + ": " + why);
+    };
+    try {
+      const State state(entries);
+      T value = set(state);
+      state.require_all_read();
+      return value;
+    } catch (const std::bad_cast&) {
+      throw refuse("an entry has another type");
+    } catch (const std::out_of_range& error) {
+      throw refuse(error.what());
+    } catch (nb::python_error& error) {
+      throw refuse(error.what());
+    }
+  };
+  cls.def("__getstate__", get).def("__setstate__", [restored](T& self, const nb::tuple& entries) {
+    new (&self) T(restored(entries));
+  });
+}
+
+/// Values can change hands but have no hash. They differ from everything else, None too.
+template <class T, class Same>
+void make_comparable(nb::class_<T>& cls, Same same) {
+  cls.def(
+      "__eq__",
+      [same](const T& self, nb::handle other) {
+        return nb::isinstance<T>(other) && nb::inst_ready(other) && same(self, nb::cast<const T&>(other));
+      },
+      nb::arg().none(), nb::sig("def __eq__(self, arg: object, /) -> bool"));
+  cls.attr("__hash__") = nb::none();
+}
+
+/// Gives a class the manners of a value: it is compared, pickled and copied by what `get` makes of it.
 template <class T, class Get, class Set>
 void make_value(nb::class_<T>& cls, Get get, Set set) {
-  cls.def("__getstate__", get)
-      .def("__setstate__", [set](T& self, const nb::tuple& state) { new (&self) T(set(state)); })
-      .def("__eq__", [get](const T& self, nb::handle other) {
-        return nb::isinstance<T>(other) && get(self).equal(get(nb::cast<const T&>(other)));
-      });
-  cls.attr("__hash__") = nb::none();
+  make_picklable(cls, get, set);
+  make_comparable(cls, [get](const T& a, const T& b) { return get(a).equal(get(b)); });
 }
 
 /// A robot of a PlannerInterface where it stands; None: its only one.

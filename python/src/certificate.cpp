@@ -64,7 +64,7 @@ void bind_limits(nb::module_& m) {
       [](const MotionLimits& l) {
         return nb::make_tuple(to_list(l.velocity), to_list(l.acceleration), to_list(l.jerk), l.continuous);
       },
-      [](const nb::tuple& s) {
+      [](const State& s) {
         return MotionLimits{to_vector(s[0]), to_vector(s[1]), to_vector(s[2]), nb::cast<std::vector<bool>>(s[3])};
       });
 }
@@ -104,7 +104,7 @@ void bind_faults(nb::module_& m) {
       .def("__repr__", [](const Fault& f) { return "Fault(" + to_string(f.kind) + ": " + f.text + ")"; });
   make_value(
       fault, [](const Fault& f) { return nb::make_tuple(f.kind, f.text, plain(f.time)); },
-      [](const nb::tuple& s) { return Fault{nb::cast<FaultKind>(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
+      [](const State& s) { return Fault{nb::cast<FaultKind>(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
 }
 
 void bind_parts(nb::module_& m) {
@@ -118,7 +118,7 @@ void bind_parts(nb::module_& m) {
       });
   make_value(
       use, [](const LimitUse& u) { return nb::make_tuple(plain(u.share), u.joint, plain(u.time)); },
-      [](const nb::tuple& s) { return LimitUse{number(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
+      [](const State& s) { return LimitUse{number(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
 
   nb::class_<SampledInterval> sampled(
       m, "SampledInterval",
@@ -133,7 +133,7 @@ void bind_parts(nb::module_& m) {
       });
   make_value(
       sampled, [](const SampledInterval& i) { return nb::make_tuple(plain(i.from), plain(i.to), i.body_a, i.body_b); },
-      [](const nb::tuple& s) {
+      [](const State& s) {
         return SampledInterval{number(s[0]), number(s[1]), nb::cast<std::string>(s[2]), nb::cast<std::string>(s[3])};
       });
 }
@@ -154,7 +154,7 @@ nb::tuple state(const Certificate& c) {
                         plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s));
 }
 
-Certificate from_state(const nb::tuple& s) {
+Certificate from_state(const State& s) {
   const auto text = [&](std::size_t i) { return nb::cast<std::string>(s[i]); };
   const auto use = [&](std::size_t i) { return nb::cast<LimitUse>(s[i]); };
   return {.faults = nb::cast<std::vector<Fault>>(s[0]),

@@ -238,7 +238,7 @@ void bind_collision_checker(nb::module_& m) {
   make_value(
       certificate,
       [](const MotionCertificate& c) { return nb::make_tuple(c.proved, c.from, c.to, c.body_a, c.body_b); },
-      [](const nb::tuple& s) {
+      [](const State& s) {
         return MotionCertificate{nb::cast<bool>(s[0]), nb::cast<double>(s[1]), nb::cast<double>(s[2]),
                                  nb::cast<std::string>(s[3]), nb::cast<std::string>(s[4])};
       });

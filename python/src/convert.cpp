@@ -1,16 +1,41 @@
 #include <algorithm>
+#include <cctype>
 
 #include "bind.hpp"
 
 namespace srmp::python {
 
+namespace {
+
+/// What Python would print, on one line of a sentence.
+std::string brief(nb::handle value) {
+  constexpr std::size_t most = 100;  // characters
+  std::string text;
+  for (const char c : nb::cast<std::string>(nb::repr(value))) {
+    const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
+    if (!space || text.empty() || text.back() != ' ') text += space ? ' ' : c;
+  }
+  if (text.size() <= most) return text;
+  std::size_t end = most;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // within a character of UTF-8
+  return text.substr(0, end) + " …";
+}
+
+}  // namespace
+
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what) {
+  const auto refuse = [&](const std::string& kind) -> InvalidArgument {
+    return InvalidArgument(what + " must be " + kind + ", but is " + brief(value));
+  };
+  if (value.is_none()) throw refuse("numbers");  // NumPy would make NaN of it
   try {
-    const nb::object array =
-        nb::module_::import_("numpy").attr("ascontiguousarray")(value, nb::arg("dtype") = "float64");
-    return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    const nb::object array = numpy.attr("asarray")(value);
+    if (nb::cast<bool>(numpy.attr("iscomplexobj")(array))) throw refuse("real numbers");
+    const nb::object numbers = numpy.attr("ascontiguousarray")(array, nb::arg("dtype") = "float64");
+    return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(numbers);
   } catch (const nb::python_error&) {
-    throw InvalidArgument(what + " must be numbers, but is " + nb::cast<std::string>(nb::repr(value)));
+    throw refuse("numbers");
   }
 }
 
@@ -95,6 +120,8 @@ std::string to_path(nb::handle path) {
   const bool is_path = nb::isinstance<nb::str>(path) || nb::hasattr(path, "__fspath__");
   if (!is_path || !nb::try_cast(nb::module_::import_("os").attr("fspath")(path), text))
     throw InvalidArgument("a path must be a str or an os.PathLike, but is " + nb::cast<std::string>(nb::repr(path)));
+  if (text.find('\0') != std::string::npos)
+    throw InvalidArgument("a path cannot hold a null character, as " + nb::cast<std::string>(nb::repr(path)) + " does");
   return text;
 }
 
@@ -117,15 +144,35 @@ std::vector<GoalConstraint> to_goals(nb::handle goal) {
                         nb::cast<std::string>(nb::repr(goal)));
 }
 
-MultiPlanRequest to_multi_request(const std::map<std::string, ArrayLike>& starts,
-                                  const std::map<std::string, nb::object>& goals,
-                                  const std::optional<std::map<std::string, Trajectory>>& obstacles) {
+std::map<std::string, nb::object> to_map(nb::handle mapping, const std::string& what) {
+  if (!nb::hasattr(mapping, "keys") || !nb::hasattr(mapping, "__getitem__"))
+    throw InvalidArgument(what + " must be a dictionary by robot name, but are " + brief(mapping));
+  std::map<std::string, nb::object> map;
+  for (nb::handle key : mapping.attr("keys")()) {
+    if (!nb::isinstance<nb::str>(key))
+      throw InvalidArgument(what + " must be by robot name, which is a word, but one is by " + brief(key));
+    map[nb::cast<std::string>(key)] = mapping[key];
+  }
+  return map;
+}
+
+std::map<std::string, Trajectory> to_trajectories(nb::handle mapping, const std::string& what) {
+  std::map<std::string, Trajectory> trajectories;
+  for (const auto& [name, value] : to_map(mapping, what))
+    if (!nb::try_cast(value, trajectories[name]))
+      throw InvalidArgument(what + " must be Trajectory objects by robot name, but that of '" + name + "' is " +
+                            brief(value));
+  return trajectories;
+}
+
+MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles) {
   MultiPlanRequest request;
-  for (const auto& [name, start] : starts) request.starts[name] = start.vector("start of '" + name + "'");
-  for (const auto& [name, goal] : goals)
+  for (const auto& [name, start] : to_map(starts, "starts"))
+    request.starts[name] = ArrayLike{start}.vector("start of '" + name + "'");
+  for (const auto& [name, goal] : to_map(goals, "goals"))
     if (!nb::try_cast(goal, request.goals[name]))
       throw InvalidArgument("the goal of '" + name + "' must be a GoalConstraint (which can have several targets)");
-  if (obstacles) request.obstacles = *obstacles;
+  if (!obstacles.is_none()) request.obstacles = to_trajectories(obstacles, "obstacles");
   return request;
 }
 

@@ -6,13 +6,15 @@ namespace srmp::python {
 namespace {
 
 // Owned by the module for the life of the process.
-PyObject *error_type, *invalid_argument_type, *file_error_type, *not_supported_type, *planning_error_type;
+PyObject *error_type, *invalid_argument_type, *file_error_type, *not_supported_type, *planning_error_type,
+    *unknown_robot_type;
 
-PyObject* make_exception(nb::module_& m, const char* name, const char* doc, PyObject* base, PyObject* builtin) {
+PyObject* make_exception(nb::module_& m, const char* name, const char* doc, PyObject* base, PyObject* builtin,
+                         const nb::dict& members = {}) {
   const nb::object bases = builtin ? nb::object(nb::make_tuple(nb::handle(base), nb::handle(builtin)))
                                    : nb::object(nb::make_tuple(nb::handle(base)));
   const std::string full_name = std::string("srmp.") + name;
-  PyObject* type = PyErr_NewExceptionWithDoc(full_name.c_str(), doc, bases.ptr(), nullptr);
+  PyObject* type = PyErr_NewExceptionWithDoc(full_name.c_str(), doc, bases.ptr(), members.ptr());
   m.attr(name) = nb::handle(type);
   return type;
 }
@@ -47,6 +49,11 @@ void raise(const PlanningError& error, const nb::dict& statistics) {
   throw nb::python_error();
 }
 
+void raise_unknown_robot(const std::string& what) {
+  PyErr_SetString(unknown_robot_type, what.c_str());
+  throw nb::python_error();
+}
+
 void bind_errors(nb::module_& m) {
   nb::enum_<Status>(m, "Status", "How a plan ended.")
       .value("solved", Status::solved)
@@ -63,6 +70,10 @@ void bind_errors(nb::module_& m) {
       make_exception(m, "FileError", "A file is missing, unreadable or wrong.", error_type, PyExc_OSError);
   not_supported_type =
       make_exception(m, "NotSupported", "Not done by this version yet.", error_type, PyExc_NotImplementedError);
+  nb::dict as_it_is;  // a KeyError puts its text in quotation marks
+  as_it_is["__str__"] = nb::handle(PyExc_BaseException).attr("__str__");
+  unknown_robot_type = make_exception(m, "UnknownRobot", "There is nothing of a robot of this name.",
+                                      invalid_argument_type, PyExc_KeyError, as_it_is);
   planning_error_type =
       make_exception(m, "PlanningError",
                      "No trajectory. `status` (a Status) says which kind of no, the text why; `statistics`: see\n"

@@ -107,13 +107,15 @@ void bind_goal(nb::module_& m) {
         const auto &p = goal.position_tolerance.axes, &r = goal.rotation_tolerance.axes;
         return nb::make_tuple(goal.type, targets, std::array{p[0], p[1], p[2]}, std::array{r[0], r[1], r[2]});
       },
-      [](const nb::tuple& state) {
+      [](const State& state) {
         std::vector<Eigen::VectorXd> targets;
         for (const auto& t : nb::cast<std::vector<std::vector<double>>>(state[1]))
           targets.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.data(), static_cast<Eigen::Index>(t.size())));
         const auto p = nb::cast<std::array<double, 3>>(state[2]), r = nb::cast<std::array<double, 3>>(state[3]);
-        return GoalConstraint{nb::cast<GoalType>(state[0]), std::move(targets), Eigen::Vector3d(p.data()),
-                              Eigen::Vector3d(r.data())};
+        GoalConstraint goal{nb::cast<GoalType>(state[0]), std::move(targets), Eigen::Vector3d(p.data()),
+                            Eigen::Vector3d(r.data())};
+        goal.validate();
+        return goal;
       });
 }
 

@@ -4,6 +4,27 @@
 
 namespace srmp::python {
 
+namespace {
+
+const Trajectory* found(const MultiTrajectory& self, nb::handle robot) {
+  if (!nb::isinstance<nb::str>(robot)) return nullptr;
+  const auto at = self.robots.find(nb::cast<std::string>(robot));
+  return at == self.robots.end() ? nullptr : &at->second;
+}
+
+Trajectory at(const MultiTrajectory& self, nb::handle robot) {
+  if (const Trajectory* trajectory = found(self, robot)) return *trajectory;
+  if (!nb::isinstance<nb::str>(robot))
+    raise_unknown_robot("a robot's name is a word, not " + nb::cast<std::string>(nb::repr(robot)));
+  try {
+    return self.at(nb::cast<std::string>(robot));
+  } catch (const InvalidArgument& error) {
+    raise_unknown_robot(error.what());
+  }
+}
+
+}  // namespace
+
 void bind_multi_trajectory(nb::module_& m) {
   nb::class_<MultiTrajectory> cls(m, "MultiTrajectory",
                                   "Motions of many robots on one clock, by robot name: a mapping. All begin at time 0, "
@@ -12,16 +33,27 @@ void bind_multi_trajectory(nb::module_& m) {
                                   "where it ended.");
   cls.def(
          "__init__",
-         [](MultiTrajectory* self, std::map<std::string, Trajectory> robots) {
-           new (self) MultiTrajectory{std::move(robots)};
+         [](MultiTrajectory* self, nb::handle robots) {
+           new (self) MultiTrajectory{to_trajectories(robots, "the trajectories")};
          },
-         nb::arg("robots"), "From trajectories by robot name.")
+         nb::arg("robots").none(),
+         nb::sig("def __init__(self, robots: collections.abc.Mapping[str, Trajectory]) -> None"),
+         "From trajectories by robot name.\n\nRaises InvalidArgument for anything else.")
+      .def("__getitem__", &at, nb::arg("robot").none(), nb::sig("def __getitem__(self, robot: str) -> Trajectory"),
+           "The trajectory of a robot; raises UnknownRobot with the nearest name.")
       .def(
-          "__getitem__", [](const MultiTrajectory& self, const std::string& robot) { return self.at(robot); },
-          nb::arg("robot"), "The trajectory of a robot; raises InvalidArgument with the nearest name.")
+          "get",
+          [](const MultiTrajectory& self, nb::handle robot, nb::object otherwise) {
+            const Trajectory* trajectory = found(self, robot);
+            return trajectory ? nb::cast(*trajectory) : otherwise;
+          },
+          nb::arg("robot").none(), nb::arg("default") = nb::none(),
+          nb::sig("def get(self, robot: str, default: typing.Any = None) -> typing.Any"),
+          "The trajectory of a robot, or `default`.")
       .def("__len__", [](const MultiTrajectory& self) { return self.robots.size(); })
-      .def("__contains__",
-           [](const MultiTrajectory& self, const std::string& robot) { return self.robots.contains(robot); })
+      .def(
+          "__contains__", [](const MultiTrajectory& self, nb::handle robot) { return found(self, robot) != nullptr; },
+          nb::arg().none(), nb::sig("def __contains__(self, arg: object, /) -> bool"))
       .def(
           "__iter__", [](const MultiTrajectory& self) { return nb::iter(nb::cast(self.robots).attr("keys")()); },
           nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"))
@@ -58,7 +90,8 @@ void bind_multi_trajectory(nb::module_& m) {
       });
   make_value(
       cls, [](const MultiTrajectory& self) { return nb::make_tuple(self.robots); },
-      [](const nb::tuple& state) { return MultiTrajectory{nb::cast<std::map<std::string, Trajectory>>(state[0])}; });
+      [](const State& state) { return MultiTrajectory{nb::cast<std::map<std::string, Trajectory>>(state[0])}; });
+  nb::module_::import_("collections.abc").attr("Mapping").attr("register")(cls);
 }
 
 }  // namespace srmp::python

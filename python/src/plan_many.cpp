@@ -65,7 +65,7 @@ void bind_result(nb::module_& m, const char* name, const char* what, const char*
       [](const Result& r) {
         return nb::make_tuple(to_dict(r.statistics()), r.solved() ? nb::cast(r.trajectory()) : nb::none());
       },
-      [](const nb::tuple& state) {
+      [](const State& state) {
         std::optional<Motion> motion;
         if (!state[1].is_none()) motion = nb::cast<const Motion&>(state[1]);
         return Result(to_statistics(nb::cast<nb::dict>(state[0])), std::move(motion));
@@ -127,7 +127,7 @@ void bind_plan_request(nb::module_& m) {
       [](const PlanRequest& r) {
         return nb::make_tuple(r.robot, std::vector<double>(r.start.begin(), r.start.end()), r.goals, own_options(r));
       },
-      [](const nb::tuple& state) {
+      [](const State& state) {
         const ArrayLike start{nb::borrow<nb::object>(state[1])};
         PlanRequest r{nb::cast<std::string>(state[0]), start.vector("start"),
                       nb::cast<std::vector<GoalConstraint>>(state[2])};
@@ -141,12 +141,10 @@ void bind_multi_plan_request(nb::module_& m) {
   multi
       .def(
           "__init__",
-          [](MultiPlanRequest* self, const std::map<std::string, ArrayLike>& starts,
-             const std::map<std::string, nb::object>& goals,
-             const std::optional<std::map<std::string, Trajectory>>& obstacles) {
+          [](MultiPlanRequest* self, nb::handle starts, nb::handle goals, nb::handle obstacles) {
             new (self) MultiPlanRequest(to_multi_request(starts, goals, obstacles));
           },
-          nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),
+          nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
           nb::sig("def __init__(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
                   "goals: collections.abc.Mapping[str, GoalConstraint], "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> None"),
@@ -177,11 +175,7 @@ void bind_multi_plan_request(nb::module_& m) {
           starts.emplace(name, std::vector<double>(start.begin(), start.end()));
         return nb::make_tuple(starts, r.goals, r.obstacles);
       },
-      [](const nb::tuple& state) {
-        return to_multi_request(nb::cast<std::map<std::string, ArrayLike>>(state[0]),
-                                nb::cast<std::map<std::string, nb::object>>(state[1]),
-                                nb::cast<std::map<std::string, Trajectory>>(state[2]));
-      });
+      [](const State& state) { return to_multi_request(state[0], state[1], state[2]); });
 }
 
 }  // namespace

@@ -736,24 +736,23 @@ void bind_proofs(nb::class_<Self>& cls) {
           "Raises InvalidArgument for an unknown robot and options out of range.")
       .def(
           "verify_multi",
-          [](Self& self, const MultiTrajectory& trajectory,
-             const std::optional<std::map<std::string, ArrayLike>>& starts,
-             const std::optional<std::map<std::string, nb::object>>& goals,
-             const std::optional<std::map<std::string, Trajectory>>& obstacles, bool jerk,
+          [](Self& self, nb::handle trajectory, nb::handle starts, nb::handle goals, nb::handle obstacles, bool jerk,
              std::optional<double> max_deviation, double tightness) {
-            MultiPlanRequest r = to_multi_request(starts.value_or(std::map<std::string, ArrayLike>{}),
-                                                  goals.value_or(std::map<std::string, nb::object>{}), obstacles);
+            const MultiTrajectory motions{to_trajectories(trajectory, "the trajectories")};
+            const nb::dict none;
+            const auto given = [&](nb::handle mapping) { return mapping.is_none() ? nb::handle(none) : mapping; };
+            MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles);
             const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
                                              max_deviation,       tightness};
             return self.use([&](const PlannerInterface& p) {
               const nb::gil_scoped_release no_gil;
-              return p.verify_multi(trajectory, options);
+              return p.verify_multi(motions, options);
             });
           },
-          nb::arg("trajectory"), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
+          nb::arg("trajectory").none(), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("obstacles") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
           nb::arg("tightness") = 0.5,
-          nb::sig("def verify_multi(self, trajectory: MultiTrajectory, "
+          nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
                   "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
                   "goals: collections.abc.Mapping[str, GoalConstraint] | None = None, "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, jerk: bool = False, "
@@ -763,7 +762,8 @@ void bind_proofs(nb::class_<Self>& cls) {
           "where their motions end. Robots not named stand still.\n\n"
           "starts: (dof,) [rad or m] by robot name: where they should begin. goals: by robot name: what they should "
           "reach; one that\n"
-          "holds should end where it should begin. obstacles: motions of further robots, which are not judged "
+          "holds should end where it should begin, or does if that is not said. obstacles: motions of further robots, "
+          "which are not judged "
           "themselves. The rest as\n"
           "for verify. The GIL is released.\n\n"
           "Raises InvalidArgument for an unknown robot, starts and goals of robots without a trajectory, and options "
@@ -880,14 +880,13 @@ void bind_planning(nb::class_<Self>& cls) {
           "it can.")
       .def(
           "plan_multi",
-          [](Self& self, const std::map<std::string, ArrayLike>& starts, const std::map<std::string, nb::object>& goals,
-             const std::optional<std::map<std::string, Trajectory>>& obstacles) {
+          [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles) {
             const MultiPlanRequest r = to_multi_request(starts, goals, obstacles);
             return self.use([&](PlannerInterface& p) {
               return run_plan(p, [&] { return p.plan_multi(r.starts, r.goals, r.obstacles, python_interrupted); });
             });
           },
-          nb::arg("starts"), nb::arg("goals"), nb::arg("obstacles") = nb::none(),
+          nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
           nb::sig("def plan_multi(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
                   "goals: collections.abc.Mapping[str, GoalConstraint], "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> MultiTrajectory"),
@@ -1043,7 +1042,7 @@ void bind_planner_interface(nb::module_& m) {
         return nb::make_tuple(c.body_a, c.body_b, c.distance, a, b, c.padding, static_cast<int>(c.kind_a),
                               static_cast<int>(c.kind_b));
       },
-      [](const nb::tuple& s) {
+      [](const State& s) {
         const auto a = nb::cast<Point>(s[3]), b = nb::cast<Point>(s[4]);
         return Contact{nb::cast<std::string>(s[0]),
                        nb::cast<std::string>(s[1]),

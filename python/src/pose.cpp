@@ -86,8 +86,9 @@ void bind_pose(nb::module_& m) {
       .def("__repr__", &text);
   make_value(
       cls, [](const Pose& pose) { return nb::tuple(nb::cast(pose.to_list())); },
-      [](const nb::tuple& state) {
-        const auto v = nb::cast<std::array<double, 7>>(state);
+      [](const State& state) {
+        std::array<double, 7> v{};
+        for (std::size_t i = 0; i < v.size(); ++i) v[i] = nb::cast<double>(state[i]);
         return Pose{{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};
       });
 }

@@ -105,6 +105,26 @@ std::string repr(const Trajectory& t) {
          (t.timed() ? to_text(t.duration()) + " s)" : "no times)");
 }
 
+Trajectory from_state(const State& state) {
+  const auto names = nb::cast<std::vector<std::string>>(state[0]);
+  const auto matrix = [&](std::size_t i, const char* what) {
+    RowMatrix rows = to_matrix(state[i], what, names.size());
+    if (static_cast<std::size_t>(rows.cols()) != names.size())
+      throw InvalidArgument(std::string(what) + " have " + std::to_string(rows.cols()) + " columns, but there are " +
+                            std::to_string(names.size()) + " joint names");
+    return rows;
+  };
+  std::shared_ptr<const Certificate> certificate;
+  if (!state[6].is_none()) certificate = std::make_shared<const Certificate>(nb::cast<Certificate>(state[6]));
+  return {names,
+          matrix(1, "positions"),
+          matrix(2, "velocities"),
+          matrix(3, "accelerations"),
+          ArrayLike{state[4]}.vector("times"),
+          matrix(5, "waypoints"),
+          certificate};
+}
+
 void bind_data(nb::class_<Trajectory>& cls) {
   cls.def(
          "__init__",
@@ -160,31 +180,16 @@ void bind_data(nb::class_<Trajectory>& cls) {
           "writes.\n\n"
           "Raises FileError, with the line, for anything missing, misspelt or wrong, and a file that holds none.")
       .def("__len__", &Trajectory::size)
-      .def("__repr__", &repr)
-      .def("__eq__",
-           [](const Trajectory& a, nb::handle other) {
-             return nb::isinstance<Trajectory>(other) && same(a, nb::cast<const Trajectory&>(other));
-           })
-      .def("__getstate__",
-           [](nb::handle_t<Trajectory> self) {
-             return nb::make_tuple(self.attr("joint_names"), self.attr("positions"), self.attr("velocities"),
-                                   self.attr("accelerations"), self.attr("times"), self.attr("waypoints"),
-                                   self.attr("certificate"));
-           })
-      .def("__setstate__", [](Trajectory& self, const nb::tuple& state) {
-        const auto names = nb::cast<std::vector<std::string>>(state[0]);
-        const ArrayLike times{nb::borrow<nb::object>(state[4])};
-        std::shared_ptr<const Certificate> certificate;
-        if (!state[6].is_none()) certificate = std::make_shared<const Certificate>(nb::cast<Certificate>(state[6]));
-        new (&self) Trajectory{names,
-                               to_matrix(state[1], "positions", names.size()),
-                               to_matrix(state[2], "velocities", names.size()),
-                               to_matrix(state[3], "accelerations", names.size()),
-                               times.vector("times"),
-                               to_matrix(state[5], "waypoints", names.size()),
-                               certificate};
-      });
-  cls.attr("__hash__") = nb::none();
+      .def("__repr__", &repr);
+  make_comparable(cls, [](const Trajectory& a, const Trajectory& b) { return same(a, b); });
+  make_picklable(
+      cls,
+      [](nb::handle_t<Trajectory> self) {
+        return nb::make_tuple(self.attr("joint_names"), self.attr("positions"), self.attr("velocities"),
+                              self.attr("accelerations"), self.attr("times"), self.attr("waypoints"),
+                              self.attr("certificate"));
+      },
+      &from_state);
 }
 
 /// `ask` of the robot that the planner knows, or of the trajectory's own.

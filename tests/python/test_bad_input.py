@@ -191,6 +191,8 @@ QUESTIONS = [
     (lambda p, q: p.compute_fk("arm", q, "arm7_hnad"), "did you mean 'arm7_hand'"),
     (lambda p, q: p.is_state_colliding("arm", q[:3]), "7.*3"),
     (lambda p, q: p.plan_multi({}, {"arm": goal_of(q)}), "'arm' has a goal but no start"),
+    (lambda p, q: p.load("a\0b"), r"a path cannot hold a null character, as 'a\\x00b' does"),
+    (lambda p, q: p.plan("arm", q + 1j, goal_of(q)), "start.* must be real numbers, but is array"),
 ]
 
 

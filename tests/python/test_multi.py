@@ -1,5 +1,6 @@
 """plan_multi: motions of many robots together, and what is said when there are none."""
 
+import collections.abc
 import hashlib
 import os
 import pickle
@@ -449,8 +450,20 @@ REFUSED = [
     (STARTS, {"left": READY}, "the goal of 'left' must be a GoalConstraint"),
     (STARTS, {"left": [GOALS["left"]]}, "the goal of 'left' must be a GoalConstraint"),
     (STARTS, {"left": joints(READY[:6])}, "goal of 'left' has 6 values"),
-    (STARTS, {"left": GoalConstraint.hold(), "right": GoalConstraint.hold()}, "a goal for at least one of the robots"),
-    (STARTS, {}, "a goal for at least one of the robots"),
+    ({"lfet": READY}, {"left": GOALS["left"]}, "'lfet', did you mean 'left'"),
+    (
+        STARTS,
+        {"left": GoalConstraint.hold(), "right": GoalConstraint.hold()},
+        "nothing to plan: every robot",
+    ),
+    (STARTS, {}, "every robot with a start holds; one moves when it has a goal to reach"),
+    (None, GOALS, "starts must be a dictionary by robot name, but are None"),
+    ([READY], GOALS, "starts must be a dictionary by robot name, but are "),
+    ({1: READY}, GOALS, "starts must be by robot name, which is a word, but one is by 1"),
+    ({"left": None, "right": READY}, GOALS, "start of 'left' must be numbers, but is None"),
+    ({"left": READY * 1j, "right": READY}, GOALS, "start of 'left' must be real numbers, but is array"),
+    (STARTS, None, "goals must be a dictionary by robot name, but are None"),
+    (STARTS, {"left": None}, "the goal of 'left' must be a GoalConstraint"),
     ({"left": READY}, {"left": GOALS["left"]}, "no planner for 'left' yet; call make_planner first"),
     ({}, {}, "at least one robot"),
 ]
@@ -462,6 +475,46 @@ def test_wrong_questions_are_refused(starts, goals, sentence):
     with pytest.raises(srmp.InvalidArgument, match=sentence) as error:
         planner.plan_multi(starts, goals)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("obstacles", "sentence"),
+    [
+        ([1], r"obstacles must be a dictionary by robot name, but are \[1\]"),
+        ({"right": None}, "obstacles must be Trajectory objects by robot name, but that of 'right' is None"),
+    ],
+)
+def test_wrong_obstacles_are_no_type_errors(obstacles, sentence):
+    planner = two()
+    with pytest.raises(srmp.InvalidArgument, match=sentence):
+        planner.plan_multi(STARTS, GOALS, obstacles=obstacles)
+    with pytest.raises(srmp.InvalidArgument, match=sentence):
+        planner.verify_multi({}, obstacles=obstacles)
+    with pytest.raises(srmp.InvalidArgument, match=sentence):
+        srmp.MultiPlanRequest(STARTS, GOALS, obstacles)
+
+
+def test_motions_are_a_mapping():
+    one = srmp.Trajectory(["a"], [[0.0], [1.0]], [0, 1])
+    motions = srmp.MultiTrajectory({"left": one})
+    assert isinstance(motions, collections.abc.Mapping)
+    assert srmp.MultiTrajectory(motions) == motions
+    assert dict(motions) == {"left": one}
+    assert motions.get("left") == one
+    assert motions.get("right") is None
+    assert motions.get("right", 7) == 7
+    assert "left" in motions
+    for unknown in ("right", 3, None):
+        assert unknown not in motions
+        with pytest.raises(KeyError) as error:
+            motions[unknown]
+        assert isinstance(error.value, srmp.UnknownRobot)
+        assert isinstance(error.value, srmp.InvalidArgument)
+    with pytest.raises(srmp.UnknownRobot, match=r"^there is no trajectory of robot 'lft', did you mean 'left'"):
+        motions["lft"]
+    for wrong in (None, [one], {"left": None}, {1: one}):
+        with pytest.raises(srmp.InvalidArgument, match="the trajectories must be"):
+            srmp.MultiTrajectory(wrong)
 
 
 FAR = turned(9)

@@ -15,6 +15,7 @@ from srmp import GoalConstraint, GoalType, Pose
 from srmp.cli import main
 
 READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])  # the hand 0.43 m in front of the base, fingers down
+ROWS = ("positions", "velocities", "accelerations", "times")
 NAMES = ["holder", "idler", "left", "right"]
 
 
@@ -206,6 +207,45 @@ def test_damaged_problems_are_refused_with_the_place(problem, old, new, message)
         assert len(result.output.strip().splitlines()) == 1
 
 
+def decreasing(motion):
+    motion["times"][1] = -1.0
+
+
+def six_joints(motion):
+    motion["joint_names"].pop()
+    for name in ("positions", "velocities", "accelerations", "waypoints"):
+        motion[name] = [row[:6] for row in motion[name]]
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda motion: motion["positions"][2].__setitem__(0, "nan"), "positions, row 2: arm7_joint1 is NaN"),
+        (lambda motion: motion["times"].clear(), "it has velocities, but no times"),
+        (decreasing, "times must increase, but row 1 is at -1 s, after 0 s"),
+        (lambda motion: [motion[name].clear() for name in ROWS], "it has no rows"),
+        (six_joints, "the joints are .* but those of robot"),
+        (
+            lambda motion: motion["joint_names"].__setitem__(0, "foreign"),
+            "the joints are 'foreign'.* but those",
+        ),
+    ],
+)
+def test_damaged_answers_are_refused_with_the_place(world, problem, tmp_path, damage, message):
+    def refused(path, edit, place):
+        content = json.loads(path.read_text())
+        damage(edit(content["result"]))
+        path.write_text(json.dumps(content))
+        with pytest.raises(srmp.FileError, match=rf"^{re.escape(str(path))}:\d+: {place}: .*{message}"):
+            srmp.PlannerInterface.load(path)
+
+    refused(problem, lambda result: result["trajectories"]["left"], r"result\.trajectories\.left")
+    world.make_planner("left", {"planner_id": "auto"})
+    world.plan("left", turned(2), joints(turned(2.1)))
+    world.save(tmp_path / "one.json")
+    refused(tmp_path / "one.json", lambda result: result["trajectory"], r"result\.trajectory")
+
+
 # --- command line
 
 
@@ -290,6 +330,17 @@ def test_verify_multi_agrees_with_the_certificates(world, request_, problem):
         world.verify_multi(trajectory, starts={"lft": READY})
     with pytest.raises(srmp.InvalidArgument, match="must be a GoalConstraint"):
         world.verify_multi(trajectory, goals={"left": READY})
+
+
+def test_one_that_holds_ends_where_it_begins(world, request_):
+    world.plan_multi(request_.starts, request_.goals)
+    hold = GoalConstraint.hold()
+    motions = world.last_result.trajectory
+    certificates = world.verify_multi(dict(motions), goals={"left": hold, "holder": hold})
+    assert certificates["holder"].holds
+    (fault,) = certificates["left"].faults
+    assert fault.kind == srmp.FaultKind.goal
+    assert certificates["left"].goal_error == pytest.approx(np.ptp(motions["left"].positions[[0, -1]], axis=0).max())
 
 
 def test_verify_multi_sees_what_one_alone_does_not(world, request_):

@@ -152,6 +152,15 @@ def test_straight_motions_and_sudden_stops_are_obstacles_too(two):
         assert not two.is_state_colliding("left", trajectory.sample(time))
 
 
+def test_ten_thousand_straight_rows_are_proved_as_one_motion(two):
+    """As a controller records them. Row by row it would not be over within the time limit, nor soon after."""
+    times = np.linspace(0, 10, 10001)
+    motion = srmp.Trajectory(two.get_joint_names("right"), [turned(0.3 * np.sin(t)) for t in times], times)
+    certificate = plan(two, motion)["left"].certificate
+    assert certificate.holds
+    assert certificate.proved_free
+
+
 @pytest.mark.parametrize("planner_id", ["CBS", "ECBS", "xECBS", "prioritised", "auto"])
 @pytest.mark.parametrize("timing", ["toppra", "ruckig"])
 def test_every_planner_for_many_plans_for_one(two, planner_id, timing):
@@ -305,6 +314,10 @@ REFUSED = [
     ),
     (lambda p: plan(p, sweep(p).slice(1, 2)), "obstacle 'right': the trajectory begins at 1 s"),
     (lambda p: plan(p, sweep(p, 1.0, -0.9, 9.0)), "obstacle 'right': arm7_joint1: the position is 9.* its limits are"),
+    (
+        lambda p: plan(p, srmp.Trajectory(p.get_joint_names("right"), [turned(-0.9), turned(9)], [0, 1])),
+        r"arm7_joint1: the position is 9 at 1 s \(row 1, the last\); its limits",
+    ),
     (lambda p: plan(p, sweep(p, 1.0, -0.9, NAN)), "trajectory: positions, row 1"),
     (lambda p: p.make_planner("left", {"timing": "none"}) or plan(p, sweep(p)), "timing is 'none'"),
     (lambda p: p.make_planner("left", srmp.WAStar()) or plan(p, sweep(p)), "'wAstar' plans for one robot"),
@@ -327,5 +340,5 @@ def test_a_merged_motion_is_that_of_the_robots():
         merged = srmp.MultiTrajectory({"x": one, "y": one.resample(0.5) if one is straight else one}).merged()
         for time in np.linspace(0, 2, 21):
             np.testing.assert_allclose(merged.sample(time), [one.sample(time)[0]] * 2, atol=1e-12)
-    with pytest.raises(srmp.InvalidArgument, match="some of the trajectories have velocities and others have not"):
+    with pytest.raises(srmp.InvalidArgument, match="that of 'x' has none: one motion has them or not"):
         srmp.MultiTrajectory({"x": straight, "y": smooth}).merged()

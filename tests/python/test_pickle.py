@@ -52,6 +52,47 @@ def test_pickles_and_copies_are_equal_and_others_are_not(values):
             assert copied != "something else", name
 
 
+def many(ready):
+    """A question to plan_multi, its answer and the motions in it."""
+    world = srmp.PlannerInterface()
+    for name, x in (("one", 0), ("other", 3)):
+        urdf, srdf = srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf")
+        world.add_articulation(urdf, srdf, name, "arm7_hand", base_pose=srmp.Pose([x, 0, 0]))
+    world.make_planner(["one", "other"], {"planner_id": "xECBS"})
+    motions = world.plan_multi({"one": ready, "other": ready}, {"one": goal(ready + 0.1)})
+    return [world.last_request, world.last_result, motions, world.motion_limits("one")]
+
+
+def everything(values, ready):
+    certificate = values["trajectory"][0].certificate
+    parts = [certificate, certificate.position]
+    kept = [value for name, (value, _) in values.items() if name not in ("statistics", "status", "options")]
+    return [*kept, *many(ready), *parts]
+
+
+def test_nothing_equals_none(values, ready):
+    for value in everything(values, ready):
+        assert value.__eq__(None) is False
+        assert value != None  # noqa: E711
+        assert value not in [None, 1, "x"]
+        unready = type(value).__new__(type(value))
+        assert value != unready
+
+
+def test_broken_states_are_refused(values, ready):
+    for value in everything(values, ready):
+        kind, state = type(value), value.__getstate__()
+        wrong = "this is not the pickled state of a " + kind.__name__
+        for broken, why in [
+            ((), f"{wrong}: it ends too early"),
+            (state[:-1], f"{wrong}: it ends too early"),
+            ((*state, 1), f"{wrong}: it has more entries than are known"),
+            ((object(),) * len(state), r"^\w"),
+        ]:
+            with pytest.raises(srmp.InvalidArgument, match=why):
+                kind.__new__(kind).__setstate__(broken)
+
+
 def test_a_copy_lives_on_its_own(values):
     trajectory = copy.deepcopy(values["trajectory"][0])
     expected = values["trajectory"][0].positions.copy()
@@ -69,7 +110,7 @@ def test_planning_errors_keep_status_and_statistics(arm, ready):
         assert (str(copied), copied.status, copied.statistics) == (str(error), error.status, error.statistics)
 
 
-@pytest.mark.parametrize("kind", ["InvalidArgument", "FileError", "NotSupported", "Error"])
+@pytest.mark.parametrize("kind", ["InvalidArgument", "UnknownRobot", "FileError", "NotSupported", "Error"])
 def test_other_errors_pickle(kind):
     error = getattr(srmp, kind)("what was wrong")
     assert [(type(e), str(e)) for e in again(error)] == [(type(error), "what was wrong")] * 3

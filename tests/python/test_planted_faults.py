@@ -150,7 +150,11 @@ WITH_OPTIONS = [
 
 def expect_named(result, text):
     assert result.exit_code == 1, result.output
-    parts = {"number": r"-?[\d.e-]+", "between": r"[\d.e-]+ s \(between rows \d+ and \d+\)", "joint": r"arm7_joint\d"}
+    parts = {
+        "number": r"-?[\d.e-]+",
+        "between": r"[\d.e-]+ s \((?:between rows \d+ and \d+|row \d+, the last)\)",
+        "joint": r"arm7_joint\d",
+    }
     for name, pattern in parts.items():
         text = text.replace("{" + name + "}", pattern)
     assert re.search(rf"^FAULT {text}", result.output, re.M), result.output
