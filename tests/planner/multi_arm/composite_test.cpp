@@ -101,7 +101,7 @@ BOOST_AUTO_TEST_CASE(an_arm_that_steps_aside_for_another_comes_back) {
   pair.check_free(path);
   const CoupledPath better = srmp::rerouted(path, *pair.world, {});
   pair.check_free(better);
-  BOOST_TEST((better.positions[1].bottomRows(1).transpose() == straight.transpose()));
+  BOOST_TEST((better.positions[1].bottomRows(1).transpose() == straight));
 }
 
 BOOST_AUTO_TEST_CASE(an_arm_goes_by_a_place_that_is_nearer) {
