@@ -13,8 +13,10 @@ using srmp::RowMatrix;
 using srmp::Trajectory;
 using Q = Eigen::Vector2d;
 
+const srmp::XECBS patient{.common = {.time_limit = 120}};  // under sanitizers too
+
 /// Two planar arms whose stretched arms reach into each other's half:   left ·──·──      ──·──· right
-srmp::PlannerInterface two_arms(const srmp::PlannerOptions& options = srmp::XECBS{}) {
+srmp::PlannerInterface two_arms(const srmp::PlannerOptions& options = patient) {
   srmp::PlannerInterface planner;
   for (const std::string name : {"left", "right"}) {
     srmp::RobotDescription description = robots::planar_description();
@@ -36,7 +38,7 @@ Trajectory motion(const std::vector<double>& times, const std::vector<Q>& rows) 
 }
 
 /// The third stands above the middle and reaches down into it.
-void add_third(srmp::PlannerInterface& planner, const srmp::PlannerOptions& options = srmp::XECBS{}) {
+void add_third(srmp::PlannerInterface& planner, const srmp::PlannerOptions& options = patient) {
   srmp::RobotDescription third = robots::planar_description();
   third.name = "third";
   planner.add_articulation(third, srmp::Pose::from_rpy({1.5, 2.4, 0.0}, {0.0, 0.0, -M_PI / 2.0}));
@@ -252,7 +254,7 @@ BOOST_AUTO_TEST_CASE(statistics_of_a_plan_of_many_name_its_robots_even_if_it_end
   BOOST_CHECK_THROW(planner.plan_multi({{"left", start}, {"third", Q(0.0, 0.0)}}, goals), srmp::PlanningError);
   BOOST_CHECK(planner.get_planning_stats().robot_cost_rad == none);
   planner.remove_object("ball");
-  planner.make_planner({"left"}, srmp::XECBS{});
+  planner.make_planner({"left"}, patient);
   BOOST_CHECK_THROW(
       planner.plan_multi({{"left", Q(0.0, 0.0)}}, goals, {{"right", motion({0.0, 1.0}, {Q(0.0, 0.0), Q(1.2, 0.0)})}}),
       srmp::PlanningError);
@@ -323,7 +325,7 @@ BOOST_AUTO_TEST_CASE(a_robot_that_holds_cannot_be_run_into) {
   srmp::RobotDescription third = robots::planar_description();
   third.name = "third";
   planner.add_articulation(third, {.p = {1.5, -10.0, 0.0}});
-  planner.make_planner({"left", "third"}, srmp::XECBS{});
+  planner.make_planner({"left", "third"}, patient);
   const auto call = [&] {
     planner.plan_multi({{"left", Q(0.0, 0.0)}, {"third", Q(0.0, 0.0)}},
                        {{"third", GoalConstraint::joints(Q(1.0, 0.0))}}, {{"right", sweep()}});
