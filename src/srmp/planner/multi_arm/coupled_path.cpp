@@ -152,11 +152,17 @@ class Shortener {
     if (late()) return false;
     const Eigen::VectorXd from = at(arm, a), to = at(arm, b);
     if (!short_way(arm, from, to) || !world_.is_free_alone(number(arm), from, to)) return false;
+    return is_apart(arm, a, b, [&](std::size_t row) { return between(arm, a, b, row); });
+  }
+
+  /// From the others as they go, when the arm is at `place(row)` in each row.
+  template <class Place>
+  bool is_apart(std::size_t arm, std::size_t a, std::size_t b, Place&& place) {
     for (std::size_t other = 0; other < path_.positions.size(); ++other) {
       if (other == arm || !world_.may_meet(number(arm), number(other))) continue;
       for (std::size_t row = a; row < b; ++row)
-        if (!world_.are_apart(number(arm), between(arm, a, b, row), between(arm, a, b, row + 1), number(other),
-                              at(other, row), at(other, row + 1), true))
+        if (!world_.are_apart(number(arm), place(row), place(row + 1), number(other), at(other, row),
+                              at(other, row + 1), true))
           return false;
     }
     return true;
@@ -225,14 +231,7 @@ class Shortener {
   bool is_free(std::size_t arm, std::size_t a, std::size_t b) {
     for (std::size_t row = a; row < b; ++row)
       if (late() || !world_.is_free_alone(number(arm), at(arm, row), at(arm, row + 1))) return false;
-    for (std::size_t other = 0; other < path_.positions.size(); ++other) {
-      if (other == arm || !world_.may_meet(number(arm), number(other))) continue;
-      for (std::size_t row = a; row < b; ++row)
-        if (!world_.are_apart(number(arm), at(arm, row), at(arm, row + 1), number(other), at(other, row),
-                              at(other, row + 1), true))
-          return false;
-    }
-    return true;
+    return is_apart(arm, a, b, [&](std::size_t row) { return at(arm, row); });
   }
 
   /// Is the part not straight and even already?

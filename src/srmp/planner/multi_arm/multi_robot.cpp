@@ -12,6 +12,7 @@
 #include "srmp/planner/multi_arm/composite_trees.hpp"
 #include "srmp/planner/multi_arm/coupled_path.hpp"
 #include "srmp/planner/multi_arm/coupled_post_process.hpp"
+#include "srmp/planner/multi_arm/ends_apart.hpp"
 #include "srmp/planner/multi_arm/reroute.hpp"
 #include "srmp/planner/multi_arm/roadmap_search.hpp"
 #include "srmp/planner/multi_arm/way_alone.hpp"
@@ -57,8 +58,9 @@ class MultiRobotPlan {
 
   MultiTrajectory run() {
     find_tasks();
-    require_starts_apart();
-    require_goals_apart();
+    std::vector<ArmEnds> ends;
+    for (const ArmTask& task : tasks_) ends.push_back({task.start, task.targets});
+    require_ends_apart(problem_.checkers, ends);
     find_paths();
     statistics_.plan_time_s = deadline_.elapsed();
     return post_process();
@@ -79,44 +81,6 @@ class MultiRobotPlan {
       const bool aside = part.goal.type == GoalType::aside;
       tasks_.push_back({std::move(path.start), std::move(path.targets), std::move(path.waypoints), aside});
     }
-  }
-
-  /// What two robots touch with at two configurations; "" = nothing.
-  std::string contact(std::size_t i, const Eigen::VectorXd& a, std::size_t j, const Eigen::VectorXd& b) const {
-    const Checker* checker = problem_.checkers.pair(i, j);
-    if (!checker) return "";
-    Eigen::VectorXd both(a.size() + b.size());
-    both << a, b;
-    const auto workspace = checker->make_workspace();
-    if (checker->is_free(both, *workspace)) return "";
-    const auto contacts = checker->contacts(both, *workspace);
-    return "'" + name(i) + "' and '" + name(j) + "' are in collision" +
-           (contacts.empty() ? "" : ": " + contacts.front().describe());
-  }
-
-  void require_starts_apart() const {
-    for (std::size_t i = 0; i < count_; ++i)
-      for (std::size_t j = i + 1; j < count_; ++j)
-        if (const std::string why = contact(i, tasks_[i].start, j, tasks_[j].start); !why.empty())
-          fail(Status::start_invalid, "the starts are invalid: " + why);
-  }
-
-  /// Two robots none of whose goal configurations go together.
-  void require_goals_apart() const {
-    for (std::size_t i = 0; i < count_; ++i)
-      for (std::size_t j = i + 1; j < count_; ++j) {
-        if (tasks_[i].anywhere || tasks_[j].anywhere) continue;
-        std::string first;
-        bool together = false;
-        for (const Eigen::VectorXd& a : tasks_[i].targets)
-          for (const Eigen::VectorXd& b : tasks_[j].targets) {
-            if (together) continue;
-            const std::string why = contact(i, a, j, b);
-            together = why.empty();
-            if (first.empty()) first = why;
-          }
-        if (!together) fail(Status::goal_invalid, "the goals cannot be reached together: at them " + first);
-      }
   }
 
   // --- all of them

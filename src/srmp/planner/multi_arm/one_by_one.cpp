@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "srmp/planner/multi_arm/ends_apart.hpp"
 #include "srmp/planner/multi_arm/way_alone.hpp"
 #include "srmp/planner/phase_timer.hpp"
 #include "srmp/planner/post_process.hpp"
@@ -36,39 +37,9 @@ OneByOne::OneByOne(const MultiRobotProblem& problem, const CommittedMotions& com
 // --- starts and goals
 
 void OneByOne::require_ends() {
-  const std::size_t count = problem_.moving.size();
-  for (std::size_t i = 0; i < count; ++i) way(i);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = i + 1; j < count; ++j)
-      if (const std::string why = contact(i, way(i).start, j, way(j).start); !why.empty())
-        throw PlanningError(Status::start_invalid, "the starts are invalid: " + why);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = i + 1; j < count; ++j) require_goals_apart(i, j);
-}
-
-void OneByOne::require_goals_apart(std::size_t i, std::size_t j) {
-  std::string first;
-  for (const Eigen::VectorXd& a : way(i).targets)
-    for (const Eigen::VectorXd& b : way(j).targets) {
-      const std::string why = contact(i, a, j, b);
-      if (why.empty()) return;
-      if (first.empty()) first = why;
-    }
-  if (!first.empty())
-    throw PlanningError(Status::goal_invalid, "the goals cannot be reached together: at them " + first);
-}
-
-/// What two robots touch with at two configurations; "" = nothing.
-std::string OneByOne::contact(std::size_t i, const Eigen::VectorXd& a, std::size_t j, const Eigen::VectorXd& b) const {
-  const Checker* judge = team_.pair(i, j);
-  if (!judge) return "";
-  Eigen::VectorXd both(a.size() + b.size());
-  both << a, b;
-  const auto workspace = judge->make_workspace();
-  if (judge->is_free(both, *workspace)) return "";
-  const auto contacts = judge->contacts(both, *workspace);
-  return "'" + problem_.moving[i].robot + "' and '" + problem_.moving[j].robot + "' are in collision" +
-         (contacts.empty() ? "" : ": " + contacts.front().describe());
+  std::vector<ArmEnds> ends;
+  for (std::size_t i = 0; i < problem_.moving.size(); ++i) ends.push_back({way(i).start, way(i).targets});
+  require_ends_apart(team_, ends);
 }
 
 /// Among what stands still: of the robots that move none stands anywhere. Its targets are free of the committed robots

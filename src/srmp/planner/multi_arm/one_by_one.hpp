@@ -38,8 +38,6 @@ class OneByOne {
   std::vector<MovingRobot> others_of(std::size_t i, const Motions& done) const;
   TimedTask task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others);
   const RobotPath& way(std::size_t i);
-  std::string contact(std::size_t i, const Eigen::VectorXd& a, std::size_t j, const Eigen::VectorXd& b) const;
-  void require_goals_apart(std::size_t i, std::size_t j);
 
   const MultiRobotProblem& problem_;
   const CommonOptions& common_;

@@ -88,15 +88,12 @@ class PlanInTime {
   }
 
   Moves moves_of(const std::vector<TimedStop>& stops) const {
+    std::vector<Eigen::VectorXd> places;
+    for (const TimedStop& stop : stops) places.push_back(stop.q);
+    const RowMatrix all = unwrap_waypoints(stack_waypoints(places), task_.limits.continuous);
     Moves moves;
-    Eigen::RowVectorXd last = stops.front().q.transpose();
     for (std::size_t k = 1; k < stops.size(); ++k) {
-      RowMatrix rows(2, last.size());
-      rows.row(0) = last;
-      rows.row(1) = last + task_.alone.robot().difference(stops[k - 1].q, stops[k].q).transpose();
-      for (Eigen::Index j = 0; j < last.size(); ++j)  // without rounding, but where it has gone round
-        if (std::abs(rows(1, j) - stops[k].q[j]) < 1e-9) rows(1, j) = stops[k].q[j];
-      last = rows.row(1);
+      const RowMatrix rows = all.middleRows(static_cast<Eigen::Index>(k - 1), 2);
       if (rows.row(0) != rows.row(1)) moves.push_back({rows, stops[k - 1].leaves(), task_.in_time(rows)});
     }
     return moves;
