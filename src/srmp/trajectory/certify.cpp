@@ -133,9 +133,8 @@ class Certifier {
   }
 
  private:
-  bool fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
+  void fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
     result_.faults.push_back({kind, text, time});
-    return false;
   }
 
   // --- limits
