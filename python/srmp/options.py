@@ -56,7 +56,10 @@ class _Options:
 
     def to_dict(self) -> dict[str, Any]:
         """The paper's dictionary."""
-        return {"planner_id": self.planner_id, **dataclasses.asdict(self)}
+        options = dataclasses.asdict(self)
+        for robot, own in options.pop("robots", {}).items():
+            options |= {f"{key}_{robot}": value for key, value in own.items()}
+        return {"planner_id": self.planner_id, **options}
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -121,6 +124,8 @@ class Auto(_Options):
     """Guided searches in turns (Huberman, Lukose, Hogg 1997): two directions, four resolutions; anytime if asked."""
 
     planner_id: ClassVar[str] = "auto"
+    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
+    """For many robots: of single ones, by name, `heuristic` and `mprim_path` in place of those for all."""
     weight: float = 50.0
     """Of the first path, >= 1."""
     improve_rounds: int = 0
@@ -129,6 +134,8 @@ class Auto(_Options):
     """[s] for better paths, within the time limit; 0 = as long as the rounds take."""
     final_weight: float = 1.0
     """Stop improving once this bound is proven, >= 1; 1 = go on as long as asked."""
+    num_threads: int = 1
+    """For many robots: of parts that are planned at the same time, > 0; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -136,6 +143,10 @@ class CBS(_Options):
     """CBS (Sharon, Stern, Felner, Sturtevant 2015), many robots: the least sum of costs on their lattices."""
 
     planner_id: ClassVar[str] = "CBS"
+    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
+    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
+    num_threads: int = 1
+    """Of parts that are planned at the same time, > 0; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -143,12 +154,16 @@ class ECBS(_Options):
     """ECBS (Barer, Sharon, Stern, Felner 2014), many robots: cost <= the product of its factors * optimal."""
 
     planner_id: ClassVar[str] = "ECBS"
+    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
+    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
     weight_low_level_heuristic: float = 50.0
     """>= 1."""
     high_level_focal_suboptimality: float = 1.3
     """>= 1."""
     low_level_focal_suboptimality: float = 1.3
     """>= 1."""
+    num_threads: int = 1
+    """Of parts that are planned at the same time, > 0; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -156,6 +171,8 @@ class XECBS(_Options):
     """xECBS (Shaoul, Mishani, Likhachev, Li 2024), many robots: ECBS that begins with what it knows; the same bound."""
 
     planner_id: ClassVar[str] = "xECBS"
+    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
+    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
     weight_low_level_heuristic: float = 50.0
     """>= 1."""
     high_level_focal_suboptimality: float = 1.3
@@ -164,6 +181,8 @@ class XECBS(_Options):
     """>= 1."""
     improve_rounds: int = 0
     """Of better paths after the first, >= 0."""
+    num_threads: int = 1
+    """Of parts that are planned at the same time, > 0; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -171,5 +190,9 @@ class Prioritised(_Options):
     """Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: quick; nothing is proved."""
 
     planner_id: ClassVar[str] = "prioritised"
+    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
+    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
     weight_low_level_heuristic: float = 50.0
     """>= 1."""
+    num_threads: int = 1
+    """Of parts that are planned at the same time, > 0; the same answer for every number."""

@@ -137,12 +137,21 @@ PLANNERS = [
     ({"planner_id": "wAstar", "time_limit": None}, "'time_limit' is None"),
     ({"planner_id": "wAstar", "heuristic": "bsf"}, "'heuristic' is 'bsf', did you mean 'bfs'"),
     ({"planner_id": "wPASE", "num_threads": 1.5}, "'num_threads' is 1.5; it must be a whole number"),
+    ({"planner_id": "xECBS", "num_threads": 0}, "'num_threads' is 0; it must be above 0 and at most 1024"),
+    ({"planner_id": "auto", "num_threads": 1e6}, "'num_threads' is 1e\\+06; it must be above 0 and at most 1024"),
     ({"planner_id": "auto", "improve_time": -1}, "'improve_time' is -1; it must be at least 0"),
     ({"planner_id": "auto", "improve_rounds": -1}, "'improve_rounds' is -1; it must be at least 0"),
     ({"planner_id": "xECBS", "improve_rounds": 0.5}, "'improve_rounds' is 0.5"),
     ({"planner_id": "auto", "final_weight": 0.9}, "'final_weight' is 0.9; it must be at least 1"),
     ({"planner_id": "wAstar", "shortcut": "maybe"}, "'shortcut' must be true or false"),
     ({"planner_id": 7}, "'planner_id' must be a word"),
+    ({"planner_id": "wAstar", "heuristic": "zzzzzzzzz"}, "'heuristic' is 'zzzzzzzzz'; known are 'joint_euclidean',"),
+    ({"planner_id": "wAstar", "heuristic_arm": "bfs"}, "no option 'heuristic_arm', did you mean 'heuristic'"),
+    ({"planner_id": "wAstar", "i_weight": 2}, "no option 'i_weight', did you mean 'weight'"),
+    (
+        {"planner_id": "auto", "heuristic_arm": "bfs"},
+        "'heuristic_arm' is for one robot of many, but 'arm' is planned alone",
+    ),
     ("wAstar", "must be a dictionary"),
 ]
 

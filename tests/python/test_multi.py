@@ -358,6 +358,67 @@ def test_no_shortcut_when_none_is_wanted():
     assert statistics["path_cost_rad"] == pytest.approx(statistics["search_cost_rad"], rel=1e-12)
 
 
+# --- options of single robots
+
+
+def test_a_robot_has_a_heuristic_of_its_own():
+    asked = {"left": 0, "right": 0}
+
+    def mine(name):
+        def distance(configurations, goals):
+            asked[name] += 1
+            return np.linalg.norm(configurations[:, None] - goals[None], axis=2).min(axis=1)
+
+        return distance
+
+    planner = two()
+    for name in asked:
+        planner.add_heuristic(name, mine(name))
+    planner.make_planner(["left", "right"], {"planner_id": "xECBS", "heuristic_left": "left"})
+    planner.plan_multi(STARTS, GOALS)
+    assert asked["left"] > 0
+    assert asked["right"] == 0
+    planner.make_planner(["left", "right"], srmp.XECBS(robots={"right": {"heuristic": "right"}}))
+    planner.plan_multi(STARTS, GOALS)
+    assert asked["right"] > 0
+
+
+def test_a_robot_has_motion_primitives_of_its_own(tmp_path):
+    file = tmp_path / "base.yaml"
+    file.write_text("units: degrees\nfamilies:\n  - {name: turn, joints: [arm7_joint1], by: [[20]]}\n")
+    planner = two("CBS", distance=0.9)
+    planner.make_planner(["left", "right"], {"planner_id": "CBS", "mprim_path_left": str(file)})
+    trajectory = planner.plan_multi(STARTS, GOALS)
+    assert np.allclose(trajectory["left"].waypoints[:, 1:], READY[1:])  # no other joint has a primitive
+    assert "or of their own primitives" in planner.get_planning_stats()["bound_graph"]
+    planner.make_planner(["left", "right"], {"planner_id": "CBS", "mprim_path_left": str(tmp_path / "none.yaml")})
+    with pytest.raises(srmp.FileError, match=r"none\.yaml"):
+        planner.plan_multi(STARTS, GOALS)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"heuristic_lfet": "bfs"}, "for 'lfet', which is none of the robots of this planner, did you mean 'left'"),
+        ({"heuristic_left": "bsf"}, "'heuristic_left' is 'bsf', did you mean 'bfs'"),
+        ({"heuristic_left": 3}, "'heuristic_left' must be a word"),
+        ({"resolution_left": 3}, "no option 'resolution_left', did you mean 'resolution'"),
+    ],
+)
+def test_wrong_options_of_single_robots(options, sentence):
+    with pytest.raises(srmp.InvalidArgument, match=sentence):
+        two().make_planner(["left", "right"], {"planner_id": "xECBS", **options})
+
+
+def test_options_of_single_robots_are_kept(tmp_path):
+    planner = two()
+    planner.make_planner(["left", "right"], srmp.XECBS(robots={"left": {"heuristic": "bfs"}}))
+    first = planner.plan_multi(STARTS, GOALS)
+    planner.save(tmp_path / "two.json")
+    again = srmp.PlannerInterface.load(tmp_path / "two.json")
+    assert again.plan_multi(STARTS, GOALS) == first
+
+
 # --- the same answer every time
 
 
@@ -403,6 +464,36 @@ def test_the_same_bits_on_every_run_and_instruction_set():
     assert set(printed) == {f"{hashlib.sha256(first[0]).hexdigest()} {first[1]}\n"}
 
 
+@pytest.mark.parametrize("planner_id", ["auto", "xECBS", "prioritised"])
+def test_the_same_bits_for_every_number_of_threads(planner_id):
+    first = answer(ring(planner_id=planner_id))
+    for threads in (2, 4):
+        assert answer(ring(planner_id=planner_id, num_threads=threads)) == first
+
+
+def test_heuristics_in_python_are_asked_from_many_threads():
+    def distance(configurations, goals):
+        return np.linalg.norm(configurations[:, None] - goals[None], axis=2).min(axis=1)
+
+    planner, answers = ring(), []
+    planner.add_heuristic("mine", distance)
+    for threads in (1, 4):
+        planner.make_planner(list(quarter_turns()[0]), srmp.XECBS(heuristic="mine", num_threads=threads))
+        answers.append(answer(planner))
+    assert answers[0] == answers[1]
+
+
+def test_what_a_heuristic_throws_on_another_thread_is_told():
+    def broken(configurations, goals):
+        raise ZeroDivisionError("no luck")
+
+    planner = ring()
+    planner.add_heuristic("mine", broken)
+    planner.make_planner(list(quarter_turns()[0]), srmp.XECBS(heuristic="mine", num_threads=3))
+    with pytest.raises(ZeroDivisionError, match="no luck"):
+        planner.plan_multi(*quarter_turns())
+
+
 def test_the_order_of_the_dictionaries_does_not_matter():
     starts, goals = quarter_turns()
     backwards = ring().plan_multi(dict(reversed(starts.items())), dict(reversed(goals.items())))
@@ -424,8 +515,9 @@ def test_the_time_limit_is_kept():
     assert error.value.statistics == statistics
 
 
-def test_ctrl_c_stops_it():
-    planner = two("CBS", time_limit=60)
+@pytest.mark.parametrize("threads", [1, 3])
+def test_ctrl_c_stops_it(threads):
+    planner = two("CBS", time_limit=60, num_threads=threads)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()

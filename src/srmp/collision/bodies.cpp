@@ -60,6 +60,7 @@ class Rules {
     for (Body& body : bodies.moving) number(body);
     for (Body& body : bodies.fixed) number(body);
     allowed_.assign(names_.size() * names_.size(), unknown);
+    for (const std::string* name : names_) spoken_of_.push_back(is_spoken_of(*name));
     self_pairs_.resize(group.size());
   }
 
@@ -81,10 +82,19 @@ class Rules {
  private:
   static constexpr char unknown = 2;
 
-  /// Nothing in the scene speaks of the two: most pairs of most scenes.
+  /// Nothing in the scene speaks of both: most pairs of most scenes.
   bool by_model_alone(const Body& a, const Body& b) const {
-    return scene_.allowed_settings().empty() && a.kind != BodyKind::attached_object &&
+    return !(spoken_of_[a.name_id] && spoken_of_[b.name_id]) && a.kind != BodyKind::attached_object &&
            b.kind != BodyKind::attached_object;
+  }
+
+  /// Does a setting name the body or the robot that it is a link of?
+  bool is_spoken_of(const std::string& name) const {
+    const auto names = [&](const std::string& key) {
+      return name.starts_with(key) && (name.size() == key.size() || name[key.size()] == '/');
+    };
+    return std::any_of(scene_.allowed_settings().begin(), scene_.allowed_settings().end(),
+                       [&](const auto& setting) { return names(setting.first.first) || names(setting.first.second); });
   }
 
   bool is_self_pair(const RobotModel& model, std::size_t member, std::size_t a, std::size_t b) {
@@ -107,6 +117,7 @@ class Rules {
   const RobotGroup& group_;
   bool companions_only_;
   std::vector<const std::string*> names_;
+  std::vector<char> spoken_of_;                // by number of the name
   std::vector<char> allowed_;                  // [a * names + b]
   std::vector<std::vector<char>> self_pairs_;  // of each member [a * geometries + b]; empty until asked for
 };

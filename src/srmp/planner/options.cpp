@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <set>
+#include <string_view>
+#include <type_traits>
 
 #include "srmp/core/error.hpp"
 
@@ -23,6 +25,7 @@ constexpr Range above_zero{0.0, inf, true};
 constexpr Range from_zero{0.0, inf};
 constexpr Range from_one{1.0, inf};
 constexpr Range share{0.0, 1.0, true};
+constexpr Range thread_count{0.0, 1024.0, true};
 
 /// The field holds names of heuristics.
 struct HeuristicName {};
@@ -78,7 +81,7 @@ template <class V>
 void visit_fields(WPASE& o, V&& field) {
   visit_fields(o.common, field);
   field("weight", o.weight, from_one);
-  field("num_threads", o.num_threads, above_zero);
+  field("num_threads", o.num_threads, thread_count);
   field("batch_size", o.batch_size, above_zero);
 }
 template <class V>
@@ -88,10 +91,12 @@ void visit_fields(Auto& o, V&& field) {
   field("improve_rounds", o.improve_rounds, from_zero);
   field("improve_time", o.improve_time, from_zero);
   field("final_weight", o.final_weight, from_one);
+  field("num_threads", o.num_threads, thread_count);
 }
 template <class V>
 void visit_fields(CBS& o, V&& field) {
   visit_fields(o.common, field);
+  field("num_threads", o.num_threads, thread_count);
 }
 template <class Options, class V>
 void visit_conflict_fields(Options& o, V&& field) {
@@ -99,6 +104,7 @@ void visit_conflict_fields(Options& o, V&& field) {
   field("weight_low_level_heuristic", o.weight_low_level_heuristic, from_one);
   field("high_level_focal_suboptimality", o.high_level_focal_suboptimality, from_one);
   field("low_level_focal_suboptimality", o.low_level_focal_suboptimality, from_one);
+  field("num_threads", o.num_threads, thread_count);
 }
 template <class V>
 void visit_fields(ECBS& o, V&& field) {
@@ -113,6 +119,33 @@ template <class V>
 void visit_fields(Prioritised& o, V&& field) {
   visit_fields(o.common, field);
   field("weight_low_level_heuristic", o.weight_low_level_heuristic, from_one);
+  field("num_threads", o.num_threads, thread_count);
+}
+
+/// None for planners of one robot.
+template <class Options>
+auto robots_of(Options& options)
+    -> std::conditional_t<std::is_const_v<Options>, const RobotOptionMap*, RobotOptionMap*> {
+  if constexpr (requires { options.robots; }) return &options.robots;
+  return nullptr;
+}
+
+/// Those that are set, by the names that the dictionary has for them.
+template <class V>
+void visit_robot_fields(RobotOptionMap* robots, V&& field) {
+  if (!robots) return;
+  for (auto& [robot, own] : *robots) {
+    const std::string of_robot = "_" + robot;
+    if (own.heuristic) field("heuristic" + of_robot, *own.heuristic, HeuristicName{});
+    if (own.mprim_path) field("mprim_path" + of_robot, *own.mprim_path, std::vector<std::string>{});
+  }
+}
+
+/// Every option of a planner.
+template <class Options, class V>
+void visit_all_fields(Options& options, V&& field) {
+  visit_fields(options, field);
+  visit_robot_fields(robots_of(options), field);
 }
 
 std::string option(const std::string& key) { return "option '" + key + "'"; }
@@ -164,10 +197,15 @@ void require_in(const std::string& key, double value, const Range& range) {
   throw InvalidArgument(option(key) + " is " + to_text(value) + "; " + allowed);
 }
 
+/// The end of a sentence that refuses a word.
+std::string or_known(const std::string& word, const std::vector<std::string>& known) {
+  const std::string hint = did_you_mean(word, known);
+  return (hint.empty() ? "; known are " : hint + " Known are ") + quoted_list(known);
+}
+
 void require_word(const std::string& key, const std::string& word, const std::vector<std::string>& known) {
   if (known.empty() || std::find(known.begin(), known.end(), word) != known.end()) return;
-  throw InvalidArgument(option(key) + " is '" + word + "'" + did_you_mean(word, known) + " Known are " +
-                        quoted_list(known));
+  throw InvalidArgument(option(key) + " is '" + word + "'" + or_known(word, known));
 }
 
 struct Reader {
@@ -246,6 +284,8 @@ struct Planner {
   PlannerInfo info;
   PlannerOptions defaults;
   std::vector<std::string> spellings;  // compared without case and without '-', '_', ' '
+  /// Options that others' dictionaries have, and that nothing depends on here.
+  std::vector<std::string> needless{};
 };
 
 const std::vector<Planner>& registry() {
@@ -263,7 +303,8 @@ const std::vector<Planner>& registry() {
       {{"MHAstar", "MHA*: several heuristics share one search", true, false}, MHAStar{}, {"mha*"}},
       {{"wPASE", "parallel weighted search; the same path for every number of threads", true, false},
        WPASE{},
-       {"wpa*se", "wpastarse", "epa*se", "epase"}},
+       {"wpa*se", "wpastarse", "epa*se", "epase"},
+       {"i_heuristic", "i_weight"}},  // of PA*SE's test of independence: here batches are fixed
       {{"CBS", "many robots: the least sum of costs on their lattices", false, true}, CBS{}, {}},
       {{"ECBS", "many robots: sum of costs within a bound", false, true}, ECBS{}, {}},
       {{"xECBS", "many robots: ECBS that learns from its own searches; quick", false, true}, XECBS{}, {}},
@@ -289,12 +330,20 @@ const Planner& find_planner(const std::string& id) {
     names.push_back(folded(planner.info.id));
     if (std::find(names.begin(), names.end(), folded(id)) != names.end()) return planner;
   }
-  throw InvalidArgument("there is no planner '" + id + "'" + did_you_mean(id, known) + " Known are " +
-                        quoted_list(known));
+  throw InvalidArgument("there is no planner '" + id + "'" + or_known(id, known));
 }
 
-// Per-robot keys of many-arm planners, such as heuristic_panda, belong to the paper's dictionaries too; they are not
-// understood before plan_multi is, so they are refused like any unknown key.
+/// Makes room for the options of single robots that the dictionary has.
+void make_room(RobotOptionMap* robots, const OptionMap& map) {
+  if (!robots) return;
+  for (const auto& [key, value] : map)
+    for (const std::string_view option : {"heuristic_", "mprim_path_"})
+      if (key.starts_with(option) && key.size() > option.size()) {
+        RobotOptions& own = (*robots)[key.substr(option.size())];
+        (option == "heuristic_" ? own.heuristic : own.mprim_path).emplace();
+      }
+}
+
 void require_known_keys(const OptionMap& map, const std::vector<std::string>& known, const std::string& id) {
   for (const auto& [key, value] : map)
     if (std::find(known.begin(), known.end(), key) == known.end()) {
@@ -315,7 +364,9 @@ PlannerOptions parse_options(const OptionMap& map) {
   std::visit(
       [&](auto& typed) {
         Reader reader{map};
-        visit_fields(typed, reader);
+        make_room(robots_of(typed), map);
+        visit_all_fields(typed, reader);
+        reader.known.insert(reader.known.end(), planner.needless.begin(), planner.needless.end());
         require_known_keys(map, reader.known, planner.info.id);
       },
       options);
@@ -325,7 +376,7 @@ PlannerOptions parse_options(const OptionMap& map) {
 
 void validate(const PlannerOptions& options) {
   PlannerOptions copy = options;
-  std::visit([](auto& typed) { visit_fields(typed, Validator{}); }, copy);
+  std::visit([](auto& typed) { visit_all_fields(typed, Validator{}); }, copy);
 }
 
 const std::vector<std::string>& built_in_heuristics() {
@@ -347,13 +398,13 @@ void require_heuristics(const PlannerOptions& options, std::span<const std::stri
   std::vector<std::string> known = built_in_heuristics();
   known.insert(known.end(), users.begin(), users.end());
   PlannerOptions copy = options;
-  std::visit([&](auto& typed) { visit_fields(typed, HeuristicCheck{known}); }, copy);
+  std::visit([&](auto& typed) { visit_all_fields(typed, HeuristicCheck{known}); }, copy);
 }
 
 OptionMap to_map(const PlannerOptions& options) {
   PlannerOptions copy = options;
   OptionMap map{{"planner_id", planner_id(options)}};
-  std::visit([&](auto& typed) { visit_fields(typed, Writer{map}); }, copy);
+  std::visit([&](auto& typed) { visit_all_fields(typed, Writer{map}); }, copy);
   return map;
 }
 
@@ -363,8 +414,47 @@ Improvement improvement(const PlannerOptions& options) {
   return {};
 }
 
+int num_threads(const PlannerOptions& options) {
+  return std::visit(
+      [](const auto& typed) {
+        if constexpr (requires { typed.num_threads; }) return typed.num_threads;
+        return 1;
+      },
+      options);
+}
+
 const CommonOptions& common_options(const PlannerOptions& options) {
   return std::visit([](const auto& typed) -> const CommonOptions& { return typed.common; }, options);
+}
+
+CommonOptions common_options(const PlannerOptions& options, const std::string& robot) {
+  CommonOptions common = common_options(options);
+  const RobotOptionMap* robots = std::visit([](const auto& typed) { return robots_of(typed); }, options);
+  if (!robots) return common;
+  const auto own = robots->find(robot);
+  if (own == robots->end()) return common;
+  if (own->second.heuristic) common.heuristic = *own->second.heuristic;
+  if (own->second.mprim_path) common.mprim_path = *own->second.mprim_path;
+  return common;
+}
+
+void require_robots(const PlannerOptions& options, const std::vector<std::string>& robots) {
+  PlannerOptions copy = options;
+  std::visit(
+      [&](auto& typed) {
+        RobotOptionMap* own = robots_of(typed);
+        visit_robot_fields(own, [&](const std::string& key, auto&, const auto&) {
+          if (robots.size() == 1)
+            throw InvalidArgument(option(key) + " is for one robot of many, but '" + robots.front() +
+                                  "' is planned alone; name it without the robot");
+        });
+        if (own)
+          for (const auto& [name, values] : *own)
+            if (std::find(robots.begin(), robots.end(), name) == robots.end())
+              throw InvalidArgument("there are options of their own for '" + name +
+                                    "', which is none of the robots of this planner" + or_known(name, robots));
+      },
+      copy);
 }
 
 std::string planner_id(const PlannerOptions& options) {

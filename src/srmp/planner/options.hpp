@@ -72,33 +72,49 @@ struct WPASE {
   int batch_size{16};   ///< edges evaluated together, > 0; part of the question: another batch may find another path
 };
 
+/// Options of one robot among many that stand in place of those for all: in the paper's dictionary `heuristic_panda`
+/// and `mprim_path_panda`, for the robot 'panda'.
+struct RobotOptions {
+  std::optional<std::string> heuristic{};
+  std::optional<std::string> mprim_path{};
+};
+using RobotOptionMap = std::map<std::string, RobotOptions>;
+
 /// CBS (Sharon, Stern, Felner, Sturtevant 2015), many robots: sum of costs optimal on their lattices in discrete time.
 struct CBS {
   CommonOptions common{};
+  RobotOptionMap robots{};
+  int num_threads{1};  ///< of parts that are planned at the same time, > 0; the same answer for every number
 };
 
 /// ECBS (Barer, Sharon, Stern, Felner 2014), many robots: sum of costs <= the product of its three factors * optimal.
 struct ECBS {
   CommonOptions common{};
+  RobotOptionMap robots{};
   double weight_low_level_heuristic{50.0};     ///< >= 1
   double high_level_focal_suboptimality{1.3};  ///< >= 1
   double low_level_focal_suboptimality{1.3};   ///< >= 1
+  int num_threads{1};                          ///< as CBS::num_threads
 };
 
 /// xECBS (Shaoul, Mishani, Likhachev, Li 2024): ECBS whose searches begin with what still holds of the last one, with
 /// further branches in which one robot gives way to another (multi::ConflictSearchOptions). The same bound.
 struct XECBS {
   CommonOptions common{};
+  RobotOptionMap robots{};
   double weight_low_level_heuristic{50.0};     ///< >= 1
   double high_level_focal_suboptimality{1.3};  ///< >= 1
   double low_level_focal_suboptimality{1.3};   ///< >= 1
   int improve_rounds{0};                       ///< of better paths after the first, >= 0
+  int num_threads{1};                          ///< as CBS::num_threads
 };
 
 /// Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: fast; incomplete, and nothing is proved.
 struct Prioritised {
   CommonOptions common{};
+  RobotOptionMap robots{};
   double weight_low_level_heuristic{50.0};  ///< >= 1
+  int num_threads{1};                       ///< as CBS::num_threads
 };
 
 /// Two trees that grow towards each other (robot_trees.hpp) and, beside them, eight greedy searches in turns (a
@@ -108,10 +124,12 @@ struct Prioritised {
 /// `mprim_path` asks for another search.
 struct Auto {
   CommonOptions common{};
+  RobotOptionMap robots{};   ///< for many robots
   double weight{50.0};       ///< of the first path, >= 1
   int improve_rounds{0};     ///< of better paths after the first, >= 0: the same answer on every machine
   double improve_time{0.0};  ///< [s] for better paths, within the time limit; 0 = as long as the rounds take
   double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as asked
+  int num_threads{1};        ///< for many robots, as CBS::num_threads; one robot takes one thread
 };
 
 using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised>;
@@ -138,6 +156,10 @@ void require_heuristics(const PlannerOptions& options, std::span<const std::stri
 OptionMap to_map(const PlannerOptions& options);
 
 const CommonOptions& common_options(const PlannerOptions& options);
+/// Those of one robot of many.
+CommonOptions common_options(const PlannerOptions& options, const std::string& robot);
+/// Throws InvalidArgument for options of single robots that are none of `robots`, or the only one.
+void require_robots(const PlannerOptions& options, const std::vector<std::string>& robots);
 
 /// What is asked for after the first path.
 struct Improvement {
@@ -150,6 +172,9 @@ struct Improvement {
   double time_of(double remaining) const { return time > 0.0 ? std::min(time, remaining) : remaining; }
 };
 Improvement improvement(const PlannerOptions& options);
+
+/// 1 for planners without that option.
+int num_threads(const PlannerOptions& options);
 
 std::string planner_id(const PlannerOptions& options);
 

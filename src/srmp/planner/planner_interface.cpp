@@ -116,6 +116,7 @@ struct PlannerInterface::Impl {
   SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const PlannerOptions& options, const OnSolution& on_solution = {}) const {
     require_heuristics(options, heuristic_names());
+    require_robots(options, {robot});
     require_question(scene, robot, start, goals);
     return {scene,
             robot,
@@ -164,12 +165,13 @@ struct PlannerInterface::Impl {
   /// The answer to a request in a scene where robots with obstacles stand at their ends; fills the statistics.
   MultiTrajectory answer(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
                          const Interrupt& interrupt) {
+    const Deadline deadline(common_options(options).time_limit, interrupt);
     std::vector<MultiRobotPart> moving = parts(request, false);
     std::vector<std::string> who_moves = names_of(moving);
     for (const auto& [name, motion] : request.obstacles) who_moves.push_back(name);
     const HoldingRobots holding(now, parts(request, true), who_moves);
-    const SceneCheckers::Together& judges = checkers.of(now, names_of(moving));
-    const Deadline deadline(common_options(options).time_limit, interrupt);
+    const SceneCheckers::Together& judges =
+        checkers.of(now, names_of(moving), static_cast<std::size_t>(num_threads(options)));
     holding.require_starts(deadline, statistics);
     const MultiRobotProblem problem{now, std::move(moving), *judges.plan, *judges.judge, options, heuristics};
     MultiTrajectory result = request.obstacles.empty()
@@ -504,6 +506,7 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   require_heuristics(options, impl_->heuristic_names());
   std::vector<std::string> key = planner_key(impl_->scene, robots);
   require_planner_for(key, options);
+  require_robots(options, key);
   impl_->checkers.cover_robots(impl_->scene);
   impl_->result.reset();
   impl_->planners.insert_or_assign(std::move(key), options);

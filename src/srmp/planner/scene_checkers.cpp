@@ -17,14 +17,15 @@ const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, C
   return *slot;
 }
 
-const SceneCheckers::Together& SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots) {
+const SceneCheckers::Together& SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots,
+                                                 std::size_t threads) {
   std::vector<Eigen::VectorXd> others;
   for (const auto& [name, robot] : scene.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
   if (together_.plan && together_.plan->names() == robots && others_ == others) return together_;
   // Both or none: a checker that cannot be made throws.
-  Together now{std::make_unique<const ArmCheckers>(scene, robots, options(CheckMode::exact)),
-               std::make_unique<const ArmCheckers>(scene, robots, CheckerOptions{.mode = CheckMode::coal})};
+  Together now{std::make_unique<const ArmCheckers>(scene, robots, options(CheckMode::exact), threads),
+               std::make_unique<const ArmCheckers>(scene, robots, CheckerOptions{.mode = CheckMode::coal}, threads)};
   together_ = std::move(now);
   others_ = std::move(others);
   return together_;

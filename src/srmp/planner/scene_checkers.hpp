@@ -27,7 +27,7 @@ class SceneCheckers {
     std::unique_ptr<const ArmCheckers> plan, judge;  ///< judge: by Coal alone
   };
   /// Of robots that move together while the others stand as in `scene`; the last ones asked for are kept.
-  const Together& of(const Scene& scene, const std::vector<std::string>& robots);
+  const Together& of(const Scene& scene, const std::vector<std::string>& robots, std::size_t threads);
 
   /// Slow for a robot seen for the first time, nothing otherwise.
   void cover_robots(const Scene& scene) const;

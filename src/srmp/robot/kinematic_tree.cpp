@@ -1,6 +1,7 @@
 #include "srmp/robot/kinematic_tree.hpp"
 
 #include <cmath>
+#include <mutex>
 #include <pinocchio/algorithm/joint-configuration.hpp>
 #include <pinocchio/algorithm/kinematics.hpp>
 #include <pinocchio/multibody.hpp>
@@ -22,21 +23,34 @@ Eigen::Isometry3d isometry(const pinocchio::SE3& pose) {
 
 }  // namespace
 
-struct KinematicTree::Model {
-  pinocchio::Model pinocchio;
-};
-
 class KinematicTree::Data {
  public:
-  explicit Data(const pinocchio::Model& model) : pinocchio(model), q(pinocchio::neutral(model)) {}
+  explicit Data(std::shared_ptr<Model> model);
+
+  std::shared_ptr<Model> model;  // null while idle
   pinocchio::Data pinocchio;
   Eigen::VectorXd q;
 };
 
-void KinematicTree::DataDeleter::operator()(Data* data) const { delete data; }
+struct KinematicTree::Model {
+  pinocchio::Model pinocchio;
+  Eigen::VectorXd neutral;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Data>> idle;  // data that may be used again
+  static constexpr std::size_t most_idle = 256;
+};
+
+KinematicTree::Data::Data(std::shared_ptr<Model> of) : model(std::move(of)), pinocchio(model->pinocchio) {}
+
+void KinematicTree::DataDeleter::operator()(Data* data) const {
+  std::unique_ptr<Data> idle(data);
+  const std::shared_ptr<Model> model = std::move(data->model);
+  const std::lock_guard lock(model->mutex);
+  if (model->idle.size() < Model::most_idle) model->idle.push_back(std::move(idle));
+}
 
 KinematicTree::KinematicTree(const Urdf& urdf) {
-  auto model = std::make_unique<Model>();
+  auto model = std::make_shared<Model>();
   try {
     pinocchio::urdf::buildModelFromXML(urdf.kinematics_text(), model->pinocchio);
   } catch (const std::exception& error) {
@@ -55,6 +69,7 @@ KinematicTree::KinematicTree(const Urdf& urdf) {
     const auto id = m.getJointId(joint.name);
     slots_.push_back({id, m.joints[id].idx_q(), m.joints[id].nq() == 2});
   }
+  model->neutral = pinocchio::neutral(m);
   model_ = std::move(model);
 }
 
@@ -63,7 +78,22 @@ KinematicTree::~KinematicTree() = default;
 std::size_t KinematicTree::joint_count() const { return static_cast<std::size_t>(model_->pinocchio.njoints); }
 std::size_t KinematicTree::parent(std::size_t joint) const { return model_->pinocchio.parents[joint]; }
 
-KinematicTree::DataPtr KinematicTree::make_data() const { return DataPtr(new Data(model_->pinocchio)); }
+KinematicTree::DataPtr KinematicTree::make_data() const {
+  DataPtr data;
+  {
+    const std::lock_guard lock(model_->mutex);
+    if (!model_->idle.empty()) {
+      data.reset(model_->idle.back().release());
+      model_->idle.pop_back();
+    }
+  }
+  if (data)
+    data->model = model_;
+  else
+    data.reset(new Data(model_));
+  data->q = model_->neutral;
+  return data;
+}
 
 void KinematicTree::set(Data& data, const Slot& slot, double value) {
   if (slot.unit_circle) {

@@ -33,19 +33,20 @@ class KinematicTree {
   std::size_t parent(std::size_t joint) const;
 
   class Data;
+  /// Gives it back to its tree, for the next make_data: to make one anew takes longer than many configurations.
   struct DataDeleter {
     void operator()(Data*) const;
   };
   using DataPtr = std::unique_ptr<Data, DataDeleter>;
 
-  DataPtr make_data() const;
+  DataPtr make_data() const;  ///< at the neutral configuration; threads may call it at once
   static void set(Data& data, const Slot& slot, double value);
   /// Poses of all joints in the base frame, by joint; `poses` has joint_count() entries.
   void forward(Data& data, std::vector<Eigen::Isometry3d>& poses) const;
 
  private:
   struct Model;
-  std::unique_ptr<const Model> model_;
+  std::shared_ptr<Model> model_;  // its data may outlive this
   std::vector<Mount> mounts_;
   std::vector<Slot> slots_;
 };

@@ -53,8 +53,11 @@ PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions
   const auto finish = [&](std::size_t winner, std::optional<Status> stop) {
     for (std::size_t i = 0; i < count; ++i)  // stopped before the proof: the cheapest path
       if (stop && searches[i] && searches[i]->cost() < searches[winner]->cost()) winner = i;
-    PortfolioResult answer{searches[winner] ? searches[winner]->result(stop) : Result{.status = *stop}, winner,
-                           std::vector<char>(count, 0)};
+    PortfolioResult answer{{}, winner, std::vector<char>(count, 0)};
+    if (searches[winner])
+      answer.result = searches[winner]->result(stop);
+    else
+      answer.result.status = *stop;
     answer.result.statistics = {};
     for (std::size_t i = 0; i < count; ++i) {
       if (!searches[i]) continue;

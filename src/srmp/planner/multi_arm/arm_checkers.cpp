@@ -1,5 +1,7 @@
 #include "srmp/planner/multi_arm/arm_checkers.hpp"
 
+#include "srmp/core/jobs.hpp"
+
 namespace srmp {
 
 RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_first) {
@@ -8,24 +10,30 @@ RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_
   return both;
 }
 
-ArmCheckers::ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options)
-    : names_(std::move(robots)) {
-  std::vector<Ball> ranges;
-  for (const std::string& name : names_) {
+ArmCheckers::ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
+                         std::size_t threads)
+    : names_(std::move(robots)), alone_(names_.size()) {
+  Jobs jobs(threads);
+  jobs.run(size(), Deadline(), [&](std::size_t i, const Deadline&) {
     CheckerOptions alone = options;
     for (const std::string& other : names_)
-      if (other != name) alone.absent.push_back(other);
-    alone_.push_back(std::make_unique<const Checker>(scene, name, alone));
-    ranges.push_back(alone_.back()->range());
-  }
+      if (other != names_[i]) alone.absent.push_back(other);
+    alone_[i] = std::make_unique<const Checker>(scene, names_[i], alone);
+  });
+  std::vector<Ball> ranges;
+  for (const auto& checker : alone_) ranges.push_back(checker->range());
   for (std::size_t i = 0; i < size(); ++i)
-    for (std::size_t j = i + 1; j < size(); ++j) {
-      if ((ranges[i].center - ranges[j].center).norm() > ranges[i].radius + ranges[j].radius) continue;
-      CheckerOptions both = options;
-      both.companions = {names_[j]};
-      both.companions_only = true;
-      pairs_.emplace(std::pair(i, j), std::make_unique<const Checker>(scene, names_[i], both));
-    }
+    for (std::size_t j = i + 1; j < size(); ++j)
+      if ((ranges[i].center - ranges[j].center).norm() <= ranges[i].radius + ranges[j].radius) pairs_[{i, j}] = nullptr;
+  std::vector<decltype(pairs_)::value_type*> pairs;
+  for (auto& pair : pairs_) pairs.push_back(&pair);
+  jobs.run(pairs.size(), Deadline(), [&](std::size_t k, const Deadline&) {
+    auto& [numbers, checker] = *pairs[k];
+    CheckerOptions both = options;
+    both.companions = {names_[numbers.second]};
+    both.companions_only = true;
+    checker = std::make_unique<const Checker>(scene, names_[numbers.first], both);
+  });
 }
 
 }  // namespace srmp

@@ -16,8 +16,9 @@ RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_
 /// each other, by themselves. Where all of these say free, nothing touches.
 class ArmCheckers {
  public:
-  /// Robots of the scene that are not named stand still.
-  ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options);
+  /// Robots of the scene that are not named stand still. `threads`: checkers made at the same time.
+  ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
+              std::size_t threads = 1);
 
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }

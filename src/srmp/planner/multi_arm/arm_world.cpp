@@ -1,7 +1,10 @@
 #include "srmp/planner/multi_arm/arm_world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <mutex>
+#include <unordered_map>
 
 #include "srmp/core/memory_of.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
@@ -22,10 +25,7 @@ class ArmWorld::Arm : public multi::Agent {
         wait_cost_(0.1 * options.resolution),
         task_(std::move(task)),
         lattice_(robot_, {task_.start}, task_.targets,
-                 {.primitives = rich_primitives(
-                      robot_.joints(), lattice_step(robot_.joints(), options.resolution, options.prismatic_resolution),
-                      parallel_pairs(robot_)),
-                  .vias = inner(task_.backbone)},
+                 {.primitives = primitives(options), .vias = inner(task_.backbone)},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
     double left = 0.0;
     rest_.assign(task_.backbone.size(), 0.0);
@@ -82,6 +82,12 @@ class ArmWorld::Arm : public multi::Agent {
   double step_time{};  // [s]
 
  private:
+  PrimitiveSet primitives(const Options& options) const {
+    if (task_.primitives) return *task_.primitives;
+    const std::vector<Joint>& joints = robot_.joints();
+    return rich_primitives(joints, lattice_step(joints, options.resolution, options.prismatic_resolution),
+                           parallel_pairs(robot_));
+  }
   static std::vector<Eigen::VectorXd> inner(const std::vector<Eigen::VectorXd>& path) {
     if (path.size() < 3) return {};
     return {path.begin() + 1, path.end() - 1};
@@ -98,19 +104,107 @@ class ArmWorld::Arm : public multi::Agent {
   std::unordered_map<std::uint64_t, double> costs_;  // of edges
 };
 
+/// What is known of two arms, a < b. Threads share it.
+class ArmWorld::Pair {
+ public:
+  explicit Pair(const Checker& checker) : checker_(checker), workspace_(checker.make_workspace()) {}
+
+  bool are_apart(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
+                 const Eigen::VectorXd& to_b, bool start_is_free, bool by_balls) {
+    const std::lock_guard lock(mutex_);
+    return look(from_a, to_a, from_b, to_b, start_is_free, by_balls);
+  }
+
+  /// Rows of a's configurations, then b's.
+  std::vector<char> which_apart(const RowMatrix& both) {
+    const std::lock_guard lock(mutex_);
+    const auto count = static_cast<std::size_t>(both.rows());
+    const auto free = std::make_unique<bool[]>(count);
+    checker_.are_free(both, {free.get(), count}, *workspace_, true);
+    return {free.get(), free.get() + count};
+  }
+
+  /// `ends` of the moves where both are under way: of a, then of b, each from and to.
+  template <class Ends>
+  bool meet(const Move& move_a, const Move& move_b, int first, int last, Ends&& ends) {
+    // Of a wait only the place counts, and the time as far as the other one moves.
+    const auto since = [first](const Move& move, int step) {
+      return move.waits() ? 0u : static_cast<std::uint32_t>(step - first);
+    };
+    const bool still = move_a.waits() && move_b.waits();
+    const Meeting key{
+        move_a.from, move_a.to, since(move_a, move_a.start), since(move_a, move_a.end),
+        move_b.from, move_b.to, since(move_b, move_b.start), still ? 0u : static_cast<std::uint32_t>(last - first)};
+    const std::lock_guard lock(mutex_);
+    const auto [known, added] = meetings_.try_emplace(key, false);
+    if (added) {
+      const std::array<Eigen::VectorXd, 4> q = ends();
+      known->second = !look(q[0], q[1], q[2], q[3], false, false);
+    }
+    return known->second;
+  }
+
+  std::uint64_t checks() const {
+    const std::lock_guard lock(mutex_);
+    return checks_;
+  }
+  std::size_t memory() const {
+    const std::lock_guard lock(mutex_);
+    return memory_of(meetings_);
+  }
+
+ private:
+  bool look(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
+            const Eigen::VectorXd& to_b, bool start_is_free, bool by_balls) {
+    ++checks_;
+    from_.resize(from_a.size() + from_b.size());
+    to_.resize(from_.size());
+    from_ << from_a, from_b;
+    to_ << to_a, to_b;
+    return checker_.is_motion_free(from_, to_, *workspace_, start_is_free, by_balls);
+  }
+
+  const Checker& checker_;
+  mutable std::mutex mutex_;
+  Checker::WorkspacePtr workspace_;
+  Eigen::VectorXd from_, to_;
+  std::uint64_t checks_{};
+  /// Two moves of two arms, times since the later of their starts.
+  using Meeting = std::array<std::uint32_t, 8>;
+  struct MeetingHash {
+    std::size_t operator()(const Meeting& key) const {
+      std::uint64_t hash = 0;
+      for (const std::uint32_t number : key) hash = (hash ^ number) * 0x9e3779b97f4a7c15u ^ hash >> 29;
+      return hash;
+    }
+  };
+  std::unordered_map<Meeting, bool, MeetingHash> meetings_;  // known already
+};
+
 ArmWorld::ArmWorld(const ArmCheckers& checkers, std::vector<ArmTask> tasks, const Options& options)
     : checkers_(checkers), options_(options) {
   for (std::size_t i = 0; i < checkers.size(); ++i) {
     arms_.push_back(std::make_unique<Arm>(checkers.alone(i), std::move(tasks[i]), options));
     step_time_ = std::max(step_time_, options.resolution / arms_.back()->limits().velocity.mean());
     for (std::size_t j = i + 1; j < checkers.size(); ++j)
-      if (const Checker* pair = checkers.pair(i, j)) workspaces_.emplace(std::pair(i, j), pair->make_workspace());
+      if (const Checker* both = checkers.pair(i, j)) pairs_.emplace(std::pair(i, j), std::make_unique<Pair>(*both));
   }
   for (const auto& arm : arms_) arm->step_time = step_time_;
 }
 ArmWorld::~ArmWorld() = default;
 
 multi::Agent& ArmWorld::agent(std::size_t i) { return *arms_[i]; }
+
+ArmWorld::Pair* ArmWorld::pair(std::size_t a, std::size_t b) const {
+  const auto found = pairs_.find({a, b});
+  return found == pairs_.end() ? nullptr : found->second.get();
+}
+
+std::uint64_t ArmWorld::pair_checks() const {
+  std::uint64_t sum = 0;
+  for (const auto& [numbers, pair] : pairs_) sum += pair->checks();
+  return sum;
+}
 
 std::uint64_t ArmWorld::states() const {
   std::uint64_t sum = 0;
@@ -119,8 +213,9 @@ std::uint64_t ArmWorld::states() const {
 }
 
 std::size_t ArmWorld::memory() const {
-  std::size_t sum = memory_of(meetings_);
+  std::size_t sum = 0;
   for (const auto& arm : arms_) sum += arm->memory();
+  for (const auto& [numbers, pair] : pairs_) sum += pair->memory();
   return sum;
 }
 
@@ -137,33 +232,11 @@ Eigen::VectorXd ArmWorld::at(std::size_t arm, const Move& move, int step) const 
 bool ArmWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
   if (a > b) return meet(b, move_b, a, move_a);
   const auto [first, last] = multi::overlap(move_a, move_b);
-  if (first >= last) return false;
-  // Of a wait only the place counts, and the time as far as the other one moves.
-  const auto since = [first = first](const Move& move, int step) {
-    return move.waits() ? 0u : static_cast<std::uint32_t>(step - first);
-  };
-  const bool still = move_a.waits() && move_b.waits();
-  const Meeting key{static_cast<std::uint32_t>(a),
-                    static_cast<std::uint32_t>(b),
-                    move_a.from,
-                    move_a.to,
-                    since(move_a, move_a.start),
-                    since(move_a, move_a.end),
-                    move_b.from,
-                    move_b.to,
-                    since(move_b, move_b.start),
-                    still ? 0u : static_cast<std::uint32_t>(last - first)};
-  const auto [known, added] = meetings_.try_emplace(key, false);
-  if (added)
-    known->second =
-        !are_apart(a, at(a, move_a, first), at(a, move_a, last), b, at(b, move_b, first), at(b, move_b, last));
-  return known->second;
-}
-
-std::size_t ArmWorld::MeetingHash::operator()(const Meeting& key) const {
-  std::uint64_t hash = 0;
-  for (const std::uint32_t number : key) hash = (hash ^ number) * 0x9e3779b97f4a7c15u ^ hash >> 29;
-  return hash;
+  Pair* both = pair(a, b);
+  if (first >= last || !both) return false;
+  return both->meet(move_a, move_b, first, last, [&, first = first, last = last] {
+    return std::array{at(a, move_a, first), at(a, move_a, last), at(b, move_b, first), at(b, move_b, last)};
+  });
 }
 
 int ArmWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
@@ -176,32 +249,28 @@ RowMatrix ArmWorld::unwrapped(std::size_t arm, ConstRows rows) const {
 
 const ArmTask& ArmWorld::task(std::size_t arm) const { return arms_[arm]->task(); }
 
+double ArmWorld::direct(std::size_t arm) const {
+  const ArmTask& task = arms_[arm]->task();
+  double least = task.anywhere ? 0.0 : search::infinity;
+  for (const Eigen::VectorXd& target : task.targets)
+    least = std::min(least, robot(arm).difference(task.start, target).norm());
+  return least;
+}
+
 bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
                          const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free,
                          bool by_balls) {
   if (a > b) return are_apart(b, from_b, to_b, a, from_a, to_a, start_is_free, by_balls);
-  const Checker* checker = checkers_.pair(a, b);
-  if (!checker) return true;
-  ++pair_checks_;
-  from_.resize(from_a.size() + from_b.size());
-  to_.resize(from_.size());
-  from_ << from_a, from_b;
-  to_ << to_a, to_b;
-  return checker->is_motion_free(from_, to_, *workspaces_.at({a, b}), start_is_free, by_balls);
+  Pair* both = pair(a, b);
+  return !both || both->are_apart(from_a, to_a, from_b, to_b, start_is_free, by_balls);
 }
 
 std::vector<char> ArmWorld::which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
                                         const std::vector<Eigen::VectorXd>& points) {
-  std::vector<char> apart(points.size(), true);
-  const std::pair<std::size_t, std::size_t> pair = std::minmax(a, b);
-  const Checker* checker = checkers_.pair(pair.first, pair.second);
-  if (!checker || points.empty()) return apart;
+  Pair* both = pair(std::min(a, b), std::max(a, b));
+  if (!both || points.empty()) return std::vector<char>(points.size(), true);
   const RowMatrix rows = stack_waypoints(points);
-  const RowMatrix both = side_by_side(rows, q.transpose().replicate(rows.rows(), 1), a < b);
-  const auto free = std::make_unique<bool[]>(points.size());
-  checker->are_free(both, {free.get(), points.size()}, *workspaces_.at(pair), true);
-  std::copy(free.get(), free.get() + points.size(), apart.begin());
-  return apart;
+  return both->which_apart(side_by_side(rows, q.transpose().replicate(rows.rows(), 1), a < b));
 }
 
 bool ArmWorld::is_free_alone(std::size_t arm, const Eigen::VectorXd& q) { return arms_[arm]->is_free(q); }

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <array>
 #include <map>
 #include <memory>
-#include <unordered_map>
+#include <optional>
 #include <vector>
 
 #include "srmp/lattice/lattice.hpp"
@@ -18,9 +17,13 @@ struct ArmTask {
   std::vector<Eigen::VectorXd> targets;   ///< free
   std::vector<Eigen::VectorXd> backbone;  ///< a free path from start to a target that leads the search; may be empty
   bool anywhere{};                        ///< every configuration is a goal
+  /// Of its lattice; none: rich_primitives at the world's resolution.
+  std::optional<PrimitiveSet> primitives{};
 };
 
 /// Arms on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
+///
+/// Threads may share it as long as no two of them ask for the same arm at once; pairs of arms any of them may ask for.
 class ArmWorld : public multi::World {
  public:
   struct Options {
@@ -46,6 +49,7 @@ class ArmWorld : public multi::World {
   /// Full turns added to continuous joints, so that every row follows the one before by the short way.
   RowMatrix unwrapped(std::size_t arm, ConstRows rows) const;
   const ArmTask& task(std::size_t arm) const;
+  double direct(std::size_t arm) const;  ///< straight from its start to its nearest goal: no way is shorter
   const Options& options() const { return options_; }
 
   /// Two straight motions at the same time. `start_is_free`: they are known to be apart where they begin; `by_balls`:
@@ -60,25 +64,21 @@ class ArmWorld : public multi::World {
   /// A straight motion from where it is free.
   bool is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
-  std::uint64_t pair_checks() const { return pair_checks_; }
+  std::uint64_t pair_checks() const;  ///< motions of two arms that were looked at
   std::uint64_t states() const;
   std::size_t memory() const;  ///< bytes of the lattices and of what is known of motions and pairs of them
 
  private:
   class Arm;
+  class Pair;
+  /// Of a < b; null: they never meet.
+  Pair* pair(std::size_t a, std::size_t b) const;
+
   const ArmCheckers& checkers_;
   Options options_;
   std::vector<std::unique_ptr<Arm>> arms_;
-  std::map<std::pair<std::size_t, std::size_t>, Checker::WorkspacePtr> workspaces_;
-  Eigen::VectorXd from_, to_;  // of a pair
+  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<Pair>> pairs_;
   double step_time_{};
-  std::uint64_t pair_checks_{};
-  /// Two moves of two arms, times since the later of their starts.
-  using Meeting = std::array<std::uint32_t, 10>;
-  struct MeetingHash {
-    std::size_t operator()(const Meeting& key) const;
-  };
-  std::unordered_map<Meeting, bool, MeetingHash> meetings_;  // known already
 };
 
 }  // namespace srmp

@@ -27,19 +27,22 @@ std::vector<Certificate> certify_together(const ArmCheckers& judges, const std::
     certificates.push_back(part ? certify_alone(judges.alone(robot), *part, motion, options, until) : Certificate{});
   for (std::size_t i = 0; i < moving.size(); ++i)
     for (std::size_t j = i + 1; j < moving.size(); ++j)
-      certify_pair(judges, moving[i], certificates[i], moving[j], certificates[j], until);
+      if (const auto proof = prove_pair(judges, moving[i], moving[j], until))
+        add_pair_proof(judges, *proof, moving[i], certificates[i], moving[j], certificates[j]);
   return certificates;
 }
 
-bool certify_pair(const ArmCheckers& judges, const MovingPart& a, Certificate& of_a, const MovingPart& b,
-                  Certificate& of_b, const Deadline& until) {
-  if (a.robot > b.robot) return certify_pair(judges, b, of_b, a, of_a, until);
+std::optional<MotionProof> prove_pair(const ArmCheckers& judges, const MovingPart& a, const MovingPart& b,
+                                      const Deadline& until) {
   const Checker* judge = judges.pair(a.robot, b.robot);
-  if (!judge || (!a.part && !b.part)) return true;
-  const MotionProof proof = prove_apart(*judge, numbered(a.motion), numbered(b.motion), {0.5, &until});
+  if (!judge || (!a.part && !b.part)) return std::nullopt;
+  return prove_apart(*judge, numbered(a.motion), numbered(b.motion), {0.5, &until});
+}
+
+void add_pair_proof(const ArmCheckers& judges, const MotionProof& proof, const MovingPart& a, Certificate& of_a,
+                    const MovingPart& b, Certificate& of_b) {
   if (a.part) add_proof(of_a, proof);
-  if (b.part) add_proof(of_b, seen_from_companion(proof, *judge, judges.names()[b.robot]));
-  return proof.free && proof.unproved.empty();
+  if (b.part) add_proof(of_b, seen_from_companion(proof, *judges.pair(a.robot, b.robot), judges.names()[b.robot]));
 }
 
 void seal(Trajectory& motion, Certificate certificate, const std::string& robot, const PlanStatistics& statistics) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "srmp/collision/motion_proof.hpp"
 #include "srmp/planner/multi_arm/multi_robot.hpp"
 
 namespace srmp {
@@ -15,14 +17,17 @@ struct MovingPart {
 };
 
 /// Certificates of robots that move together, by judges that know all of them: each by itself, and each two against
-/// each other. In their order, without bounds; those of committed robots are empty. Once the deadline passes, what is
-/// not proved yet goes to Certificate::sampled. References outlive the call.
+/// each other, numbers increasing. In their order, without bounds; those of committed robots are empty. Once the
+/// deadline passes, what is not proved yet goes to Certificate::sampled. References outlive the call.
 std::vector<Certificate> certify_together(const ArmCheckers& judges, const std::vector<MovingPart>& moving,
                                           const CommonOptions& options, const Deadline& until);
 
-/// Adds to both certificates what the two do to each other; false: they are not proved apart.
-bool certify_pair(const ArmCheckers& judges, const MovingPart& a, Certificate& of_a, const MovingPart& b,
-                  Certificate& of_b, const Deadline& until);
+/// What two robots do to each other, a.robot < b.robot; nothing: they never meet, or neither needs a certificate.
+std::optional<MotionProof> prove_pair(const ArmCheckers& judges, const MovingPart& a, const MovingPart& b,
+                                      const Deadline& until);
+/// Adds that to the certificates of both.
+void add_pair_proof(const ArmCheckers& judges, const MotionProof& proof, const MovingPart& a, Certificate& of_a,
+                    const MovingPart& b, Certificate& of_b);
 
 /// Gives it to the motion, with the bound of the plan. Throws Error when it does not hold: what was planned is wrong.
 void seal(Trajectory& motion, Certificate certificate, const std::string& robot, const PlanStatistics& statistics);

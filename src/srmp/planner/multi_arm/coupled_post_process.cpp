@@ -1,6 +1,8 @@
 #include "srmp/planner/multi_arm/coupled_post_process.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <map>
 #include <optional>
 
 #include "srmp/planner/multi_arm/certify_together.hpp"
@@ -15,11 +17,13 @@ namespace {
 class CoupledPostProcess {
  public:
   CoupledPostProcess(const MultiRobotProblem& problem, ArmWorld& world, const std::vector<CoupledPath>& raw,
-                     const std::vector<CoupledPath>& shortened, const Deadline& deadline, PlanStatistics& statistics)
+                     const std::vector<CoupledPath>& shortened, ParallelWork& work, const Deadline& deadline,
+                     PlanStatistics& statistics)
       : problem_(problem),
         common_(common_options(problem.options)),
         world_(world),
         raw_(raw),
+        work_(work),
         deadline_(deadline),
         statistics_(statistics) {
     for (const CoupledPath& path : shortened) clusters_.push_back({path});
@@ -31,9 +35,11 @@ class CoupledPostProcess {
     if (common_.timing == "none" || !common_.certify)
       while (clusters_.size() > 1) merge_clusters(0, 1);
     do {
-      for (Cluster& cluster : clusters_)
-        if (cluster.deviation < 0.0) time_and_certify(cluster, until);
-    } while (common_.certify && !certify_clusters(until));
+      work_.run(clusters_.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
+        if (clusters_[k].deviation < 0.0) time_and_certify(clusters_[k], deadline, statistics);
+      });
+    } while (common_.certify && !are_apart(until));
+    add_proofs();
     std::vector<CoupledPath> paths;
     for (const Cluster& cluster : clusters_) paths.push_back(cluster.path);
     paths_known(paths);
@@ -64,6 +70,11 @@ class CoupledPostProcess {
     clusters_.erase(clusters_.begin() + static_cast<std::ptrdiff_t>(j));
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
     clusters_[i] = {common_.shortcut ? shortened(raw, world_, deadline_) : raw};
+    std::erase_if(proofs_, [&](const auto& known) {
+      const std::vector<std::size_t>& arms = clusters_[i].path.arms;
+      return std::binary_search(arms.begin(), arms.end(), known.first.first) ||
+             std::binary_search(arms.begin(), arms.end(), known.first.second);
+    });
   }
 
   /// As the search found it.
@@ -75,14 +86,17 @@ class CoupledPostProcess {
   }
 
   /// Corners that cannot be proved free shrink.
-  void time_and_certify(Cluster& cluster, const Deadline& until) {
+  void time_and_certify(Cluster& cluster, const Deadline& until, PlanStatistics& statistics) {
     for (double deviation = common_.blend_deviation;; deviation *= post::shrink) {
       if (deviation < post::least_deviation) deviation = 0.0;
       cluster.deviation = deviation;
-      cluster.trajectories = in_time(cluster.path, deviation);
+      {
+        const PhaseTimer timer(until, statistics.timing_time_s);
+        cluster.trajectories = in_time(cluster.path, deviation);
+      }
       if (!common_.certify) return;
       {
-        const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+        const PhaseTimer timer(until, statistics.verification_time_s);
         cluster.certificates = certify_together(problem_.judges, parts_of(cluster), common_, until);
       }
       const bool proved = std::all_of(cluster.certificates.begin(), cluster.certificates.end(),
@@ -91,44 +105,74 @@ class CoupledPostProcess {
     }
   }
 
+  MovingPart part_of(const Cluster& cluster, std::size_t i) const {
+    const std::size_t arm = cluster.path.arms[i];
+    return {arm, &problem_.moving[arm], cluster.trajectories[i]};
+  }
   std::vector<MovingPart> parts_of(const Cluster& cluster) const {
     std::vector<MovingPart> moving;
-    for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) {
-      const std::size_t arm = cluster.path.arms[i];
-      moving.push_back({arm, &problem_.moving[arm], cluster.trajectories[i]});
-    }
+    for (std::size_t i = 0; i < cluster.path.arms.size(); ++i) moving.push_back(part_of(cluster, i));
     return moving;
   }
 
-  /// Proves arms of different clusters apart; false: two that are not have become one.
-  bool certify_clusters(const Deadline& until) {
+  /// An arm of a cluster.
+  struct Member {
+    std::size_t cluster, index;
+  };
+  struct MemberPair {
+    Member a, b;  // a's number is the smaller one
+  };
+
+  /// Arms of different clusters of which nothing is proved yet.
+  std::vector<MemberPair> open_pairs() const {
+    std::vector<MemberPair> open;
     for (std::size_t i = 0; i < clusters_.size(); ++i)
-      for (std::size_t j = i + 1; j < clusters_.size(); ++j) {
-        Cluster &a = clusters_[i], &b = clusters_[j];
-        std::vector<Certificate> of_a = a.certificates, of_b = b.certificates;
-        const bool apart = certify_clusters(parts_of(a), of_a, parts_of(b), of_b, until);
-        if (!apart) {
-          merge_clusters(i, j);
-          return false;
-        }
-        a.certificates = std::move(of_a);
-        b.certificates = std::move(of_b);
+      for (std::size_t j = i + 1; j < clusters_.size(); ++j)
+        for (std::size_t k = 0; k < clusters_[i].path.arms.size(); ++k)
+          for (std::size_t l = 0; l < clusters_[j].path.arms.size(); ++l) {
+            MemberPair pair{{i, k}, {j, l}};
+            if (number(pair.a) > number(pair.b)) std::swap(pair.a, pair.b);
+            if (!proofs_.contains({number(pair.a), number(pair.b)})) open.push_back(pair);
+          }
+    return open;
+  }
+  std::size_t number(const Member& arm) const { return clusters_[arm.cluster].path.arms[arm.index]; }
+  MovingPart part_of(const Member& arm) const { return part_of(clusters_[arm.cluster], arm.index); }
+
+  /// Proves arms of different clusters apart; false: the first two that are not have become one cluster.
+  bool are_apart(const Deadline& until) {
+    const std::vector<MemberPair> open = open_pairs();
+    std::vector<std::optional<MotionProof>> found(open.size());
+    std::atomic<std::size_t> first{open.size()};  // that is not proved
+    work_.run(open.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
+      if (k > first) return;
+      const PhaseTimer timer(deadline, statistics.verification_time_s);
+      found[k] = prove_pair(problem_.judges, part_of(open[k].a), part_of(open[k].b), deadline);
+      if (!found[k] || (found[k]->free && found[k]->unproved.empty())) return;
+      for (std::size_t known = first; k < known && !first.compare_exchange_weak(known, k);) {
       }
-    return true;
+    });
+    for (std::size_t k = 0; k < first; ++k)
+      proofs_.emplace(std::pair(number(open[k].a), number(open[k].b)), std::move(found[k]));
+    if (first == open.size()) return true;
+    const auto [i, j] = std::minmax(open[first].a.cluster, open[first].b.cluster);
+    merge_clusters(i, j);
+    return false;
   }
 
-  bool certify_clusters(const std::vector<MovingPart>& a, std::vector<Certificate>& of_a,
-                        const std::vector<MovingPart>& b, std::vector<Certificate>& of_b, const Deadline& until) const {
-    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    bool apart = true;
-    for (std::size_t k = 0; k < a.size() && apart; ++k)
-      for (std::size_t l = 0; l < b.size() && apart; ++l)
-        apart = certify_pair(problem_.judges, a[k], of_a[k], b[l], of_b[l], until);
-    return apart;
+  void add_proofs() {
+    std::map<std::size_t, Member> members;
+    for (std::size_t i = 0; i < clusters_.size(); ++i)
+      for (std::size_t k = 0; k < clusters_[i].path.arms.size(); ++k) members[clusters_[i].path.arms[k]] = {i, k};
+    for (const auto& [numbers, proof] : proofs_) {
+      if (!proof) continue;
+      const Member a = members.at(numbers.first), b = members.at(numbers.second);
+      add_pair_proof(problem_.judges, *proof, part_of(a), clusters_[a.cluster].certificates[a.index], part_of(b),
+                     clusters_[b.cluster].certificates[b.index]);
+    }
   }
 
   std::vector<Trajectory> in_time(const CoupledPath& path, double deviation) {
-    const PhaseTimer timer(deadline_, statistics_.timing_time_s);
     std::vector<std::string> names;
     MotionLimits limits;
     Eigen::VectorXd reach;
@@ -212,18 +256,21 @@ class CoupledPostProcess {
   const CommonOptions& common_;
   ArmWorld& world_;
   const std::vector<CoupledPath>& raw_;
+  ParallelWork& work_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::vector<Cluster> clusters_;
+  /// Of arms of different clusters, by number; nothing: they never meet.
+  std::map<std::pair<std::size_t, std::size_t>, std::optional<MotionProof>> proofs_;
 };
 
 }  // namespace
 
 MultiTrajectory coupled_post_process(const MultiRobotProblem& problem, ArmWorld& world,
                                      const std::vector<CoupledPath>& raw, const std::vector<CoupledPath>& shortened,
-                                     const PathsKnown& paths_known, const Deadline& deadline,
+                                     const PathsKnown& paths_known, ParallelWork& work, const Deadline& deadline,
                                      PlanStatistics& statistics) {
-  return CoupledPostProcess(problem, world, raw, shortened, deadline, statistics).run(paths_known);
+  return CoupledPostProcess(problem, world, raw, shortened, work, deadline, statistics).run(paths_known);
 }
 
 }  // namespace srmp

@@ -5,6 +5,7 @@
 
 #include "srmp/planner/multi_arm/coupled_path.hpp"
 #include "srmp/planner/multi_arm/multi_robot.hpp"
+#include "srmp/planner/multi_arm/parallel_work.hpp"
 
 namespace srmp {
 
@@ -16,7 +17,7 @@ using PathsKnown = std::function<void(const std::vector<CoupledPath>& paths)>;
 /// `raw`: the groups as they were found, which do not meet; `shortened`: each for itself.
 MultiTrajectory coupled_post_process(const MultiRobotProblem& problem, ArmWorld& world,
                                      const std::vector<CoupledPath>& raw, const std::vector<CoupledPath>& shortened,
-                                     const PathsKnown& paths_known, const Deadline& deadline,
+                                     const PathsKnown& paths_known, ParallelWork& work, const Deadline& deadline,
                                      PlanStatistics& statistics);
 
 }  // namespace srmp

@@ -23,7 +23,14 @@ constexpr double pause = 0.02;              // cost of a step in itself, so that
 }  // namespace
 
 RoadmapSearch::RoadmapSearch(ArmWorld& world, std::size_t asides)
-    : world_(world), asides_(asides), maps_(world.size()), has_asides_(world.size(), false) {}
+    : world_(world), asides_(asides), has_asides_(world.size(), false) {
+  for (std::size_t a = 0; a < world.size(); ++a) {
+    maps_.push_back(way_of(a));
+    ways_.push_back(maps_.back().points);
+    for (std::size_t b = a + 1; b < world.size(); ++b)
+      if (world.may_meet(a, b)) pairs_[{a, b}];
+  }
+}
 
 // --- roadmaps
 
@@ -47,10 +54,9 @@ void RoadmapSearch::add_straight(Roadmap& map, std::size_t arm, Point from, cons
   }
 }
 
-void RoadmapSearch::make_way(std::size_t arm) {
-  Roadmap& map = maps_[arm];
-  if (!map.points.empty()) return;
+Roadmap RoadmapSearch::way_of(std::size_t arm) const {
   const ArmTask& task = world_.task(arm);
+  Roadmap map;
   map.points = {task.start};
   map.next.resize(1);
   for (std::size_t k = 1; k < task.backbone.size() && !task.anywhere; ++k) {
@@ -58,6 +64,7 @@ void RoadmapSearch::make_way(std::size_t arm) {
     add_straight(map, arm, map.goal, corner);
     map.goal = static_cast<Point>(map.points.size() - 1);
   }
+  return map;
 }
 
 /// Where ways aside begin: points all along an arm's way, its ends among them.
@@ -107,20 +114,15 @@ double RoadmapSearch::out_of_the_way(std::size_t arm, const Eigen::VectorXd& q) 
   std::ptrdiff_t all = 0, apart = 0;
   for (std::size_t other = 0; other < world_.size(); ++other) {
     if (other == arm || !world_.may_meet(arm, other)) continue;
-    const Roadmap& map = maps_[other];
-    const std::vector<Eigen::VectorXd> way(map.points.begin(), map.points.begin() + map.goal + 1);
-    const std::vector<char> found = world_.which_apart(arm, q, other, way);
-    all += std::ssize(way);
+    const std::vector<char> found = world_.which_apart(arm, q, other, ways_[other]);
+    all += std::ssize(found);
     apart += std::count(found.begin(), found.end(), 1);
   }
   return all ? static_cast<double>(apart) / static_cast<double>(all) : 1.0;
 }
 
 void RoadmapSearch::make_asides(std::size_t arm) {
-  make_way(arm);
   if (std::exchange(has_asides_[arm], true)) return;
-  for (std::size_t other = 0; other < world_.size(); ++other)
-    if (world_.may_meet(arm, other)) make_way(other);
   Roadmap& map = maps_[arm];
   const std::vector<Eigen::VectorXd> near = asides(arm);
   const std::size_t tried = tries * asides_;
@@ -183,31 +185,36 @@ std::vector<Eigen::VectorXd> RoadmapSearch::places_aside(std::size_t arm) const 
 
 bool RoadmapSearch::together(std::size_t a, Point p, std::size_t b, Point q) {
   if (a > b) return together(b, q, a, p);
-  if (!world_.may_meet(a, b)) return true;
-  auto& rows = together_[{a, b}];
-  rows.resize(maps_[a].points.size());
-  std::vector<std::int8_t>& row = rows[p];
-  if (row.size() < maps_[b].points.size()) {
-    const std::vector<char> apart = world_.which_apart(a, maps_[a].points[p], b, maps_[b].points);
-    row.assign(apart.begin(), apart.end());
+  const auto found = pairs_.find({a, b});
+  if (found == pairs_.end()) return true;
+  Pair& pair = found->second;
+  const std::vector<Eigen::VectorXd>& others = maps_[b].points;
+  pair.together.resize(maps_[a].points.size());
+  std::vector<char>& row = pair.together[p];
+  if (row.size() < others.size()) {
+    const Eigen::VectorXd& here = maps_[a].points[p];
+    row = world_.which_apart(a, here, b, others);
     // What balls cannot tell matters where the arms must be.
     for (const Point end : {Point{0}, maps_[b].goal})
-      if (!row[end] && (p == 0 || p == maps_[a].goal))
-        row[end] =
-            world_.are_apart(a, maps_[a].points[p], maps_[a].points[p], b, maps_[b].points[end], maps_[b].points[end]);
+      if (!row[end] && (p == 0 || p == maps_[a].goal)) {
+        ++pair.checks;
+        row[end] = world_.are_apart(a, here, here, b, others[end], others[end]);
+      }
   }
   return row[q];
 }
 
 bool RoadmapSearch::pass(std::size_t a, Point from_a, Point to_a, std::size_t b, Point from_b, Point to_b) {
   if (a > b) return pass(b, from_b, to_b, a, from_a, to_a);
-  if (!world_.may_meet(a, b)) return true;
-  const std::array<std::uint32_t, 6> key{static_cast<std::uint32_t>(a), from_a, to_a,
-                                         static_cast<std::uint32_t>(b), from_b, to_b};
-  const auto [known, added] = passes_.try_emplace(key, false);
-  if (added)
+  const auto found = pairs_.find({a, b});
+  if (found == pairs_.end()) return true;
+  Pair& pair = found->second;
+  const auto [known, added] = pair.passes.try_emplace({from_a, to_a, from_b, to_b}, false);
+  if (added) {
+    ++pair.checks;
     known->second = world_.are_apart(a, maps_[a].points[from_a], maps_[a].points[to_a], b, maps_[b].points[from_b],
                                      maps_[b].points[to_b], true);
+  }
   return known->second;
 }
 
@@ -215,11 +222,15 @@ bool RoadmapSearch::pass(std::size_t a, Point from_a, Point to_a, std::size_t b,
 
 class RoadmapSearch::Query {
  public:
-  Query(RoadmapSearch& maps, const std::vector<std::size_t>& arms) : maps_(maps), arms_(arms) {}
+  Query(RoadmapSearch& maps, const std::vector<std::size_t>& arms) : maps_(maps), arms_(arms) {
+    for (const std::size_t a : arms)
+      for (const std::size_t b : arms)
+        if (const auto found = maps.pairs_.find({a, b}); found != maps.pairs_.end()) pairs_.push_back(&found->second);
+  }
 
   Result run(std::uint64_t max_expansions, std::uint64_t max_checks, const Deadline& deadline) {
     Result result;
-    const std::uint64_t checks = maps_.world_.pair_checks();
+    const std::uint64_t before = checks();
     const State start(arms_.size(), u'\0');
     add(start, 0.0, no_node);
     while (!open_.empty()) {
@@ -231,7 +242,7 @@ class RoadmapSearch::Query {
       if (node.parent != no_node && !is_free(nodes_[node.parent].state, node.state)) continue;
       best_[node.state] = node.cost;
       if (node.left == 0.0) return {Status::solved, path_to(id), result.expansions};
-      if (result.expansions++ >= max_expansions || maps_.world_.pair_checks() - checks > max_checks)
+      if (result.expansions++ >= max_expansions || checks() - before > max_checks)
         return {Status::timed_out, {}, result.expansions};
       expand(id);
     }
@@ -261,6 +272,12 @@ class RoadmapSearch::Query {
     }
   };
 
+  /// Of motions of two of the arms, ever.
+  std::uint64_t checks() const {
+    std::uint64_t sum = 0;
+    for (const Pair* pair : pairs_) sum += pair->checks;
+    return sum;
+  }
   static Point at(const State& state, std::size_t i) { return state[i]; }
   const Roadmap& map(std::size_t i) const { return maps_.maps_[arms_[i]]; }
 
@@ -343,6 +360,7 @@ class RoadmapSearch::Query {
 
   RoadmapSearch& maps_;
   const std::vector<std::size_t>& arms_;
+  std::vector<const Pair*> pairs_;
   std::vector<Node> nodes_;
   std::unordered_map<State, double, Hash> best_;
   std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
@@ -362,10 +380,10 @@ RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, s
 }
 
 std::size_t RoadmapSearch::memory() const {
-  std::size_t sum = memory_of(passes_);
-  for (const auto& [pair, rows] : together_) {
-    sum += memory_of(rows);
-    for (const std::vector<std::int8_t>& row : rows) sum += memory_of(row);
+  std::size_t sum = memory_of(ways_);
+  for (const auto& [numbers, pair] : pairs_) {
+    sum += memory_of(pair.passes) + memory_of(pair.together);
+    for (const std::vector<char>& row : pair.together) sum += memory_of(row);
   }
   for (const Roadmap& map : maps_) {
     sum += memory_of(map.points) + memory_of(map.next) + memory_of(map.to_goal);

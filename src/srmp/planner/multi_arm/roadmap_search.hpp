@@ -29,10 +29,10 @@ struct Roadmap {
 /// Arms on roadmaps of their own, searched together: a greedy search over the product of the roadmaps (tensor roadmaps:
 /// Svestka, Overmars 1998; Solovey, Salzman, Halperin 2016) whose pairs of points, and then of motions, are looked at
 /// once and remembered. Quick where arms need only wait for each other or step aside; says nothing when it fails.
+/// Threads may share it as long as no two of them ask for the same arm at once.
 class RoadmapSearch {
  public:
-  /// Roadmaps of all arms of the world, each made when first needed; with so many places aside for each corner of its
-  /// way.
+  /// Of all arms of the world; the ways aside of each are found when first needed: so many for each corner of its way.
   RoadmapSearch(ArmWorld& world, std::size_t asides);
 
   struct Result {
@@ -53,23 +53,31 @@ class RoadmapSearch {
   using Point = std::uint32_t;
   class Query;
 
-  void make_way(std::size_t arm);
+  Roadmap way_of(std::size_t arm) const;
   void make_asides(std::size_t arm);
   void add_straight(Roadmap& map, std::size_t arm, Point from, const Eigen::VectorXd& q,
                     std::optional<Point> known = {}) const;
   static std::vector<Point> stations(const Roadmap& map);
   std::vector<Eigen::VectorXd> asides(std::size_t arm);
   double out_of_the_way(std::size_t arm, const Eigen::VectorXd& q);
+
+  /// What is known of two arms that may meet.
+  struct Pair {
+    /// Of each point of the one, of each point of the other: do they go together? An empty row: not known.
+    std::vector<std::vector<char>> together;
+    /// Do motions of both, from and to of the one and of the other, go together?
+    std::map<std::array<Point, 4>, bool> passes;
+    std::uint64_t checks{};  ///< of their motions
+  };
   bool together(std::size_t a, Point p, std::size_t b, Point q);
   bool pass(std::size_t a, Point from_a, Point to_a, std::size_t b, Point from_b, Point to_b);
 
   ArmWorld& world_;
   std::size_t asides_;
-  std::vector<Roadmap> maps_;     // no points: not made yet
-  std::vector<char> has_asides_;  // by arm
-  /// [a, b]: of each point of a, of each point of b: do they go together? -1: not known.
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<std::vector<std::int8_t>>> together_;
-  std::map<std::array<std::uint32_t, 6>, bool> passes_;
+  std::vector<Roadmap> maps_;
+  std::vector<std::vector<Eigen::VectorXd>> ways_;  // of each arm: points from start to goal
+  std::vector<char> has_asides_;                    // by arm
+  std::map<std::pair<std::size_t, std::size_t>, Pair> pairs_;
 };
 
 }  // namespace srmp

@@ -1,0 +1,92 @@
+#include "srmp/core/jobs.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+
+namespace srmp {
+
+namespace {
+
+constexpr auto watch_period = std::chrono::milliseconds(10);
+
+/// One call of Jobs::run with several threads: workers take the next job each, the caller keeps watch.
+class SharedJobs {
+ public:
+  SharedJobs(std::size_t count, const Deadline& deadline, const Jobs::Job& job, const Jobs::Progress& progress)
+      : count_(count), deadline_(deadline), job_(job), progress_(progress), failed_(count) {}
+
+  void run(WorkerPool& pool) {
+    pool.run(pool.size(), [this](std::size_t worker, std::size_t) { worker == 0 ? watch() : work(); });
+    for (const std::exception_ptr& error : {watch_error_, error_})
+      if (error) std::rethrow_exception(error);
+  }
+
+ private:
+  void work() {
+    for (std::size_t i; (i = next_++) < count_;) {
+      try {
+        if (i < failed_) job_(i, Deadline(deadline_.remaining(), [this] { return stop_.load(); }));
+      } catch (...) {
+        note_error(i, std::current_exception());
+      }
+      const std::lock_guard lock(mutex_);
+      ++done_;
+      changed_.notify_one();
+    }
+  }
+
+  void note_error(std::size_t i, std::exception_ptr error) {
+    const std::lock_guard lock(mutex_);
+    if (i >= failed_) return;
+    failed_ = i;
+    error_ = std::move(error);
+  }
+
+  void watch() {
+    std::unique_lock lock(mutex_);
+    for (std::size_t told = 0; told < count_;) {
+      changed_.wait_for(lock, watch_period, [&] { return done_ > told; });
+      const std::size_t done = done_;
+      lock.unlock();
+      if (!stop_) report(done, done > told);
+      told = done;
+      lock.lock();
+    }
+  }
+
+  void report(std::size_t done, bool news) {
+    try {
+      stop_ = deadline_.cancelled();
+      if (news && progress_ && !stop_) progress_(done);
+    } catch (...) {
+      watch_error_ = std::current_exception();
+      stop_ = true;
+    }
+  }
+
+  const std::size_t count_;
+  const Deadline& deadline_;
+  const Jobs::Job& job_;
+  const Jobs::Progress& progress_;
+  std::atomic<std::size_t> next_{0};
+  std::atomic<std::size_t> failed_;  // the first job that did; count_: none
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t done_{0};
+  std::exception_ptr error_, watch_error_;
+};
+
+}  // namespace
+
+void Jobs::run(std::size_t count, const Deadline& deadline, const Job& job, const Progress& progress) {
+  if (pool_.size() > 1 && count > 1) return SharedJobs(count, deadline, job, progress).run(pool_);
+  for (std::size_t i = 0; i < count; ++i) {
+    job(i, deadline);
+    if (progress && !deadline.cancelled()) progress(i + 1);
+  }
+}
+
+}  // namespace srmp

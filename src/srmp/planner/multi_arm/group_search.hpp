@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "srmp/multi/conflict_search.hpp"
+#include "srmp/planner/multi_arm/composite_space.hpp"
+#include "srmp/planner/multi_arm/roadmap_search.hpp"
+#include "srmp/planner/planner_interface.hpp"
+
+namespace srmp {
+
+/// Ways of arms that are planned together, and what is known of them: none cost less than `lower`.
+struct GroupWays {
+  CoupledPath path;
+  double lower{};
+};
+
+/// Plans groups of arms of a world. Threads may share it as long as no two of them ask for the same arm at once; each
+/// has statistics of its own, whose memory leaves the world and memory() out.
+class GroupSearch {
+ public:
+  /// References outlive this.
+  GroupSearch(ArmWorld& world, const PlannerOptions& options)
+      : world_(world), options_(options), roadmaps_(most_levels) {}
+
+  /// Where the planner may, four searches in turns with more and more effort: on roadmaps, which is quick where arms
+  /// need only wait or step aside; by trees of all arms' joints, for arms that are in each other's way; conflict-based
+  /// search, for arms that get by each other; and one search on a lattice of all arms' joints. Else conflict-based
+  /// search alone. Throws PlanningError.
+  GroupWays run(const std::vector<std::size_t>& arms, const Deadline& deadline, PlanStatistics& statistics);
+
+  /// As short as it can be while no more than one arm changes its way at a time.
+  CoupledPath each_by_itself(CoupledPath path, const Deadline& deadline);
+
+  /// By trees of another sequence: a way that is better than `known` for its arms, or `known`.
+  CoupledPath anew(const CoupledPath& known, std::uint64_t sequence, const Deadline& deadline,
+                   PlanStatistics& statistics);
+
+  std::size_t memory() const;  ///< bytes of the roadmaps
+
+ private:
+  static constexpr std::size_t most_levels = 4;  // of roadmaps
+
+  RoadmapSearch& roadmaps(std::size_t level);
+  std::optional<CoupledPath> on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level, std::uint64_t effort,
+                                         const Deadline& deadline, PlanStatistics& statistics);
+  std::vector<std::vector<Eigen::VectorXd>> places_aside(const std::vector<std::size_t>& arms);
+  void require_solved(const multi::ConflictSearchResult& found) const;
+
+  ArmWorld& world_;
+  const PlannerOptions& options_;
+  std::mutex mutex_;                                      // of the making of roadmaps
+  std::vector<std::unique_ptr<RoadmapSearch>> roadmaps_;  // richer and richer; null: not made yet
+};
+
+}  // namespace srmp
