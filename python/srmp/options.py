@@ -114,7 +114,7 @@ class WPASE(_Options):
     weight: float = 50.0
     """>= 1."""
     num_threads: int = 4
-    """> 0; the path does not depend on it."""
+    """1 to 1024; the path does not depend on it."""
     batch_size: int = 16
     """Edges evaluated together, > 0; another batch may find another path."""
 
@@ -135,7 +135,7 @@ class Auto(_Options):
     final_weight: float = 1.0
     """Stop improving once this bound is proven, >= 1; 1 = go on as long as asked."""
     num_threads: int = 1
-    """For many robots: of parts that are planned at the same time, > 0; the same answer for every number."""
+    """For many robots: of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -146,7 +146,7 @@ class CBS(_Options):
     robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
     """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, > 0; the same answer for every number."""
+    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -163,7 +163,7 @@ class ECBS(_Options):
     low_level_focal_suboptimality: float = 1.3
     """>= 1."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, > 0; the same answer for every number."""
+    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -182,7 +182,7 @@ class XECBS(_Options):
     improve_rounds: int = 0
     """Of better paths after the first, >= 0."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, > 0; the same answer for every number."""
+    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -195,4 +195,4 @@ class Prioritised(_Options):
     weight_low_level_heuristic: float = 50.0
     """>= 1."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, > 0; the same answer for every number."""
+    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""

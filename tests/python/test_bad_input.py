@@ -147,10 +147,12 @@ PLANNERS = [
     ({"planner_id": 7}, "'planner_id' must be a word"),
     ({"planner_id": "wAstar", "heuristic": "zzzzzzzzz"}, "'heuristic' is 'zzzzzzzzz'; known are 'joint_euclidean',"),
     ({"planner_id": "wAstar", "heuristic_arm": "bfs"}, "no option 'heuristic_arm', did you mean 'heuristic'"),
+    ({"planner_id": "wPASE", "i_weight": 0.5}, "'i_weight' is 0.5; it must be at least 1"),
+    ({"planner_id": "wPASE", "i_heuristic": 7}, "'i_heuristic' must be a word"),
     ({"planner_id": "wAstar", "i_weight": 2}, "no option 'i_weight', did you mean 'weight'"),
     (
         {"planner_id": "auto", "heuristic_arm": "bfs"},
-        "'heuristic_arm' is for one robot of many, but 'arm' is planned alone",
+        "options for robot 'arm' alone, such as 'heuristic_arm', but it is the only one",
     ),
     ("wAstar", "must be a dictionary"),
 ]

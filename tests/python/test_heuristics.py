@@ -130,9 +130,12 @@ def test_many_plans_share_it(arm, ready):
         for turn in (-1.8, -0.5)
         for options in (srmp.WAStar(heuristic="mine"), srmp.MHAStar(inadmissible_heuristics=["mine"]))
     ]
-    results = [[r.trajectory.waypoints for r in arm.plan_many(requests, threads=n)] for n in (1, 2, 4)]
-    for others in results[1:]:
-        assert all(np.array_equal(a, b) for a, b in zip(results[0], others, strict=True))
+    alone = [r.trajectory.waypoints for r in arm.plan_many(requests, threads=1)]
+    assert threads == {threading.get_ident()}
+    threads.clear()
+    for n in (2, 4):
+        others = [r.trajectory.waypoints for r in arm.plan_many(requests, threads=n)]
+        assert all(np.array_equal(a, b) for a, b in zip(alone, others, strict=True))
     assert threading.get_ident() not in threads
 
 

@@ -399,7 +399,10 @@ def test_a_robot_has_motion_primitives_of_its_own(tmp_path):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"heuristic_lfet": "bfs"}, "for 'lfet', which is none of the robots of this planner, did you mean 'left'"),
+        (
+            {"heuristic_lfet": "bfs"},
+            "for robot 'lfet' alone, which is none of the robots.*did you mean 'left'",
+        ),
         ({"heuristic_left": "bsf"}, "'heuristic_left' is 'bsf', did you mean 'bfs'"),
         ({"heuristic_left": 3}, "'heuristic_left' must be a word"),
         ({"resolution_left": 3}, "no option 'resolution_left', did you mean 'resolution'"),
@@ -417,6 +420,14 @@ def test_options_of_single_robots_are_kept(tmp_path):
     planner.save(tmp_path / "two.json")
     again = srmp.PlannerInterface.load(tmp_path / "two.json")
     assert again.plan_multi(STARTS, GOALS) == first
+    text = (tmp_path / "two.json").read_text()
+    (tmp_path / "wrong.json").write_text(text.replace("heuristic_left", "heuristic_lfet"))
+    with pytest.raises(srmp.FileError, match="robot 'lfet' alone"):
+        srmp.PlannerInterface.load(tmp_path / "wrong.json")
+    planner.add_heuristic("mine", lambda configurations, goals: np.zeros(len(configurations)))
+    planner.make_planner(["left", "right"], {"planner_id": "xECBS", "heuristic_left": "mine"})
+    with pytest.raises(srmp.InvalidArgument, match="heuristic 'mine' of yours"):
+        planner.save(tmp_path / "mine.json")
 
 
 # --- the same answer every time

@@ -12,6 +12,10 @@ namespace {
 
 std::string full_name(const std::string& robot, const std::string& link) { return robot + "/" + link; }
 
+const coal::CollisionGeometry* solid_of(const GeometryParts& parts) {
+  return is_convex_solid(*parts.hull) ? parts.hull.get() : nullptr;
+}
+
 Body link_body(const RobotInstance& instance, std::size_t index) {
   const LinkGeometry& geometry = instance.model->geometries()[index];
   Bounds bounds = bounds_of(*geometry.shape);
@@ -28,7 +32,9 @@ Body link_body(const RobotInstance& instance, std::size_t index) {
           -1,
           0,
           scene_name,
-          index};
+          index,
+          0,
+          solid_of(instance.parts[index])};
 }
 
 Body object_body(const Object& object, BodyKind kind) {
@@ -42,7 +48,9 @@ Body object_body(const Object& object, BodyKind kind) {
           -1,
           0,
           object.name,
-          0};
+          0,
+          0,
+          solid_of(object.parts)};
 }
 
 /// Does contact between two bodies count?
@@ -269,7 +277,7 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.member));
   pair.solid = a.is_solid() && b.is_solid();
   pair.in_pieces = !a.is_solid() && !b.is_solid();
-  if (a.solid() && b.solid()) pair.formula = formulas.index(*a.solid(), *b.solid());
+  if (a.solid && b.solid) pair.formula = formulas.index(*a.solid, *b.solid);
   pair.padding = a.member == b.member ? 0.0 : a.padding + b.padding;
   pair.movers_a = a.movers & ~b.movers;
   pair.movers_b = b.movers & ~a.movers;

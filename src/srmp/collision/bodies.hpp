@@ -28,9 +28,9 @@ struct Body {
   std::string scene_name;  // as the scene resolves it
   std::size_t source{};    // geometry index of a link; link index of an object in a moving hand
   std::size_t name_id{};   // equal for bodies of the same scene_name
-
   /// The geometry, or a convex solid around it; null when there is only the geometry's pieces.
-  const coal::CollisionGeometry* solid() const { return is_convex_solid(*parts.hull) ? parts.hull.get() : nullptr; }
+  const coal::CollisionGeometry* solid{};
+
   bool is_solid() const { return !parts.pieces; }
 };
 

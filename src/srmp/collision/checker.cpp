@@ -90,8 +90,6 @@ Checker::Impl::Impl(const Scene& scene, const std::string& robot, const CheckerO
   batch_scene = detail::make_batch_scene(bodies, group, cover_of);
   batch.emplace(batch_scene.world);
   batch_options = srmp::batch_options(batch_scene.world);
-  for (auto* pairs : {&batch_scene.obstacle_pairs, &batch_scene.self_pairs})
-    for (auto& ids : *pairs) std::sort(ids.begin(), ids.end());
 }
 
 // --- the public face

@@ -107,8 +107,8 @@ double Checker::Workspace::ask(const Pair& pair, const Placed& a, const Placed& 
 /// exceeds `margin`. One that is more than `suffices` is not improved.
 double Checker::Workspace::hull_distance(const Pair& pair, double margin, double suffices) {
   const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
-  const Placed solid_a{bodies_.moving[pair.a].solid(), nullptr, a.bounds, a.pose, a.center};
-  const Placed solid_b{body_b(pair).solid(), nullptr, b.bounds, b.pose, b.center};
+  const Placed solid_a{bodies_.moving[pair.a].solid, nullptr, a.bounds, a.pose, a.center};
+  const Placed solid_b{body_b(pair).solid, nullptr, b.bounds, b.pose, b.center};
   double found = 0.0;
   if (solid_a.geometry && solid_b.geometry) found = ask(pair, solid_a, solid_b, margin, suffices);
   if (!pair.in_pieces || found > suffices) return found;

@@ -19,7 +19,7 @@ struct Checker::Impl {
   Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options);
 
   /// The pairs of bodies that an undecided pair of the batch speaks for.
-  const std::vector<std::uint32_t>& pairs_of(const UndecidedPair& pair) const {
+  std::span<const std::uint32_t> pairs_of(const UndecidedPair& pair) const {
     return (pair.self ? batch_scene.self_pairs : batch_scene.obstacle_pairs)[static_cast<std::size_t>(pair.pair)];
   }
 

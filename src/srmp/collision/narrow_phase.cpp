@@ -75,12 +75,19 @@ Bounds bounds_of(const coal::CollisionGeometry& geometry) {
 
 bool is_convex_solid(const coal::CollisionGeometry& geometry) { return geometry.getObjectType() == coal::OT_GEOM; }
 
+FormulaTable::FormulaTable() : known_(std::size_t{coal::NODE_COUNT} * coal::NODE_COUNT, not_known) {}
+
 int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b) {
-  if (!has_formula(a.getNodeType(), b.getNodeType())) return -1;
-  const std::pair<int, int> types{a.getNodeType(), b.getNodeType()};
-  if (const auto known = known_.find(types); known != known_.end()) return known->second;
-  examples_.emplace_back(&a, &b);
-  return known_[types] = static_cast<int>(examples_.size()) - 1;
+  const coal::NODE_TYPE type_a = a.getNodeType(), type_b = b.getNodeType();
+  int& known = known_[static_cast<std::size_t>(type_a) * coal::NODE_COUNT + static_cast<std::size_t>(type_b)];
+  if (known == not_known) {
+    known = -1;
+    if (has_formula(type_a, type_b)) {
+      known = static_cast<int>(examples_.size());
+      examples_.emplace_back(&a, &b);
+    }
+  }
+  return known;
 }
 
 namespace {

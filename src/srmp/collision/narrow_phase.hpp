@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -42,6 +41,8 @@ struct Proximity {
 /// For which kinds of solids Coal has a formula for the distance, so that it does not use GJK.
 class FormulaTable {
  public:
+  FormulaTable();
+
   using Pair = std::pair<const coal::CollisionGeometry*, const coal::CollisionGeometry*>;
   /// Index of the formula for these two; -1: there is none.
   int index(const coal::CollisionGeometry& a, const coal::CollisionGeometry& b);
@@ -49,7 +50,8 @@ class FormulaTable {
 
  private:
   std::vector<Pair> examples_;
-  std::map<std::pair<int, int>, int> known_;
+  static constexpr int not_known = -2;
+  std::vector<int> known_;  // [type * types + type]
 };
 
 /// One thread's Coal functors and scratch memory. Once warm, nothing is allocated.

@@ -18,6 +18,7 @@ class SharedJobs {
       : count_(count), deadline_(deadline), job_(job), progress_(progress), failed_(count) {}
 
   void run(WorkerPool& pool) {
+    stop_ = deadline_.cancelled();
     pool.run(pool.size(), [this](std::size_t worker, std::size_t) { worker == 0 ? watch() : work(); });
     for (const std::exception_ptr& error : {watch_error_, error_})
       if (error) std::rethrow_exception(error);

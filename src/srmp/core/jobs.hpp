@@ -11,7 +11,7 @@ namespace srmp {
 /// Numbered jobs, a few at a time, whose results do not depend on how many that are: each writes to a place of its own.
 class Jobs {
  public:
-  /// With one thread the caller does them itself; with more it keeps watch while they are done.
+  /// With one thread, or for one job, the caller does them itself; else it keeps watch while they are done.
   explicit Jobs(std::size_t threads) : pool_(threads > 1 ? threads + 1 : 1) {}
 
   /// One job. Its deadline passes when that of all does.

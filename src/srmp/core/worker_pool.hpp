@@ -13,6 +13,7 @@ namespace srmp {
 /// worker i mod size), so scratch memory per worker sees the same jobs on every run.
 class WorkerPool {
  public:
+  /// Throws std::system_error when the system has no more threads.
   explicit WorkerPool(std::size_t workers);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -23,6 +24,7 @@ class WorkerPool {
   void run(std::size_t count, const std::function<void(std::size_t worker, std::size_t i)>& job);
 
  private:
+  void stop();
   void work(std::size_t worker);
   void run_share(std::size_t worker) const;
 

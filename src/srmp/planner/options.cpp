@@ -84,6 +84,17 @@ void visit_fields(WPASE& o, V&& field) {
   field("num_threads", o.num_threads, thread_count);
   field("batch_size", o.batch_size, above_zero);
 }
+/// Of PA*SE's test whether states are independent, as others' dictionaries have it for wPASE. Here batches are fixed,
+/// and nothing depends on it.
+struct IndependenceTest {
+  std::string i_heuristic;
+  double i_weight{1.0};
+};
+template <class V>
+void visit_fields(IndependenceTest& o, V&& field) {
+  field("i_heuristic", o.i_heuristic, HeuristicName{});
+  field("i_weight", o.i_weight, from_one);
+}
 template <class V>
 void visit_fields(Auto& o, V&& field) {
   visit_fields(o.common, field);
@@ -269,6 +280,17 @@ struct HeuristicCheck {
   }
 };
 
+struct HeuristicNames {
+  std::vector<std::string>& names;
+
+  template <class Field, class Allowed>
+  void operator()(const std::string&, Field&, const Allowed&) {}
+  void operator()(const std::string&, std::string& name, const HeuristicName&) { names.push_back(name); }
+  void operator()(const std::string&, std::vector<std::string>& more, const HeuristicName&) {
+    names.insert(names.end(), more.begin(), more.end());
+  }
+};
+
 struct Writer {
   OptionMap& map;
   template <class Field, class Allowed>
@@ -280,12 +302,16 @@ struct Writer {
   }
 };
 
+const RobotOptionMap& single_robots(const PlannerOptions& options) {
+  static const RobotOptionMap none;
+  const RobotOptionMap* robots = std::visit([](const auto& typed) { return robots_of(typed); }, options);
+  return robots ? *robots : none;
+}
+
 struct Planner {
   PlannerInfo info;
   PlannerOptions defaults;
   std::vector<std::string> spellings;  // compared without case and without '-', '_', ' '
-  /// Options that others' dictionaries have, and that nothing depends on here.
-  std::vector<std::string> needless{};
 };
 
 const std::vector<Planner>& registry() {
@@ -303,8 +329,7 @@ const std::vector<Planner>& registry() {
       {{"MHAstar", "MHA*: several heuristics share one search", true, false}, MHAStar{}, {"mha*"}},
       {{"wPASE", "parallel weighted search; the same path for every number of threads", true, false},
        WPASE{},
-       {"wpa*se", "wpastarse", "epa*se", "epase"},
-       {"i_heuristic", "i_weight"}},  // of PA*SE's test of independence: here batches are fixed
+       {"wpa*se", "wpastarse", "epa*se", "epase"}},
       {{"CBS", "many robots: the least sum of costs on their lattices", false, true}, CBS{}, {}},
       {{"ECBS", "many robots: sum of costs within a bound", false, true}, ECBS{}, {}},
       {{"xECBS", "many robots: ECBS that learns from its own searches; quick", false, true}, XECBS{}, {}},
@@ -366,7 +391,11 @@ PlannerOptions parse_options(const OptionMap& map) {
         Reader reader{map};
         make_room(robots_of(typed), map);
         visit_all_fields(typed, reader);
-        reader.known.insert(reader.known.end(), planner.needless.begin(), planner.needless.end());
+        if constexpr (std::is_same_v<decltype(typed), WPASE&>) {
+          IndependenceTest unused;
+          visit_fields(unused, reader);
+          visit_fields(unused, Validator{});
+        }
         require_known_keys(map, reader.known, planner.info.id);
       },
       options);
@@ -392,6 +421,13 @@ std::optional<double> bfs_cell(const std::string& heuristic) {
   if (error == std::errc{} && stop + 1 == end && *stop == ')' && cell > 0.0 && cell < inf) return cell;
   throw InvalidArgument("heuristic '" + heuristic +
                         "': between the brackets must be the cell of the grid [m], above 0");
+}
+
+std::vector<std::string> named_heuristics(const PlannerOptions& options) {
+  std::vector<std::string> names;
+  PlannerOptions copy = options;
+  std::visit([&](auto& typed) { visit_all_fields(typed, HeuristicNames{names}); }, copy);
+  return names;
 }
 
 void require_heuristics(const PlannerOptions& options, std::span<const std::string> users) {
@@ -429,32 +465,23 @@ const CommonOptions& common_options(const PlannerOptions& options) {
 
 CommonOptions common_options(const PlannerOptions& options, const std::string& robot) {
   CommonOptions common = common_options(options);
-  const RobotOptionMap* robots = std::visit([](const auto& typed) { return robots_of(typed); }, options);
-  if (!robots) return common;
-  const auto own = robots->find(robot);
-  if (own == robots->end()) return common;
-  if (own->second.heuristic) common.heuristic = *own->second.heuristic;
-  if (own->second.mprim_path) common.mprim_path = *own->second.mprim_path;
+  const RobotOptionMap& robots = single_robots(options);
+  if (const auto own = robots.find(robot); own != robots.end()) {
+    if (own->second.heuristic) common.heuristic = *own->second.heuristic;
+    if (own->second.mprim_path) common.mprim_path = *own->second.mprim_path;
+  }
   return common;
 }
 
 void require_robots(const PlannerOptions& options, const std::vector<std::string>& robots) {
-  PlannerOptions copy = options;
-  std::visit(
-      [&](auto& typed) {
-        RobotOptionMap* own = robots_of(typed);
-        visit_robot_fields(own, [&](const std::string& key, auto&, const auto&) {
-          if (robots.size() == 1)
-            throw InvalidArgument(option(key) + " is for one robot of many, but '" + robots.front() +
-                                  "' is planned alone; name it without the robot");
-        });
-        if (own)
-          for (const auto& [name, values] : *own)
-            if (std::find(robots.begin(), robots.end(), name) == robots.end())
-              throw InvalidArgument("there are options of their own for '" + name +
-                                    "', which is none of the robots of this planner" + or_known(name, robots));
-      },
-      copy);
+  for (const auto& [name, own] : single_robots(options)) {
+    if (std::find(robots.begin(), robots.end(), name) == robots.end())
+      throw InvalidArgument("there are options for robot '" + name +
+                            "' alone, which is none of the robots of this planner" + or_known(name, robots));
+    if (robots.size() == 1)
+      throw InvalidArgument("there are options for robot '" + name + "' alone, such as 'heuristic_" + name +
+                            "', but it is the only one; name them without it");
+  }
 }
 
 std::string planner_id(const PlannerOptions& options) {

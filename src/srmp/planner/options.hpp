@@ -68,7 +68,7 @@ struct MHAStar {
 struct WPASE {
   CommonOptions common{};
   double weight{50.0};  ///< >= 1
-  int num_threads{4};   ///< > 0
+  int num_threads{4};   ///< 1 to 1024
   int batch_size{16};   ///< edges evaluated together, > 0; part of the question: another batch may find another path
 };
 
@@ -84,7 +84,7 @@ using RobotOptionMap = std::map<std::string, RobotOptions>;
 struct CBS {
   CommonOptions common{};
   RobotOptionMap robots{};
-  int num_threads{1};  ///< of parts that are planned at the same time, > 0; the same answer for every number
+  int num_threads{1};  ///< of parts that are planned at the same time, 1 to 1024; the same answer for every number
 };
 
 /// ECBS (Barer, Sharon, Stern, Felner 2014), many robots: sum of costs <= the product of its three factors * optimal.
@@ -150,6 +150,8 @@ void validate(const PlannerOptions& options);
 const std::vector<std::string>& built_in_heuristics();
 /// The cell of "bfs(0.1)" [m]; nothing for other names. Throws InvalidArgument for what is no number above 0.
 std::optional<double> bfs_cell(const std::string& heuristic);
+/// Names of all heuristics that the options ask for.
+std::vector<std::string> named_heuristics(const PlannerOptions& options);
 /// Throws InvalidArgument unless each heuristic named is built in or one of the `users`.
 void require_heuristics(const PlannerOptions& options, std::span<const std::string> users);
 /// Every option with its value, "planner_id" included: parse_options(to_map(o)) == o.

@@ -26,31 +26,24 @@ struct ResultText {
 };
 using Motions = std::map<std::string, Trajectory>;
 
-/// The name in the options that is no heuristic of this library; "" = there is none.
-std::string foreign_heuristic(const OptionMap& options) {
-  std::vector<std::string> named;
-  for (const char* key : {"heuristic", "inadmissible_heuristics"}) {
-    const auto it = options.find(key);
-    if (it == options.end()) continue;
-    if (const auto* one = std::get_if<std::string>(&it->second)) named.push_back(*one);
-    if (const auto* many = std::get_if<std::vector<std::string>>(&it->second))
-      named.insert(named.end(), many->begin(), many->end());
-  }
+/// One that the options ask for and that is not of this library; "" = there is none.
+std::string foreign_heuristic(const PlannerOptions& options) {
   const auto& known = built_in_heuristics();
-  for (const std::string& name : named)
+  for (const std::string& name : named_heuristics(options))
     if (std::find(known.begin(), known.end(), name) == known.end() && !bfs_cell(name)) return name;
   return "";
 }
 
 PlannerText planner_text(const std::vector<std::string>& robots, const PlannerOptions& options) {
   PlannerText text{robots, to_map(options)};
-  if (const std::string name = foreign_heuristic(text.options); !name.empty())
+  if (const std::string name = foreign_heuristic(options); !name.empty())
     throw InvalidArgument("the planner of " + quoted_list(robots) + " uses the heuristic '" + name +
                           "' of yours, a function, which no file can hold; choose a built-in one with make_planner, "
                           "or save the scene alone with save_scene");
   // The working folder may be another one by the time it is read.
-  if (auto& path = std::get<std::string>(text.options["mprim_path"]); !path.empty())
-    path = std::filesystem::absolute(path).string();
+  for (auto& [key, value] : text.options)
+    if (key.starts_with("mprim_path"))
+      if (auto& path = std::get<std::string>(value); !path.empty()) path = std::filesystem::absolute(path).string();
   return text;
 }
 
@@ -318,6 +311,7 @@ Problem load_problem(const std::string& path, const std::vector<std::string>& pa
       require_heuristics(options, {});
       std::vector<std::string> key = planner_key(problem.scene, text.robots);
       require_planner_for(key, options);
+      require_robots(options, key);
       if (!problem.planners.emplace(std::move(key), options).second)
         throw InvalidArgument("there is another planner for " + quoted_list(text.robots));
     });

@@ -10,7 +10,8 @@ namespace srmp {
 
 /// The user's estimate of the way [rad; prismatic joints in m] from each of `configurations` (n, dof) to the nearest of
 /// `goals` (m, dof): n numbers, finite and >= 0. Searches from the goals are on their way to the start: that is what
-/// `goals` holds then. The same question must have the same answer; plan_many asks from several threads at once.
+/// `goals` holds then. The same question must have the same answer; plan_many, and plan_multi with
+/// num_threads above 1, ask from several threads at once.
 using HeuristicFunction = std::function<Eigen::VectorXd(ConstRows configurations, ConstRows goals)>;
 
 struct UserHeuristic {

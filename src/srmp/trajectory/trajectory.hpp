@@ -39,12 +39,12 @@ struct PlacedRobot {
 ///
 /// Files (CSV, JSON), dictionaries and pictures of trajectories are made by the Python package.
 struct Trajectory {
-  std::vector<std::string> joint_names;  ///< dof
-  RowMatrix positions;                   ///< n x dof [rad or m]
-  RowMatrix velocities;                  ///< n x dof [rad/s or m/s]; no rows: not known
-  RowMatrix accelerations;  ///< n x dof [rad/s^2 or m/s^2]; where it jumps: just after the row; no rows: not known
-  Eigen::VectorXd times;    ///< n [s], strictly increasing; empty: a path without time
-  RowMatrix waypoints;      ///< m x dof: the checked path, straight between rows; no rows: not known
+  std::vector<std::string> joint_names{};  ///< dof
+  RowMatrix positions{};                   ///< n x dof [rad or m]
+  RowMatrix velocities{};                  ///< n x dof [rad/s or m/s]; no rows: not known
+  RowMatrix accelerations{};  ///< n x dof [rad/s^2 or m/s^2]; where it jumps: just after the row; no rows: not known
+  Eigen::VectorXd times{};    ///< n [s], strictly increasing; empty: a path without time
+  RowMatrix waypoints{};      ///< m x dof: the checked path, straight between rows; no rows: not known
   std::shared_ptr<const Certificate> certificate{};  ///< null: none was made
   std::shared_ptr<const PlacedRobot> robot{};        ///< that it was planned for; null: not known
 

@@ -140,15 +140,27 @@ struct BatchChecker::Impl {
 
 namespace {
 
-void require_index(int index, std::size_t size, const std::string& what) {
-  if (index < 0 || static_cast<std::size_t>(index) >= size)
-    throw InvalidArgument(what + " is " + std::to_string(index) + "; there are " + std::to_string(size));
+/// A part of the world; names are made only for what is refused.
+struct Part {
+  const char* kind;
+  std::size_t number;
+  std::string name() const { return std::string("batch checker: ") + kind + " " + std::to_string(number); }
+};
+
+void require(bool fine, const Part& part, const char* what) {
+  if (!fine) throw InvalidArgument(part.name() + what);
 }
 
-void require_balls(const std::vector<Ball>& balls, const std::string& what) {
+void require_index(int index, std::size_t size, const Part& part, const char* what) {
+  if (index < 0 || static_cast<std::size_t>(index) >= size)
+    throw InvalidArgument(part.name() + ": its " + what + " is " + std::to_string(index) + "; there are " +
+                          std::to_string(size));
+}
+
+void require_balls(std::span<const Ball> balls, const Part& part) {
   for (const Ball& ball : balls)
-    if (!ball.center.allFinite() || !std::isfinite(ball.radius) || ball.radius < 0)
-      throw InvalidArgument(what + ": a ball is not finite, or its radius is negative");
+    require(ball.center.allFinite() && std::isfinite(ball.radius) && ball.radius >= 0, part,
+            ": a ball is not finite, or its radius is negative");
 }
 
 void copy_rotation(const Eigen::Matrix3d& rotation, float* out) {
@@ -206,44 +218,46 @@ double diameter(const BatchObstacle& o) {
 void BatchChecker::Impl::require_valid() const {
   for (std::size_t k = 0; k < world.drives.size(); ++k) {
     const BatchDrive& d = world.drives[k];
-    const std::string what = "batch checker: drive " + std::to_string(k);
-    if (d.parent >= static_cast<int>(k) || d.parent < -1) throw InvalidArgument(what + " comes before its parent");
-    require_index(d.joint, world.dof, what + ": its joint");
-    if (!d.frame.matrix().allFinite()) throw InvalidArgument(what + ": its frame is not finite");
-    const double scalars[]{d.ratio, d.offset, d.max_travel};
-    require_finite(scalars, what);
+    const Part part{"drive", k};
+    require(d.parent < static_cast<int>(k) && d.parent >= -1, part, " comes before its parent");
+    require_index(d.joint, world.dof, part, "joint");
+    require(d.frame.matrix().allFinite(), part, ": its frame is not finite");
+    require(std::isfinite(d.ratio) && std::isfinite(d.offset) && std::isfinite(d.max_travel), part,
+            ": ratio, offset and travel must be finite");
   }
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const BatchBody& b = world.bodies[i];
-    const std::string what = "batch checker: body " + std::to_string(i);
-    if (b.drive != -1) require_index(b.drive, world.drives.size(), what + ": its drive");
-    require_balls({b.bound}, what);
-    require_balls(b.coarse, what);
-    require_balls(b.fine, what);
-    require_balls(b.inner, what);
-    if (b.coarse.empty()) throw InvalidArgument(what + " has no balls");
-    if (!std::isfinite(b.padding) || b.padding < 0) throw InvalidArgument(what + ": its padding must be 0 or more");
-    if (b.children.size() != (b.fine.empty() ? 0 : b.coarse.size()))
-      throw InvalidArgument(what + ": children must be given for each coarse ball when there are fine ones");
+    const Part part{"body", i};
+    if (b.drive != -1) require_index(b.drive, world.drives.size(), part, "drive");
+    require_balls({&b.bound, 1}, part);
+    require_balls(b.coarse, part);
+    require_balls(b.fine, part);
+    require_balls(b.inner, part);
+    require(!b.coarse.empty(), part, " has no balls");
+    require(std::isfinite(b.padding) && b.padding >= 0, part, ": its padding must be 0 or more");
+    require(b.children.size() == (b.fine.empty() ? 0 : b.coarse.size()), part,
+            ": children must be given for each coarse ball when there are fine ones");
     for (const auto& list : b.children)
-      for (std::uint32_t child : list) require_index(static_cast<int>(child), b.fine.size(), what + ": a child");
+      for (const std::uint32_t child : list) require_index(static_cast<int>(child), b.fine.size(), part, "child");
   }
   for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
     const BatchObstacle& o = world.obstacles[i];
-    const std::string what = "batch checker: obstacle " + std::to_string(i);
-    if (!o.size.allFinite() || (o.size.array() < 0).any() || !o.pose.matrix().allFinite() ||
-        !std::isfinite(o.padding) || o.padding < 0 || !o.field_center.allFinite())
-      throw InvalidArgument(what + ": size, pose and padding must be finite and not negative");
-    if ((o.kind == BatchObstacle::Kind::field) != (o.field != nullptr))
-      throw InvalidArgument(what + ": a field is needed where, and only where, the kind says so");
+    const Part part{"obstacle", i};
+    require(o.size.allFinite() && (o.size.array() >= 0).all() && o.pose.matrix().allFinite() &&
+                std::isfinite(o.padding) && o.padding >= 0 && o.field_center.allFinite(),
+            part, ": size, pose and padding must be finite and not negative");
+    require((o.kind == BatchObstacle::Kind::field) == (o.field != nullptr), part,
+            ": a field is needed where, and only where, the kind says so");
   }
-  for (const auto& [body, obstacle] : world.obstacle_pairs) {
-    require_index(body, world.bodies.size(), "batch checker: the body of a pair");
-    require_index(obstacle, world.obstacles.size(), "batch checker: the obstacle of a pair");
+  for (std::size_t i = 0; i < world.obstacle_pairs.size(); ++i) {
+    const Part part{"pair", i};
+    require_index(world.obstacle_pairs[i].first, world.bodies.size(), part, "body");
+    require_index(world.obstacle_pairs[i].second, world.obstacles.size(), part, "obstacle");
   }
-  for (const BatchSelfPair& pair : world.self_pairs) {
-    require_index(pair.a, world.bodies.size(), "batch checker: the first body of a self pair");
-    require_index(pair.b, world.bodies.size(), "batch checker: the second body of a self pair");
+  for (std::size_t i = 0; i < world.self_pairs.size(); ++i) {
+    const Part part{"self pair", i};
+    require_index(world.self_pairs[i].a, world.bodies.size(), part, "first body");
+    require_index(world.self_pairs[i].b, world.bodies.size(), part, "second body");
   }
   if (world.obstacle_pairs.size() + world.self_pairs.size() > kMaxPairs)
     throw InvalidArgument("batch checker: there are more than 4 million pairs");
@@ -599,7 +613,9 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
 
 Eigen::Isometry3d BatchChecker::drive_pose(std::span<const double> q, std::size_t k, Workspace& w) const {
   require_size(q.size(), dof(), "batch checker: configuration");
-  require_index(static_cast<int>(k), impl_->world.drives.size(), "batch checker: drive");
+  if (k >= impl_->world.drives.size())
+    throw InvalidArgument("batch checker: drive " + std::to_string(k) + " was asked for; there are " +
+                          std::to_string(impl_->world.drives.size()));
   judge_block(q, w);
   // The kernel leaves lane 0 of the last slice's frames at the front of its scratch memory; all lanes are equal here.
   const int width = impl_->backend == SimdBackend::avx512 ? 16 : impl_->backend == SimdBackend::avx2 ? 8 : 4;

@@ -233,32 +233,49 @@ class Builder {
 
   void add_pairs() {
     const std::size_t bodies = scene_.world.bodies.size(), obstacles = scene_.world.obstacles.size();
-    std::vector<std::vector<std::uint32_t>> obstacle_pairs(bodies * obstacles), self_pairs(bodies * bodies);
+    std::vector<std::uint32_t> obstacle_places, self_places, by_obstacles, by_bodies;
     for (std::uint32_t id = 0; id < bodies_.pairs.size(); ++id) {
       const Pair& pair = bodies_.pairs[id];
       const auto a = static_cast<std::size_t>(body_of_moving_[pair.a]);
       const auto [is_obstacle, index] =
           pair.b_fixed ? fixed_[pair.b] : std::pair<bool, int>(false, body_of_moving_[pair.b]);
       const auto b = static_cast<std::size_t>(index);
-      if (is_obstacle)
-        obstacle_pairs[a * obstacles + b].push_back(id);
-      else
-        self_pairs[std::min(a, b) * bodies + std::max(a, b)].push_back(id);
+      const std::size_t place = is_obstacle ? a * obstacles + b : std::min(a, b) * bodies + std::max(a, b);
+      (is_obstacle ? obstacle_places : self_places).push_back(static_cast<std::uint32_t>(place));
+      (is_obstacle ? by_obstacles : by_bodies).push_back(id);
     }
-    for (std::size_t i = 0; i < obstacle_pairs.size(); ++i) {
-      if (obstacle_pairs[i].empty()) continue;
-      scene_.world.obstacle_pairs.emplace_back(i / obstacles, i % obstacles);
-      scene_.obstacle_pairs.push_back(std::move(obstacle_pairs[i]));
-    }
-    for (std::size_t i = 0; i < self_pairs.size(); ++i) {
-      if (self_pairs[i].empty()) continue;
-      const auto a = i / bodies, b = i % bodies;
+    scene_.obstacle_pairs = lists_of(by_obstacles, obstacle_places, bodies * obstacles, [&](std::size_t place) {
+      scene_.world.obstacle_pairs.emplace_back(place / obstacles, place % obstacles);
+    });
+    std::vector<std::size_t> places;
+    scene_.self_pairs =
+        lists_of(by_bodies, self_places, bodies * bodies, [&](std::size_t place) { places.push_back(place); });
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const auto a = places[i] / bodies, b = places[i] % bodies;
+      const std::span<const std::uint32_t> pairs = scene_.self_pairs[i];
       // Where some geometries of the two may touch, a hit may be theirs.
-      const bool all = self_pairs[i].size() == bounds_[a].size() * bounds_[b].size();
-      const double padding = bodies_.pairs[self_pairs[i].front()].padding + NarrowPhase::contact_distance;
+      const bool all = pairs.size() == bounds_[a].size() * bounds_[b].size();
+      const double padding = bodies_.pairs[pairs.front()].padding + NarrowPhase::contact_distance;
       scene_.world.self_pairs.push_back({static_cast<int>(a), static_cast<int>(b), padding, all});
-      scene_.self_pairs.push_back(std::move(self_pairs[i]));
     }
+  }
+
+  /// A list for each place that numbers belong to, in the order of places, which are told; numbers keep their order.
+  template <class Tell>
+  static NumberLists lists_of(const std::vector<std::uint32_t>& numbers, const std::vector<std::uint32_t>& places,
+                              std::size_t place_count, Tell&& tell) {
+    std::vector<std::uint32_t> next(place_count + 1);  // free room of each place
+    for (const std::uint32_t place : places) ++next[place + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    NumberLists lists;
+    lists.numbers.resize(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) lists.numbers[next[places[i]]++] = numbers[i];
+    for (std::size_t place = 0; place < place_count; ++place) {  // `next` is where each place ends
+      if (next[place] == (place == 0 ? 0 : next[place - 1])) continue;
+      lists.ends.push_back(next[place]);
+      tell(place);
+    }
+    return lists;
   }
 
   const Bodies& bodies_;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "srmp/collision/batch/batch_checker.hpp"
 #include "srmp/robot/geometry_cover.hpp"
@@ -14,11 +17,22 @@ class RobotGroup;
 /// The cover of a link's geometry; made once per geometry, kept by the caller.
 using CoverOf = std::function<const GeometryCover&(const coal::CollisionGeometry& shape)>;
 
+/// Lists of numbers, one after the other in one piece of memory.
+struct NumberLists {
+  std::vector<std::uint32_t> numbers;
+  std::vector<std::uint32_t> ends;  ///< of each list, in `numbers`
+
+  std::span<const std::uint32_t> operator[](std::size_t i) const {
+    const std::size_t first = i == 0 ? 0 : ends[i - 1];
+    return {numbers.data() + first, ends[i] - first};
+  }
+};
+
 /// What a BatchChecker needs to stand in front of the exact one, and how its pairs translate.
 struct BatchScene {
   BatchWorld world;
-  /// By index of BatchWorld::obstacle_pairs and self_pairs: the pairs of Bodies that each speaks for.
-  std::vector<std::vector<std::uint32_t>> obstacle_pairs, self_pairs;
+  /// By index of BatchWorld::obstacle_pairs and self_pairs: the pairs of Bodies that each speaks for, increasing.
+  NumberLists obstacle_pairs, self_pairs;
 };
 
 /// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that

@@ -239,6 +239,10 @@ bool ArmWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move
   });
 }
 
+bool ArmWorld::has_own_primitives() const {
+  return std::any_of(arms_.begin(), arms_.end(), [](const auto& arm) { return arm->task().primitives.has_value(); });
+}
+
 int ArmWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
   return std::max(1, static_cast<int>(std::ceil(arms_[arm]->time_of(from, to) / step_time_ - 1e-9)));
 }
@@ -266,7 +270,7 @@ bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eig
 }
 
 std::vector<char> ArmWorld::which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
-                                        const std::vector<Eigen::VectorXd>& points) {
+                                        std::span<const Eigen::VectorXd> points) {
   Pair* both = pair(std::min(a, b), std::max(a, b));
   if (!both || points.empty()) return std::vector<char>(points.size(), true);
   const RowMatrix rows = stack_waypoints(points);

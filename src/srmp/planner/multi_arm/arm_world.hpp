@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "srmp/lattice/lattice.hpp"
@@ -23,7 +24,8 @@ struct ArmTask {
 
 /// Arms on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
 ///
-/// Threads may share it as long as no two of them ask for the same arm at once; pairs of arms any of them may ask for.
+/// Threads may share it, each with arms of its own: lattices grow, and so does what is known of an arm's motions. Any
+/// thread may ask for what two arms do to each other, and for what never changes: robots, tasks, durations.
 class ArmWorld : public multi::World {
  public:
   struct Options {
@@ -44,6 +46,7 @@ class ArmWorld : public multi::World {
   Eigen::VectorXd at(std::size_t arm, const multi::Move& move, int step) const;
   const RobotModel& robot(std::size_t arm) const { return checkers_.alone(arm).robot(); }
   double step_time() const { return step_time_; }  ///< [s] at full speed
+  bool has_own_primitives() const;                 ///< has any task?
   /// Steps that a straight motion takes, > 0.
   int duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   /// Full turns added to continuous joints, so that every row follows the one before by the short way.
@@ -59,7 +62,7 @@ class ArmWorld : public multi::World {
                  bool by_balls = false);
   /// Of each point of b: are the two surely apart when a is at q? By balls alone: quick, and never true wrongly.
   std::vector<char> which_apart(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
-                                const std::vector<Eigen::VectorXd>& points);
+                                std::span<const Eigen::VectorXd> points);
   bool is_free_alone(std::size_t arm, const Eigen::VectorXd& q);
   /// A straight motion from where it is free.
   bool is_free_alone(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to);

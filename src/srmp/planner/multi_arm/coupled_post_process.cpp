@@ -38,7 +38,7 @@ class CoupledPostProcess {
       work_.run(clusters_.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
         if (clusters_[k].deviation < 0.0) time_and_certify(clusters_[k], deadline, statistics);
       });
-    } while (common_.certify && !are_apart(until));
+    } while (common_.certify && !all_proved_apart(until));
     add_proofs();
     std::vector<CoupledPath> paths;
     for (const Cluster& cluster : clusters_) paths.push_back(cluster.path);
@@ -123,7 +123,7 @@ class CoupledPostProcess {
     Member a, b;  // a's number is the smaller one
   };
 
-  /// Arms of different clusters of which nothing is proved yet.
+  /// Arms of different clusters that may meet and are not proved apart yet.
   std::vector<MemberPair> open_pairs() const {
     std::vector<MemberPair> open;
     for (std::size_t i = 0; i < clusters_.size(); ++i)
@@ -132,7 +132,9 @@ class CoupledPostProcess {
           for (std::size_t l = 0; l < clusters_[j].path.arms.size(); ++l) {
             MemberPair pair{{i, k}, {j, l}};
             if (number(pair.a) > number(pair.b)) std::swap(pair.a, pair.b);
-            if (!proofs_.contains({number(pair.a), number(pair.b)})) open.push_back(pair);
+            if (problem_.judges.may_meet(number(pair.a), number(pair.b)) &&
+                !proofs_.contains({number(pair.a), number(pair.b)}))
+              open.push_back(pair);
           }
     return open;
   }
@@ -140,15 +142,15 @@ class CoupledPostProcess {
   MovingPart part_of(const Member& arm) const { return part_of(clusters_[arm.cluster], arm.index); }
 
   /// Proves arms of different clusters apart; false: the first two that are not have become one cluster.
-  bool are_apart(const Deadline& until) {
+  bool all_proved_apart(const Deadline& until) {
     const std::vector<MemberPair> open = open_pairs();
-    std::vector<std::optional<MotionProof>> found(open.size());
+    std::vector<MotionProof> found(open.size());
     std::atomic<std::size_t> first{open.size()};  // that is not proved
     work_.run(open.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
       if (k > first) return;
       const PhaseTimer timer(deadline, statistics.verification_time_s);
-      found[k] = prove_pair(problem_.judges, part_of(open[k].a), part_of(open[k].b), deadline);
-      if (!found[k] || (found[k]->free && found[k]->unproved.empty())) return;
+      found[k] = *prove_pair(problem_.judges, part_of(open[k].a), part_of(open[k].b), deadline);
+      if (found[k].free && found[k].unproved.empty()) return;
       for (std::size_t known = first; k < known && !first.compare_exchange_weak(known, k);) {
       }
     });
@@ -165,9 +167,8 @@ class CoupledPostProcess {
     for (std::size_t i = 0; i < clusters_.size(); ++i)
       for (std::size_t k = 0; k < clusters_[i].path.arms.size(); ++k) members[clusters_[i].path.arms[k]] = {i, k};
     for (const auto& [numbers, proof] : proofs_) {
-      if (!proof) continue;
       const Member a = members.at(numbers.first), b = members.at(numbers.second);
-      add_pair_proof(problem_.judges, *proof, part_of(a), clusters_[a.cluster].certificates[a.index], part_of(b),
+      add_pair_proof(problem_.judges, proof, part_of(a), clusters_[a.cluster].certificates[a.index], part_of(b),
                      clusters_[b.cluster].certificates[b.index]);
     }
   }
@@ -260,8 +261,7 @@ class CoupledPostProcess {
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::vector<Cluster> clusters_;
-  /// Of arms of different clusters, by number; nothing: they never meet.
-  std::map<std::pair<std::size_t, std::size_t>, std::optional<MotionProof>> proofs_;
+  std::map<std::pair<std::size_t, std::size_t>, MotionProof> proofs_;  // of arms of different clusters, by number
 };
 
 }  // namespace

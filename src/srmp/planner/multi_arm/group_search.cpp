@@ -107,13 +107,18 @@ void GroupSearch::require_solved(const multi::ConflictSearchResult& found) const
     case Status::cancelled:
       throw PlanningError(found.status, "the plan was cancelled during the search (" + work + ")");
     case Status::exhausted:
-      throw PlanningError(found.status, "the robots' lattices of " + to_text(common.resolution) +
-                                            " degrees hold no paths on which they do not meet (" + work +
-                                            "); a finer resolution may hold some");
+      throw PlanningError(found.status, "the robots' " + describe_lattices() +
+                                            " hold no paths on which they do not meet (" + work +
+                                            "); a finer resolution, or other primitives, may hold some");
     default:
       throw PlanningError(Status::timed_out,
                           "no paths within the time limit of " + to_text(common.time_limit) + " s (" + work + ")");
   }
+}
+
+std::string GroupSearch::describe_lattices() const {
+  return "lattices of " + to_text(common_options(options_).resolution) + " degrees" +
+         (world_.has_own_primitives() ? " or of their own primitives" : "");
 }
 
 // --- roadmaps
@@ -136,10 +141,11 @@ std::optional<CoupledPath> GroupSearch::on_roadmaps(const std::vector<std::size_
   return std::move(found.path);
 }
 
-/// By number in the world, of those that have a roadmap.
-std::vector<std::vector<Eigen::VectorXd>> GroupSearch::places_aside(const std::vector<std::size_t>& arms) {
+/// By number in the world, of arms that were planned on roadmaps.
+std::vector<std::vector<Eigen::VectorXd>> GroupSearch::places_aside(const std::vector<std::size_t>& arms) const {
   std::vector<std::vector<Eigen::VectorXd>> places(world_.size());
-  for (const std::size_t i : arms) places[i] = roadmaps(0).places_aside(i);
+  if (const RoadmapSearch* first = roadmaps_.front().get())
+    for (const std::size_t i : arms) places[i] = first->places_aside(i);
   return places;
 }
 
@@ -153,9 +159,10 @@ std::size_t GroupSearch::memory() const {
 // --- better ways
 
 CoupledPath GroupSearch::each_by_itself(CoupledPath path, const Deadline& deadline) {
+  const auto places = places_aside(path.arms);
   for (double before = search::infinity; path.length() < 0.99 * before;) {
     before = path.length();
-    CoupledPath better = rerouted(path, world_, deadline, places_aside(path.arms));
+    CoupledPath better = rerouted(path, world_, deadline, places);
     if (better.length() < before) path = shortened(std::move(better), world_, deadline);
   }
   return tightened(std::move(path), world_, deadline);

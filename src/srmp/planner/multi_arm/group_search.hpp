@@ -17,8 +17,8 @@ struct GroupWays {
   double lower{};
 };
 
-/// Plans groups of arms of a world. Threads may share it as long as no two of them ask for the same arm at once; each
-/// has statistics of its own, whose memory leaves the world and memory() out.
+/// Plans groups of arms of a world. Threads may share it, each with groups of its own, and with statistics of its own,
+/// whose memory leaves the world and memory() out.
 class GroupSearch {
  public:
   /// References outlive this.
@@ -38,7 +38,8 @@ class GroupSearch {
   CoupledPath anew(const CoupledPath& known, std::uint64_t sequence, const Deadline& deadline,
                    PlanStatistics& statistics);
 
-  std::size_t memory() const;  ///< bytes of the roadmaps
+  std::size_t memory() const;             ///< bytes of the roadmaps
+  std::string describe_lattices() const;  ///< as in "lattices of 15 degrees"
 
  private:
   static constexpr std::size_t most_levels = 4;  // of roadmaps
@@ -46,7 +47,7 @@ class GroupSearch {
   RoadmapSearch& roadmaps(std::size_t level);
   std::optional<CoupledPath> on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level, std::uint64_t effort,
                                          const Deadline& deadline, PlanStatistics& statistics);
-  std::vector<std::vector<Eigen::VectorXd>> places_aside(const std::vector<std::size_t>& arms);
+  std::vector<std::vector<Eigen::VectorXd>> places_aside(const std::vector<std::size_t>& arms) const;
   void require_solved(const multi::ConflictSearchResult& found) const;
 
   ArmWorld& world_;

@@ -26,20 +26,15 @@ class MultiRobotPlan {
         common_(common_options(problem.options)),
         deadline_(deadline),
         statistics_(statistics),
-        work_(static_cast<std::size_t>(num_threads(problem.options)), statistics),
-        count_(problem.moving.size()) {}
+        count_(problem.moving.size()),
+        work_(std::min(static_cast<std::size_t>(num_threads(problem.options)), count_ * count_), statistics) {}
 
   MultiTrajectory run() {
     find_tasks();
     std::vector<ArmEnds> ends;
     for (const ArmTask& task : tasks_) ends.push_back({task.start, task.targets});
     require_ends_apart(problem_.checkers, ends);
-    try {
-      find_paths();
-    } catch (const PlanningError&) {
-      note_work();
-      throw;
-    }
+    find_paths();
     note_work();
     statistics_.plan_time_s = deadline_.elapsed();
     return post_process();
@@ -60,7 +55,6 @@ class MultiRobotPlan {
       const std::string path = common_options(problem_.options, name(i)).mprim_path;
       if (path.empty()) continue;
       tasks_.back().primitives = io::read_primitives(path, problem_.checkers.alone(i).robot().joints());
-      own_primitives_ = true;
     }
   }
 
@@ -239,8 +233,7 @@ class MultiRobotPlan {
                         : cost <= lower ? 1.0
                         : lower > 0.0   ? cost / lower
                                         : search::infinity;
-    statistics_.bound_graph = "the robots' lattices of " + to_text(common_.resolution) + " degrees" +
-                              (own_primitives_ ? " or of their own primitives" : "") + ", in steps of " +
+    statistics_.bound_graph = "the robots' " + search_->describe_lattices() + ", in steps of " +
                               to_text(world_->step_time()) + " s, waiting counted";
     std::vector<Solution>& solutions = statistics_.solutions;
     while (!solutions.empty() && solutions.back().cost_rad < statistics_.path_cost_rad) solutions.pop_back();
@@ -270,10 +263,9 @@ class MultiRobotPlan {
   const CommonOptions& common_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
-  ParallelWork work_;
   std::size_t count_;
+  ParallelWork work_;
   std::vector<ArmTask> tasks_;
-  bool own_primitives_{};  // of any robot
   std::unique_ptr<ArmWorld> world_;
   std::unique_ptr<GroupSearch> search_;
   std::vector<Group> groups_;

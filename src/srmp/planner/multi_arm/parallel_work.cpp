@@ -16,6 +16,12 @@ void add_work(PlanStatistics& sum, const PlanStatistics& part) {
   sum.expansions += part.expansions;
   sum.generated += part.generated;
   sum.edge_checks += part.edge_checks;
+  sum.edges_free_by_balls += part.edges_free_by_balls;
+  sum.edges_colliding_by_balls += part.edges_colliding_by_balls;
+  sum.edges_free_by_coal += part.edges_free_by_coal;
+  sum.edges_colliding_by_coal += part.edges_colliding_by_coal;
+  sum.configurations += part.configurations;
+  sum.narrow_phase += part.narrow_phase;
   sum.states += part.states;
   sum.tree_nodes += part.tree_nodes;
   sum.memory_bytes = std::max(sum.memory_bytes, part.memory_bytes);
@@ -24,13 +30,21 @@ void add_work(PlanStatistics& sum, const PlanStatistics& part) {
 
 void ParallelWork::run(std::size_t count, const Deadline& deadline, const Part& part) {
   std::vector<PlanStatistics> own(count);
+  std::vector<char> failed(count, false);
   std::exception_ptr error;
   try {
-    jobs_.run(count, deadline, [&](std::size_t i, const Deadline& until) { part(i, until, own[i]); });
+    jobs_.run(count, deadline, [&](std::size_t i, const Deadline& until) {
+      failed[i] = true;
+      part(i, until, own[i]);
+      failed[i] = false;
+    });
   } catch (...) {
     error = std::current_exception();
   }
-  for (const PlanStatistics& statistics : own) add_work(statistics_, statistics);
+  for (std::size_t i = 0; i < count; ++i) {
+    add_work(statistics_, own[i]);
+    if (failed[i]) break;  // what other threads did meanwhile does not count
+  }
   if (error) std::rethrow_exception(error);
 }
 

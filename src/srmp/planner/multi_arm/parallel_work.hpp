@@ -10,8 +10,8 @@ namespace srmp {
 /// Adds what a part of a plan took: times, counts, and its notes that are new; of memory the larger.
 void add_work(PlanStatistics& sum, const PlanStatistics& part);
 
-/// Parts of one plan, several at a time, each with statistics of its own, which are added to the plan's in order: of
-/// times they hold the sum over the threads.
+/// Parts of one plan, several at a time, each with statistics of its own, which are added to the plan's in order, up to
+/// the first that throws: of times they hold the sum over the threads.
 class ParallelWork {
  public:
   /// The statistics outlive this.

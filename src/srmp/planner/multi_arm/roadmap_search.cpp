@@ -18,6 +18,8 @@ constexpr std::size_t tries = 32;  // for an aside
 constexpr std::size_t most_points = 10'000;
 constexpr std::uint32_t most_stations = 2;  // of a way
 constexpr double greed = 12.0;              // weight of the way that is left
+constexpr char not_known = 2;               // of points of two arms: do they go together?
+constexpr std::size_t block = 16;           // points that are looked at together
 constexpr double pause = 0.02;              // cost of a step in itself, so that arms move at the same time
 
 }  // namespace
@@ -191,16 +193,20 @@ bool RoadmapSearch::together(std::size_t a, Point p, std::size_t b, Point q) {
   const std::vector<Eigen::VectorXd>& others = maps_[b].points;
   pair.together.resize(maps_[a].points.size());
   std::vector<char>& row = pair.together[p];
-  if (row.size() < others.size()) {
-    const Eigen::VectorXd& here = maps_[a].points[p];
-    row = world_.which_apart(a, here, b, others);
-    // What balls cannot tell matters where the arms must be.
-    for (const Point end : {Point{0}, maps_[b].goal})
-      if (!row[end] && (p == 0 || p == maps_[a].goal)) {
-        ++pair.checks;
-        row[end] = world_.are_apart(a, here, here, b, others[end], others[end]);
-      }
-  }
+  row.resize(others.size(), not_known);
+  if (row[q] != not_known) return row[q];
+  const Eigen::VectorXd& here = maps_[a].points[p];
+  std::size_t first = q / block * block;
+  const std::size_t last = std::min(first + block, others.size());
+  while (row[first] != not_known) ++first;  // there were fewer points when others were asked for
+  std::ranges::copy(world_.which_apart(a, here, b, std::span(others).subspan(first, last - first)),
+                    row.begin() + static_cast<std::ptrdiff_t>(first));
+  // What balls cannot tell matters where the arms must be.
+  for (const std::size_t end : {std::size_t{0}, std::size_t{maps_[b].goal}})
+    if (first <= end && end < last && !row[end] && (p == 0 || p == maps_[a].goal)) {
+      ++pair.checks;
+      row[end] = world_.are_apart(a, here, here, b, others[end], others[end]);
+    }
   return row[q];
 }
 
@@ -381,6 +387,10 @@ RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, s
 
 std::size_t RoadmapSearch::memory() const {
   std::size_t sum = memory_of(ways_);
+  for (const auto& way : ways_) {
+    sum += memory_of(way);
+    for (const Eigen::VectorXd& point : way) sum += static_cast<std::size_t>(point.size()) * sizeof(double);
+  }
   for (const auto& [numbers, pair] : pairs_) {
     sum += memory_of(pair.passes) + memory_of(pair.together);
     for (const std::vector<char>& row : pair.together) sum += memory_of(row);

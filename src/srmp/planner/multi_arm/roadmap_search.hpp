@@ -29,7 +29,7 @@ struct Roadmap {
 /// Arms on roadmaps of their own, searched together: a greedy search over the product of the roadmaps (tensor roadmaps:
 /// Svestka, Overmars 1998; Solovey, Salzman, Halperin 2016) whose pairs of points, and then of motions, are looked at
 /// once and remembered. Quick where arms need only wait for each other or step aside; says nothing when it fails.
-/// Threads may share it as long as no two of them ask for the same arm at once.
+/// Threads may share it, each with arms of its own.
 class RoadmapSearch {
  public:
   /// Of all arms of the world; the ways aside of each are found when first needed: so many for each corner of its way.
@@ -63,7 +63,7 @@ class RoadmapSearch {
 
   /// What is known of two arms that may meet.
   struct Pair {
-    /// Of each point of the one, of each point of the other: do they go together? An empty row: not known.
+    /// Of each point of the one, of each point of the other, as far as asked: do they go together?
     std::vector<std::vector<char>> together;
     /// Do motions of both, from and to of the one and of the other, go together?
     std::map<std::array<Point, 4>, bool> passes;
