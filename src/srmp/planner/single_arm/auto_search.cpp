@@ -21,7 +21,7 @@ constexpr double scales[] = {3.0, 1.5, 0.75, 0.4};  // of the resolution asked f
 
 /// The first path is wanted soon: what a tenth of the checks can save.
 ShortcutOptions quick() {
-  return {.min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 1e-2, .cut_gain = 1.0, .continuous = {}};
+  return {.min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
 }
 
 /// Two trees beside the lattices of the portfolio. They prove nothing, but the straight line, `direct`, is a bound for
