@@ -1,5 +1,6 @@
 #include "srmp/core/jobs.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <exception>
@@ -83,7 +84,10 @@ class SharedJobs {
 }  // namespace
 
 void Jobs::run(std::size_t count, const Deadline& deadline, const Job& job, const Progress& progress) {
-  if (pool_.size() > 1 && count > 1) return SharedJobs(count, deadline, job, progress).run(pool_);
+  if (const std::size_t workers = std::min(threads_, count); workers > 1) {
+    if (!pool_ || pool_->size() <= workers) pool_ = std::make_unique<WorkerPool>(workers + 1);
+    return SharedJobs(count, deadline, job, progress).run(*pool_);
+  }
   for (std::size_t i = 0; i < count; ++i) {
     job(i, deadline);
     if (progress && !deadline.cancelled()) progress(i + 1);

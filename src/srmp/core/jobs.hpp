@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 #include "srmp/core/deadline.hpp"
 #include "srmp/core/worker_pool.hpp"
@@ -12,7 +13,8 @@ namespace srmp {
 class Jobs {
  public:
   /// With one thread, or for one job, the caller does them itself; else it keeps watch while they are done.
-  explicit Jobs(std::size_t threads) : pool_(threads > 1 ? threads + 1 : 1) {}
+  /// No more threads are made than there are jobs.
+  explicit Jobs(std::size_t threads) : threads_(threads) {}
 
   /// One job. Its deadline passes when that of all does.
   using Job = std::function<void(std::size_t i, const Deadline& deadline)>;
@@ -24,7 +26,8 @@ class Jobs {
   void run(std::size_t count, const Deadline& deadline, const Job& job, const Progress& progress = {});
 
  private:
-  WorkerPool pool_;
+  std::size_t threads_;
+  std::unique_ptr<WorkerPool> pool_;  // null: not needed yet
 };
 
 }  // namespace srmp

@@ -1,6 +1,5 @@
 #include "srmp/planner/plan_many.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include "srmp/core/jobs.hpp"
@@ -53,13 +52,12 @@ std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, cons
   const auto told = [&](std::size_t done) {
     if (progress) progress(done, problems.size());
   };
-  Jobs(std::clamp<std::size_t>(requests.size(), 1, threads))
-      .run(
-          problems.size(), no_limit,
-          [&](std::size_t i, const Deadline& until) {
-            results[i] = name_request(i, [&] { return answer(problems[i], until); });
-          },
-          told);
+  Jobs(threads).run(
+      problems.size(), no_limit,
+      [&](std::size_t i, const Deadline& until) {
+        results[i] = name_request(i, [&] { return answer(problems[i], until); });
+      },
+      told);
   return results;
 }
 

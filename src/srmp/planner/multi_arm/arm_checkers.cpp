@@ -13,7 +13,7 @@ RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_
 ArmCheckers::ArmCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
                          std::size_t threads)
     : names_(std::move(robots)), alone_(names_.size()) {
-  Jobs jobs(std::min(threads, size() * size()));
+  Jobs jobs(threads);
   jobs.run(size(), Deadline(), [&](std::size_t i, const Deadline&) {
     CheckerOptions alone = options;
     for (const std::string& other : names_)

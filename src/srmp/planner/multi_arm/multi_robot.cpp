@@ -27,7 +27,7 @@ class MultiRobotPlan {
         deadline_(deadline),
         statistics_(statistics),
         count_(problem.moving.size()),
-        work_(std::min(static_cast<std::size_t>(num_threads(problem.options)), count_ * count_), statistics) {}
+        work_(static_cast<std::size_t>(num_threads(problem.options)), statistics) {}
 
   MultiTrajectory run() {
     find_tasks();

@@ -75,8 +75,9 @@ class RoadmapSearch {
   ArmWorld& world_;
   std::size_t asides_;
   std::vector<Roadmap> maps_;
-  std::vector<std::vector<Eigen::VectorXd>> ways_;  // of each arm: points from start to goal
-  std::vector<char> has_asides_;                    // by arm
+  /// Of each arm: points from start to goal. Other arms' threads read them while its map grows.
+  std::vector<std::vector<Eigen::VectorXd>> ways_;
+  std::vector<char> has_asides_;  // by arm
   std::map<std::pair<std::size_t, std::size_t>, Pair> pairs_;
 };
 
