@@ -103,6 +103,7 @@ double distance(const BatchObstacle& o, const Eigen::Vector3d& world) {
       return std::hypot(std::max(0.0, p.head<2>().norm() - o.size[0]), std::max(0.0, std::abs(p.z()) - o.size[1] / 2));
     case BatchObstacle::Kind::capsule:
       return (p - Eigen::Vector3d(0, 0, std::clamp(p.z(), -o.size[1] / 2, o.size[1] / 2))).norm() - o.size[0];
+    case BatchObstacle::Kind::field: break;  // none in these worlds
   }
   return 0;
 }
@@ -217,6 +218,37 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
   BOOST_TEST(undecided > 10u);
 }
 
+BOOST_AUTO_TEST_CASE(asked_for_proofs_only_a_checker_proves_as_much) {
+  std::mt19937 random(7);
+  std::size_t free = 0, open = 0, of_blocks = 0, of_proofs = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const BatchWorld world = random_world(seed, 2.0);
+    for (SimdBackend backend : available_simd_backends()) {
+      const BatchChecker checker(world, backend);
+      const auto workspace = checker.make_workspace();
+      std::mt19937 same_for_each = random;
+      for (int i = 0; i < 120; ++i) {
+        const auto q = random_q(same_for_each, 7 * 16, 2.0);
+        const auto lanes = checker.judge_block(q, *workspace), proofs = checker.judge_block(q, *workspace, true);
+        BOOST_REQUIRE((lanes.colliding | lanes.undecided) == (proofs.colliding | proofs.undecided));
+        const auto a = random_q(same_for_each, 7, 3.0), d = random_q(same_for_each, 7, i % 3 ? 0.1 : 1.0);
+        const std::uint64_t before = checker.statistics(*workspace).blocks;
+        const Verdict verdict = checker.motion(a, d, *workspace, {});
+        const std::uint64_t between = checker.statistics(*workspace).blocks;
+        BOOST_REQUIRE(checker.proves_free(a, d, *workspace, {}) == (verdict == Verdict::free));
+        (verdict == Verdict::free ? free : open) += 1;
+        if (verdict != Verdict::undecided) continue;
+        of_blocks += between - before;
+        of_proofs += checker.statistics(*workspace).blocks - between;
+      }
+    }
+    random.discard(1000);
+  }
+  BOOST_TEST(free > 50u);
+  BOOST_TEST(open > 50u);
+  BOOST_TEST(of_proofs < of_blocks);
+}
+
 BOOST_AUTO_TEST_CASE(what_a_block_calls_free_is_free_and_what_it_calls_colliding_collides) {
   std::mt19937 random(4);
   int lanes_free = 0, hits = 0;
@@ -311,6 +343,9 @@ BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
   const BatchChecker checker(random_world(1));
   const auto workspace = checker.make_workspace();
   check_throws<InvalidArgument>([&] { checker.judge_block(std::vector<double>(8), *workspace); }, "7 entries");
+  check_throws<InvalidArgument>(
+      [&] { checker.proves_free(std::vector<double>(6), std::vector<double>(7), *workspace, {}); },
+      "start of the motion");
   check_throws<InvalidArgument>([&] { checker.motion(std::vector<double>(7), std::vector<double>(3), *workspace, {}); },
                                 "3 entries");
 }

@@ -358,6 +358,14 @@ Verdict Checker::Workspace::ask_balls() {
   return open_.empty() ? Verdict::free : verdict;
 }
 
+/// Do the balls prove the motion free?
+bool Checker::Workspace::balls_prove() {
+  const std::uint64_t blocks = impl.batch->statistics(*batch_).blocks;
+  const bool proved = impl.batch->proves_free(as_span(start_), as_span(delta_), *batch_, impl.batch_options);
+  statistics.blocks += impl.batch->statistics(*batch_).blocks - blocks;
+  return proved;
+}
+
 /// The whole motion by Coal's distances.
 bool Checker::Workspace::settle_by_coal() {
   next_.clear();
@@ -375,6 +383,10 @@ bool Checker::Workspace::is_motion_free(bool a_is_free, bool by_balls) {
     return is_free_here();
   }
   if (!impl.batch || !impl.balls_reach(start_) || !impl.balls_reach(start_ + delta_)) return settle_by_coal();
+  if (by_balls && !impl.has_tables()) {
+    ++statistics.motions_by_balls;
+    return balls_prove();
+  }
   const Verdict verdict = ask_balls();
   if (verdict == Verdict::undecided && !by_balls) return settle();
   ++statistics.motions_by_balls;
@@ -395,7 +407,7 @@ bool Checker::Workspace::settle_lane(ConstVector q, std::span<const UndecidedPai
 /// Up to 16 rows.
 void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free, bool by_balls) {
   const BatchChecker& batch = *impl.batch;
-  const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_);
+  const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, by_balls);
   ++statistics.blocks;
   std::span<const UndecidedPair> open = batch.undecided(*batch_);
   statistics.undecided += open.size();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -31,6 +32,10 @@ struct Checker::Impl {
       if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
     }
     return true;
+  }
+
+  bool has_tables() const {
+    return std::any_of(tables.begin(), tables.end(), [](const auto& of_member) { return of_member != nullptr; });
   }
 
   template <class AtAxis>
@@ -73,6 +78,7 @@ class Checker::Workspace {
   bool first_sample();
   bool first_sample_of(std::size_t body);
   Verdict ask_balls();
+  bool balls_prove();
   void cut(double t, double half_width, std::uint32_t pair, int cuts);
   void sort_open();
   bool settle();

@@ -462,12 +462,14 @@ class BatchChecker::Workspace {
   batch::KernelModel view;
   std::vector<UndecidedPair> undecided;
   std::vector<Interval> open, next;
+  std::array<Interval, kLanes> lanes;
   BatchStatistics statistics;
 
-  batch::KernelResult run(const Impl& impl, bool moving) {
+  batch::KernelResult run(const Impl& impl, bool moving, unsigned proofs_only = 0) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, pair_lanes.data()};
-    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving};
+    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving,
+                                       static_cast<batch::LaneMask>(proofs_only)};
     impl.kernel(view, request, scratch.get(), result);
     return result;
   }
@@ -501,13 +503,25 @@ class BatchChecker::Workspace {
     }
   }
 
-  void set_lanes(const Interval* intervals) {
+  /// The first of `from`, up to a block full; the last fills what is left. How many there were.
+  std::size_t set_lanes(std::span<const Interval> from) {
+    const std::size_t count = std::min<std::size_t>(kLanes, from.size());
+    for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = from[std::min(i, count - 1)];
     for (std::size_t k = 0; k < start.size(); ++k)
       for (int i = 0; i < kLanes; ++i) {
-        values[k * kLanes + i] = static_cast<float>(start[k] + intervals[i].t * delta[k]);
+        values[k * kLanes + i] = static_cast<float>(start[k] + lanes[i].t * delta[k]);
         // A little wider: for the float rounding of this number and of the bound made of it.
-        half_widths[k * kLanes + i] = static_cast<float>(std::abs(delta[k]) * intervals[i].half * (1 + 1e-4) + 1e-12);
+        half_widths[k * kLanes + i] = static_cast<float>(std::abs(delta[k]) * lanes[i].half * (1 + 1e-4) + 1e-12);
       }
+    return count;
+  }
+
+  /// The four parts of those lanes that are undecided.
+  static void cut(const std::array<Interval, kLanes>& lanes, unsigned undecided, std::vector<Interval>& parts) {
+    for (std::size_t i = 0; i < kLanes; ++i)
+      if (undecided >> i & 1)
+        for (int part : {-3, -1, 1, 3})
+          parts.push_back({lanes[i].t + 0.25 * part * lanes[i].half, 0.25 * lanes[i].half});
   }
 };
 
@@ -532,7 +546,8 @@ bool by_time_and_pair(const UndecidedPair& a, const UndecidedPair& b) {
 
 }  // namespace
 
-BatchChecker::Lanes BatchChecker::judge_block(std::span<const double> configurations, Workspace& w) const {
+BatchChecker::Lanes BatchChecker::judge_block(std::span<const double> configurations, Workspace& w,
+                                              bool proofs_only) const {
   const std::size_t n = dof(), count = n ? configurations.size() / n : 0;
   if (n == 0 || count * n != configurations.size() || count == 0 || count > block)
     throw InvalidArgument("batch checker: a block holds 1 to 16 configurations of " + std::to_string(n) + " entries");
@@ -546,8 +561,8 @@ BatchChecker::Lanes BatchChecker::judge_block(std::span<const double> configurat
       w.values[k * kLanes + i] = static_cast<float>(value);
     }
   }
-  const batch::KernelResult result = w.run(*impl_, false);
   const unsigned wanted = (1u << count) - 1;
+  const batch::KernelResult result = w.run(*impl_, false, proofs_only ? (1u << kLanes) - 1 : 0);
   w.collect(*impl_, result, wanted, [](int lane) { return Interval{static_cast<double>(lane), 0}; });
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
   const unsigned colliding = result.colliding & wanted;
@@ -558,8 +573,9 @@ Verdict BatchChecker::motion_block(std::span<const double> a, std::span<const do
   return motion(a, difference, w, {.step = std::numeric_limits<double>::infinity(), .refinements = 0, .max_blocks = 1});
 }
 
-Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
-                             const MotionOptions& options) const {
+/// The first intervals, all of one length.
+void BatchChecker::begin_motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
+                                const MotionOptions& options) const {
   require_size(a.size(), dof(), "batch checker: start of the motion");
   require_size(difference.size(), dof(), "batch checker: difference of the motion");
   ++w.statistics.motions;
@@ -568,20 +584,21 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
   double length = 0;
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->drive_reach[k];
   const int cuts = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
-
   w.open.clear();
   for (int j = 0; j < cuts; ++j)  // a block's lanes are spread over the motion: collisions show early
     for (int i = 0; i < kLanes; ++i)
       w.open.push_back({(static_cast<double>(i) * cuts + j + 0.5) / (cuts * kLanes), 0.5 / (cuts * kLanes)});
+}
+
+Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
+                             const MotionOptions& options) const {
+  begin_motion(a, difference, w, options);
   int blocks = 0;
   for (int level = 0; !w.open.empty(); ++level) {
     w.next.clear();
     const bool last = level >= options.refinements || blocks >= options.max_blocks;
     for (std::size_t first = 0; first < w.open.size(); first += kLanes) {
-      std::array<Interval, kLanes> lanes;
-      const std::size_t count = std::min<std::size_t>(kLanes, w.open.size() - first);
-      for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = w.open[first + std::min(i, count - 1)];
-      w.set_lanes(lanes.data());
+      const unsigned wanted = (1u << w.set_lanes(std::span(w.open).subspan(first))) - 1;
       ++blocks;
       const batch::KernelResult result = w.run(*impl_, true);
       if (result.colliding) {
@@ -590,17 +607,13 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
         ++w.statistics.motions_colliding;
         return Verdict::colliding;
       }
-      const unsigned wanted = (1u << count) - 1;
       if (last) {
-        w.collect(*impl_, result, wanted, [&](int lane) { return lanes[lane]; });
+        w.collect(*impl_, result, wanted, [&](int lane) { return w.lanes[lane]; });
         continue;
       }
       if (result.undecided == 0) continue;
       w.forget();
-      for (std::size_t i = 0; i < count; ++i)
-        if (result.undecided >> i & 1)
-          for (int part : {-3, -1, 1, 3})
-            w.next.push_back({lanes[i].t + 0.25 * part * lanes[i].half, 0.25 * lanes[i].half});
+      w.cut(w.lanes, result.undecided & wanted, w.next);
     }
     if (last) break;
     std::swap(w.open, w.next);
@@ -609,6 +622,34 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
   const bool free = w.undecided.empty();
   ++(free ? w.statistics.motions_free : w.statistics.motions_undecided);
   return free ? Verdict::free : Verdict::undecided;
+}
+
+bool BatchChecker::proves_free(std::span<const double> a, std::span<const double> difference, Workspace& w,
+                               const MotionOptions& options) const {
+  begin_motion(a, difference, w, options);
+  // What was cut last is looked at first, so that a part that cannot be proved shows early.
+  std::reverse(w.open.begin(), w.open.end());
+  const double least = 1.5 * w.open.front().half * std::pow(0.25, options.refinements);
+  for (int blocks = 0; !w.open.empty(); ++blocks) {
+    const bool last = blocks >= options.max_blocks;
+    std::reverse_copy(w.open.end() - std::min<std::ptrdiff_t>(kLanes, std::ssize(w.open)), w.open.end(),
+                      std::back_inserter(w.next));
+    const std::size_t count = w.set_lanes(w.next);
+    w.next.clear();
+    w.open.resize(w.open.size() - count);
+    unsigned whole = 0;  // lanes that are not cut any more
+    for (std::size_t i = 0; i < kLanes; ++i)
+      if (last || w.lanes[i].half < least) whole |= 1u << i;
+    const batch::KernelResult result = w.run(*impl_, true, whole);
+    if (result.undecided) w.forget();
+    if (result.colliding || (result.undecided & whole)) {
+      ++w.statistics.motions_undecided;
+      return false;
+    }
+    w.cut(w.lanes, result.undecided & ((1u << count) - 1), w.open);
+  }
+  ++w.statistics.motions_free;
+  return true;
 }
 
 Eigen::Isometry3d BatchChecker::drive_pose(std::span<const double> q, std::size_t k, Workspace& w) const {

@@ -120,8 +120,9 @@ class BatchChecker {
   struct Lanes {
     std::uint16_t colliding{}, undecided{};
   };
-  /// Up to 16 configurations, each dof() long, one after the other.
-  Lanes judge_block(std::span<const double> configurations, Workspace& workspace) const;
+  /// Up to 16 configurations, each dof() long, one after the other. `proofs_only`: it does not matter which of the two
+  /// bits one has that is not free, nor which of its pairs undecided() names.
+  Lanes judge_block(std::span<const double> configurations, Workspace& workspace, bool proofs_only = false) const;
 
   /// One block: the motion from a by `difference` (joint space, straight) in 16 equal intervals.
   Verdict motion_block(std::span<const double> a, std::span<const double> difference, Workspace& workspace) const;
@@ -136,6 +137,11 @@ class BatchChecker {
   Verdict motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                  const MotionOptions& options) const;
 
+  /// Is the motion proved free, by the same intervals? Ends at the first that cannot be; says nothing of what is
+  /// undecided, or collides.
+  bool proves_free(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
+                   const MotionOptions& options) const;
+
   /// Of the last call that said undecided; in order of (t, pair).
   const std::vector<UndecidedPair>& undecided(const Workspace& workspace) const;
   const BatchStatistics& statistics(const Workspace& workspace) const;
@@ -149,6 +155,9 @@ class BatchChecker {
   Eigen::Isometry3d drive_pose(std::span<const double> q, std::size_t k, Workspace& workspace) const;
 
  private:
+  void begin_motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
+                    const MotionOptions& options) const;
+
   struct Impl;
   std::unique_ptr<const Impl> impl_;
 };

@@ -11,12 +11,21 @@ struct V3 {
   V x, y, z;
 };
 
+/// Where one lane that is not free is enough.
+SRMP_INLINE bool is_answered(const KernelRequest& request, const KernelResult& result) {
+  return (result.colliding | (result.undecided & request.proofs_only)) != 0;
+}
+
 /// One slice of kWidth lanes of a block.
 class Slice {
  public:
   SRMP_INLINE Slice(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result,
                     int first_lane)
-      : m_(model), request_(request), result_(result), lane_(first_lane) {
+      : m_(model),
+        request_(request),
+        result_(result),
+        lane_(first_lane),
+        proofs_only_((static_cast<unsigned>(request.proofs_only) >> first_lane) & ((1u << kWidth) - 1)) {
     frames_ = scratch;
     centers_ = frames_ + 12 * kWidth * m_.node_count;
     stages_ = centers_ + 3 * kWidth * m_.body_count;
@@ -39,7 +48,7 @@ class Slice {
   }
 
  private:
-  SRMP_INLINE bool done() const { return request_.every_lane ? alive_ == 0 : result_.colliding != 0; }
+  SRMP_INLINE bool done() const { return request_.every_lane ? alive_ == 0 : is_answered(request_, result_); }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -250,9 +259,9 @@ class Slice {
       }
     }
     if (undecided == 0) return;
-    if (o.exact && o.size > body.capacity)
+    if (const unsigned open = undecided & ~proofs_only_; open && o.exact && o.size > body.capacity)
       for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
-        if (hit_obstacle(o, fine(body, m_.balls[b]), m_.balls[b].radius + body.padding, undecided)) return;
+        if (hit_obstacle(o, fine(body, m_.balls[b]), m_.balls[b].radius + body.padding, open)) return;
     report(pair, undecided);
   }
 
@@ -282,6 +291,7 @@ class Slice {
     const auto shifted = static_cast<LaneMask>(lanes << lane_);
     result_.pair_lanes[pair] = static_cast<LaneMask>(result_.pair_lanes[pair] | shifted);
     result_.undecided = static_cast<LaneMask>(result_.undecided | shifted);
+    alive_ &= ~(lanes & proofs_only_);
   }
 
   static SRMP_INLINE V between(const V3& a, const V3& b) {
@@ -308,8 +318,9 @@ class Slice {
     place_balls(pair.a);
     place_balls(pair.b);
     const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
+    const unsigned ends = request_.every_lane ? 0 : proofs_only_;
     unsigned undecided = 0;
-    for (int i = a.first_ball; i < a.first_ball + a.balls; ++i) {
+    for (int i = a.first_ball; i < a.first_ball + a.balls && !(undecided & ends); ++i) {
       const V3 ci = coarse(i);
       const float ri = m_.balls[i].radius;
       const unsigned around = within(between(ci, cb), add(limit, all(ri + b.radius))) & pending & ~undecided;
@@ -324,7 +335,9 @@ class Slice {
       }
     }
     if (undecided == 0) return;
-    if (pair.exact && a.capacity == 0.0f && b.capacity == 0.0f && check_inner(a, b, pair, undecided)) return;
+    if (const unsigned open = undecided & ~proofs_only_;
+        open && pair.exact && a.capacity == 0.0f && b.capacity == 0.0f && check_inner(a, b, pair, open))
+      return;
     report(m_.pair_count + k, undecided);
   }
 
@@ -411,6 +424,7 @@ class Slice {
   const KernelRequest& request_;
   KernelResult& result_;
   const int lane_;
+  const unsigned proofs_only_;          // of this slice
   unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide
   float *frames_, *centers_, *stages_, *margins_, *balls_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
@@ -420,7 +434,7 @@ class Slice {
 void SRMP_KERNEL(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     Slice(model, request, scratch, result, lane).run();
-    if (result.colliding && !request.every_lane) return;
+    if (!request.every_lane && is_answered(request, result)) return;
   }
 }
 

@@ -93,6 +93,8 @@ struct KernelRequest {
   const float* values;       // [drive][kLanes]: angle (|.| <= 2 pi) or travel of each driven joint
   const float* half_widths;  // [drive][kLanes]: how far it may be from there, >= 0; null: exactly there
   int every_lane;            // go on after a collision, until it is known which lanes collide
+  LaneMask proofs_only;      // lanes of which it is asked only whether they are free: one undecided pair is the answer,
+                             // and unless every_lane, it ends the run
 };
 
 struct KernelResult {
