@@ -73,6 +73,7 @@ class ArmWorld::Arm : public multi::Agent {
     return (robot_.difference(a, b).array().abs() / limits_.velocity.array()).maxCoeff();
   }
   const ArmTask& task() const { return task_; }
+  double length_alone() const { return rest_.empty() ? 0.0 : rest_.front(); }
   const MotionLimits& limits() const { return limits_; }
   Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
   const RobotModel& robot() const { return robot_; }
@@ -260,6 +261,8 @@ double ArmWorld::direct(std::size_t arm) const {
     least = std::min(least, robot(arm).difference(task.start, target).norm());
   return least;
 }
+
+double ArmWorld::alone(std::size_t arm) const { return task(arm).anywhere ? 0.0 : arms_[arm]->length_alone(); }
 
 bool ArmWorld::are_apart(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
                          const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, bool start_is_free,

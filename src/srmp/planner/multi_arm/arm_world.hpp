@@ -52,6 +52,7 @@ class ArmWorld : public multi::World {
   /// Full turns added to continuous joints, so that every row follows the one before by the short way.
   RowMatrix unwrapped(std::size_t arm, ConstRows rows) const;
   const ArmTask& task(std::size_t arm) const;
+  double alone(std::size_t arm) const;   ///< length of its way as if it were alone [rad, prismatic joints m]
   double direct(std::size_t arm) const;  ///< straight from its start to its nearest goal: no way is shorter
   const Options& options() const { return options_; }
 

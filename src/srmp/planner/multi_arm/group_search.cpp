@@ -12,10 +12,12 @@ namespace srmp {
 
 namespace {
 
-constexpr std::uint64_t most_attempts = 2048;  // of trees that may be better
+constexpr std::uint64_t most_expansions = 16'000;  // on roadmaps
+constexpr std::uint64_t most_attempts = 2048;      // of trees that may be better
 /// Times the best: of a way that may be the best once each arm was looked at by itself; and of one that is so much
 /// better that it is taken in place of a way of another kind, so that similar questions have similar answers.
 constexpr double worth_a_look = 1.1, worth_a_change = 0.98;
+constexpr double worth_trying = 1.05;  // times the length of the arms' ways alone
 
 multi::ConflictSearchOptions search_options(const PlannerOptions& options) {
   multi::ConflictSearchOptions search;
@@ -55,20 +57,19 @@ GroupWays GroupSearch::run(const std::vector<std::size_t>& arms, const Deadline&
   double lower = 0.0;
   for (const std::size_t i : arms) lower += world_.direct(i);
   std::optional<CompositeSpace> space;
-  std::optional<search::TwoTrees> trees;
-  if (composite) trees.emplace(tree_space(space.emplace(world_, arms)));
+  if (composite) space.emplace(world_, arms);
   std::size_t level = 0, levels = 1;
   for (std::uint64_t effort = 1;; effort *= 4) {
     if (composite) {
       for (; level < most_levels && level <= levels; ++level)
-        if (const auto path = on_roadmaps(arms, level, effort, deadline, statistics);
-            path && path->length() <= options.bound() * lower)
-          return {*path, lower};
+        if (auto path = on_roadmaps(arms, level, effort, options.bound() * lower, deadline, statistics))
+          return {std::move(*path), lower};
       ++levels;
-      const std::uint64_t before = trees->attempts();
-      const auto way = trees->grow(2048 * effort, deadline);
-      statistics.expansions += trees->attempts() - before;
-      note_memory(statistics, trees->memory());
+      // Trees of other sequences: some take a hundred times as long as others (Wedge, Branicky 2008).
+      search::TwoTrees trees(tree_space(*space), effort - 1);
+      const auto way = trees.grow(2048 * effort, deadline);
+      statistics.expansions += trees.attempts();
+      note_memory(statistics, trees.memory());
       if (way) {
         CoupledPath path = space->path(*way);
         if (common.shortcut) path = shortened(std::move(path), world_, deadline);  // they go far astray
@@ -82,15 +83,14 @@ GroupWays GroupSearch::run(const std::vector<std::size_t>& arms, const Deadline&
     statistics.generated += found.statistics.low.generated;
     statistics.tree_nodes += found.statistics.tree_nodes;
     statistics.edge_checks += found.statistics.low.evaluations;
-    const std::uint64_t beside = trees ? trees->memory() : 0;
-    note_memory(statistics, beside + found.statistics.memory);
+    note_memory(statistics, found.statistics.memory);
     lower = std::max(lower, found.lower);
     if (found.status == Status::solved) return {coupled_path(world_, arms, found.paths), lower};
     if (!composite || deadline.stop_requested()) require_solved(found);
     CompositeResult one = composite_search(*space, {.max_expansions = 16 * effort}, deadline);
     statistics.expansions += one.statistics.expansions;
     statistics.generated += one.statistics.generated;
-    note_memory(statistics, beside + one.statistics.memory);
+    note_memory(statistics, one.statistics.memory);
     if (one.status == Status::solved && one.path.length() <= options.bound() * lower)
       return {std::move(one.path), lower};
     const bool no_more = found.status == Status::exhausted && one.status == Status::exhausted;
@@ -130,15 +130,31 @@ RoadmapSearch& GroupSearch::roadmaps(std::size_t level) {
   return *slot;
 }
 
-/// On roadmaps that are the richer the more effort there was before.
-std::optional<CoupledPath> GroupSearch::on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
-                                                    std::uint64_t effort, const Deadline& deadline,
-                                                    PlanStatistics& statistics) {
-  RoadmapSearch::Result found = roadmaps(level).run(arms, 16'000, 2'000 * effort, deadline);
+RoadmapSearch::Result GroupSearch::on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
+                                               const RoadmapSearch::Effort& effort, const Deadline& deadline,
+                                               PlanStatistics& statistics) {
+  RoadmapSearch::Result found = roadmaps(level).run(arms, effort, deadline);
   statistics.expansions += found.expansions;
   note_memory(statistics, found.memory);
-  if (found.status != Status::solved) return std::nullopt;
-  return std::move(found.path);
+  return found;
+}
+
+/// A path of length `most` at most. Then less and less greedily, here and on richer roadmaps: where arms may get by
+/// each other in many ways, similar questions get similar answers only if these are near the best.
+std::optional<CoupledPath> GroupSearch::on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
+                                                    std::uint64_t effort, double most, const Deadline& deadline,
+                                                    PlanStatistics& statistics) {
+  RoadmapSearch::Result best = on_roadmaps(arms, level, {most_expansions, 2'000 * effort}, deadline, statistics);
+  if (best.status != Status::solved || best.path.length() > most) return std::nullopt;
+  for (const std::size_t last = std::min(level + 1, most_levels - 1); level <= last; ++level)
+    for (const double greed : {3.0, 1.5}) {
+      if (!may_be_shorter(best.path)) return std::move(best.path);
+      const double below = std::min(best.cost, most);
+      RoadmapSearch::Result found =
+          on_roadmaps(arms, level, {most_expansions, 8'000, greed, below}, deadline, statistics);
+      if (found.status == Status::solved) best = std::move(found);
+    }
+  return std::move(best.path);
 }
 
 /// By number in the world, of arms that were planned on roadmaps.
@@ -158,6 +174,13 @@ std::size_t GroupSearch::memory() const {
 
 // --- better ways
 
+/// Is there more to gain than a little, if no arm can be quicker than alone?
+bool GroupSearch::may_be_shorter(const CoupledPath& known) const {
+  double alone = 0.0;
+  for (const std::size_t i : known.arms) alone += world_.alone(i);
+  return known.length() > worth_trying * alone;
+}
+
 CoupledPath GroupSearch::each_by_itself(CoupledPath path, const Deadline& deadline) {
   const auto places = places_aside(path.arms);
   for (double before = search::infinity; path.length() < 0.99 * before;) {
@@ -170,6 +193,7 @@ CoupledPath GroupSearch::each_by_itself(CoupledPath path, const Deadline& deadli
 
 CoupledPath GroupSearch::anew(const CoupledPath& known, std::uint64_t sequence, const Deadline& deadline,
                               PlanStatistics& statistics) {
+  if (!may_be_shorter(known)) return known;
   const CompositeSpace space(world_, known.arms);
   search::TwoTrees trees(tree_space(space), sequence);
   const auto way = trees.grow(most_attempts, deadline);

@@ -45,8 +45,12 @@ class GroupSearch {
   static constexpr std::size_t most_levels = 4;  // of roadmaps
 
   RoadmapSearch& roadmaps(std::size_t level);
+  RoadmapSearch::Result on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
+                                    const RoadmapSearch::Effort& effort, const Deadline& deadline,
+                                    PlanStatistics& statistics);
   std::optional<CoupledPath> on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level, std::uint64_t effort,
-                                         const Deadline& deadline, PlanStatistics& statistics);
+                                         double most, const Deadline& deadline, PlanStatistics& statistics);
+  bool may_be_shorter(const CoupledPath& known) const;
   std::vector<std::vector<Eigen::VectorXd>> places_aside(const std::vector<std::size_t>& arms) const;
   void require_solved(const multi::ConflictSearchResult& found) const;
 

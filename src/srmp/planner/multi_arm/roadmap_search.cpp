@@ -17,7 +17,6 @@ constexpr double spacing = 0.25;   // of points on a way [rad, prismatic joints 
 constexpr std::size_t tries = 32;  // for an aside
 constexpr std::size_t most_points = 10'000;
 constexpr std::uint32_t most_stations = 2;  // of a way
-constexpr double greed = 12.0;              // weight of the way that is left
 constexpr char not_known = 2;               // of points of two arms: do they go together?
 constexpr std::size_t block = 16;           // points that are looked at together
 constexpr double pause = 0.02;              // cost of a step in itself, so that arms move at the same time
@@ -30,7 +29,7 @@ RoadmapSearch::RoadmapSearch(ArmWorld& world, std::size_t asides)
     maps_.push_back(way_of(a));
     ways_.push_back(maps_.back().points);
     for (std::size_t b = a + 1; b < world.size(); ++b)
-      if (world.may_meet(a, b)) pairs_[{a, b}];
+      if (world.may_meet(a, b)) pairs_.try_emplace({a, b}, a, b);
   }
 }
 
@@ -185,41 +184,41 @@ std::vector<Eigen::VectorXd> RoadmapSearch::places_aside(std::size_t arm) const 
 
 // --- pairs
 
-bool RoadmapSearch::together(std::size_t a, Point p, std::size_t b, Point q) {
-  if (a > b) return together(b, q, a, p);
-  const auto found = pairs_.find({a, b});
-  if (found == pairs_.end()) return true;
-  Pair& pair = found->second;
-  const std::vector<Eigen::VectorXd>& others = maps_[b].points;
-  pair.together.resize(maps_[a].points.size());
+bool RoadmapSearch::together(Pair& pair, Point p, Point q) {
+  if (pair.together.size() <= p) pair.together.resize(maps_[pair.a].points.size());
   std::vector<char>& row = pair.together[p];
-  row.resize(others.size(), not_known);
-  if (row[q] != not_known) return row[q];
-  const Eigen::VectorXd& here = maps_[a].points[p];
-  std::size_t first = q / block * block;
-  const std::size_t last = std::min(first + block, others.size());
-  while (row[first] != not_known) ++first;  // there were fewer points when others were asked for
-  std::ranges::copy(world_.which_apart(a, here, b, std::span(others).subspan(first, last - first)),
-                    row.begin() + static_cast<std::ptrdiff_t>(first));
-  // What balls cannot tell matters where the arms must be.
-  for (const std::size_t end : {std::size_t{0}, std::size_t{maps_[b].goal}})
-    if (first <= end && end < last && !row[end] && (p == 0 || p == maps_[a].goal)) {
-      ++pair.checks;
-      row[end] = world_.are_apart(a, here, here, b, others[end], others[end]);
-    }
+  if (row.size() <= q || row[q] == not_known) look(pair, row, p, q);
   return row[q];
 }
 
-bool RoadmapSearch::pass(std::size_t a, Point from_a, Point to_a, std::size_t b, Point from_b, Point to_b) {
-  if (a > b) return pass(b, from_b, to_b, a, from_a, to_a);
-  const auto found = pairs_.find({a, b});
-  if (found == pairs_.end()) return true;
-  Pair& pair = found->second;
-  const auto [known, added] = pair.passes.try_emplace({from_a, to_a, from_b, to_b}, false);
+/// Of p, do q and those of b's points that are looked at with it go together?
+void RoadmapSearch::look(Pair& pair, std::vector<char>& row, Point p, Point q) {
+  const Roadmap &map_a = maps_[pair.a], &map_b = maps_[pair.b];
+  const std::vector<Eigen::VectorXd>& others = map_b.points;
+  row.resize(others.size(), not_known);
+  const Eigen::VectorXd& here = map_a.points[p];
+  std::size_t first = q / block * block;
+  const std::size_t last = std::min(first + block, others.size());
+  while (row[first] != not_known) ++first;  // there were fewer points when others were asked for
+  std::ranges::copy(world_.which_apart(pair.a, here, pair.b, std::span(others).subspan(first, last - first)),
+                    row.begin() + static_cast<std::ptrdiff_t>(first));
+  // What balls cannot tell matters where the arms must be.
+  for (const std::size_t end : {std::size_t{0}, std::size_t{map_b.goal}})
+    if (first <= end && end < last && !row[end] && (p == 0 || p == map_a.goal)) {
+      ++pair.checks;
+      row[end] = world_.are_apart(pair.a, here, here, pair.b, others[end], others[end]);
+    }
+}
+
+bool RoadmapSearch::pass(Pair& pair, Point from_a, Point to_a, Point from_b, Point to_b) {
+  static_assert(most_points < 1 << 16);
+  std::uint64_t key = 0;
+  for (const Point point : {from_a, to_a, from_b, to_b}) key = key << 16 | point;
+  const auto [known, added] = pair.passes.try_emplace(key, false);
   if (added) {
     ++pair.checks;
-    known->second = world_.are_apart(a, maps_[a].points[from_a], maps_[a].points[to_a], b, maps_[b].points[from_b],
-                                     maps_[b].points[to_b], true);
+    const std::vector<Eigen::VectorXd>&a = maps_[pair.a].points, &b = maps_[pair.b].points;
+    known->second = world_.are_apart(pair.a, a[from_a], a[to_a], pair.b, b[from_b], b[to_b], true);
   }
   return known->second;
 }
@@ -228,13 +227,16 @@ bool RoadmapSearch::pass(std::size_t a, Point from_a, Point to_a, std::size_t b,
 
 class RoadmapSearch::Query {
  public:
-  Query(RoadmapSearch& maps, const std::vector<std::size_t>& arms) : maps_(maps), arms_(arms) {
+  Query(RoadmapSearch& maps, const std::vector<std::size_t>& arms, const Effort& effort)
+      : maps_(maps), arms_(arms), effort_(effort) {
     for (const std::size_t a : arms)
-      for (const std::size_t b : arms)
-        if (const auto found = maps.pairs_.find({a, b}); found != maps.pairs_.end()) pairs_.push_back(&found->second);
+      for (const std::size_t b : arms) {
+        const auto found = maps.pairs_.find(std::minmax(a, b));
+        pairs_.push_back(a == b || found == maps.pairs_.end() ? nullptr : &found->second);
+      }
   }
 
-  Result run(std::uint64_t max_expansions, std::uint64_t max_checks, const Deadline& deadline) {
+  Result run(const Deadline& deadline) {
     Result result;
     const std::uint64_t before = checks();
     const State start(arms_.size(), u'\0');
@@ -242,14 +244,14 @@ class RoadmapSearch::Query {
     while (!open_.empty()) {
       const std::uint32_t id = open_.top().second;
       open_.pop();
-      if (const auto stop = search::stop_status(deadline)) return {*stop, {}, result.expansions};
+      if (const auto stop = search::stop_status(deadline)) return {*stop, {}, 0.0, result.expansions};
       const Node node = nodes_[id];
       if (const auto known = best_.find(node.state); known != best_.end() && known->second <= node.cost) continue;
       if (node.parent != no_node && !is_free(nodes_[node.parent].state, node.state)) continue;
       best_[node.state] = node.cost;
-      if (node.left == 0.0) return {Status::solved, path_to(id), result.expansions};
-      if (result.expansions++ >= max_expansions || checks() - before > max_checks)
-        return {Status::timed_out, {}, result.expansions};
+      if (node.left == 0.0) return {Status::solved, path_to(id), node.cost, result.expansions};
+      if (result.expansions++ >= effort_.max_expansions || checks() - before > effort_.max_checks)
+        return {Status::timed_out, {}, 0.0, result.expansions};
       expand(id);
     }
     return result;
@@ -281,32 +283,37 @@ class RoadmapSearch::Query {
   /// Of motions of two of the arms, ever.
   std::uint64_t checks() const {
     std::uint64_t sum = 0;
-    for (const Pair* pair : pairs_) sum += pair->checks;
+    for (std::size_t i = 0; i < arms_.size(); ++i)
+      for (std::size_t k = i + 1; k < arms_.size(); ++k)
+        if (const Pair* both = pair(i, k)) sum += both->checks;
     return sum;
   }
-  static Point at(const State& state, std::size_t i) { return state[i]; }
+  /// Null: the two never meet.
+  Pair* pair(std::size_t i, std::size_t k) const { return pairs_[i * arms_.size() + k]; }
   const Roadmap& map(std::size_t i) const { return maps_.maps_[arms_[i]]; }
 
   void add(const State& state, double cost, std::uint32_t parent) {
     if (const auto known = best_.find(state); known != best_.end() && known->second <= cost) return;
     double left = 0.0;
-    for (std::size_t i = 0; i < arms_.size(); ++i) left += map(i).to_goal[at(state, i)];
-    if (left == search::infinity) return;
+    for (std::size_t i = 0; i < arms_.size(); ++i) left += map(i).to_goal[state[i]];
+    if (left == search::infinity || cost + left >= effort_.below) return;
     nodes_.push_back({state, cost, left, parent});
-    open_.emplace(cost + greed * left, static_cast<std::uint32_t>(nodes_.size() - 1));
+    open_.emplace(cost + effort_.greed * left, static_cast<std::uint32_t>(nodes_.size() - 1));
   }
 
   bool fits(const State& state, std::size_t i) {
     for (std::size_t k = 0; k < arms_.size(); ++k)
-      if (k != i && !maps_.together(arms_[i], at(state, i), arms_[k], at(state, k))) return false;
+      if (Pair* both = pair(i, k);
+          both && !(i < k ? maps_.together(*both, state[i], state[k]) : maps_.together(*both, state[k], state[i])))
+        return false;
     return true;
   }
 
   bool is_free(const State& from, const State& to) {
     for (std::size_t i = 0; i < arms_.size(); ++i)
       for (std::size_t k = i + 1; k < arms_.size(); ++k)
-        if ((from[i] != to[i] || from[k] != to[k]) &&
-            !maps_.pass(arms_[i], at(from, i), at(to, i), arms_[k], at(from, k), at(to, k)))
+        if (Pair* both = pair(i, k);
+            both && (from[i] != to[i] || from[k] != to[k]) && !maps_.pass(*both, from[i], to[i], from[k], to[k]))
           return false;
     return true;
   }
@@ -321,7 +328,7 @@ class RoadmapSearch::Query {
       int moved = 0;
       for (std::size_t n = 0; n < arms_.size(); ++n) {
         const std::size_t i = backward ? arms_.size() - 1 - n : n;
-        const Roadmap::Way* next = onwards(i, at(from, i));
+        const Roadmap::Way* next = onwards(i, from[i]);
         if (!next) continue;
         all[i] = static_cast<char16_t>(next->to);
         if (fits(all, i)) {
@@ -334,7 +341,7 @@ class RoadmapSearch::Query {
       if (moved > 1) add(all, cost + way, id);
     }
     for (std::size_t i = 0; i < arms_.size(); ++i)
-      for (const Roadmap::Way& next : map(i).next[at(from, i)]) {
+      for (const Roadmap::Way& next : map(i).next[from[i]]) {
         State one = from;
         one[i] = static_cast<char16_t>(next.to);
         if (fits(one, i)) add(one, cost + next.length, id);
@@ -360,27 +367,28 @@ class RoadmapSearch::Query {
     std::reverse(states.begin(), states.end());
     std::vector<std::vector<Eigen::VectorXd>> ways(arms_.size());
     for (std::size_t i = 0; i < arms_.size(); ++i)
-      for (const State& state : states) ways[i].push_back(map(i).points[at(state, i)]);
+      for (const State& state : states) ways[i].push_back(map(i).points[state[i]]);
     return coupled_path(maps_.world_, arms_, ways);
   }
 
   RoadmapSearch& maps_;
   const std::vector<std::size_t>& arms_;
-  std::vector<const Pair*> pairs_;
+  const Effort& effort_;
+  std::vector<Pair*> pairs_;  // of arms_, row by row
   std::vector<Node> nodes_;
   std::unordered_map<State, double, Hash> best_;
   std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
       open_;
 };
 
-RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, std::uint64_t max_expansions,
-                                         std::uint64_t max_checks, const Deadline& deadline) {
+RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, const Effort& effort,
+                                         const Deadline& deadline) {
   for (const std::size_t arm : arms) {
     make_asides(arm);
-    if (deadline.stop_requested()) return {Status::timed_out, {}, 0};
+    if (deadline.stop_requested()) return {Status::timed_out, {}, 0.0, 0};
   }
-  Query query(*this, arms);
-  Result result = query.run(max_expansions, max_checks, deadline);
+  Query query(*this, arms, effort);
+  Result result = query.run(deadline);
   result.memory = query.memory();
   return result;
 }

@@ -1,14 +1,15 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "srmp/core/status.hpp"
 #include "srmp/planner/multi_arm/coupled_path.hpp"
+#include "srmp/search/graph.hpp"
 
 namespace srmp {
 
@@ -39,12 +40,17 @@ class RoadmapSearch {
     Status status{Status::exhausted};  ///< solved, exhausted (these roadmaps hold no way), timed_out (also for too many
                                        ///< expansions or checks) or cancelled
     CoupledPath path;
+    double cost{};  ///< of the path: its length and a little for each step
     std::uint64_t expansions{};
     std::size_t memory{};  ///< bytes of the search
   };
-  /// `max_checks`: of motions of two arms.
-  Result run(const std::vector<std::size_t>& arms, std::uint64_t max_expansions, std::uint64_t max_checks,
-             const Deadline& deadline);
+  struct Effort {
+    std::uint64_t max_expansions{}, max_checks{};  ///< checks: of motions of two arms
+    double greed{12.0};                            ///< weight of the way that is left
+    double below{search::infinity};                ///< only paths that cost less will do
+  };
+  /// `arms`: in order.
+  Result run(const std::vector<std::size_t>& arms, const Effort& effort, const Deadline& deadline);
   /// Of an arm; none when its roadmap is not made yet.
   std::vector<Eigen::VectorXd> places_aside(std::size_t arm) const;
   std::size_t memory() const;  ///< bytes of the roadmaps and of what is known of pairs of points and motions
@@ -61,16 +67,20 @@ class RoadmapSearch {
   std::vector<Eigen::VectorXd> asides(std::size_t arm);
   double out_of_the_way(std::size_t arm, const Eigen::VectorXd& q);
 
-  /// What is known of two arms that may meet.
+  /// What is known of two arms that may meet: a < b.
   struct Pair {
-    /// Of each point of the one, of each point of the other, as far as asked: do they go together?
+    Pair(std::size_t first, std::size_t second) : a(first), b(second) {}
+
+    std::size_t a, b;
+    /// Of each point of a, of each point of b, as far as asked: do they go together?
     std::vector<std::vector<char>> together;
-    /// Do motions of both, from and to of the one and of the other, go together?
-    std::map<std::array<Point, 4>, bool> passes;
+    /// Do motions of both go together? By the numbers of their points, 16 bits each: from and to of a, of b.
+    std::unordered_map<std::uint64_t, bool> passes;
     std::uint64_t checks{};  ///< of their motions
   };
-  bool together(std::size_t a, Point p, std::size_t b, Point q);
-  bool pass(std::size_t a, Point from_a, Point to_a, std::size_t b, Point from_b, Point to_b);
+  bool together(Pair& pair, Point p, Point q);
+  void look(Pair& pair, std::vector<char>& row, Point p, Point q);
+  bool pass(Pair& pair, Point from_a, Point to_a, Point from_b, Point to_b);
 
   ArmWorld& world_;
   std::size_t asides_;
