@@ -3,6 +3,7 @@
 #include "srmp/planner/multi_arm/composite_search.hpp"
 #include "srmp/planner/multi_arm/composite_trees.hpp"
 #include "srmp/planner/multi_arm/reroute.hpp"
+#include "srmp/planner/multi_arm/roadmap_search.hpp"
 #include "srmp/planner/planner_interface.hpp"
 #include "support/robots.hpp"
 
@@ -130,6 +131,30 @@ BOOST_AUTO_TEST_CASE(ways_bend_no_more_than_they_must) {
     BOOST_TEST((tight.positions[arm].bottomRows(1) == path.positions[arm].bottomRows(1)));
   }
   BOOST_TEST(srmp::tightened(path, *pair.world, srmp::Deadline(1e-9)).length() == path.length());
+}
+
+BOOST_AUTO_TEST_CASE(roadmaps_hold_shorter_ways_for_who_is_less_greedy) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
+  Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});
+  srmp::RoadmapSearch roadmaps(*pair.world, 8);
+  using Effort = srmp::RoadmapSearch::Effort;
+  const auto run = [&](const Effort& effort) { return roadmaps.run(both, effort, {}); };
+  const auto greedy = run({.max_expansions = 10'000, .max_checks = 10'000});
+  BOOST_REQUIRE(greedy.status == srmp::Status::solved);
+  pair.check_free(greedy.path);
+  BOOST_TEST(greedy.path.length() <= greedy.cost);
+  const auto best = run({.max_expansions = 10'000, .max_checks = 10'000, .greed = 1.0});
+  BOOST_REQUIRE(best.status == srmp::Status::solved);
+  pair.check_free(best.path);
+  BOOST_TEST(best.cost <= greedy.cost);
+  for (const double greed : {1.0, 1.5, 3.0}) {
+    const auto none = run({.max_expansions = 10'000, .max_checks = 10'000, .greed = greed, .below = best.cost});
+    BOOST_TEST((none.status == srmp::Status::exhausted));  // no path costs less than the best
+    const auto some = run({.max_expansions = 10'000, .max_checks = 10'000, .greed = greed, .below = best.cost + 1e-9});
+    BOOST_TEST((some.status == srmp::Status::solved));
+    BOOST_TEST(some.cost <= best.cost + 1e-9);
+  }
+  BOOST_TEST((run({.max_expansions = 1, .max_checks = 10'000}).status == srmp::Status::timed_out));
 }
 
 BOOST_AUTO_TEST_CASE(arms_at_their_goals_are_there_exactly) {
