@@ -99,7 +99,7 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
     for axes in (solved, length):
         axes.set(xscale="log", xlabel="time [ms]", xlim=(0.1, 1e3))
         axes.grid(alpha=0.3, which="both")
-    length.legend(frameon=False, loc="upper left")
+    length.legend(frameon=False, loc="lower left")
     figure.savefig(path)
 
 
