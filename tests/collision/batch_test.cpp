@@ -227,6 +227,7 @@ BOOST_AUTO_TEST_CASE(asked_for_proofs_only_a_checker_proves_as_much) {
       const BatchChecker checker(world, backend);
       const auto workspace = checker.make_workspace();
       std::mt19937 same_for_each = random;
+      const std::vector<double> turns{0, 0, 0, 0, 0, 0, 200.0};
       for (int i = 0; i < 120; ++i) {
         const auto q = random_q(same_for_each, 7 * 16, 2.0);
         const auto lanes = checker.judge_block(q, *workspace), proofs = checker.judge_block(q, *workspace, true);
@@ -237,9 +238,15 @@ BOOST_AUTO_TEST_CASE(asked_for_proofs_only_a_checker_proves_as_much) {
         const std::uint64_t between = checker.statistics(*workspace).blocks;
         BOOST_REQUIRE(checker.proves_free(a, d, *workspace, {}) == (verdict == Verdict::free));
         (verdict == Verdict::free ? free : open) += 1;
-        if (verdict != Verdict::undecided) continue;
-        of_blocks += between - before;
-        of_proofs += checker.statistics(*workspace).blocks - between;
+        if (verdict == Verdict::undecided) {
+          of_blocks += between - before;
+          of_proofs += checker.statistics(*workspace).blocks - between;
+        }
+        // Whatever was asked before: a motion in many intervals, as the last joint's turns are.
+        const auto b = random_q(same_for_each, 7, 3.0), way = random_q(same_for_each, 7, i % 2 ? 0.02 : 0.3);
+        const bool proved = checker.motion(b, way, *workspace, {}) == Verdict::free;
+        checker.motion(b, turns, *workspace, {});
+        BOOST_REQUIRE(checker.proves_free(b, way, *workspace, {}) == proved);
       }
     }
     random.discard(1000);

@@ -410,7 +410,7 @@ void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free, bool by_
   const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, by_balls);
   ++statistics.blocks;
   std::span<const UndecidedPair> open = batch.undecided(*batch_);
-  statistics.undecided += open.size();
+  if (!by_balls) statistics.undecided += open.size();
   for (std::size_t lane = 0; lane < free.size(); ++lane) {
     std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
     while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;

@@ -585,6 +585,7 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->drive_reach[k];
   const int cuts = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
   w.open.clear();
+  w.next.clear();
   for (int j = 0; j < cuts; ++j)  // a block's lanes are spread over the motion: collisions show early
     for (int i = 0; i < kLanes; ++i)
       w.open.push_back({(static_cast<double>(i) * cuts + j + 0.5) / (cuts * kLanes), 0.5 / (cuts * kLanes)});
@@ -629,9 +630,9 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
   begin_motion(a, difference, w, options);
   // What was cut last is looked at first, so that a part that cannot be proved shows early.
   std::reverse(w.open.begin(), w.open.end());
-  const double least = 1.5 * w.open.front().half * std::pow(0.25, options.refinements);
+  const double first = w.open.front().half, least = 1.5 * first * std::pow(0.25, options.refinements);
   for (int blocks = 0; !w.open.empty(); ++blocks) {
-    const bool last = blocks >= options.max_blocks;
+    const bool late = blocks >= options.max_blocks;
     std::reverse_copy(w.open.end() - std::min<std::ptrdiff_t>(kLanes, std::ssize(w.open)), w.open.end(),
                       std::back_inserter(w.next));
     const std::size_t count = w.set_lanes(w.next);
@@ -639,7 +640,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
     w.open.resize(w.open.size() - count);
     unsigned whole = 0;  // lanes that are not cut any more
     for (std::size_t i = 0; i < kLanes; ++i)
-      if (last || w.lanes[i].half < least) whole |= 1u << i;
+      if (w.lanes[i].half < (late ? first : least)) whole |= 1u << i;
     const batch::KernelResult result = w.run(*impl_, true, whole);
     if (result.undecided) w.forget();
     if (result.colliding || (result.undecided & whole)) {

@@ -88,7 +88,7 @@ std::vector<SimdBackend> available_simd_backends();
 struct BatchStatistics {
   std::uint64_t blocks{};  ///< kernel calls of 16 configurations
   std::uint64_t motions{};
-  std::uint64_t motions_free{}, motions_colliding{}, motions_undecided{};
+  std::uint64_t motions_free{}, motions_colliding{}, motions_undecided{};  ///< not proved (proves_free): undecided
 };
 
 /// Checks 16 configurations at a time in float32, with sound rounding: what it calls free is free, what it calls
@@ -137,8 +137,9 @@ class BatchChecker {
   Verdict motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                  const MotionOptions& options) const;
 
-  /// Is the motion proved free, by the same intervals? Ends at the first that cannot be; says nothing of what is
-  /// undecided, or collides.
+  /// Is the motion proved free, by the same intervals? Ends at the first that cannot be, and says nothing of what is
+  /// undecided or collides. After max_blocks a part is cut once at most, where motion() ends with the level that it is
+  /// at: there alone one may prove what the other does not.
   bool proves_free(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                    const MotionOptions& options) const;
 

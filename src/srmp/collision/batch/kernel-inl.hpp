@@ -425,7 +425,7 @@ class Slice {
   KernelResult& result_;
   const int lane_;
   const unsigned proofs_only_;          // of this slice
-  unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide
+  unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide, nor answered
   float *frames_, *centers_, *stages_, *margins_, *balls_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
 

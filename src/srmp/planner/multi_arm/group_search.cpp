@@ -17,7 +17,8 @@ constexpr std::uint64_t most_attempts = 2048;      // of trees that may be bette
 /// Times the best: of a way that may be the best once each arm was looked at by itself; and of one that is so much
 /// better that it is taken in place of a way of another kind, so that similar questions have similar answers.
 constexpr double worth_a_look = 1.1, worth_a_change = 0.98;
-constexpr double worth_trying = 1.05;  // times the length of the arms' ways alone
+constexpr double worth_trying = 1.05;       // times the length of the arms' ways alone
+constexpr double share_for_shorter = 0.25;  // of the time that is left, once there is a way on roadmaps
 
 multi::ConflictSearchOptions search_options(const PlannerOptions& options) {
   multi::ConflictSearchOptions search;
@@ -66,7 +67,7 @@ GroupWays GroupSearch::run(const std::vector<std::size_t>& arms, const Deadline&
           return {std::move(*path), lower};
       ++levels;
       // Trees of other sequences: some take a hundred times as long as others (Wedge, Branicky 2008).
-      search::TwoTrees trees(tree_space(*space), effort - 1);
+      search::TwoTrees trees(tree_space(*space), (effort - 1) << 16);  // none of those that anew() takes
       const auto way = trees.grow(2048 * effort, deadline);
       statistics.expansions += trees.attempts();
       note_memory(statistics, trees.memory());
@@ -146,12 +147,13 @@ std::optional<CoupledPath> GroupSearch::on_roadmaps(const std::vector<std::size_
                                                     PlanStatistics& statistics) {
   RoadmapSearch::Result best = on_roadmaps(arms, level, {most_expansions, 2'000 * effort}, deadline, statistics);
   if (best.status != Status::solved || best.path.length() > most) return std::nullopt;
+  // Other searches may follow this one.
+  const Deadline until(share_for_shorter * deadline.remaining(), [&] { return deadline.cancelled(); });
   for (const std::size_t last = std::min(level + 1, most_levels - 1); level <= last; ++level)
     for (const double greed : {3.0, 1.5}) {
-      if (!may_be_shorter(best.path)) return std::move(best.path);
+      if (!may_be_shorter(best.path) || until.stop_requested()) return std::move(best.path);
       const double below = std::min(best.cost, most);
-      RoadmapSearch::Result found =
-          on_roadmaps(arms, level, {most_expansions, 8'000, greed, below}, deadline, statistics);
+      RoadmapSearch::Result found = on_roadmaps(arms, level, {most_expansions, 8'000, greed, below}, until, statistics);
       if (found.status == Status::solved) best = std::move(found);
     }
   return std::move(best.path);
@@ -174,7 +176,7 @@ std::size_t GroupSearch::memory() const {
 
 // --- better ways
 
-/// Is there more to gain than a little, if no arm can be quicker than alone?
+/// Is there more than a little to gain on roadmaps, which are made of the arms' ways alone?
 bool GroupSearch::may_be_shorter(const CoupledPath& known) const {
   double alone = 0.0;
   for (const std::size_t i : known.arms) alone += world_.alone(i);
@@ -191,9 +193,14 @@ CoupledPath GroupSearch::each_by_itself(CoupledPath path, const Deadline& deadli
   return tightened(std::move(path), world_, deadline);
 }
 
+bool GroupSearch::may_change(const CoupledPath& known) const {
+  double direct = 0.0;
+  for (const std::size_t i : known.arms) direct += world_.direct(i);
+  return worth_a_change * known.length() > direct;
+}
+
 CoupledPath GroupSearch::anew(const CoupledPath& known, std::uint64_t sequence, const Deadline& deadline,
                               PlanStatistics& statistics) {
-  if (!may_be_shorter(known)) return known;
   const CompositeSpace space(world_, known.arms);
   search::TwoTrees trees(tree_space(space), sequence);
   const auto way = trees.grow(most_attempts, deadline);

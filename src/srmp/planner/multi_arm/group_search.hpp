@@ -34,6 +34,9 @@ class GroupSearch {
   /// As short as it can be while no more than one arm changes its way at a time.
   CoupledPath each_by_itself(CoupledPath path, const Deadline& deadline);
 
+  /// Could there be a way that anew() takes in its place?
+  bool may_change(const CoupledPath& known) const;
+
   /// By trees of another sequence: a way that is better than `known` for its arms, or `known`.
   CoupledPath anew(const CoupledPath& known, std::uint64_t sequence, const Deadline& deadline,
                    PlanStatistics& statistics);

@@ -185,11 +185,14 @@ class MultiRobotPlan {
     const auto good_enough = [&] {
       return until.stop_requested() || statistics_.bound <= std::max(asked.final_weight, 1.0 + 1e-9);
     };
-    for (int round = 0; asked.goes_on_after(round) && !good_enough(); ++round)
+    for (int round = 0; asked.goes_on_after(round) && !good_enough(); ++round) {
+      std::erase_if(coupled, [&](std::size_t g) { return !search_->may_change(groups_[g].shortened); });
+      if (coupled.empty()) return;
       try_for(coupled, until, [&](const Group& group, const Deadline& deadline, PlanStatistics& statistics) {
         const PhaseTimer timer(deadline, statistics.search_time_s);
         return search_->anew(group.shortened, static_cast<std::uint64_t>(round) + 1, deadline, statistics);
       });
+    }
   }
 
   /// Takes what `find` has for each of these groups, where that is shorter and meets no other.

@@ -384,8 +384,8 @@ class RoadmapSearch::Query {
 RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, const Effort& effort,
                                          const Deadline& deadline) {
   for (const std::size_t arm : arms) {
-    make_asides(arm);
     if (deadline.stop_requested()) return {Status::timed_out, {}, 0.0, 0};
+    make_asides(arm);
   }
   Query query(*this, arms, effort);
   Result result = query.run(deadline);

@@ -37,8 +37,8 @@ class RoadmapSearch {
   RoadmapSearch(ArmWorld& world, std::size_t asides);
 
   struct Result {
-    Status status{Status::exhausted};  ///< solved, exhausted (these roadmaps hold no way), timed_out (also for too many
-                                       ///< expansions or checks) or cancelled
+    Status status{Status::exhausted};  ///< solved, exhausted (these roadmaps hold no way that will do), timed_out (also
+                                       ///< for too many expansions or checks) or cancelled
     CoupledPath path;
     double cost{};  ///< of the path: its length and a little for each step
     std::uint64_t expansions{};
