@@ -18,6 +18,8 @@ namespace {
 using search::AnyHeuristic;
 
 constexpr double scales[] = {3.0, 1.5, 0.75, 0.4};  // of the resolution asked for
+constexpr double finest = 0.01;                     // times these, in the last rounds of better paths
+constexpr std::uint64_t most_expansions = std::uint64_t{1} << 40;
 
 /// The first path is wanted soon: what a tenth of the checks can save.
 ShortcutOptions quick() {
@@ -132,7 +134,11 @@ class AutoSearch {
     if (!best_.take(std::move(first), until)) return;  // now with all the care that shortening can take
     std::uint64_t expansions = 64;
     double finer = 1.0;
-    for (int round = 0; improvement_.goes_on_after(round); ++round, expansions *= 4, finer *= 0.87)
+    const auto next = [&] {
+      expansions = std::min(4 * expansions, most_expansions);
+      finer = std::max(0.87 * finer, finest);
+    };
+    for (int round = 0; improvement_.goes_on_after(round); ++round, next())
       for (const double share : {0.5, 0.75, 0.9, 1.0})
         while (true) {
           if (good_enough() || until.stop_requested()) return;
@@ -141,8 +147,8 @@ class AutoSearch {
           if (!prove_exhausted(found, limit)) return;
           if (found.result.status == Status::solved && !best_.take(path_of(found), until)) return;
           const auto& exhausted = found.exhausted;
-          if (lattices_.own_primitives() && share == 1.0 && std::count(exhausted.begin(), exhausted.end(), 0) == 0)
-            return;  // there is no finer lattice to turn to
+          const bool can_be_finer = !lattices_.own_primitives() && finer > finest;
+          if (!can_be_finer && share == 1.0 && std::count(exhausted.begin(), exhausted.end(), 0) == 0) return;
           if (best_cost() >= before) break;
         }
   }
