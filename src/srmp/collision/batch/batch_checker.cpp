@@ -517,7 +517,7 @@ class BatchChecker::Workspace {
   }
 
   /// The four parts of those lanes that are undecided.
-  static void cut(const std::array<Interval, kLanes>& lanes, unsigned undecided, std::vector<Interval>& parts) {
+  void cut(unsigned undecided, std::vector<Interval>& parts) const {
     for (std::size_t i = 0; i < kLanes; ++i)
       if (undecided >> i & 1)
         for (int part : {-3, -1, 1, 3})
@@ -585,7 +585,6 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->drive_reach[k];
   const int cuts = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
   w.open.clear();
-  w.next.clear();
   for (int j = 0; j < cuts; ++j)  // a block's lanes are spread over the motion: collisions show early
     for (int i = 0; i < kLanes; ++i)
       w.open.push_back({(static_cast<double>(i) * cuts + j + 0.5) / (cuts * kLanes), 0.5 / (cuts * kLanes)});
@@ -614,7 +613,7 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
       }
       if (result.undecided == 0) continue;
       w.forget();
-      w.cut(w.lanes, result.undecided & wanted, w.next);
+      w.cut(result.undecided & wanted, w.next);
     }
     if (last) break;
     std::swap(w.open, w.next);
@@ -633,10 +632,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
   const double first = w.open.front().half, least = 1.5 * first * std::pow(0.25, options.refinements);
   for (int blocks = 0; !w.open.empty(); ++blocks) {
     const bool late = blocks >= options.max_blocks;
-    std::reverse_copy(w.open.end() - std::min<std::ptrdiff_t>(kLanes, std::ssize(w.open)), w.open.end(),
-                      std::back_inserter(w.next));
-    const std::size_t count = w.set_lanes(w.next);
-    w.next.clear();
+    const std::size_t count = w.set_lanes(std::span(w.open).last(std::min<std::size_t>(kLanes, w.open.size())));
     w.open.resize(w.open.size() - count);
     unsigned whole = 0;  // lanes that are not cut any more
     for (std::size_t i = 0; i < kLanes; ++i)
@@ -647,7 +643,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
       ++w.statistics.motions_undecided;
       return false;
     }
-    w.cut(w.lanes, result.undecided & ((1u << count) - 1), w.open);
+    w.cut(result.undecided & ((1u << count) - 1), w.open);
   }
   ++w.statistics.motions_free;
   return true;

@@ -44,6 +44,13 @@ multi::ConflictSearchOptions search_options(const PlannerOptions& options) {
   return search;
 }
 
+/// No ways of these arms are shorter together.
+double direct(const ArmWorld& world, const std::vector<std::size_t>& arms) {
+  double sum = 0.0;
+  for (const std::size_t i : arms) sum += world.direct(i);
+  return sum;
+}
+
 void note_memory(PlanStatistics& statistics, std::uint64_t held) {
   statistics.memory_bytes = std::max(statistics.memory_bytes, held);
 }
@@ -55,8 +62,7 @@ GroupWays GroupSearch::run(const std::vector<std::size_t>& arms, const Deadline&
   const CommonOptions& common = common_options(options_);
   const bool composite = std::holds_alternative<Auto>(options_) || std::holds_alternative<XECBS>(options_);
   multi::ConflictSearchOptions options = search_options(options_);
-  double lower = 0.0;
-  for (const std::size_t i : arms) lower += world_.direct(i);
+  double lower = direct(world_, arms);
   std::optional<CompositeSpace> space;
   if (composite) space.emplace(world_, arms);
   std::size_t level = 0, levels = 1;
@@ -194,9 +200,7 @@ CoupledPath GroupSearch::each_by_itself(CoupledPath path, const Deadline& deadli
 }
 
 bool GroupSearch::may_change(const CoupledPath& known) const {
-  double direct = 0.0;
-  for (const std::size_t i : known.arms) direct += world_.direct(i);
-  return worth_a_change * known.length() > direct;
+  return worth_a_change * known.length() > direct(world_, known.arms);
 }
 
 CoupledPath GroupSearch::anew(const CoupledPath& known, std::uint64_t sequence, const Deadline& deadline,
