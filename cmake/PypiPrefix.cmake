@@ -2,8 +2,8 @@
 #
 # PyPI packages made with cmeel put headers, libraries and CMake configs under <site-packages>/cmeel.prefix; others
 # (ruckig) straight under <site-packages>. Both go to the front of CMAKE_PREFIX_PATH, for the Python that CMake finds
-# first: the active virtual environment, or pip's own build environment, whose folders only sys.path knows.
-# After include: SRMP_CMEEL_PREFIX holds the folder of cmeel packages.
+# first: the active virtual environment, or pip's own build environment, whose directories only sys.path knows.
+# After include: SRMP_CMEEL_PREFIX holds the directory of cmeel packages.
 
 set(Python_FIND_VIRTUALENV FIRST)
 find_package(Python 3.10 REQUIRED COMPONENTS Interpreter OPTIONAL_COMPONENTS Development.Module)
@@ -19,7 +19,7 @@ foreach(site IN LISTS SRMP_SYS_PATH)
   endif()
 endforeach()
 if(NOT SRMP_CMEEL_PREFIX)
-  message(FATAL_ERROR "The Python at ${Python_EXECUTABLE} has no cmeel.prefix folder with Pinocchio in it. Install the "
+  message(FATAL_ERROR "The Python at ${Python_EXECUTABLE} has no cmeel.prefix directory with Pinocchio in it. Install the "
                       "build requirements there first: pip install --group build")
 endif()
 

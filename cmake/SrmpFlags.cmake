@@ -15,7 +15,7 @@ target_compile_options(
                        -ffp-contract=off  # the same bits whether or not the CPU has fma
 )
 if(SKBUILD)
-  # Assertions name their source files; in a wheel without the folders of the machine that built it. Of several
+  # Assertions name their source files; in a wheel without the directories of the machine that built it. Of several
   # that match the last counts, and the innermost is wanted.
   set(prefixes ${SRMP_PYPI_PREFIXES} ${PROJECT_SOURCE_DIR})
   list(REVERSE prefixes)

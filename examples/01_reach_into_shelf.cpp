@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "printing.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 
 int main() {
   srmp::PlannerInterface planner;

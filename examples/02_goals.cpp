@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "printing.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 
 using srmp::GoalConstraint;
 using srmp::Pose;

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "printing.hpp"
-#include "srmp/planner/moveit_request.hpp"
+#include "srmp/moveit_request.hpp"
 
 int main() {
   const std::string files = SRMP_EXAMPLES_DIR "/moveit/";

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "printing.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 
 using srmp::GoalConstraint;
 using srmp::Pose;
@@ -49,7 +49,7 @@ int main() {
   show(planner.plan_multi(starts, {{"left", to_b}, {"right", to_a}}));
 
   // Only one of them has something to do; the other stands over its tray, and may move aside.
-  show(planner.plan_multi(starts, {{"left", to_b}, {"right", GoalConstraint::aside()}}));
+  show(planner.plan_multi(starts, {{"left", to_b}, {"right", GoalConstraint::any()}}));
 
   // Where it must not move, there is no room.
   try {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "printing.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 
 using srmp::GoalConstraint;
 using srmp::Pose;

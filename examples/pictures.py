@@ -1,6 +1,6 @@
 """Draws the motions of the examples of several arms: docs/two-arms-swap.png and docs/four-arms-over-bins.png.
 
-    python examples/pictures.py [FOLDER]
+    python examples/pictures.py [DIRECTORY]
 
 Needs matplotlib.
 """
@@ -36,15 +36,15 @@ def draw(path, world, boxes, title):
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else EXAMPLES.parent / "docs"
+    directory = Path(sys.argv[1]) if len(sys.argv) > 1 else EXAMPLES.parent / "docs"
     draw(
-        folder / "two-arms-swap.png",
+        directory / "two-arms-swap.png",
         runpy.run_path(str(EXAMPLES / "05_two_arms_swap.py")),
         dict.fromkeys(("tray_a", "tray_b"), (0.2, 0.2, 0.1)),
         "Two arms swap places",
     )
     draw(
-        folder / "four-arms-over-bins.png",
+        directory / "four-arms-over-bins.png",
         runpy.run_path(str(EXAMPLES / "06_four_arms_over_bins.py")),
         {f"bin{i}": (0.16, 0.16, 0.14) for i in range(4)},
         "Four arms, each on to the next bin",

@@ -1,6 +1,6 @@
 """The pictures of docs/trajectories.md.
 
-python bench/figures/trajectories.py [FOLDER, default: docs]
+python bench/figures/trajectories.py [DIRECTORY, default: docs]
 
 Writes rounded-corner.png and profiles.png. Needs matplotlib (pip install ".[bench]").
 """
@@ -60,11 +60,11 @@ def shrink(path: Path, width: int) -> None:
 
 
 def main() -> None:
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs")
-    rounded_corner(folder / "rounded-corner.png")
-    profiles(folder / "profiles.png")
+    directory = Path(sys.argv[1] if len(sys.argv) > 1 else "docs")
+    rounded_corner(directory / "rounded-corner.png")
+    profiles(directory / "profiles.png")
     for name in ("rounded-corner.png", "profiles.png"):
-        shrink(folder / name, 900)
+        shrink(directory / name, 900)
 
 
 if __name__ == "__main__":

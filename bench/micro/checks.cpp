@@ -16,8 +16,8 @@
 #include "srmp/collision/batch/batch_checker.hpp"
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/pair_table.hpp"
+#include "srmp/cover/cover_store.hpp"
 #include "srmp/io/moveit.hpp"
-#include "srmp/robot/cover_store.hpp"
 
 using namespace srmp;
 using bench::PlainCoal;
@@ -110,7 +110,7 @@ struct Exact {
   static std::unique_ptr<Checker> make(const Scene& scene, const std::string& robot,
                                        const std::shared_ptr<CoverStore>& covers, SimdBackend simd) {
     setenv("SRMP_SIMD", to_string(simd).c_str(), 1);
-    static const auto tables = std::make_shared<PairTableStore>(covers->folder());
+    static const auto tables = std::make_shared<PairTableStore>(covers->directory());
     return std::make_unique<Checker>(scene, robot,
                                      CheckerOptions{.mode = CheckMode::exact, .covers = covers, .pair_tables = tables});
   }
@@ -150,11 +150,13 @@ class Report {
     std::vector<Exact> exact;
     for (SimdBackend simd : available_simd_backends()) exact.emplace_back(scene, name, covers_, simd);
     for (Exact& e : exact)
-      contenders.emplace_back(to_string(e.backend),
-                              [&](std::size_t i) { return e.checker->is_motion_free(a[i], b[i], *e.workspace, true); });
+      contenders.emplace_back(to_string(e.backend), [&](std::size_t i) {
+        return e.checker->is_motion_free(a[i], b[i], *e.workspace, {.start_is_free = true});
+      });
     const auto coal_workspace = alone.make_workspace();
-    contenders.emplace_back("certified",
-                            [&](std::size_t i) { return alone.is_motion_free(a[i], b[i], *coal_workspace, true); });
+    contenders.emplace_back("certified", [&](std::size_t i) {
+      return alone.is_motion_free(a[i], b[i], *coal_workspace, {.start_is_free = true});
+    });
 
     std::vector<std::size_t> free = judge(contenders);
     count_blocks(exact, contenders, free);

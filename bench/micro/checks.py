@@ -40,26 +40,26 @@ BACKENDS = ("portable", "avx2", "avx512")
 
 def build() -> Path:
     """The program, built from this checkout; takes minutes the first time."""
-    folder = REPOSITORY / "build" / "bench"
+    directory = REPOSITORY / "build" / "bench"
     path = os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]])
     environment = {**os.environ, "PATH": path}
-    print(f"building bench_checks in {folder}", file=sys.stderr)
+    print(f"building bench_checks in {directory}", file=sys.stderr)
     for command in (
-        ["cmake", "-S", REPOSITORY, "-B", folder, "-DSRMP_BUILD_BENCH=ON", "-DCMAKE_BUILD_TYPE=Release"],
-        ["cmake", "--build", folder, "--target", "bench_checks", "--parallel", str(os.cpu_count() or 1)],
+        ["cmake", "-S", REPOSITORY, "-B", directory, "-DSRMP_BUILD_BENCH=ON", "-DCMAKE_BUILD_TYPE=Release"],
+        ["cmake", "--build", directory, "--target", "bench_checks", "--parallel", str(os.cpu_count() or 1)],
     ):
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode:
             sys.exit(f"{done.stdout}\n{command[1]} failed; it needs what pyproject.toml's dependency group build lists")
-    return folder / "bench" / "micro" / "bench_checks"
+    return directory / "bench" / "micro" / "bench_checks"
 
 
 def measure(program: Path, data: Path, robot: str, geometry: str, options: argparse.Namespace) -> Iterator[dict]:
     """One row a scene."""
     files = mbm.robot_files(data, robot, geometry)
-    srmp.cover(str(files.urdf), package_dirs=[str(files.folder)])  # its time is not measured here
+    srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])  # its time is not measured here
     settings = [str(value) for value in (options.motions, options.size, options.step, options.repeats)]
-    with mbm.open_problems(files.folder, robot, numbers=mbm.parse_numbers(options.problems)) as problems:
+    with mbm.open_problems(files.directory, robot, numbers=mbm.parse_numbers(options.problems)) as problems:
         command = [str(program), str(files.urdf), str(files.srdf), mbm.GROUPS[robot], *settings]
         command += [str(problem.scene) for problem in problems]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

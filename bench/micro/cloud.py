@@ -192,8 +192,8 @@ def main() -> None:
     if not arguments.data:
         parser.error("--data is missing")
     files = mbm.robot_files(arguments.data, arguments.robot, arguments.geometry)
-    srmp.cover(str(files.urdf), package_dirs=[str(files.folder)])
-    with mbm.open_problems(files.folder, arguments.robot, numbers=mbm.parse_numbers(arguments.problems)) as problems:
+    srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])
+    with mbm.open_problems(files.directory, arguments.robot, numbers=mbm.parse_numbers(arguments.problems)) as problems:
         rows = [
             {"problem": problem.name, **measure(files, problem.scene, arguments)}
             for problem in tqdm(problems, disable=None)

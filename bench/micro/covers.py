@@ -5,7 +5,7 @@
     python bench/micro/covers.py --table covers.json               prints the table of an earlier run
 
 DIR holds MotionBenchMaker's panda, ur5 and fetch; the others come from example-robot-data. Each robot is covered in a
-process of its own and a cache folder of its own, by all cores, counting wall and CPU time, then read back (best of 5).
+process of its own and a cache directory of its own, by all cores, counting wall and CPU time, then read back (best of 5).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ ROBOTS = {
 
 
 def locate(data: Path | None, examples: Path | None, robot: str, file: str) -> tuple[Path, list[str]] | None:
-    """URDF and package folders; nothing when its collection is not there."""
+    """URDF and package directories; nothing when its collection is not there."""
     if robot:
         return (data / robot / f"{robot}.urdf", [str(data / robot)]) if data else None
     return (examples / file, [str(examples.parents[1])]) if examples else None
@@ -56,8 +56,8 @@ def cover(urdf: Path, packages: list[str], max_coarse: int) -> srmp.RobotCover:
 
 
 def measure(urdf: Path, packages: list[str]) -> dict:
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["SRMP_CACHE_DIR"] = folder
+    with tempfile.TemporaryDirectory() as directory:
+        os.environ["SRMP_CACHE_DIR"] = directory
         cpu = time.process_time()
         built = cover(urdf, packages, 160)
         cpu = time.process_time() - cpu
@@ -86,7 +86,7 @@ def measure_apart(urdf: Path, packages: list[str]) -> dict:
 
 def table(results: dict) -> str:
     lines = [
-        "| robot | coarse balls (largest) | at 15 mm | fine balls (largest, mean) | built (CPU) | loaded |",
+        "| robot | coarse spheres (largest) | at 15 mm | fine spheres (largest, mean) | built (CPU) | loaded |",
         "|---|---|---|---|---|---|",
     ]
     for row in results["rows"]:

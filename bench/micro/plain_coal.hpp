@@ -96,11 +96,11 @@ class PlainCoal {
     const srmp::LinkGeometry& g = model_.geometries()[geometry];
     const Eigen::Vector3d center = model_.geometry_pose(*data_, geometry) * g.center;
     double moved = 0.0;
-    for (std::size_t k = model_.drives().size(); k-- > 0;) {
-      if (!(g.movers >> k & 1)) continue;
-      const srmp::Drive& drive = model_.drives()[k];
+    for (std::size_t k = model_.actuated_joints().size(); k-- > 0;) {
+      if (!(g.support >> k & 1)) continue;
+      const srmp::ActuatedJoint& drive = model_.actuated_joints()[k];
       const double turn = std::abs(drive.ratio * change[static_cast<Eigen::Index>(drive.joint)]);
-      const auto [point, axis] = model_.drive_axis(*data_, k);
+      const auto [point, axis] = model_.actuated_joint_axis(*data_, k);
       moved += drive.prismatic ? turn : turn * ((center - point).cross(axis).norm() + g.radius + moved);
     }
     return moved;
@@ -112,10 +112,10 @@ class PlainCoal {
     for (std::size_t i = 0; i < geometries.size(); ++i) {
       objects_.push_back(object(geometries[i].shape, model_.geometry_pose(*data_, i)));
       objects_[i].computeAABB();
-      if (geometries[i].movers != 0) moving_.push_back(i);
+      if (geometries[i].support != 0) moving_.push_back(i);
     }
     for (const auto& [a, b] : model_.self_pairs())
-      if (geometries[a].movers != geometries[b].movers) self_pairs_.push_back(pair(objects_[a], objects_[b]));
+      if (geometries[a].support != geometries[b].support) self_pairs_.push_back(pair(objects_[a], objects_[b]));
   }
 
   void add_obstacles(const srmp::Scene& scene, const std::string& robot) {

@@ -214,7 +214,7 @@ def run(arguments: argparse.Namespace) -> dict:
     with tqdm(total=arguments.configurations, unit="q", disable=None, dynamic_ncols=True) as bar:
         for robot in arguments.robots:
             files = mbm.robot_files(arguments.data, robot, "urdf")
-            srmp.cover(str(files.urdf), package_dirs=[str(files.folder)])
+            srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])
             rows += run_robot(arguments.data, robot, arguments, bar)
     total: Counter = Counter()
     for row in rows:

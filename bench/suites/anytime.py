@@ -45,7 +45,7 @@ def run(data: str, robot: str, geometry: str, problems: str, time_limit: float) 
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "auto", {}, time_limit)
     rows: list[dict[str, Any]] = []
-    with mbm.open_problems(files.folder, robot, (), mbm.parse_numbers(problems)) as chosen:
+    with mbm.open_problems(files.directory, robot, (), mbm.parse_numbers(problems)) as chosen:
         for problem in tqdm(chosen, disable=None):
             planner, posed = runner.pose(problem)
             row: dict[str, Any] = {"problem": problem.name}
@@ -105,7 +105,7 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", required=True, help="MotionBenchMaker's folder")
+    parser.add_argument("--data", required=True, help="MotionBenchMaker's directory")
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--geometry", default="spheres", choices=["urdf", "spheres"])
     parser.add_argument("--problems", default="1-10", help="numbers in each scenario")

@@ -74,7 +74,7 @@ def judge(runner: mbm.Runner, problem: mbm.Problem, files: mbm.RobotFiles) -> di
         trajectory = planner.plan(files.name, posed.start, posed.goals)
     except srmp.PlanningError as error:
         return {"problem": problem.name, "status": mbm.status_name(error.status)}
-    world = recheck_mbm.World(files.folder, files.name, files.urdf, problem.name)
+    world = recheck_mbm.World(files.directory, files.name, files.urdf, problem.name)
     certificate, stats = trajectory.certificate, planner.get_planning_stats()
     return {
         "problem": problem.name,
@@ -94,7 +94,7 @@ def run(data: str, robot: str, geometry: str, problems: str, scenarios: list[str
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "auto", {}, 10.0)
     numbers = mbm.parse_numbers(problems) if problems else None
-    with mbm.open_problems(files.folder, robot, scenarios or (), numbers) as chosen:
+    with mbm.open_problems(files.directory, robot, scenarios or (), numbers) as chosen:
         rows = [judge(runner, problem, files) for problem in chosen]
     options = {"robot": robot, "geometry": geometry, "problems": problems or "all", "rate_hz": RATE}
     return {"header": mbm.header("certificates", options=options), "rows": rows}
@@ -133,7 +133,7 @@ def line(name: str, rows: list[dict[str, Any]]) -> list[str]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", required=True, help="the folder given to srmp bench mbm")
+    parser.add_argument("--data", required=True, help="the directory given to srmp bench mbm")
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--problems", default="", help="numbers in each scenario; default: all")

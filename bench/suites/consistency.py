@@ -84,7 +84,7 @@ def run(
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "auto", {}, time_limit)
     rows: dict[str, list[dict[str, Any]]] = {planner_id: [] for planner_id in planners}
-    with mbm.open_problems(files.folder, robot, (), mbm.parse_numbers(problems)) as chosen:
+    with mbm.open_problems(files.directory, robot, (), mbm.parse_numbers(problems)) as chosen:
         for at, problem in enumerate(chosen):
             planner, posed = runner.pose(problem)
             own = posed.goals[0].targets[0]
@@ -120,7 +120,7 @@ def table(result: dict[str, Any]) -> str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", required=True, help="the folder given to srmp bench mbm")
+    parser.add_argument("--data", required=True, help="the directory given to srmp bench mbm")
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--problems", default="1-5", help="numbers in each scenario")

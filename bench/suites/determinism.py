@@ -51,7 +51,7 @@ def hashes_of(
     found: dict[str, list[str]] = {}
 
     named = scenarios.split(",") if scenarios else ()
-    with mbm.open_problems(files.folder, robot, named, mbm.parse_numbers(problems)) as chosen:
+    with mbm.open_problems(files.directory, robot, named, mbm.parse_numbers(problems)) as chosen:
         for problem in chosen:
             planner, posed = runner.pose(problem)
             auto = srmp.PlanRequest(robot, posed.start, posed.goals)
@@ -116,7 +116,7 @@ def run(
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", required=True, help="the folder given to srmp bench mbm")
+    parser.add_argument("--data", required=True, help="the directory given to srmp bench mbm")
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--scenarios", default="", help="comma-separated; default: all")

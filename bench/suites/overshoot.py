@@ -83,7 +83,7 @@ def measure(
     """One row a plan. Consecutive plans have the same scene and neighbouring limits, each planner in turn."""
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "wAstar", {}, 1.0)
-    with mbm.open_problems(files.folder, robot, SCENARIOS, mbm.parse_numbers(problems)) as chosen:
+    with mbm.open_problems(files.directory, robot, SCENARIOS, mbm.parse_numbers(problems)) as chosen:
         limits = np.geomspace(1e-3, 1.0, plans).tolist()
         names = list(PLANNERS)
         for at, problem in enumerate(chosen):
@@ -174,7 +174,7 @@ def table(result: dict[str, Any]) -> str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", required=True, help="the folder given to srmp bench mbm")
+    parser.add_argument("--data", required=True, help="the directory given to srmp bench mbm")
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--plans", type=int, default=1000)

@@ -26,19 +26,19 @@ import yaml
 STEP = 0.01  # [rad or m]
 
 
-def read_problem(folder: Path, robot: str, problem: str, kind: str) -> dict:
+def read_problem(directory: Path, robot: str, problem: str, kind: str) -> dict:
     scenario, number = problem.split("/")
     name = f"{scenario}_{robot}/{kind}{number}.yaml"
-    if (folder / "problems").is_dir():
-        return yaml.safe_load((folder / "problems" / name).read_text())
-    with tarfile.open(folder / "problems.tar.bz2") as tar:
-        if folder not in _members:
-            _members[folder] = {
+    if (directory / "problems").is_dir():
+        return yaml.safe_load((directory / "problems" / name).read_text())
+    with tarfile.open(directory / "problems.tar.bz2") as tar:
+        if directory not in _members:
+            _members[directory] = {
                 member.name: tar.extractfile(member).read().decode()
                 for member in tar.getmembers()
                 if member.isfile() and member.name.endswith(".yaml")
             }
-    text = next(text for path, text in _members[folder].items() if path.endswith(name))
+    text = next(text for path, text in _members[directory].items() if path.endswith(name))
     return yaml.safe_load(text)
 
 
@@ -64,15 +64,15 @@ def to_se3(pose: dict) -> pin.SE3:
 class World:
     """The robot's collision meshes among one problem's objects."""
 
-    def __init__(self, folder: Path, robot: str, urdf: Path, problem: str) -> None:
+    def __init__(self, directory: Path, robot: str, urdf: Path, problem: str) -> None:
         self.model = pin.buildModelFromUrdf(str(urdf))
         self.geometry = pin.buildGeomFromUrdf(
-            self.model, str(urdf), pin.GeometryType.COLLISION, package_dirs=[str(folder), str(folder.parent)]
+            self.model, str(urdf), pin.GeometryType.COLLISION, package_dirs=[str(directory), str(directory.parent)]
         )
         self.geometry.addAllCollisionPairs()
-        pin.removeCollisionPairs(self.model, self.geometry, str(folder / f"{robot}.srdf"))
+        pin.removeCollisionPairs(self.model, self.geometry, str(directory / f"{robot}.srdf"))
         parts = self.geometry.ngeoms
-        for item in read_problem(folder, robot, problem, "scene")["world"]["collision_objects"]:
+        for item in read_problem(directory, robot, problem, "scene")["world"]["collision_objects"]:
             place = to_se3(item["pose"]) if "pose" in item else pin.SE3.Identity()
             for primitive, pose in zip(item["primitives"], item["primitive_poses"], strict=True):
                 placed = pin.GeometryObject(item["id"], 0, 0, place * to_se3(pose), to_shape(primitive))
@@ -82,7 +82,7 @@ class World:
                     if self.geometry.geometryObjects[part].parentJoint != 0:
                         self.geometry.addCollisionPair(pin.CollisionPair(part, index))
         self.data, self.geometry_data = self.model.createData(), self.geometry.createData()
-        state = read_problem(folder, robot, problem, "request")["start_state"]["joint_state"]
+        state = read_problem(directory, robot, problem, "request")["start_state"]["joint_state"]
         self.rest = pin.neutral(self.model)
         for name, value in zip(state["name"], state["position"], strict=True):
             self.set_joint(self.rest, name, value)
@@ -116,14 +116,14 @@ def samples(waypoints: np.ndarray) -> Iterator[np.ndarray]:
 def recheck(results: dict, data: Path) -> list[str]:
     """One sentence for each path that touches something."""
     options = results["header"]["options"]
-    folder = data / options["robot"]
+    directory = data / options["robot"]
     suffix = "" if options["geometry"] == "urdf" else "_spherized"
-    urdf = folder / f"{options['robot']}{suffix}.urdf"
+    urdf = directory / f"{options['robot']}{suffix}.urdf"
     faults = []
     for row in results["rows"]:
         if row["status"] != "solved":
             continue
-        world = World(folder, options["robot"], urdf, row["problem"])
+        world = World(directory, options["robot"], urdf, row["problem"])
         for what in ("path", "positions"):
             for q in samples(np.array(row[what])):
                 if pair := world.touching(row["joint_names"], q):
@@ -141,7 +141,7 @@ def differing(results: dict, other: dict) -> list[str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
     parser.add_argument("results", type=Path)
-    parser.add_argument("--data", type=Path, required=True, help="the folder given to srmp bench mbm")
+    parser.add_argument("--data", type=Path, required=True, help="the directory given to srmp bench mbm")
     parser.add_argument("--same-as", type=Path, help="results of another run: every path must be the same")
     arguments = parser.parse_args()
     results = json.loads(arguments.results.read_text())

@@ -101,11 +101,11 @@ class World:
 
     def _add_robot(self, name: str, robot: Mapping[str, Any], loader: coal.MeshLoader) -> None:
         text = prefixed(Path(robot["urdf"]), f"{name}/")
-        folder = Path(robot["urdf"]).parent
+        directory = Path(robot["urdf"]).parent
         model = pin.buildModelFromXML(text)
-        folders = [*robot["package_dirs"], str(folder), str(folder.parent)]
+        directories = [*robot["package_dirs"], str(directory), str(directory.parent)]
         geometry = pin.buildGeomFromUrdfString(
-            model, text, pin.GeometryType.COLLISION, package_dirs=folders, mesh_loader=loader
+            model, text, pin.GeometryType.COLLISION, package_dirs=directories, mesh_loader=loader
         )
         self.model, self.geometry = pin.appendModel(
             self.model, model, self.geometry, geometry, 0, to_se3(robot["base"])

@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "srmp/core/version.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 
 int main() {
   std::cout << "srmp " << srmp::version() << '\n';

@@ -21,9 +21,9 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/pose.hpp"
-#include "srmp/planner/goal.hpp"
-#include "srmp/planner/options.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
+#include "srmp/planning/goal.hpp"
+#include "srmp/planning/options.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace nb = nanobind;

@@ -170,9 +170,9 @@ nb::dict stats(PyChecker<C>& self) {
       self.ask([](const C& checker, Checker::Workspace& w) { return base_of(checker).statistics(w); });
   nb::dict d;
   d["states"] = s.states;
-  d["states_by_balls"] = s.states_by_balls;
+  d["states_by_spheres"] = s.states_by_spheres;
   d["motions"] = s.motions;
-  d["motions_by_balls"] = s.motions_by_balls;
+  d["motions_by_spheres"] = s.motions_by_spheres;
   d["blocks"] = s.blocks;
   d["undecided"] = s.undecided;
   d["configurations"] = s.configurations;
@@ -278,7 +278,7 @@ void bind_collision_checker(nb::module_& m) {
           nb::arg("a"), nb::arg("b"),
           "Proves the straight motion a to b, each (dof,) [rad or m], free by conservative advancement on Coal's "
           "distances (Schwarzer,\n"
-          "Saha, Latombe 2004), without balls: an independent check of motions_free.")
+          "Saha, Latombe 2004), without spheres: an independent check of motions_free.")
       .def("stats", &stats<Checker>,
            "What this checker's checks did so far: how many of what, and which layer decided.")
       .def_prop_ro(

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "bind.hpp"
-#include "srmp/robot/cover_file.hpp"
-#include "srmp/robot/mesh_file.hpp"
+#include "srmp/cover/cover_file.hpp"
+#include "srmp/geometry/mesh_file.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp::python {
@@ -14,16 +14,16 @@ namespace {
 /// The covers of a link's geometries in one, in the link's frame.
 struct LinkCover {
   std::string link;
-  std::vector<Ball> coarse, fine, inner;
+  std::vector<PlacedSphere> coarse, fine, inner;
   std::vector<std::vector<std::uint32_t>> children;
   double coarse_inflation{}, fine_inflation{};            // largest
-  double mean_coarse_inflation{}, mean_fine_inflation{};  // over balls
+  double mean_coarse_inflation{}, mean_fine_inflation{};  // over spheres
 
   void add(const RobotCover::Part& part) {
     const GeometryCover& cover = *part.cover;
     const auto first_fine = static_cast<std::uint32_t>(fine.size());
-    // A ball that is the geometry is all levels at once.
-    const std::vector<Ball>& finest = cover.exact ? cover.coarse : cover.fine;
+    // A sphere that is the geometry is all levels at once.
+    const std::vector<PlacedSphere>& finest = cover.exact ? cover.coarse : cover.fine;
     mean_coarse_inflation =
         mean(coarse.size(), mean_coarse_inflation, cover.coarse.size(), cover.coarse_inflation.mean);
     mean_fine_inflation = mean(fine.size(), mean_fine_inflation, finest.size(), cover.fine_inflation.mean);
@@ -43,14 +43,16 @@ struct LinkCover {
   static double mean(std::size_t n, double a, std::size_t m, double b) {
     return n + m == 0 ? 0.0 : (static_cast<double>(n) * a + static_cast<double>(m) * b) / static_cast<double>(n + m);
   }
-  static void append(std::vector<Ball>& to, const std::vector<Ball>& balls, const Eigen::Isometry3d& pose) {
-    for (const Ball& ball : balls) to.push_back({pose * ball.center, ball.radius});
+  static void append(std::vector<PlacedSphere>& to, const std::vector<PlacedSphere>& spheres,
+                     const Eigen::Isometry3d& pose) {
+    for (const PlacedSphere& sphere : spheres) to.push_back({pose * sphere.center, sphere.radius});
   }
 };
 
-nb::object rows(const std::vector<Ball>& balls) {
+nb::object rows(const std::vector<PlacedSphere>& spheres) {
   std::vector<Eigen::VectorXd> rows;
-  for (const Ball& ball : balls) rows.push_back((Eigen::VectorXd(4) << ball.center, ball.radius).finished());
+  for (const PlacedSphere& sphere : spheres)
+    rows.push_back((Eigen::VectorXd(4) << sphere.center, sphere.radius).finished());
   return to_numpy_rows(rows, 4);
 }
 
@@ -91,7 +93,7 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
   options.max_coarse = static_cast<std::size_t>(max_coarse);
   const CoverProgress report = ask_python(progress);
   const nb::gil_scoped_release no_gil;
-  CoverStore store(cache ? default_cover_folder() : std::filesystem::path(), options.levels);
+  CoverStore store(cache ? default_cover_directory() : std::filesystem::path(), options.levels);
   return by_links(cover_urdf(urdf_path, package_dirs, store, options, report));
 }
 
@@ -99,7 +101,7 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
 
 void bind_cover(nb::module_& m) {
   m.def(
-      "cover_folder", [] { return default_cover_folder().string(); },
+      "cover_directory", [] { return default_cover_directory().string(); },
       "Where covers are kept between runs: $SRMP_CACHE_DIR/covers, else $XDG_CACHE_HOME/srmp/covers, else\n"
       "~/.cache/srmp/covers; \"\" = nowhere (docs/covers.md).");
   m.def(
@@ -136,7 +138,7 @@ void bind_cover(nb::module_& m) {
       });
   nb::class_<PyRobotCover>(m, "RobotCover", "What srmp.cover returns.")
       .def_ro("links", &PyRobotCover::links, "Links with collision geometry, in the order of the URDF.")
-      .def_ro("from_cache", &PyRobotCover::from_cache, "Was it read from the user's cache folder?")
+      .def_ro("from_cache", &PyRobotCover::from_cache, "Was it read from the user's cache directory?")
       .def_ro("seconds", &PyRobotCover::seconds, "Time to build or load the spheres [s]; reading meshes not counted.")
       .def("__repr__",
            [](const PyRobotCover& c) { return "RobotCover(" + std::to_string(c.links.size()) + " links)"; });
@@ -146,8 +148,9 @@ void bind_cover(nb::module_& m) {
         "Spheres that provably contain each link of a robot, in two levels, and spheres inside each link.\n\n"
         "No fine sphere sticks out of the geometry by more than `accuracy` [m], no coarse one by more than\n"
         "`coarse_accuracy`, unless that takes more than `max_coarse` spheres for the robot (0: no limit); then coarse\n"
-        "spheres grow. Cavities that a ball of 15 mm radius cannot enter count as filled. The result is the same on\n"
-        "every run. With `cache`, it is kept in the folder srmp/covers of the user's cache folder ($SRMP_CACHE_DIR,\n"
+        "spheres grow. Cavities that a sphere of 15 mm radius cannot enter count as filled. The result is the same on\n"
+        "every run. With `cache`, it is kept in the directory srmp/covers of the user's cache directory "
+        "($SRMP_CACHE_DIR,\n"
         "$XDG_CACHE_HOME or ~/.cache; SRMP_CACHE_DIR set but empty: nowhere). `progress` is called with (steps done,\n"
         "steps in all) while spheres are built.\n\n"
         "Raises FileError for a missing or wrong file, InvalidArgument for numbers out of range.");

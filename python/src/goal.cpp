@@ -50,7 +50,7 @@ void bind_goal(nb::module_& m) {
       .value("POSE", GoalType::pose, "Position and orientation of the end effector, world frame.")
       .value("POSITION", GoalType::position, "Position of the end effector, world frame; any orientation.")
       .value("HOLD", GoalType::hold, "With plan_multi: the robot stays where it starts.")
-      .value("ASIDE", GoalType::aside, "With plan_multi: it may move out of the others' way and end anywhere.");
+      .value("ANY", GoalType::any, "With plan_multi: it may move out of the others' way and end anywhere.");
 
   nb::class_<GoalConstraint> cls(
       m, "GoalConstraint",
@@ -82,7 +82,7 @@ void bind_goal(nb::module_& m) {
          "not above 0,\n"
          "and when every axis is free.")
       .def_static("hold", &GoalConstraint::hold, "With plan_multi: the robot stays where it starts.")
-      .def_static("aside", &GoalConstraint::aside,
+      .def_static("aside", &GoalConstraint::any,
                   "With plan_multi: the robot may move out of the others' way and end anywhere.")
       .def_ro("type", &GoalConstraint::type, "What the targets are.")
       .def_prop_ro(

@@ -1,5 +1,5 @@
 #include "bind.hpp"
-#include "srmp/planner/statistics_fields.hpp"
+#include "srmp/planning/statistics_fields.hpp"
 
 namespace srmp::python {
 

@@ -1,4 +1,4 @@
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "bind.hpp"
 #include "collision_checker.hpp"
-#include "srmp/planner/moveit_request.hpp"
+#include "srmp/moveit_request.hpp"
 
 namespace srmp::python {
 
@@ -152,10 +152,10 @@ void bind_robots(nb::class_<Self>& cls) {
             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
-            const std::string& urdf_folder) {
+            const std::string& urdf_directory) {
            const RobotDescription description{.urdf_path = urdf_path,
                                               .urdf_text = urdf_text,
-                                              .urdf_folder = urdf_folder,
+                                              .urdf_directory = urdf_directory,
                                               .srdf_path = srdf_path,
                                               .srdf_text = srdf_text,
                                               .name = name,
@@ -170,15 +170,15 @@ void bind_robots(nb::class_<Self>& cls) {
          nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
          nb::arg("fixed_joints") = std::map<std::string, double>{},
          nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
-         nb::arg("srdf_text") = "", nb::arg("urdf_folder") = "",
+         nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "",
          "Add a robot from a URDF and, where there is one, an SRDF.\n\n"
          "name: unique; default the URDF's. end_effector: the link that goals speak of. Planned joints: joint_names, "
          "else the\n"
          "SRDF group, else the chain to the end effector. fixed_joints: values [rad or m] of all other joints. "
          "package_dirs:\n"
-         "where meshes are searched besides the URDF's folder. urdf_text, srdf_text: the URDF "
+         "where meshes are searched besides the URDF's directory. urdf_text, srdf_text: the URDF "
          "and the SRDF\n"
-         "themselves instead of their files; urdf_folder: where that of urdf_text would lie, for its meshes. "
+         "themselves instead of their files; urdf_directory: where that of urdf_text would lie, for its meshes. "
          "base_pose: "
          "of\n"
          "the root link, in the world. Without an SRDF, adjacent links may touch, and so may links that touch with all "
@@ -563,7 +563,7 @@ void bind_questions(nb::class_<Self>& cls) {
           "alone: never free\n"
           "wrongly) or 'coal'. The first use of a robot covers its links with spheres, which may take many seconds; "
           "later ones load\n"
-          "them from the cache folder.")
+          "them from the cache directory.")
       .def(
           "timed_collision_checker",
           [](Self& self, const std::string& name, nb::handle others, const std::string& mode) {
@@ -707,9 +707,9 @@ void bind_proofs(nb::class_<Self>& cls) {
           "verify",
           [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
              nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,
-             std::optional<double> max_deviation, double tightness) {
+             std::optional<double> max_deviation, double gap_tolerance) {
             VerifyOptions options{
-                .limits = limits, .jerk = jerk, .max_deviation = max_deviation, .tightness = tightness};
+                .limits = limits, .jerk = jerk, .max_deviation = max_deviation, .gap_tolerance = gap_tolerance};
             if (start) options.start = start->vector("start of '" + robot + "'");
             if (!goals.is_none()) options.goals = to_goals(goals);
             return self.use([&](const PlannerInterface& p) {
@@ -719,11 +719,11 @@ void bind_proofs(nb::class_<Self>& cls) {
           },
           nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("limits") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
-          nb::arg("tightness") = 0.5,
+          nb::arg("gap_tolerance") = 0.5,
           nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
                   "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint] | None = None, "
                   "limits: MotionLimits | None = None, jerk: bool = False, max_deviation: float | None = None, "
-                  "tightness: float = 0.5) -> Certificate"),
+                  "gap_tolerance: float = 0.5) -> Certificate"),
           "A Certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that "
           "plans nothing:\n"
           "limits at every instant, collisions between rows too, whether it is at rest at both ends. Faults are found, "
@@ -731,19 +731,19 @@ void bind_proofs(nb::class_<Self>& cls) {
           "start: (dof,) [rad or m] where it should begin. goals: it should reach one of them. limits: default "
           "motion_limits(robot).\n"
           "jerk: hold it against the jerk limits too. max_deviation: [m] that it may leave its waypoints by. "
-          "tightness: in (0, 1), the\n"
+          "gap_tolerance: in (0, 1), the\n"
           "part of the clearance that is proved. The GIL is released.\n\n"
           "Raises InvalidArgument for an unknown robot and options out of range.")
       .def(
           "verify_multi",
           [](Self& self, nb::handle trajectory, nb::handle starts, nb::handle goals, nb::handle obstacles, bool jerk,
-             std::optional<double> max_deviation, double tightness) {
+             std::optional<double> max_deviation, double gap_tolerance) {
             const MultiTrajectory motions{to_trajectories(trajectory, "the trajectories")};
             const nb::dict none;
             const auto given = [&](nb::handle mapping) { return mapping.is_none() ? nb::handle(none) : mapping; };
             MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles);
             const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
-                                             max_deviation,       tightness};
+                                             max_deviation,       gap_tolerance};
             return self.use([&](const PlannerInterface& p) {
               const nb::gil_scoped_release no_gil;
               return p.verify_multi(motions, options);
@@ -751,12 +751,12 @@ void bind_proofs(nb::class_<Self>& cls) {
           },
           nb::arg("trajectory").none(), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("obstacles") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
-          nb::arg("tightness") = 0.5,
+          nb::arg("gap_tolerance") = 0.5,
           nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
                   "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
                   "goals: collections.abc.Mapping[str, GoalConstraint] | None = None, "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, jerk: bool = False, "
-                  "max_deviation: float | None = None, tightness: float = 0.5) -> dict[str, Certificate]"),
+                  "max_deviation: float | None = None, gap_tolerance: float = 0.5) -> dict[str, Certificate]"),
           "verify of many robots that move on one clock: a Certificate of each, by name, held against the others too, "
           "which rest\n"
           "where their motions end. Robots not named stand still.\n\n"
@@ -850,7 +850,7 @@ void bind_planning(nb::class_<Self>& cls) {
           "solution has time_s, cost_rad, bound and graph (see get_planning_stats), waypoints (n, dof) [rad or m], "
           "from "
           "the end of an\n"
-          "escape on (option escape_start: only there is the way not free). When it returns False, that path is good "
+          "escape on (option recover_start: only there is the way not free). When it returns False, that path is good "
           "enough. It must not use this planner; what it raises ends the plan.\n\n"
           "Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or "
           "cancelled, its text\n"
@@ -924,11 +924,14 @@ void bind_planning(nb::class_<Self>& cls) {
           "heuristic_time_s,\n"
           "search_time_s, shortcut_time_s, timing_time_s, verification_time_s [s]; expansions, generated, states, "
           "edge_checks,\n"
-          "edges_free_by_balls, edges_colliding_by_balls, edges_free_by_coal, edges_colliding_by_coal (their sum is "
+          "edges_free_by_spheres, edges_colliding_by_spheres, edges_free_by_coal, edges_colliding_by_coal (their sum "
+          "is "
           "edge_checks),\n"
-          "configurations, narrow_phase (counts); memory_bytes; escape_waypoints (the path is free from this waypoint "
+          "configurations, narrow_phase (counts); memory_bytes; recovery_waypoints (the path is free from this "
+          "waypoint "
           "on: above 0,\n"
-          "it began in collision, see escape_start) and escape_cost_rad, its length up to there, which no other cost "
+          "it began in collision, see recover_start) and recovery_cost_rad, its length up to there, which no other "
+          "cost "
           "counts;\n"
           "search_cost_rad and path_cost_rad, before and after "
           "the shortcut "

@@ -32,7 +32,7 @@ __version__: str = _srmp.__version__
 
 
 def get_cmake_dir() -> str:
-    """The folder of srmpConfig.cmake: configure C++ projects with ``-Dsrmp_DIR=<this>``."""
+    """The directory of srmpConfig.cmake: configure C++ projects with ``-Dsrmp_DIR=<this>``."""
     return str(Path(__file__).parent / "lib" / "cmake" / "srmp")
 
 

@@ -1,4 +1,4 @@
-"""Loads the shared libraries of other wheels when this package was installed into another folder than they were.
+"""Loads the shared libraries of other wheels when this package was installed into another directory than they were.
 
 Normally the run path inside libsrmp.so finds them in ../../cmeel.prefix. That fails for example in a virtual
 environment with --system-site-packages whose Pinocchio is the system's. The loader also accepts libraries that are
@@ -23,9 +23,9 @@ _LIBRARIES = (
 
 def preload() -> None:
     """Loads each library from the first cmeel.prefix on sys.path that has it; missing ones are left to the loader."""
-    folders = [folder for entry in sys.path if (folder := Path(entry) / "cmeel.prefix" / "lib").is_dir()]
+    directories = [directory for entry in sys.path if (directory := Path(entry) / "cmeel.prefix" / "lib").is_dir()]
     for name in _LIBRARIES:
-        for folder in folders:
-            if (folder / name).exists():
-                ctypes.CDLL(str(folder / name))
+        for directory in directories:
+            if (directory / name).exists():
+                ctypes.CDLL(str(directory / name))
                 break

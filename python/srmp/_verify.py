@@ -27,7 +27,7 @@ def verify(
     limits: srmp.MotionLimits | None = None,
     jerk: bool = False,
     max_deviation: float | None = None,
-    tightness: float = 0.5,
+    gap_tolerance: float = 0.5,
     package_dirs: Sequence[str] = (),
 ) -> srmp.Certificate:
     """A Certificate of any trajectory, whoever planned it: PlannerInterface.verify, which explains the arguments.
@@ -57,7 +57,7 @@ def verify(
         limits=limits,
         jerk=jerk,
         max_deviation=max_deviation,
-        tightness=tightness,
+        gap_tolerance=gap_tolerance,
     )
 
 

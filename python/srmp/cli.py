@@ -138,7 +138,7 @@ def _apply_joint_limits(world: srmp.PlannerInterface, robot: str, path: str | No
 
 @main.command()
 @click.option(
-    "-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Folder for the files."
+    "-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Directory for the files."
 )
 @_planner_options(time_limit=30.0)
 def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float) -> None:
@@ -148,17 +148,17 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     planner_options = {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)}
     _cover_first(srmp.data_path("arm7.urdf"))
     result = run(planner_options)
-    folder = Path(output)
-    folder.mkdir(parents=True, exist_ok=True)
-    result.write(folder / "demo.json")
+    directory = Path(output)
+    directory.mkdir(parents=True, exist_ok=True)
+    result.write(directory / "demo.json")
     click.echo(result.summary())
-    click.echo(f"wrote {folder / 'demo.json'}")
+    click.echo(f"wrote {directory / 'demo.json'}")
     try:
-        result.draw(folder / "demo.png")
+        result.draw(directory / "demo.png")
     except ModuleNotFoundError as error:
         click.echo(f"no picture: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
     else:
-        click.echo(f"wrote {folder / 'demo.png'}")
+        click.echo(f"wrote {directory / 'demo.png'}")
 
 
 @main.command()
@@ -438,7 +438,7 @@ def cover(
 
     for path in (output, picture):
         if path and not Path(path).parent.is_dir():
-            raise click.BadParameter(f"the folder {Path(path).parent} does not exist.")
+            raise click.BadParameter(f"the directory {Path(path).parent} does not exist.")
     with _steps_bar() as progress:
         result = srmp.cover(
             urdf,
@@ -487,7 +487,7 @@ def _steps_bar() -> Iterator[Callable[[int, int], None]]:
 
 @main.command("cmake-dir")
 def cmake_dir() -> None:
-    """Print the folder of srmpConfig.cmake, for -Dsrmp_DIR=…"""
+    """Print the directory of srmpConfig.cmake, for -Dsrmp_DIR=…"""
     click.echo(srmp.get_cmake_dir())
 
 
@@ -498,7 +498,7 @@ def bench() -> None:
 
 @bench.command()
 @click.option(
-    "--data", required=True, type=click.Path(exists=True, file_okay=False), help="Folder with <robot>/problems…"
+    "--data", required=True, type=click.Path(exists=True, file_okay=False), help="Directory with <robot>/problems…"
 )
 @click.option("--robot", required=True, help="panda, ur5 or fetch.")
 @click.option("--scenario", "scenarios", multiple=True, help="Only this one; may be repeated.")
@@ -522,10 +522,10 @@ def mbm(
     """MotionBenchMaker: solve its problems and print a table per scenario."""
     from srmp.bench import mbm as benchmark
 
-    _require_folder(out)
+    _require_directory(out)
     planner_options = parse_key_values(options)
     files = benchmark.robot_files(data, robot, geometry)
-    _cover_first(files.urdf, [str(files.folder)])
+    _cover_first(files.urdf, [str(files.directory)])
     result = benchmark.run(
         data,
         robot,
@@ -549,7 +549,7 @@ def mbm(
 @click.option(
     "--data",
     type=click.Path(exists=True, file_okay=False),
-    help="Folder with MotionBenchMaker's robots; default: those of example-robot-data.",
+    help="Directory with MotionBenchMaker's robots; default: those of example-robot-data.",
 )
 @click.option("--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row a problem.")
 def multi(
@@ -567,7 +567,7 @@ def multi(
     from srmp.bench import multi as benchmark
     from srmp.bench import scenarios
 
-    _require_folder(out)
+    _require_directory(out)
     planner_options = parse_key_values(options)
     for model in scenarios.find(scenario, robots, seed, data).world.models:
         _cover_first(model.urdf, model.package_dirs)
@@ -585,9 +585,9 @@ def multi(
     _report(result, benchmark.format_statistics, out)
 
 
-def _require_folder(out: str | None) -> None:
+def _require_directory(out: str | None) -> None:
     if out and not Path(out).parent.is_dir():
-        raise click.BadParameter(f"--out: the folder {Path(out).parent} does not exist.")
+        raise click.BadParameter(f"--out: the directory {Path(out).parent} does not exist.")
 
 
 def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: str | None) -> None:

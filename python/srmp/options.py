@@ -35,9 +35,9 @@ class _Options:
     """Obstacles are inflated by this in that grid [m], >= 0."""
     ik_solutions: int = 16
     """Configurations tried for a pose or position goal, > 0."""
-    ik_snap: bool = True
+    ik_goal_connection: bool = True
     """A search from the start may also end by inverse kinematics from a state near a pose or position target."""
-    escape_start: bool = False
+    recover_start: bool = False
     """Leave a start in collision: on the way out no pair gets deeper and no other comes into contact."""
     shortcut: bool = True
     """Shorten the path before timing it."""

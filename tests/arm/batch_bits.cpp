@@ -25,11 +25,11 @@ int main() {
   BatchWorld world;
   world.dof = 7;
   for (int k = 0; k < 7; ++k) {
-    BatchDrive drive;
+    BatchActuatedJoint drive;
     drive.parent = k - 1;
     drive.joint = k;
     drive.frame = turned(vector(-0.05, 0.05) + Eigen::Vector3d(0, 0, 0.2));
-    world.drives.push_back(drive);
+    world.actuated_joints.push_back(drive);
     BatchBody body;
     body.drive = k;
     for (int i = 0; i < 6; ++i) {
@@ -58,7 +58,7 @@ int main() {
     for (double& x : a) x = in(-3, 3);
     for (double& x : d) x = in(-0.3, 0.3);
     for (double& x : block) x = in(-3, 3);
-    const Verdict verdict = checker.motion(a, d, *workspace, {});
+    const CollisionStatus verdict = checker.motion(a, d, *workspace, {});
     std::printf("%d", static_cast<int>(verdict));
     for (const UndecidedPair& u : checker.undecided(*workspace))
       std::printf(" %a %a %d %d", u.t, u.half, u.self, u.pair);

@@ -27,14 +27,14 @@ Eigen::Isometry3d pose(std::mt19937& random, double size) {
   return t;
 }
 
-/// An arm of eight joints with a branch, a prismatic joint and a mimic; one exact body of five balls and one body with
-/// coarse, fine and inner balls on each drive; obstacles of every kind.
+/// An arm of eight joints with a branch, a prismatic joint and a mimic; one exact body of five spheres and one body
+/// with coarse, fine and inner spheres on each drive; obstacles of every kind.
 BatchWorld random_world(unsigned seed, double spread = 1.0) {
   std::mt19937 random(seed);
   BatchWorld world;
   world.dof = 7;
   for (int k = 0; k < 8; ++k) {
-    BatchDrive drive;
+    BatchActuatedJoint drive;
     drive.parent = k == 5 ? 2 : k - 1;
     drive.frame = pose(random, 0.25);
     drive.prismatic = k == 3;
@@ -42,7 +42,7 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
     drive.ratio = k == 7 ? -0.5 : 1.0;
     drive.offset = k == 7 ? 0.3 : 0.0;
     drive.max_travel = k == 3 ? 4.0 : 0.0;
-    world.drives.push_back(drive);
+    world.actuated_joints.push_back(drive);
   }
   for (int k = -1; k < 8; ++k) {
     BatchBody exact;
@@ -52,7 +52,7 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
     exact.bound = {{0, 0, 0}, 0.2};
     exact.padding = 0.002;
     world.bodies.push_back(exact);
-    BatchBody covered;  // the body is the ball of radius 0.06; fine and coarse balls are around it
+    BatchBody covered;  // the body is the sphere of radius 0.06; fine and coarse spheres are around it
     covered.drive = k;
     const Eigen::Vector3d c = vector(random, 0.1);
     covered.bound = {c, 0.1};
@@ -82,7 +82,7 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
 
 std::vector<Eigen::Isometry3d> forward(const BatchWorld& world, std::span<const double> q) {
   std::vector<Eigen::Isometry3d> frames;
-  for (const BatchDrive& d : world.drives) {
+  for (const BatchActuatedJoint& d : world.actuated_joints) {
     const double value = d.ratio * q[d.joint] + d.offset;
     Eigen::Isometry3d t = d.parent < 0 ? d.frame : frames[d.parent] * d.frame;
     if (d.prismatic)
@@ -108,18 +108,18 @@ double distance(const BatchObstacle& o, const Eigen::Vector3d& world) {
   return 0;
 }
 
-/// The true bodies as balls in the base frame.
-std::vector<std::vector<Ball>> true_bodies(const BatchWorld& world, std::span<const double> q) {
+/// The true bodies as spheres in the base frame.
+std::vector<std::vector<PlacedSphere>> true_bodies(const BatchWorld& world, std::span<const double> q) {
   const auto frames = forward(world, q);
-  std::vector<std::vector<Ball>> result;
+  std::vector<std::vector<PlacedSphere>> result;
   for (const BatchBody& b : world.bodies) {
     const Eigen::Isometry3d frame = b.drive < 0 ? Eigen::Isometry3d::Identity() : frames[b.drive];
-    std::vector<Ball> balls;
+    std::vector<PlacedSphere> spheres;
     if (b.exact)
-      for (const Ball& ball : b.coarse) balls.push_back({frame * ball.center, ball.radius});
+      for (const PlacedSphere& sphere : b.coarse) spheres.push_back({frame * sphere.center, sphere.radius});
     else
-      balls.push_back({frame * b.bound.center, 0.06});
-    result.push_back(balls);
+      spheres.push_back({frame * b.bound.center, 0.06});
+    result.push_back(spheres);
   }
   return result;
 }
@@ -137,14 +137,14 @@ double clearance(const BatchWorld& world, std::span<const double> q, const std::
     if (skipped(false, i)) continue;
     const auto& [b, o] = world.obstacle_pairs[i];
     const BatchObstacle& obstacle = world.obstacles[o];
-    for (const Ball& ball : bodies[b])
-      least =
-          std::min(least, distance(obstacle, ball.center) - ball.radius - obstacle.padding - world.bodies[b].padding);
+    for (const PlacedSphere& sphere : bodies[b])
+      least = std::min(least,
+                       distance(obstacle, sphere.center) - sphere.radius - obstacle.padding - world.bodies[b].padding);
   }
   for (std::size_t i = 0; i < world.self_pairs.size(); ++i) {
     if (skipped(true, i)) continue;
-    for (const Ball& a : bodies[world.self_pairs[i].a])
-      for (const Ball& b : bodies[world.self_pairs[i].b])
+    for (const PlacedSphere& a : bodies[world.self_pairs[i].a])
+      for (const PlacedSphere& b : bodies[world.self_pairs[i].b])
         least = std::min(least, (a.center - b.center).norm() - a.radius - b.radius - world.self_pairs[i].padding);
   }
   return least;
@@ -200,9 +200,9 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
       const auto a = random_q(random, 7, 3.0), d = random_q(random, 7, i % 3 ? 0.1 : 1.0);
       const auto block = checkers[0].judge_block(q, *workspaces[0]);
       const auto block_pairs = checkers[0].undecided(*workspaces[0]);
-      const Verdict motion = checkers[0].motion(a, d, *workspaces[0], {});
+      const CollisionStatus motion = checkers[0].motion(a, d, *workspaces[0], {});
       const auto motion_pairs = checkers[0].undecided(*workspaces[0]);
-      (motion == Verdict::free ? free : motion == Verdict::colliding ? colliding : undecided) += 1;
+      (motion == CollisionStatus::free ? free : motion == CollisionStatus::colliding ? colliding : undecided) += 1;
       for (std::size_t k = 1; k < checkers.size(); ++k) {
         const auto lanes = checkers[k].judge_block(q, *workspaces[k]);
         BOOST_REQUIRE(lanes.colliding == block.colliding);
@@ -234,17 +234,17 @@ BOOST_AUTO_TEST_CASE(asked_for_proofs_only_a_checker_proves_as_much) {
         BOOST_REQUIRE((lanes.colliding | lanes.undecided) == (proofs.colliding | proofs.undecided));
         const auto a = random_q(same_for_each, 7, 3.0), d = random_q(same_for_each, 7, i % 3 ? 0.1 : 1.0);
         const std::uint64_t before = checker.statistics(*workspace).blocks;
-        const Verdict verdict = checker.motion(a, d, *workspace, {});
+        const CollisionStatus verdict = checker.motion(a, d, *workspace, {});
         const std::uint64_t between = checker.statistics(*workspace).blocks;
-        BOOST_REQUIRE(checker.proves_free(a, d, *workspace, {}) == (verdict == Verdict::free));
-        (verdict == Verdict::free ? free : open) += 1;
-        if (verdict == Verdict::undecided) {
+        BOOST_REQUIRE(checker.proves_free(a, d, *workspace, {}) == (verdict == CollisionStatus::free));
+        (verdict == CollisionStatus::free ? free : open) += 1;
+        if (verdict == CollisionStatus::undecided) {
           of_blocks += between - before;
           of_proofs += checker.statistics(*workspace).blocks - between;
         }
         // Whatever was asked before: a motion in many intervals, as the last joint's turns are.
         const auto b = random_q(same_for_each, 7, 3.0), way = random_q(same_for_each, 7, i % 2 ? 0.02 : 0.3);
-        const bool proved = checker.motion(b, way, *workspace, {}) == Verdict::free;
+        const bool proved = checker.motion(b, way, *workspace, {}) == CollisionStatus::free;
         checker.motion(b, turns, *workspace, {});
         BOOST_REQUIRE(checker.proves_free(b, way, *workspace, {}) == proved);
       }
@@ -296,16 +296,17 @@ BOOST_AUTO_TEST_CASE(what_a_motion_calls_free_is_free_between_samples) {
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 30; ++i) {
       const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.4);
-      const Verdict verdict = i % 2 ? checker.motion(a, d, *workspace, {}) : checker.motion_block(a, d, *workspace);
-      if (verdict == Verdict::undecided) continue;
+      const CollisionStatus verdict =
+          i % 2 ? checker.motion(a, d, *workspace, {}) : checker.motion_block(a, d, *workspace);
+      if (verdict == CollisionStatus::undecided) continue;
       double least = 1e9;
       for (int s = 0; s <= 300; ++s) {
         std::vector<double> q(7);
         for (int k = 0; k < 7; ++k) q[k] = a[k] + d[k] * s / 300.0;
         least = std::min(least, clearance(world, q));
       }
-      (verdict == Verdict::free ? free : hits) += 1;
-      BOOST_REQUIRE((verdict == Verdict::free ? least > 0 : least < 0.02));
+      (verdict == CollisionStatus::free ? free : hits) += 1;
+      BOOST_REQUIRE((verdict == CollisionStatus::free ? least > 0 : least < 0.02));
     }
   }
   BOOST_TEST(free > 15);
@@ -321,7 +322,7 @@ BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 30; ++i) {
       const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.2);
-      if (checker.motion(a, d, *workspace, {.refinements = 1}) != Verdict::undecided) continue;
+      if (checker.motion(a, d, *workspace, {.refinements = 1}) != CollisionStatus::undecided) continue;
       ++seen;
       const auto undecided = checker.undecided(*workspace);
       for (int s = 0; s <= 100; ++s) {
@@ -345,7 +346,7 @@ BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
   world.obstacle_pairs.push_back({0, 77});
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "77");
   world = random_world(1);
-  world.drives[1].frame.translation().x() = NAN;
+  world.actuated_joints[1].frame.translation().x() = NAN;
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "not finite");
   const BatchChecker checker(random_world(1));
   const auto workspace = checker.make_workspace();

@@ -236,10 +236,10 @@ BOOST_AUTO_TEST_CASE(other_robots_stand_where_they_were_put_and_so_does_what_the
   scene.add_robot(arm7("left"));
   scene.add_robot(arm7("right"), at(0, 0.8, 0));
   const Eigen::VectorXd up = Eigen::VectorXd::Zero(7),
-                        aside = (Eigen::VectorXd(7) << 1.57, 1.5, 0, 0, 0, 0, 0).finished();
+                        any = (Eigen::VectorXd(7) << 1.57, 1.5, 0, 0, 0, 0, 0).finished();
   BOOST_TEST(is_free(scene, "left", up));
   const Checker checker(scene, "left");
-  const auto contacts = checker.contacts(aside, *checker.make_workspace());
+  const auto contacts = checker.contacts(any, *checker.make_workspace());
   BOOST_REQUIRE(!contacts.empty());
   BOOST_TEST(
       std::all_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.body_b.starts_with("right/"); }));
@@ -248,7 +248,7 @@ BOOST_AUTO_TEST_CASE(other_robots_stand_where_they_were_put_and_so_does_what_the
   const Checker with_cup(scene, "left");
   const auto cup = with_cup.contacts(up, *with_cup.make_workspace());
   BOOST_TEST(has_contact(cup, "arm7_hand", "cup"));
-  scene.set_qpos("right", aside);
+  scene.set_qpos("right", any);
   BOOST_TEST(is_free(scene, "left", up));
 }
 
@@ -323,11 +323,11 @@ BOOST_AUTO_TEST_CASE(many_objects_give_the_same_answers_as_few) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(nearest_is_right_for_robots_and_things_of_balls_only) {
+BOOST_AUTO_TEST_CASE(nearest_is_right_for_robots_and_things_of_spheres_only) {
   // Their distance has a formula, which knows no infinite margin.
   for (const double far : {2.3, 50.0, 3e4}) {
     Scene scene;
-    scene.add_robot(balls());
+    scene.add_robot(spheres());
     scene.add_object("x", Sphere{0.1}, at(far, 0, 0));
     for (const CheckMode mode : {CheckMode::exact, CheckMode::coal}) {
       const Checker checker(scene, "planar", {.mode = mode});
@@ -383,7 +383,7 @@ void expect_to_bound(const RobotModel& robot, double used) {
 BOOST_AUTO_TEST_CASE(reach_bounds_how_far_a_joint_moves_any_point) {
   expect_to_bound(*robots::planar(), 0.95);
   expect_to_bound(*robots::planar("continuous"), 0.95);
-  expect_to_bound(*balls(), 0.95);
+  expect_to_bound(*spheres(), 0.95);
   expect_to_bound(*arm7(), 0.3);
   expect_to_bound(*slide(), 0.0);  // nothing is in the drawer
   if (const auto robot = panda()) expect_to_bound(*robot, 0.0);
@@ -396,11 +396,11 @@ BOOST_AUTO_TEST_CASE(reach_knows_what_the_robot_holds_and_its_companions) {
   scene.add_object("held", Sphere{0.1}, {});
   scene.attach_object("held", "planar", "tip", {"lower"}, at(0.4, 0, 0));
   const Eigen::VectorXd holding = Checker(scene, "planar").reach();
-  BOOST_TEST(holding[1] == 1.5, boost::test_tools::tolerance(1e-12));  // 1 to the tip, 0.4 to the ball, 0.1 in it
+  BOOST_TEST(holding[1] == 1.5, boost::test_tools::tolerance(1e-12));  // 1 to the tip, 0.4 to the sphere, 0.1 in it
   BOOST_TEST(holding[0] == 2.5, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(empty[1] < 1.0);
   scene.add_robot(arm7());
-  const Eigen::VectorXd both = Checker(scene, "planar", {.companions = {"arm7"}}).reach();
+  const Eigen::VectorXd both = Checker(scene, "planar", {.other_robots = {"arm7"}}).reach();
   BOOST_TEST(both.size() == 9);
   BOOST_TEST((both.head<2>() == holding));
   BOOST_TEST((both.tail<7>() == Checker(scene, "arm7").reach()));
@@ -434,7 +434,8 @@ BOOST_AUTO_TEST_CASE(absent_robots_are_left_out_with_what_they_hold) {
   scene.attach_object("held", "right", "base");
   const Eigen::Vector2d ahead(0, 0), at_post(M_PI / 2, 0);
   for (const CheckMode mode : {CheckMode::coal, CheckMode::exact}) {
-    const Checker all(scene, "left", {.mode = mode}), alone(scene, "left", {.mode = mode, .absent = {"right"}});
+    const Checker all(scene, "left", {.mode = mode}),
+        alone(scene, "left", {.mode = mode, .excluded_robots = {"right"}});
     BOOST_TEST(!free_at(all, ahead));
     BOOST_TEST(free_at(alone, ahead));
     BOOST_TEST(!free_at(alone, at_post));
@@ -446,7 +447,7 @@ BOOST_AUTO_TEST_CASE(absent_robots_are_left_out_with_what_they_hold) {
 BOOST_AUTO_TEST_CASE(companions_only_sees_what_robots_do_to_each_other) {
   const Scene scene = arms_and_post();
   for (const CheckMode mode : {CheckMode::coal, CheckMode::exact}) {
-    const Checker pair(scene, "left", {.mode = mode, .companions = {"right"}, .companions_only = true});
+    const Checker pair(scene, "left", {.mode = mode, .other_robots = {"right"}, .other_robots_only = true});
     BOOST_TEST(pair.dof() == 4u);
     BOOST_TEST(!free_at(pair, Eigen::Vector4d(0, 0, 0, 0)));
     BOOST_TEST(free_at(pair, Eigen::Vector4d(M_PI / 2, 0, 1, 0)));  // the left one in the post
@@ -461,10 +462,10 @@ BOOST_AUTO_TEST_CASE(companions_only_sees_what_robots_do_to_each_other) {
 
 BOOST_AUTO_TEST_CASE(range_holds_the_robot_wherever_it_stands) {
   Scene scene = arms_and_post();
-  const Ball empty = Checker(scene, "right").range();
+  const PlacedSphere empty = Checker(scene, "right").range();
   scene.add_object("held", Sphere{0.1}, at(0, 0, 0));
   scene.attach_object("held", "right", "tip", {"lower"}, at(0.4, 0, 0));
-  const Ball range = Checker(scene, "right").range();
+  const PlacedSphere range = Checker(scene, "right").range();
   BOOST_TEST(range.radius > empty.radius);
   for (double a = -3; a <= 3; a += 0.5)
     for (double b = -3; b <= 3; b += 0.5) {
@@ -477,25 +478,25 @@ BOOST_AUTO_TEST_CASE(range_holds_the_robot_wherever_it_stands) {
   BOOST_TEST(range.radius < 2 * 2.5);
 }
 
-BOOST_AUTO_TEST_CASE(by_balls_alone_is_never_free_wrongly) {
+BOOST_AUTO_TEST_CASE(by_spheres_alone_is_never_free_wrongly) {
   const Scene scene = arms_and_post();
-  const Checker exact(scene, "left", {.companions = {"right"}, .companions_only = true});
-  const Checker coal(scene, "left", {.mode = CheckMode::coal, .companions = {"right"}, .companions_only = true});
+  const Checker exact(scene, "left", {.other_robots = {"right"}, .other_robots_only = true});
+  const Checker coal(scene, "left", {.mode = CheckMode::coal, .other_robots = {"right"}, .other_robots_only = true});
   std::mt19937 random(7);
   std::uniform_real_distribution<double> turn(-1.5, 1.5);
   const RowMatrix q = RowMatrix::NullaryExpr(200, 4, [&] { return turn(random); });
-  const auto ask = [&](const Checker& checker, bool by_balls) {
+  const auto ask = [&](const Checker& checker, bool by_spheres) {
     const auto free = std::make_unique<bool[]>(200);
-    checker.are_free(q, {free.get(), 200}, *checker.make_workspace(), by_balls);
+    checker.are_free(q, {free.get(), 200}, *checker.make_workspace(), {.spheres_only = by_spheres});
     return std::vector<bool>(free.get(), free.get() + 200);
   };
-  const auto truth = ask(coal, false), balls_only = ask(exact, true);
+  const auto truth = ask(coal, false), spheres_only = ask(exact, true);
   BOOST_TEST((ask(exact, false) == truth));
-  BOOST_TEST((ask(coal, true) == truth));  // it has no balls
+  BOOST_TEST((ask(coal, true) == truth));  // it has no spheres
   int proved = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    BOOST_TEST((!balls_only[i] || truth[i]));
-    proved += balls_only[i];
+    BOOST_TEST((!spheres_only[i] || truth[i]));
+    proved += spheres_only[i];
   }
   BOOST_TEST(2 * proved > std::count(truth.begin(), truth.end(), true));
 }

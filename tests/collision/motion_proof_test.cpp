@@ -112,9 +112,9 @@ void compare(const Checker& checker, const Trajectory& t, Tally& tally) {
   BOOST_TEST(proof.proved >= std::min(0.5 * proof.clearance, proof.clearance - 2.5e-5));
 }
 
-Tally compare_many(const Scene& scene, const std::string& robot, const std::vector<std::string>& companions,
+Tally compare_many(const Scene& scene, const std::string& robot, const std::vector<std::string>& other_robots,
                    int motions, double size, unsigned seed) {
-  const Checker checker(scene, robot, {.mode = CheckMode::coal, .companions = companions});
+  const Checker checker(scene, robot, {.mode = CheckMode::coal, .other_robots = other_robots});
   const auto workspace = checker.make_workspace();
   Dice dice(seed);
   Tally tally;
@@ -133,14 +133,14 @@ Tally compare_many(const Scene& scene, const std::string& robot, const std::vect
   return tally;
 }
 
-/// The planar robot beside a ball.
+/// The planar robot beside a sphere.
 struct Beside {
-  explicit Beside(const Pose& ball, CheckMode mode = CheckMode::coal, double padding = 0.0)
-      : scene(with(ball, padding)), checker(scene, "planar", {.mode = mode}) {}
-  static Scene with(const Pose& ball, double padding) {
+  explicit Beside(const Pose& sphere, CheckMode mode = CheckMode::coal, double padding = 0.0)
+      : scene(with(sphere, padding)), checker(scene, "planar", {.mode = mode}) {}
+  static Scene with(const Pose& sphere, double padding) {
     Scene scene;
     scene.add_robot(robots::planar());
-    scene.add_object("x", Sphere{0.1}, ball, padding);
+    scene.add_object("x", Sphere{0.1}, sphere, padding);
     return scene;
   }
   Scene scene;
@@ -188,9 +188,9 @@ BOOST_AUTO_TEST_CASE(robots_that_move_together_are_proved) {
   compare_many(scene, "left", {"right"}, 60, 0.7, 8);
 }
 
-BOOST_AUTO_TEST_CASE(robots_of_balls_are_proved) {
+BOOST_AUTO_TEST_CASE(robots_of_spheres_are_proved) {
   Scene scene;
-  scene.add_robot(balls());
+  scene.add_robot(spheres());
   Dice dice(3);
   for (int i = 0; i < 5; ++i)
     scene.add_object("x" + std::to_string(i), Sphere{0.1}, at(dice.in(-2, 2), dice.in(-2, 2), 0.1));
@@ -253,14 +253,14 @@ BOOST_AUTO_TEST_CASE(velocities_that_jump_at_every_row_make_straight_motions_too
 
 // --- cases that can be worked out by hand
 
-BOOST_AUTO_TEST_CASE(the_clearance_is_where_the_tip_passes_the_ball) {
+BOOST_AUTO_TEST_CASE(the_clearance_is_where_the_tip_passes_the_sphere) {
   const Beside world(at(2.2, 0, 0));
   Trajectory t = straight(world.checker, Vector2d(-1, 0), Vector2d(1, 0));
   t.times << 10.0, 14.0;
-  const MotionProof proof = prove(world.checker, t, *world.workspace, {.tightness = 0.99});
+  const MotionProof proof = prove(world.checker, t, *world.workspace, {.gap_tolerance = 0.99});
   BOOST_TEST(proof.free);
   BOOST_TEST(proof.unproved.empty());
-  const double least = 2.1 - std::hypot(1.95, 0.05);  // between the ball and the bar's corners
+  const double least = 2.1 - std::hypot(1.95, 0.05);  // between the sphere and the bar's corners
   BOOST_TEST(proof.clearance >= least - gjk);
   BOOST_TEST(proof.clearance <= least / 0.99);
   BOOST_TEST(proof.proved >= 0.99 * proof.clearance);
@@ -270,7 +270,7 @@ BOOST_AUTO_TEST_CASE(the_clearance_is_where_the_tip_passes_the_ball) {
   BOOST_TEST(proof.body_b == "x");
 }
 
-BOOST_AUTO_TEST_CASE(velocities_bend_the_way_into_a_ball_that_the_rows_pass_by) {
+BOOST_AUTO_TEST_CASE(velocities_bend_the_way_into_a_sphere_that_the_rows_pass_by) {
   const Beside world(at(1.9, 0, 0));
   Trajectory t = straight(world.checker, Vector2d(0.5, 0), Vector2d(0.5, 0));
   BOOST_TEST(prove(world.checker, t, *world.workspace).free);
@@ -280,7 +280,7 @@ BOOST_AUTO_TEST_CASE(velocities_bend_the_way_into_a_ball_that_the_rows_pass_by) 
   BOOST_TEST(!proof.free);
   BOOST_TEST((proof.body_a == "lower" && proof.body_b == "x"));
   BOOST_TEST((proof.time > 0.2 && proof.time < 0.8));
-  t.velocities *= 0.5;  // to 0.25: 0.47 m from the ball's middle
+  t.velocities *= 0.5;  // to 0.25: 0.47 m from the sphere's middle
   BOOST_TEST(prove(world.checker, t, *world.workspace).unproved.empty());
 }
 
@@ -293,7 +293,7 @@ BOOST_AUTO_TEST_CASE(what_arrives_faster_than_it_leaves_bends_the_way_before_the
     return prove_motion(world.checker, {times, positions, rest, &arrivals}, *world.workspace);
   };
   BOOST_TEST(proof(0.0).unproved.empty());
-  BOOST_TEST(proof(-3.0).unproved.empty());  // away from the ball
+  BOOST_TEST(proof(-3.0).unproved.empty());  // away from the sphere
   const MotionProof touching = proof(3.4);
   BOOST_TEST(!touching.free);
   BOOST_TEST((touching.time > 0.3 && touching.time < 1.0));
@@ -437,7 +437,7 @@ BOOST_AUTO_TEST_CASE(a_million_turns_end_unproved_and_not_never) {
 BOOST_AUTO_TEST_CASE(no_tightness_ends_with_a_free_motion) {
   const Beside world(at(2.2, 0, 0));
   const MotionProof proof = prove(world.checker, straight(world.checker, Vector2d(-1, 0), Vector2d(1, 0)),
-                                  *world.workspace, {.tightness = 0.0});
+                                  *world.workspace, {.gap_tolerance = 0.0});
   BOOST_TEST((proof.free && proof.unproved.empty()));
   BOOST_TEST(proof.proved <= 0.15);
 }
@@ -445,11 +445,12 @@ BOOST_AUTO_TEST_CASE(no_tightness_ends_with_a_free_motion) {
 BOOST_AUTO_TEST_CASE(motions_are_checked_at_the_door) {
   const Beside world(at(2.2, 0, 0));
   const Trajectory good = straight(world.checker, Vector2d(-1, 0), Vector2d(1, 0));
-  const auto refused = [&](auto&& change, const std::string& why, double tightness = 0.5) {
+  const auto refused = [&](auto&& change, const std::string& why, double gap_tolerance = 0.5) {
     Trajectory bad = good;
     bad.velocities = RowMatrix::Zero(2, 2);
     change(bad);
-    check_throws<InvalidArgument>([&] { prove(world.checker, bad, *world.workspace, {.tightness = tightness}); }, why);
+    check_throws<InvalidArgument>(
+        [&] { prove(world.checker, bad, *world.workspace, {.gap_tolerance = gap_tolerance}); }, why);
   };
   const auto nothing = [](Trajectory&) {};
   refused([](Trajectory& t) { t.positions.resize(0, 2); }, "it has no rows");
@@ -465,7 +466,7 @@ BOOST_AUTO_TEST_CASE(motions_are_checked_at_the_door) {
   refused([](Trajectory& t) { t.positions(0, 0) = 1e200; }, "overflow");
   refused([](Trajectory& t) { t.times[1] = 0.0; }, "time 1 is 0 s, not after the one before (0 s)");
   refused([](Trajectory& t) { t.times[1] = -1.0; }, "time 1 is -1 s, not after the one before (0 s)");
-  refused(nothing, "tightness is 1; it must be in [0, 1)", 1.0);
-  refused(nothing, "tightness is -0.1; it must be in [0, 1)", -0.1);
-  refused(nothing, "tightness is NaN", NAN);
+  refused(nothing, "gap_tolerance is 1; it must be in [0, 1)", 1.0);
+  refused(nothing, "gap_tolerance is -0.1; it must be in [0, 1)", -0.1);
+  refused(nothing, "gap_tolerance is NaN", NAN);
 }

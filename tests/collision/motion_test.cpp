@@ -81,7 +81,7 @@ Tally compare(const Scene& scene, const RobotModel& robot, int motions, double l
     ++tally.motions;
     const bool free = checker.is_motion_free(motion.a, motion.b, *workspace);
     if (checker.is_free(motion.a, *dense))
-      BOOST_TEST(free == checker.is_motion_free(motion.a, motion.b, *workspace, true));
+      BOOST_TEST(free == checker.is_motion_free(motion.a, motion.b, *workspace, {.start_is_free = true}));
     tally.free += free;
     const bool sampled_free =
         sample(robot, motion, reach, step, [&](const Eigen::VectorXd& q) { return checker.is_free(q, *dense); });
@@ -132,7 +132,7 @@ BOOST_AUTO_TEST_CASE(a_motion_does_not_jump_over_a_thin_wall) {
   BOOST_TEST(checker.is_free(Vector2d(-1, 0), *workspace));
   BOOST_TEST(checker.is_free(Vector2d(1, 0), *workspace));
   BOOST_TEST(!checker.is_motion_free(Vector2d(-1, 0), Vector2d(1, 0), *workspace));
-  BOOST_TEST(!checker.is_motion_free(Vector2d(-1, 0), Vector2d(1, 0), *workspace, true));
+  BOOST_TEST(!checker.is_motion_free(Vector2d(-1, 0), Vector2d(1, 0), *workspace, {.start_is_free = true}));
   BOOST_TEST(checker.is_motion_free(Vector2d(0.2, 0), Vector2d(2, 0), *workspace));
 }
 
@@ -158,7 +158,7 @@ BOOST_AUTO_TEST_CASE(a_pair_at_rest_in_a_motion_is_checked_unless_the_start_is_k
     BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
   }
   const Checker coal(scene, "planar", {.mode = CheckMode::coal});
-  BOOST_TEST(coal.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *coal.make_workspace(), true));
+  BOOST_TEST(coal.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *coal.make_workspace(), {.start_is_free = true}));
 }
 
 BOOST_AUTO_TEST_CASE(continuous_joints_go_the_short_way) {

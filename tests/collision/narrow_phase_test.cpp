@@ -3,6 +3,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "collision/worlds.hpp"
+#include "srmp/scene/shape_geometry.hpp"
 
 using namespace srmp;
 using namespace worlds;
@@ -19,11 +20,11 @@ struct Body {
   std::string name;
   Geometry geometry;
   Bounds bounds;
-  std::shared_ptr<const PieceTree> pieces;
+  std::shared_ptr<const PrimitiveBvh> pieces;
 };
 
 Body body_of(const std::string& name, const Geometry& geometry) {
-  return {name, geometry, bounds_of(*geometry), make_piece_tree(*geometry)};
+  return {name, geometry, bounds_of(*geometry), make_primitive_bvh(*geometry)};
 }
 
 std::vector<Body> bodies() {
@@ -137,7 +138,7 @@ BOOST_AUTO_TEST_CASE(hulls_and_spheres_and_boxes_are_outside) {
     BOOST_TEST((v - bounds.center).norm() <= bounds.radius + 1e-12);
     BOOST_TEST(((v - bounds.box_center).cwiseAbs() - bounds.box_half).maxCoeff() <= 1e-12);
   }
-  const Geometry sphere = make_geometry(Sphere{0.1}, "ball"),
+  const Geometry sphere = make_geometry(Sphere{0.1}, "sphere"),
                  flat = make_geometry(Mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 3, 2}}, false},
                                       "flat");
   BOOST_TEST(bounds_of(*sphere).radius == 0.1);

@@ -25,8 +25,9 @@ std::string stl(const Mesh& mesh) {
 
 /// Three angle irons in a row, turning about z and y: the last can meet the first. And one that nothing reaches.
 /// `planned`: joints, all when empty.
-std::shared_ptr<const RobotModel> irons(const TemporaryFolder& folder, const std::vector<std::string>& planned = {}) {
-  const std::string file = folder.write("iron.stl", stl(angle_iron()));
+std::shared_ptr<const RobotModel> irons(const TemporaryDirectory& directory,
+                                        const std::vector<std::string>& planned = {}) {
+  const std::string file = directory.write("iron.stl", stl(angle_iron()));
   const auto iron = [&](const std::string& name) {
     return "<link name='" + name + "'><collision><geometry><mesh filename='" + file +
            "'/></geometry></collision></link>";
@@ -59,8 +60,8 @@ bool same(const PairTables& a, const PairTables& b) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
-  const TemporaryFolder folder;
-  const auto robot = irons(folder);
+  const TemporaryDirectory directory;
+  const auto robot = irons(directory);
   PairTableStore store("");
   const auto tables = store.tables(robot, parts_of_all(*robot));
   BOOST_TEST(store.tables(robot, {}) == tables);  // known
@@ -101,8 +102,8 @@ BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
 }
 
 BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_answers) {
-  const TemporaryFolder folder;
-  const auto robot = irons(folder);
+  const TemporaryDirectory directory;
+  const auto robot = irons(directory);
   Scene scene;
   scene.add_robot(robot);
   scene.add_object("post", Box{{0.05, 0.05, 0.5}}, at(0.25, 0.2, 0.2));
@@ -125,8 +126,8 @@ BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_answers) {
 }
 
 BOOST_AUTO_TEST_CASE(links_that_other_joints_move_have_no_table) {
-  const TemporaryFolder folder;
-  const auto robot = irons(folder, {"a"});  // b stands where the scene puts it
+  const TemporaryDirectory directory;
+  const auto robot = irons(directory, {"a"});  // b stands where the scene puts it
   PairTableStore store("");
   const auto tables = store.tables(robot, parts_of_all(*robot));
   const auto has_third = [&](const PairTable& table) {
@@ -137,16 +138,16 @@ BOOST_AUTO_TEST_CASE(links_that_other_joints_move_have_no_table) {
   BOOST_TEST(std::none_of(tables->begin(), tables->end(), has_third));
 }
 
-BOOST_AUTO_TEST_CASE(tables_are_kept_in_a_folder_and_made_again_when_damaged) {
-  const TemporaryFolder folder;
-  const auto robot = irons(folder);
+BOOST_AUTO_TEST_CASE(tables_are_kept_in_a_directory_and_made_again_when_damaged) {
+  const TemporaryDirectory directory;
+  const auto robot = irons(directory);
   const auto ask = [&] {
-    PairTableStore store(folder.path("cache"));
+    PairTableStore store(directory.path("cache"));
     return store.tables(robot, parts_of_all(*robot));
   };
   const auto built = ask(), loaded = ask();
   BOOST_TEST(same(*built, *loaded));
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path("cache"))) {
+  for (const auto& entry : std::filesystem::directory_iterator(directory.path("cache"))) {
     BOOST_TEST(entry.path().extension() == ".pairs");
     std::filesystem::resize_file(entry.path(), std::filesystem::file_size(entry.path()) / 2);
   }

@@ -40,8 +40,8 @@ inline std::shared_ptr<const RobotModel> slide() {
   return RobotModel::load(description);
 }
 
-/// The planar robot, each bar a row of balls.
-inline std::shared_ptr<const RobotModel> balls() {
+/// The planar robot, each bar a row of spheres.
+inline std::shared_ptr<const RobotModel> spheres() {
   const auto row = [](std::string link) {
     for (const std::string x : {"0.1", "0.3", "0.5", "0.7", "0.9"})
       link += "<collision><origin xyz='" + x + " 0 0'/><geometry><sphere radius='0.05'/></geometry></collision>";
@@ -75,7 +75,7 @@ inline Mesh angle_iron() {
   return mesh;
 }
 
-inline PointCloud ball_cloud() {
+inline PointCloud sphere_cloud() {
   PointCloud cloud{{}, 0.02};
   for (int i = 0; i < 200; ++i) {
     const double z = -1.0 + 2.0 * i / 199, angle = 2.4 * i, r = std::sqrt(1 - z * z);
@@ -95,7 +95,7 @@ inline std::vector<std::pair<std::string, Shape>> every_kind() {
           {"cone", Cone{0.08, 0.2}},
           {"mesh", angle_iron()},
           {"hull", hull},
-          {"cloud", ball_cloud()}};
+          {"cloud", sphere_cloud()}};
 }
 
 /// Repeatable numbers without <random>'s distributions, which differ between standard libraries.

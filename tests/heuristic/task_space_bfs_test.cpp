@@ -38,7 +38,7 @@ BOOST_AUTO_TEST_CASE(distance_goes_round_the_wall) {
   BOOST_TEST(bfs.distance({-0.5, 0.0, 0.0}) < 2.0);
 }
 
-/// Coal's answer for a ball of 0.05 m in the middle of each cell, but where it is a matter of rounding.
+/// Coal's answer for a sphere of 0.05 m in the middle of each cell, but where it is a matter of rounding.
 BOOST_AUTO_TEST_CASE(cells_are_occupied_as_coal_says) {
   const double radius = 0.05, resolution = 0.025;
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.3);
@@ -51,10 +51,10 @@ BOOST_AUTO_TEST_CASE(cells_are_occupied_as_coal_says) {
       scene.add_object(name, shape, pose);
       const TaskSpaceBfs bfs(scene, -half, half, {}, {resolution, radius});
       const auto touches = [&](const Eigen::Vector3d& center, double r) {
-        const coal::Sphere ball(r);
+        const coal::Sphere sphere(r);
         coal::CollisionResult result;
         const coal::Transform3s place(pose.q.toRotationMatrix(), pose.p);
-        return coal::collide(&ball, coal::Transform3s(center), scene.object(name).geometry.get(), place,
+        return coal::collide(&sphere, coal::Transform3s(center), scene.object(name).geometry.get(), place,
                              coal::CollisionRequest(coal::NO_REQUEST, 1), result) > 0;
       };
       int occupied = 0, compared = 0;

@@ -43,20 +43,20 @@ Scene scene_with_robot() {
   return scene;
 }
 
-std::filesystem::path mbm_folder() {
-  const char* folder = std::getenv("SRMP_MBM_DIR");
-  return folder ? folder : "";
+std::filesystem::path mbm_directory() {
+  const char* directory = std::getenv("SRMP_MBM_DIR");
+  return directory ? directory : "";
 }
 
-/// Where <robot>'s problems are unpacked: in the data folder, or from its archive into `scratch`. Empty if neither is
-/// there.
+/// Where <robot>'s problems are unpacked: in the data directory, or from its archive into `scratch`. Empty if neither
+/// is there.
 std::filesystem::path unpacked_problems(const std::string& robot, const std::filesystem::path& scratch) {
-  const std::filesystem::path folder = mbm_folder() / robot;
-  if (std::filesystem::is_directory(folder / "problems")) return folder / "problems";
-  if (!std::filesystem::exists(folder / "problems.tar.bz2")) return {};
+  const std::filesystem::path directory = mbm_directory() / robot;
+  if (std::filesystem::is_directory(directory / "problems")) return directory / "problems";
+  if (!std::filesystem::exists(directory / "problems.tar.bz2")) return {};
   std::filesystem::create_directories(scratch / robot);
   const std::string command =
-      "tar -xjf '" + (folder / "problems.tar.bz2").string() + "' -C '" + (scratch / robot).string() + "'";
+      "tar -xjf '" + (directory / "problems.tar.bz2").string() + "' -C '" + (scratch / robot).string() + "'";
   return std::system(command.c_str()) == 0 ? scratch / robot : std::filesystem::path();
 }
 
@@ -314,7 +314,7 @@ BOOST_AUTO_TEST_CASE(a_request_can_hold_an_object_in_the_hand) {
 }
 
 BOOST_AUTO_TEST_CASE(every_motion_bench_maker_problem_can_be_read) {
-  if (mbm_folder().empty()) {
+  if (mbm_directory().empty()) {
     BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
     return;
   }

@@ -129,6 +129,6 @@ BOOST_AUTO_TEST_CASE(files_that_are_no_primitive_files_are_refused) {
   check_throws<FileError>([] { read(good + "---\n" + good); }, "a second document starts here");
   check_throws<FileError>([] { read_primitives("/no/such/file.yaml", joints()); },
                           "/no/such/file.yaml: there is no such file");
-  check_throws<FileError>([] { read_primitives("/", joints()); }, "this is a folder");
+  check_throws<FileError>([] { read_primitives("/", joints()); }, "this is a directory");
   check_throws<InvalidArgument>([] { read_primitives(TempFile(good).path(), {}); }, "at least one planned joint");
 }

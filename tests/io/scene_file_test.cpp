@@ -13,9 +13,9 @@ namespace {
 bool same(const srmp::Pose& a, const srmp::Pose& b) { return a.to_list() == b.to_list(); }
 
 std::string text_of_every_kind() {
-  const TemporaryFolder folder;
-  srmp::io::save_scene(worlds::every_kind(), folder.path("scene.json"));
-  return read_text(folder.path("scene.json"));
+  const TemporaryDirectory directory;
+  srmp::io::save_scene(worlds::every_kind(), directory.path("scene.json"));
+  return read_text(directory.path("scene.json"));
 }
 
 void check_refused(const std::string& text, const std::string& fragment) {
@@ -45,7 +45,7 @@ BOOST_AUTO_TEST_CASE(a_scene_comes_back_bit_for_bit) {
   BOOST_CHECK(mesh.triangles == std::get<srmp::Mesh>(scene.object("surface").shape).triangles);
   BOOST_CHECK(std::get<srmp::PointCloud>(read.object("cloud").shape).points ==
               std::get<srmp::PointCloud>(scene.object("cloud").shape).points);
-  const srmp::Attachment& held = read.attachments().at("ball");
+  const srmp::Attachment& held = read.attachments().at("sphere");
   BOOST_CHECK_EQUAL(held.link, "tip");
   BOOST_CHECK((held.touch_links == std::set<std::string>{"lower", "tip"}));
   BOOST_CHECK(read.allowed_settings() == scene.allowed_settings());
@@ -54,51 +54,52 @@ BOOST_AUTO_TEST_CASE(a_scene_comes_back_bit_for_bit) {
   BOOST_CHECK(twin.model->joint_names() == robot.model->joint_names());
   BOOST_CHECK_EQUAL(twin.model->end_effector(), "tip");
 
-  const TemporaryFolder folder;
-  srmp::io::save_scene(read, folder.path("again.json"));
-  BOOST_CHECK(read_text(folder.path("again.json")) == read_text(file.path()));
+  const TemporaryDirectory directory;
+  srmp::io::save_scene(read, directory.path("again.json"));
+  BOOST_CHECK(read_text(directory.path("again.json")) == read_text(file.path()));
 }
 
 BOOST_AUTO_TEST_CASE(a_pose_that_was_computed_comes_back_to_the_last_bit) {
   srmp::Scene scene = worlds::every_kind();
   for (int i = 0; i < 5; ++i) {  // roundings add up
-    scene.detach_object("ball");
-    scene.attach_object("ball", "planar", "lower");
+    scene.detach_object("sphere");
+    scene.attach_object("sphere", "planar", "lower");
     scene.set_qpos("planar", Eigen::Vector2d(0.1 * i, 0.2 * i));
   }
-  const TemporaryFolder folder;
-  srmp::io::save_scene(scene, folder.path("scene.json"));
-  BOOST_CHECK(same(srmp::io::load_scene(folder.path("scene.json")).object("ball").pose, scene.object("ball").pose));
+  const TemporaryDirectory directory;
+  srmp::io::save_scene(scene, directory.path("scene.json"));
+  BOOST_CHECK(
+      same(srmp::io::load_scene(directory.path("scene.json")).object("sphere").pose, scene.object("sphere").pose));
 }
 
 BOOST_AUTO_TEST_CASE(robots_do_not_need_their_files_but_for_meshes) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   const std::string urdf = robots::planar_description().urdf_text, mesh = R"(<mesh filename="parts/tip.stl"/>)";
   const std::string with_mesh = replaced(
       urdf, "<link name='tip'/>", "<link name='tip'><collision><geometry>" + mesh + "</geometry></collision></link>");
-  folder.write("parts/tip.stl",
-               "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\n"
-               "endfacet\nendsolid t\n");
+  directory.write("parts/tip.stl",
+                  "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\n"
+                  "endfacet\nendsolid t\n");
   srmp::RobotDescription description;
-  description.urdf_path = folder.write("arm.urdf", with_mesh);
-  description.srdf_path = folder.write("arm.srdf",
-                                       "<robot name='planar'><group name='arm'><chain base_link='base' "
-                                       "tip_link='tip'/></group></robot>");
+  description.urdf_path = directory.write("arm.urdf", with_mesh);
+  description.srdf_path = directory.write("arm.srdf",
+                                          "<robot name='planar'><group name='arm'><chain base_link='base' "
+                                          "tip_link='tip'/></group></robot>");
   description.group = "arm";
   srmp::Scene scene;
   scene.add_robot(srmp::RobotModel::load(description));
-  srmp::io::save_scene(scene, folder.path("scene.json"));
-  folder.write("arm.urdf", "changed since");
+  srmp::io::save_scene(scene, directory.path("scene.json"));
+  directory.write("arm.urdf", "changed since");
   std::filesystem::remove(description.srdf_path);
-  const auto read = srmp::io::load_scene(folder.path("scene.json"));
+  const auto read = srmp::io::load_scene(directory.path("scene.json"));
   BOOST_CHECK_EQUAL(read.robot("planar").model->geometries().size(), 3u);
 
-  std::filesystem::create_directory(folder.path("elsewhere"));
-  std::filesystem::rename(folder.path("parts"), folder.path("elsewhere/parts"));
+  std::filesystem::create_directory(directory.path("elsewhere"));
+  std::filesystem::rename(directory.path("parts"), directory.path("elsewhere/parts"));
   check_throws<srmp::FileError>(
-      [&] { srmp::io::load_scene(folder.path("scene.json")); },
-      "scene.robots[0]: URDF text:1: mesh 'parts/tip.stl' was not found; tried '" + folder.path("parts/tip.stl"));
-  BOOST_CHECK_NO_THROW(srmp::io::load_scene(folder.path("scene.json"), {folder.path("elsewhere")}));
+      [&] { srmp::io::load_scene(directory.path("scene.json")); },
+      "scene.robots[0]: URDF text:1: mesh 'parts/tip.stl' was not found; tried '" + directory.path("parts/tip.stl"));
+  BOOST_CHECK_NO_THROW(srmp::io::load_scene(directory.path("scene.json"), {directory.path("elsewhere")}));
 }
 
 BOOST_AUTO_TEST_CASE(other_files_are_refused) {
@@ -129,7 +130,7 @@ BOOST_AUTO_TEST_CASE(damaged_files_are_refused_with_the_place) {
                 "unknown key 'colour' in scene.objects[1]");
   check_refused(changed("\"kind\": \"box\"", "\"kind\": \"torus\""),
                 "scene.objects[1].shape: the kind is 'torus'; known");
-  check_refused(changed("\"radius\": 0.05", "\"radius\": -1"), "sphere radius of object 'ball' is -1");
+  check_refused(changed("\"radius\": 0.05", "\"radius\": -1"), "sphere radius of object 'sphere' is -1");
   check_refused(changed("\"convex\": false", "\"convex\": \"perhaps\""), "must be true or false");
   check_refused(changed("[0, 1, 2]", "[0, 1.5, 2]"), "must be a whole number");
   check_refused(changed("[0, 1, 2]", "[0, 1]"), "triangles[0] must be 3 numbers, not 2");

@@ -37,9 +37,9 @@ bool same_bits(const A& a, const B& b) {
 }
 
 srmp::Trajectory round_trip(const srmp::Trajectory& trajectory) {
-  const TemporaryFolder folder;
-  srmp::io::save_trajectory(trajectory, folder.path("t.json"));
-  return srmp::io::load_trajectory(folder.path("t.json"));
+  const TemporaryDirectory directory;
+  srmp::io::save_trajectory(trajectory, directory.path("t.json"));
+  return srmp::io::load_trajectory(directory.path("t.json"));
 }
 
 void check_refused(const std::string& text, const std::string& fragment) {
@@ -105,13 +105,13 @@ BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
 BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_refused_both_ways) {
   srmp::Trajectory t = odd_numbers();
   t.times.conservativeResize(2);
-  const TemporaryFolder folder;
-  check_throws<srmp::InvalidArgument>([&] { srmp::io::save_trajectory(t, folder.path("t.json")); },
+  const TemporaryDirectory directory;
+  check_throws<srmp::InvalidArgument>([&] { srmp::io::save_trajectory(t, directory.path("t.json")); },
                                       "trajectory: times has 2 numbers; there are 3 rows of positions");
-  BOOST_CHECK(!std::filesystem::exists(folder.path("t.json")));
+  BOOST_CHECK(!std::filesystem::exists(directory.path("t.json")));
 
-  srmp::io::save_trajectory(odd_numbers(), folder.path("t.json"));
-  const std::string text = read_text(folder.path("t.json"));
+  srmp::io::save_trajectory(odd_numbers(), directory.path("t.json"));
+  const std::string text = read_text(directory.path("t.json"));
   check_refused(replaced(text, "\"waypoints\": [\n", "\"waypoints\": [[1], \n"),
                 "waypoints[1] is 2 numbers, but the row before it 1; all rows have one length");
   check_refused(replaced(text, "[\"a\", \"b\"]", "[\"a\"]"), "positions has 3 rows of 2 numbers; there are");

@@ -5,7 +5,7 @@
 
 namespace worlds {
 
-/// The planar arm (here "planar"), its base turned, and one object of every kind around it; its hand holds a ball.
+/// The planar arm (here "planar"), its base turned, and one object of every kind around it; its hand holds a sphere.
 inline srmp::Scene every_kind() {
   const auto pose = [](double x, double y, double turn) {
     return srmp::Pose::from_rpy({x, y, 0.1 / 3}, {turn, turn / 3, 1.0});
@@ -23,11 +23,11 @@ inline srmp::Scene every_kind() {
   scene.add_object("surface", srmp::Mesh{corners, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 2, 3}}}, pose(0.7, 1.3, 1.5));
   scene.add_object("hull", srmp::Mesh{corners, {}, true}, pose(1.5, 1.5, 1.7));
   scene.add_object("cloud", srmp::PointCloud{corners, 0.1 / 3}, pose(-0.5, -1.5, 1.9));
-  scene.add_object("ball", srmp::Sphere{0.05}, {});
-  scene.attach_object("ball", "planar", "tip", {"lower"}, pose(0.1, 0, 2.1));
+  scene.add_object("sphere", srmp::Sphere{0.05}, {});
+  scene.attach_object("sphere", "planar", "tip", {"lower"}, pose(0.1, 0, 2.1));
   scene.set_allowed_collision("planar", "cloud");
   scene.set_allowed_collision("planar/upper", "cloud", false);
-  scene.set_allowed_collision("ball", "box");
+  scene.set_allowed_collision("sphere", "box");
   return scene;
 }
 

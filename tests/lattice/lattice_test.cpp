@@ -7,9 +7,9 @@
 #include <random>
 
 #include "srmp/core/error.hpp"
+#include "srmp/search/alternating_search.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
-#include "srmp/search/guided_search.hpp"
 #include "srmp/search/mha.hpp"
 #include "srmp/search/wpase.hpp"
 #include "support/data.hpp"
@@ -46,8 +46,8 @@ BOOST_AUTO_TEST_CASE(every_joint_moves_by_a_step_and_near_the_ends_by_a_third_of
   const auto from_start = successors(lattice, 0);
   BOOST_TEST(from_start.size() == 1 + 4 + 4);                            // snap, whole, third
   BOOST_TEST(successors(lattice, from_start[1].state).size() == 1 + 4);  // 30 degrees away: far from both ends
-  Lattice no_snap = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30, always_free, 1.0);
-  BOOST_TEST(successors(no_snap, 0).size() == 4 + 4);
+  Lattice no_connection = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30, always_free, 1.0);
+  BOOST_TEST(successors(no_connection, 0).size() == 4 + 4);
 }
 
 BOOST_AUTO_TEST_CASE(the_default_is_rich_with_short_moves_within_half_a_step_of_the_ends) {
@@ -220,7 +220,7 @@ BOOST_AUTO_TEST_CASE(rich_lattices_keep_the_laws) {
                   always_free);
   for (search::StateId state = 0; state < 500; ++state) {
     const auto next = successors(lattice, state);
-    BOOST_TEST(std::abs(lattice.distance_from_anchors(state) - lattice.distance(start, lattice.configuration(state))) <
+    BOOST_TEST(std::abs(lattice.distance_from_roots(state) - lattice.distance(start, lattice.configuration(state))) <
                1e-9);
     for (std::size_t i = 0; i < next.size(); ++i) {
       const double length = lattice.distance(lattice.configuration(state), lattice.configuration(next[i].state));
@@ -252,8 +252,8 @@ namespace {
 
 /// The planar arm among discs in its joint space. Any q with q0 + q1 = 2 is a goal, as of a redundant arm; only
 /// `targets` are known beforehand, of the others a state within 0.6 sees the nearest, and at times a second one.
-struct SnapWorld {
-  explicit SnapWorld(unsigned seed) : dice(seed) {
+struct ConnectionWorld {
+  explicit ConnectionWorld(unsigned seed) : dice(seed) {
     for (unsigned i = 0; i < 10 + seed / 3; ++i) discs.emplace_back(in(-2.5, 2.5), in(-2.5, 2.5));
     do start = {in(-2.5, 0.5), in(-2.5, 0.5)};
     while (!is_free(start, start));
@@ -274,9 +274,9 @@ struct SnapWorld {
     });
   }
 
-  static std::vector<SnapGoal> goals_near(const Eigen::VectorXd& q) {
+  static std::vector<ConnectedGoal> goals_near(const Eigen::VectorXd& q) {
     const double off = (q[0] + q[1] - 2.0) / 2.0;
-    std::vector<SnapGoal> goals;
+    std::vector<ConnectedGoal> goals;
     if (std::abs(off) < 0.4) goals.push_back({q - Vector2d(off, off), 7});
     if (std::abs(off) < 0.1) goals.push_back({q - Vector2d(2 * off, 0), 8});
     return goals;
@@ -284,7 +284,7 @@ struct SnapWorld {
 
   Lattice lattice(const RobotModel& robot, bool snaps) const {
     Lattice::Options options{axis_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, {}};
-    if (snaps) options.goal_snap = goals_near;
+    if (snaps) options.goal_connection = goals_near;
     return Lattice(robot, {start}, targets, options,
                    [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); });
   }
@@ -316,7 +316,7 @@ std::pair<double, double> brute_force(Lattice& lattice) {
   for (search::StateId state = 0; state < lattice.size(); ++state) {
     if (!lattice.is_goal(state)) continue;
     any = std::min(any, to[state]);
-    if (!lattice.snapped_goal(state)) target = std::min(target, to[state]);
+    if (!lattice.connected_goal(state)) target = std::min(target, to[state]);
   }
   return {any, target};
 }
@@ -326,9 +326,9 @@ std::pair<double, double> brute_force(Lattice& lattice) {
 BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_them) {
   using namespace search;
   const auto robot = robots::planar();
-  int by_snap = 0, cheaper = 0, only_by_snap = 0, exhausted = 0;
+  int by_connection = 0, cheaper = 0, only_by_connection = 0, exhausted = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
-    const SnapWorld world(seed);
+    const ConnectionWorld world(seed);
     Lattice whole = world.lattice(*robot, true), plain = world.lattice(*robot, false);
     const auto [any, target] = brute_force(whole);
     BOOST_TEST(target == brute_force(plain).second);  // goal snaps change no other cost
@@ -354,9 +354,9 @@ BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_th
       BOOST_TEST(result.bound <= weight);
       BOOST_TEST(result.cost <= result.bound * target + 1e-9);
       BOOST_TEST(result.cost / result.bound <= target + 1e-9);
-      const SnapGoal* snapped = lattice.snapped_goal(result.path.back());
-      by_snap += snapped != nullptr;
-      only_by_snap += target == infinity;
+      const ConnectedGoal* snapped = lattice.connected_goal(result.path.back());
+      by_connection += snapped != nullptr;
+      only_by_connection += target == infinity;
       cheaper += result.cost < target - 1e-9;
       if (snapped) BOOST_TEST((snapped->goal == 7 || snapped->goal == 8));
       if (snapped) BOOST_TEST((path.back() - snapped->q).norm() < 1e-12);
@@ -368,14 +368,14 @@ BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_th
           return wpase(g, g.starts(), h, {.weight = w, .batch_size = batch}, Deadline());
         });
       check(w * 2.0, [&](Lattice& g, const auto& h) {
-        const std::vector<InadmissibleHeuristic> others{[&](StateId s) { return g.distance_from_anchors(s); }};
+        const std::vector<InadmissibleHeuristic> others{[&](StateId s) { return g.distance_from_roots(s); }};
         return mha_star(g, g.starts(), h, others, {.w1 = w, .w2 = 2.0}, Deadline());
       });
       check(w, [&](Lattice& g, const auto& h) {
         const auto values = [&](std::span<const StateId> states, std::span<double> out) {
           std::transform(states.begin(), states.end(), out.begin(), [&](StateId s) { return h(s); });
         };
-        GuidedSearch search(g, h, Guides{1, values}, w);
+        AlternatingSearch search(g, h, InadmissibleHeuristics{1, values}, w);
         search.add_starts(g.starts());
         return search.result(search.improve(Deadline(), 1'000'000));
       });
@@ -389,22 +389,23 @@ BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_th
       return ara_star(g, g.starts(), h, options, Deadline());
     });
   }
-  BOOST_TEST(by_snap > 100);  // the worlds are not all of one kind
+  BOOST_TEST(by_connection > 100);  // the worlds are not all of one kind
   BOOST_TEST(cheaper > 20);
-  BOOST_TEST(only_by_snap > 0);
+  BOOST_TEST(only_by_connection > 0);
   BOOST_TEST(exhausted > 0);
 }
 
 BOOST_AUTO_TEST_CASE(goal_snaps_asked_for_again_are_the_same_states) {
   const auto robot = robots::planar();
-  Lattice snapping(*robot, {Vector2d(1, 0.95)}, {Vector2d(2, 0)},
-                   {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, SnapWorld::goals_near},
-                   always_free);
+  Lattice snapping(
+      *robot, {Vector2d(1, 0.95)}, {Vector2d(2, 0)},
+      {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, ConnectionWorld::goals_near},
+      always_free);
   const auto first = successors(snapping, 0), again = successors(snapping, 0);
   BOOST_REQUIRE_EQUAL(first.size(), again.size());
   for (std::size_t i = 0; i < first.size(); ++i) BOOST_TEST(first[i].state == again[i].state);
-  BOOST_TEST(snapping.snapped_goal(first[0].state)->goal == 7);
-  BOOST_TEST(snapping.snapped_goal(first[1].state)->goal == 8);
+  BOOST_TEST(snapping.connected_goal(first[0].state)->goal == 7);
+  BOOST_TEST(snapping.connected_goal(first[1].state)->goal == 8);
   for (int i : {0, 1}) {
     const auto goal = first[static_cast<std::size_t>(i)].state;
     BOOST_TEST(snapping.is_goal(goal));
@@ -412,7 +413,7 @@ BOOST_AUTO_TEST_CASE(goal_snaps_asked_for_again_are_the_same_states) {
     BOOST_TEST(successors(snapping, goal).empty());
     BOOST_TEST(std::abs(snapping.configuration(goal).sum() - 2.0) < 1e-12);
   }
-  BOOST_TEST(snapping.snapped_goal(1) == nullptr);  // a target
+  BOOST_TEST(snapping.connected_goal(1) == nullptr);  // a target
   BOOST_TEST(snapping.is_goal(1));
   BOOST_TEST(!snapping.is_goal(0));
 }
@@ -433,7 +434,7 @@ BOOST_AUTO_TEST_CASE(a_snap_leads_to_every_via_which_has_a_grid_of_its_own) {
   BOOST_TEST(snap->cost == via.norm(), boost::test_tools::tolerance(1e-12));
   BOOST_TEST(!lattice.is_goal(snap->state));
   BOOST_TEST(lattice.starts().size() == 1u);
-  BOOST_TEST(lattice.anchor_count() == 1u);
+  BOOST_TEST(lattice.root_count() == 1u);
   BOOST_TEST(find(successors(lattice, 0)[3].state, via).has_value());  // from everywhere
   BOOST_TEST(find(snap->state, via + Vector2d(10 * degree, 0)).has_value());
   BOOST_TEST(find(snap->state, Vector2d(2, 2)).has_value());

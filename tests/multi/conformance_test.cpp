@@ -24,12 +24,12 @@ const std::vector<Planner>& all_planners() {
       {"ECBS high 1.5", {.high_focal = 1.5}},
       {"ECBS 2", {.low_focal = 2.0, .high_focal = 2.0}},
       {"ECBS 1.2 with experience", {.low_focal = 1.2, .high_focal = 1.2, .experience = true}},
-      {"weighted", {.guide_weight = 1.5}},
-      {"xECBS 2", {.guide_weight = 2.0, .low_focal = 1.3, .high_focal = 1.3, .experience = true}},
-      {"xECBS 5", {.guide_weight = 5.0, .low_focal = 1.1, .high_focal = 1.3, .experience = true}},
+      {"weighted", {.low_level_weight = 1.5}},
+      {"xECBS 2", {.low_level_weight = 2.0, .low_focal = 1.3, .high_focal = 1.3, .experience = true}},
+      {"xECBS 5", {.low_level_weight = 5.0, .low_focal = 1.1, .high_focal = 1.3, .experience = true}},
       {"xECBS 1 with priorities", {.low_focal = 1.2, .high_focal = 1.1, .experience = true, .priorities = true}},
       {"xECBS 3 with priorities",
-       {.guide_weight = 3.0, .low_focal = 1.2, .high_focal = 1.1, .experience = true, .priorities = true}},
+       {.low_level_weight = 3.0, .low_focal = 1.2, .high_focal = 1.1, .experience = true, .priorities = true}},
   };
   return planners;
 }
@@ -185,7 +185,7 @@ BOOST_AUTO_TEST_CASE(weights_below_1_are_refused) {
   GridWorld world = grid({"a.b"}, {"a.b"});
   for (const double bad : {std::nan(""), 0.99, -1.0, infinity}) {
     const std::string text = " is " + to_text(bad) + ", it must be finite and at least 1";
-    check_throws<InvalidArgument>([&] { plan(world, {.guide_weight = bad}); }, "guide_weight" + text);
+    check_throws<InvalidArgument>([&] { plan(world, {.low_level_weight = bad}); }, "low_level_weight" + text);
     check_throws<InvalidArgument>([&] { plan(world, {.low_focal = bad}); }, "low_focal" + text);
     check_throws<InvalidArgument>([&] { plan(world, {.high_focal = bad}); }, "high_focal" + text);
   }
@@ -198,7 +198,7 @@ BOOST_AUTO_TEST_CASE(agents_that_break_their_contract_are_refused) {
     world.agents[0].problem.h[1] = bad;
     check_throws<InvalidArgument>([&] { plan(world, {}); }, "the heuristic of state 1 is " + to_text(bad));
     world = good;
-    world.agents[0].guides = {0.0, bad, 0.0};
+    world.agents[0].inadmissible_heuristics = {0.0, bad, 0.0};
     check_throws<InvalidArgument>([&] { plan(world, {}); }, "the guide of state 1 is " + to_text(bad));
   }
   for (const double bad : {std::nan(""), 0.0, -1.0, infinity}) {

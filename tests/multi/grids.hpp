@@ -37,7 +37,7 @@ struct TestAgent : Agent {
   Problem problem;
   int least{1}, longest{1};
   double wait{1.0};
-  std::vector<double> guides;  ///< by state; empty: the heuristic
+  std::vector<double> inadmissible_heuristics;  ///< by state; empty: the heuristic
 
   explicit TestAgent(Problem p) : problem(std::move(p)) {}
 
@@ -46,7 +46,9 @@ struct TestAgent : Agent {
   double evaluate(StateId from, StateId to) override { return problem.graph.find(from, to)->cost; }
   bool is_goal(StateId s) override { return problem.graph.is_goal(s); }
   double heuristic(StateId s) override { return problem.h[s]; }
-  double guide(StateId s) override { return guides.empty() ? problem.h[s] : guides[s]; }
+  double guide(StateId s) override {
+    return inadmissible_heuristics.empty() ? problem.h[s] : inadmissible_heuristics[s];
+  }
   int duration(StateId from, StateId to) override {
     return least + static_cast<int>(mixed({from, to}) % static_cast<std::uint64_t>(longest - least + 1));
   }
@@ -67,7 +69,7 @@ struct TestWorld : World {
 
   std::size_t size() const override { return agents.size(); }
   Agent& agent(std::size_t i) override { return agents[i]; }
-  bool may_meet(std::size_t, std::size_t) const override { return true; }
+  bool may_conflict(std::size_t, std::size_t) const override { return true; }
   bool meet(std::size_t a, const Move& in_a, std::size_t b, const Move& in_b) override {
     const auto [first, last] = overlap(in_a, in_b);
     return first < last && clash(a, {in_a.from, in_a.to}, b, {in_b.from, in_b.to});
@@ -146,7 +148,7 @@ struct RandomWorld : TestWorld {
 
   static bool strangers(std::size_t a, std::size_t b) { return a + b == 3; }  // 0 and 3, 1 and 2
 
-  bool may_meet(std::size_t a, std::size_t b) const override { return !strangers(a, b); }
+  bool may_conflict(std::size_t a, std::size_t b) const override { return !strangers(a, b); }
   bool clash(std::size_t a, Place in_a, std::size_t b, Place in_b) const override {
     if (a > b) return clash(b, in_b, a, in_a);
     const std::uint64_t dice = mixed({seed, a, in_a.from, in_a.to, b, in_b.from, in_b.to});
@@ -196,11 +198,11 @@ inline std::unique_ptr<TestWorld> random_world(unsigned seed) {
       random_grid(dice, 2 + dice.below(side), 2 + dice.below(side), count, 0.3 * dice.unit()));
 }
 
-/// Guides that know nothing.
+/// InadmissibleHeuristics that know nothing.
 inline void misguide(TestWorld& world, unsigned seed) {
   Dice dice(seed);
   for (TestAgent& agent : world.agents) {
-    for (std::size_t s = 0; s < agent.problem.h.size(); ++s) agent.guides.push_back(8.0 * dice.unit());
+    for (std::size_t s = 0; s < agent.problem.h.size(); ++s) agent.inadmissible_heuristics.push_back(8.0 * dice.unit());
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 const ConflictSearchOptions cbs{}, cbs_with_experience{.experience = true}, cbs_with_priorities{.priorities = true};
 const ConflictSearchOptions ecbs{.low_focal = 1.2, .high_focal = 1.25};
 const ConflictSearchOptions xecbs{
-    .guide_weight = 1.5, .low_focal = 1.1, .high_focal = 1.2, .experience = true, .priorities = true};
+    .low_level_weight = 1.5, .low_focal = 1.1, .high_focal = 1.2, .experience = true, .priorities = true};
 
 void check_optimum(GridWorld world, double optimum) {
   for (const ConflictSearchOptions& options : {cbs, cbs_with_experience, cbs_with_priorities, ecbs, xecbs}) {

@@ -73,10 +73,10 @@ struct Scene {
 const std::vector<TimedSearchOptions> all_options{
     {},
     {.bound = 1.5, .focal = 1.5},
-    {.bound = 2.0, .guide_weight = 2.0},
-    {.bound = 4.5, .guide_weight = 3.0, .focal = 1.5},
-    {.bound = 1.2, .guide_weight = 10.0, .focal = 10.0},
-    {.bound = infinity, .guide_weight = 5.0, .focal = 5.0},
+    {.bound = 2.0, .low_level_weight = 2.0},
+    {.bound = 4.5, .low_level_weight = 3.0, .focal = 1.5},
+    {.bound = 1.2, .low_level_weight = 10.0, .focal = 10.0},
+    {.bound = infinity, .low_level_weight = 5.0, .focal = 5.0},
 };
 
 void check_way(Scene& scene, const TimedSearchResult& result, double bound, double optimum) {
@@ -214,7 +214,7 @@ BOOST_AUTO_TEST_CASE(bad_options_of_a_timed_search_are_refused) {
   for (const double bad : {std::nan(""), 0.99, -1.0}) {
     const std::string text = " is " + to_text(bad) + ", it must be";
     check_throws<InvalidArgument>([&] { search({.bound = bad}); }, "timed_search: bound" + text);
-    check_throws<InvalidArgument>([&] { search({.guide_weight = bad}); }, "timed_search: guide_weight" + text);
+    check_throws<InvalidArgument>([&] { search({.low_level_weight = bad}); }, "timed_search: low_level_weight" + text);
     check_throws<InvalidArgument>([&] { search({.focal = bad}); }, "timed_search: focal" + text);
   }
   check_throws<InvalidArgument>([&] { search({.focal = infinity}); }, "timed_search: focal is inf");

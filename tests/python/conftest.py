@@ -17,10 +17,10 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def mbm_dir():
     """MotionBenchMaker robots and problems, where SRMP_MBM_DIR says."""
-    folder = os.environ.get("SRMP_MBM_DIR", "")
-    if not folder or not Path(folder, "panda", "panda.urdf").exists():
-        pytest.skip("set SRMP_MBM_DIR to a folder with MotionBenchMaker robots and problems to run this test")
-    return Path(folder)
+    directory = os.environ.get("SRMP_MBM_DIR", "")
+    if not directory or not Path(directory, "panda", "panda.urdf").exists():
+        pytest.skip("set SRMP_MBM_DIR to a directory with MotionBenchMaker robots and problems to run this test")
+    return Path(directory)
 
 
 @pytest.fixture(scope="session")

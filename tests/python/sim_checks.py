@@ -12,12 +12,12 @@ from srmp.sim import SimulatedWorld, check_parity
 
 def panda(mbm_dir: Path) -> dict[str, Any]:
     """Its URDF and SRDF, as read_sim is told of them."""
-    folder = mbm_dir / "panda"
+    directory = mbm_dir / "panda"
     return {
-        "urdf_path": str(folder / "panda.urdf"),
-        "srdf_path": str(folder / "panda.srdf"),
+        "urdf_path": str(directory / "panda.urdf"),
+        "srdf_path": str(directory / "panda.srdf"),
         "end_effector": "panda_hand",
-        "package_dirs": [str(folder)],
+        "package_dirs": [str(directory)],
     }
 
 

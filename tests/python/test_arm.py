@@ -17,10 +17,10 @@ SOURCES = [
 
 
 def eigen():
-    folder = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/include/eigen3"
-    if not folder.is_dir():
+    directory = Path(sysconfig.get_path("purelib")) / "cmeel.prefix/include/eigen3"
+    if not directory.is_dir():
         pytest.skip("Eigen's headers (cmeel-eigen) are not installed")
-    return folder
+    return directory
 
 
 def build(compiler, program, extra=()):

@@ -25,7 +25,7 @@ SCENE = [
     (lambda p: p.add_box("table", size=[1, 1, 1]), "'table'"),
     (lambda p: p.add_box("arm", size=[1, 1, 1]), "'arm'"),
     (lambda p: p.add_box("", size=[1, 1, 1]), "name"),
-    (lambda p: p.add_sphere("ball", radius=0), "'ball'.*0"),
+    (lambda p: p.add_sphere("sphere", radius=0), "'sphere'.*0"),
     (lambda p: p.add_cylinder("can", radius=0.1, length=float("inf")), "'can'.*infinity"),
     (lambda p: p.add_capsule("pill", radius=-1, length=1), "'pill'.*-1"),
     (lambda p: p.add_cone("cone", radius=NAN, length=1), "'cone'.*NaN"),

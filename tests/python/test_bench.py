@@ -74,9 +74,9 @@ def test_points_lie_on_the_surface():
     cylinder = cloud.on_cylinder([0.5, 0.1], 2000, rng)  # height, radius
     radius = np.linalg.norm(cylinder[:, :2], axis=1)
     np.testing.assert_allclose(np.maximum(np.abs(cylinder[:, 2]) / 0.25, radius / 0.1), 1)
-    ball = cloud.on_sphere([0.3], 2000, rng)
-    np.testing.assert_allclose(np.linalg.norm(ball, axis=1), 0.3)
-    for points in (box, cylinder, ball):
+    sphere = cloud.on_sphere([0.3], 2000, rng)
+    np.testing.assert_allclose(np.linalg.norm(sphere, axis=1), 0.3)
+    for points in (box, cylinder, sphere):
         assert np.all(np.abs(points.mean(axis=0)) < 0.1 * np.abs(points).max())
 
 

@@ -40,9 +40,9 @@ APART = {
 
 @pytest.fixture(scope="session")
 def data():
-    """Where Pandas come from: MotionBenchMaker's folder, or None, which means example-robot-data."""
-    if folder := os.environ.get("SRMP_MBM_DIR", ""):
-        return folder
+    """Where Pandas come from: MotionBenchMaker's directory, or None, which means example-robot-data."""
+    if directory := os.environ.get("SRMP_MBM_DIR", ""):
+        return directory
     if scenarios.example_robot_data() is None:
         pytest.skip("set SRMP_MBM_DIR or pip install example-robot-data to run this test")
     return None

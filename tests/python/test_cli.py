@@ -24,7 +24,7 @@ def test_cmake_dir():
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["bench", "mbm", "--data", ".", "--robot", "nobody"], "nobody is not a folder"),
+        (["bench", "mbm", "--data", ".", "--robot", "nobody"], "nobody is not a directory"),
         (["bench", "mbm", "--data", ".", "--robot", "x", "--option", "weight"], "'weight' is not KEY=VALUE"),
         (["bench", "mbm", "--data", ".", "--robot", "x", "--option", "w=1", "--option", "w=2"], "'w' is given twice"),
         (["bench", "mbm", "--data", "/nowhere", "--robot", "x"], "does not exist"),

@@ -30,7 +30,7 @@ def assert_modes_agree(planner, name, count, seed=0):
 
 
 def test_exact_is_coal_and_conservative_is_never_free_wrongly(arm):
-    arm.add_sphere("ball", radius=0.15, pose=srmp.Pose(p=[0.2, 0.5, 0.5]))
+    arm.add_sphere("sphere", radius=0.15, pose=srmp.Pose(p=[0.2, 0.5, 0.5]))
     arm.add_capsule("bar", radius=0.05, length=0.5, pose=srmp.Pose(p=[-0.3, 0.3, 0.6]), padding=0.01)
     arm.add_cone("cone", radius=0.2, length=0.3, pose=srmp.Pose(p=[0.4, -0.4, 0.3]))
     cloud = np.random.default_rng(1).uniform([-0.6, -0.6, 0.2], [-0.4, -0.2, 0.8], (500, 3))
@@ -46,7 +46,7 @@ def test_statistics_say_which_layer_decided(arm):
     stats = checker.stats()
     assert stats["states"] == 4000
     assert stats["motions"] == 1000
-    assert stats["states_by_balls"] + stats["motions_by_balls"] > 2000
+    assert stats["states_by_spheres"] + stats["motions_by_spheres"] > 2000
 
 
 TETRAHEDRON = ([[0, 0, 0], [0.2, 0, 0], [0, 0.2, 0], [0, 0, 0.3]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])

@@ -18,7 +18,7 @@ from srmp.compat.mplib import Box, CollisionObject, Planner, Pose, Sphere
 
 READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])
 TURN = np.array([0.9, 0, 0, 0, 0, 0, 0])
-ASIDE = READY + TURN
+ANY = READY + TURN
 PANDA = np.array([0, -0.4, 0, -2, 0, 1.6, 0.78, 0.04, 0.04])
 DOWN = [0, 1, 0, 0]  # w, x, y, z: half a turn about x
 
@@ -109,7 +109,7 @@ def test_poses_have_mplibs_calls():
 @pytest.mark.parametrize("value", [[1, 2, 3], "there", None, np.zeros((2, 7)), {"p": 1}])
 def test_what_is_no_pose_is_refused(planner, value):
     with pytest.raises(srmp.InvalidArgument, match=r"a pose must be an object with p and q = \[w, x, y, z\]"):
-        planner.plan_pose(value, ASIDE)
+        planner.plan_pose(value, ANY)
 
 
 # --- plans
@@ -117,8 +117,8 @@ def test_what_is_no_pose_is_refused(planner, value):
 
 @pytest.mark.parametrize("form", SAME_POSE)
 def test_plan_pose_reaches_it(planner, form):
-    result = planner.plan_pose(SAME_POSE[form], ASIDE, time_step=0.02)
-    assert_a_plan(planner, result, ASIDE, 0.02)
+    result = planner.plan_pose(SAME_POSE[form], ANY, time_step=0.02)
+    assert_a_plan(planner, result, ANY, 0.02)
     assert Pose(hand(planner, result["position"][-1])).distance(Pose(P, Q)) < 1e-4
 
 
@@ -126,20 +126,20 @@ def test_poses_in_the_frame_of_the_base(planner):
     base, goal = Pose([0.4, -0.3, 0.2], [0.6, 0, 0, 0.8]), Pose(P, Q)
     planner.set_base_pose([*base.p, *base.q])
     assert planner.get_base_pose() == base
-    in_base = planner.plan_pose(goal, ASIDE, wrt_world=False)
-    in_world = planner.plan_pose(base * goal, ASIDE)
+    in_base = planner.plan_pose(goal, ANY, wrt_world=False)
+    in_world = planner.plan_pose(base * goal, ANY)
     for result in (in_base, in_world, planner.plan_screw(goal, in_base["position"][-1], wrt_world=False)):
         assert result["status"] == "Success"
         assert Pose(hand(planner, result["position"][-1])).distance(base * goal) < 1e-4
-    status, found = planner.IK(goal, ASIDE)
+    status, found = planner.IK(goal, ANY)
     assert status == "Success"
     assert all(Pose(hand(planner, q)).distance(base * goal) < 1e-3 for q in found)
 
 
 def test_plan_qpos_reaches_one_of_its_goals(planner):
     beyond = np.full(7, 9.0)
-    result = planner.plan_qpos([beyond, READY], ASIDE, time_step=0.05)
-    assert_a_plan(planner, result, ASIDE, 0.05)
+    result = planner.plan_qpos([beyond, READY], ANY, time_step=0.05)
+    assert_a_plan(planner, result, ANY, 0.05)
     np.testing.assert_array_equal(result["position"][-1], READY)
 
 
@@ -147,8 +147,8 @@ def test_limits_are_those_given():
     slow = Planner(
         srmp.data_path("arm7.urdf"), "arm7_hand", joint_vel_limits=np.full(7, 0.2), joint_acc_limits=[0.5] * 7
     )
-    assert_a_plan(slow, slow.plan_qpos([READY], ASIDE), ASIDE, 0.1)
-    assert slow.plan_qpos([READY], ASIDE)["duration"] > 0.9 / 0.2
+    assert_a_plan(slow, slow.plan_qpos([READY], ANY), ANY, 0.1)
+    assert slow.plan_qpos([READY], ANY)["duration"] > 0.9 / 0.2
 
 
 def test_urdfs_need_no_velocity_limits(planner, tmp_path):
@@ -159,26 +159,26 @@ def test_urdfs_need_no_velocity_limits(planner, tmp_path):
         (tmp_path / "arm7.urdf").write_text(re.sub(r'velocity="[^"]*"', velocity, text))
         other = Planner(tmp_path / "arm7.urdf", "arm7_hand")
         np.testing.assert_array_equal(other.joint_vel_limits, np.ones(7))
-        same = (asked.plan_qpos([READY], ASIDE)["position"] for asked in (other, planner))
+        same = (asked.plan_qpos([READY], ANY)["position"] for asked in (other, planner))
         np.testing.assert_array_equal(*same)
 
 
 def test_calls_of_0_1(planner):
     goal = [*P, *Q]
-    old = planner.plan_qpos_to_pose(goal, ASIDE, time_step=0.05, use_point_cloud=False, wrt_world=True)
-    new = planner.plan_pose(Pose(goal), ASIDE, time_step=0.05)
+    old = planner.plan_qpos_to_pose(goal, ANY, time_step=0.05, use_point_cloud=False, wrt_world=True)
+    new = planner.plan_pose(Pose(goal), ANY, time_step=0.05)
     np.testing.assert_array_equal(old["position"], new["position"])
-    old = planner.plan_qpos_to_qpos([READY], ASIDE, 0.05)
-    np.testing.assert_array_equal(old["position"], planner.plan_qpos([READY], ASIDE, time_step=0.05)["position"])
+    old = planner.plan_qpos_to_qpos([READY], ANY, 0.05)
+    np.testing.assert_array_equal(old["position"], planner.plan_qpos([READY], ANY, time_step=0.05)["position"])
 
 
 def test_paths_may_stay_as_they_were_found(planner):
     planner.add_object("post", CollisionObject(Box([0.1, 0.1, 0.8]), Pose([0.4, 0, 0.4])))
     goal = [READY - TURN]
     straight, found, old = (
-        planner.plan_qpos(goal, ASIDE),
-        planner.plan_qpos(goal, ASIDE, simplify=False),
-        planner.plan_qpos_to_qpos(goal, ASIDE, no_simplification=True),
+        planner.plan_qpos(goal, ANY),
+        planner.plan_qpos(goal, ANY, simplify=False),
+        planner.plan_qpos_to_qpos(goal, ANY, no_simplification=True),
     )
     assert straight["duration"] < found["duration"]
     np.testing.assert_array_equal(found["position"], old["position"])
@@ -188,9 +188,9 @@ def test_the_same_question_has_the_same_answer(planner):
     def answers(asked):
         asked.update_point_cloud(np.random.default_rng(1).uniform([0.3, 0.1, 0.1], [0.6, 0.3, 0.5], (200, 3)), 0.01)
         for result in (
-            asked.plan_pose(Pose([0.4, -0.3, 0.3], DOWN), ASIDE),
-            asked.plan_qpos([READY - TURN], ASIDE),
-            asked.plan_screw(Pose(hand(asked, ASIDE)) * Pose([0, 0, 0.1]), ASIDE),
+            asked.plan_pose(Pose([0.4, -0.3, 0.3], DOWN), ANY),
+            asked.plan_qpos([READY - TURN], ANY),
+            asked.plan_screw(Pose(hand(asked, ANY)) * Pose([0, 0, 0.1]), ANY),
         ):
             yield result["status"], *(result[key].tobytes() for key in ("time", "position", "velocity", "acceleration"))
 
@@ -200,38 +200,38 @@ def test_the_same_question_has_the_same_answer(planner):
 
 
 def test_why_there_is_no_plan(planner):
-    out_of_reach = planner.plan_pose(Pose([3, 0, 0.5]), ASIDE)
+    out_of_reach = planner.plan_pose(Pose([3, 0, 0.5]), ANY)
     assert set(out_of_reach) == {"status"}
     assert "goal_invalid: " in out_of_reach["status"] and "brings 'arm7_hand' to [3, 0, 0.5]" in out_of_reach["status"]
     planner.add_object("lid", CollisionObject(Sphere(0.1), Pose(hand(planner, READY))))
-    assert re.match("goal_invalid: .*'lid' overlap", planner.plan_qpos([READY], ASIDE)["status"])
-    assert re.match("start_invalid: .*'lid' overlap", planner.plan_qpos([ASIDE], READY)["status"])
-    assert planner.plan_qpos([-ASIDE], ASIDE, planning_time=1e-9)["status"].startswith("timed_out: ")
-    assert re.match("IK Failed! In the nearest .*'lid' overlap", planner.IK(Pose(hand(planner, READY)), ASIDE)[0])
-    assert planner.IK(Pose([3, 0, 0]), ASIDE) == (
+    assert re.match("goal_invalid: .*'lid' overlap", planner.plan_qpos([READY], ANY)["status"])
+    assert re.match("start_invalid: .*'lid' overlap", planner.plan_qpos([ANY], READY)["status"])
+    assert planner.plan_qpos([-ANY], ANY, planning_time=1e-9)["status"].startswith("timed_out: ")
+    assert re.match("IK Failed! In the nearest .*'lid' overlap", planner.IK(Pose(hand(planner, READY)), ANY)[0])
+    assert planner.IK(Pose([3, 0, 0]), ANY) == (
         "IK Failed! No configuration within limits brings 'arm7_hand' there.",
         None,
     )
 
 
 def test_starts_beyond_a_limit(planner):
-    beyond = ASIDE.copy()
+    beyond = ANY.copy()
     beyond[3] = planner.joint_limits[3, 1] + 0.01
-    result = planner.plan_qpos([ASIDE], beyond)
+    result = planner.plan_qpos([ANY], beyond)
     assert result["position"][0][3] == planner.joint_limits[3, 1]
-    status = planner.plan_qpos([ASIDE], beyond, fix_joint_limits=False)["status"]
+    status = planner.plan_qpos([ANY], beyond, fix_joint_limits=False)["status"]
     assert re.match("start_invalid: .*arm7_joint4", status)
 
 
 def test_ik_gives_free_configurations_the_nearest_first(planner):
     goal = Pose(P, Q)
-    status, found = planner.IK(goal, ASIDE)
-    far = [np.linalg.norm(q - ASIDE) for q in found]
+    status, found = planner.IK(goal, ANY)
+    far = [np.linalg.norm(q - ANY) for q in found]
     assert status == "Success" and len(found) > 1 and far == sorted(far)
-    np.testing.assert_array_equal(planner.IK(goal, ASIDE, return_closest=True)[1], found[0])
+    np.testing.assert_array_equal(planner.IK(goal, ANY, return_closest=True)[1], found[0])
     assert not planner.check_for_collision(found[0])
-    assert len(planner.IK(goal, ASIDE, n_init_qpos=1)[1]) == 1
-    assert planner.IK(goal, ASIDE, threshold=1e-300)[1] is None
+    assert len(planner.IK(goal, ANY, n_init_qpos=1)[1]) == 1
+    assert planner.IK(goal, ANY, threshold=1e-300)[1] is None
 
 
 # --- screw motions
@@ -251,10 +251,10 @@ def leaves_screw_by(planner, result, goal):
 
 
 def test_a_screw_without_a_turn_is_straight(planner):
-    start = Pose(hand(planner, ASIDE))
+    start = Pose(hand(planner, ANY))
     goal = Pose(np.add(start.p, [-0.15, -0.1, 0.12]), start.q)
-    result = planner.plan_screw(goal, ASIDE, time_step=0.01)
-    assert_a_plan(planner, result, ASIDE, 0.01)
+    result = planner.plan_screw(goal, ANY, time_step=0.01)
+    assert_a_plan(planner, result, ANY, 0.01)
     at = np.array([hand(planner, q).p for q in result["position"]]) - start.p
     way = (goal.p - start.p) / np.linalg.norm(goal.p - start.p)
     assert np.linalg.norm(at - np.outer(at @ way, way), axis=1).max() < 1e-3
@@ -281,27 +281,27 @@ def test_a_screw_motion_is_chasles(planner):
 
 
 def test_screw_steps_are_as_small_as_asked(planner):
-    start = hand(planner, ASIDE)
-    path = planner._follow_screw(ASIDE, start @ srmp.Pose([0, 0, 0.1]), 0.02)
+    start = hand(planner, ANY)
+    path = planner._follow_screw(ANY, start @ srmp.Pose([0, 0, 0.1]), 0.02)
     assert 0 < np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.02
 
 
 def test_a_screw_to_where_the_hand_is(planner):
-    result = planner.plan_screw(Pose(hand(planner, ASIDE)), ASIDE)
+    result = planner.plan_screw(Pose(hand(planner, ANY)), ANY)
     assert result["status"] == "Success"
-    np.testing.assert_allclose(result["position"], [ASIDE] * len(result["time"]), atol=1e-6)
+    np.testing.assert_allclose(result["position"], [ANY] * len(result["time"]), atol=1e-6)
 
 
 def test_why_there_is_no_screw(planner):
-    start = Pose(hand(planner, ASIDE))
-    status = planner.plan_screw(Pose([3, 0, 0.5], start.q), ASIDE)["status"]
+    start = Pose(hand(planner, ANY))
+    status = planner.plan_screw(Pose([3, 0, 0.5], start.q), ANY)["status"]
     assert re.match(r"Screw plan failed. After \d+ % of the way no configuration within limits", status)
     across = Pose(np.add(start.p, [0.15, -0.3, 0]), start.q)
-    planner.add_object("ball", CollisionObject(Sphere(0.02), Pose(np.add(start.p, [0.075, -0.15, 0]))))
-    result = planner.plan_screw(across, ASIDE)
-    assert set(result) == {"status"} and "Screw plan failed." in result["status"] and "'ball'" in result["status"]
-    assert planner.plan_pose(across, ASIDE)["status"] == "Success"  # round the ball
-    beyond = ASIDE.copy()
+    planner.add_object("sphere", CollisionObject(Sphere(0.02), Pose(np.add(start.p, [0.075, -0.15, 0]))))
+    result = planner.plan_screw(across, ANY)
+    assert set(result) == {"status"} and "Screw plan failed." in result["status"] and "'sphere'" in result["status"]
+    assert planner.plan_pose(across, ANY)["status"] == "Success"  # round the sphere
+    beyond = ANY.copy()
     beyond[3] = planner.joint_limits[3, 1] + 0.01
     assert "arm7_joint4" in planner.plan_screw(across, beyond)["status"]
 
@@ -311,26 +311,26 @@ def test_why_there_is_no_screw(planner):
 
 def test_point_clouds_are_avoided(planner):
     goal = READY - TURN
-    free = planner.plan_qpos([goal], ASIDE, time_step=0.01)
+    free = planner.plan_qpos([goal], ANY, time_step=0.01)
     z, r = np.meshgrid(np.arange(0.1, 0.5, 0.02), np.arange(0.25, 0.4, 0.02))
     wall = np.column_stack([r.ravel(), np.zeros(r.size), z.ravel()])
     planner.update_point_cloud(wall, resolution=0.02)
     hits = [planner.check_for_env_collision(q) for q in free["position"]]
     assert {c.object_name2 for hit in hits for c in hit} == {"scene_pcd"}
-    round_it = planner.plan_qpos([goal], ASIDE, time_step=0.01)
-    assert_a_plan(planner, round_it, ASIDE, 0.01)
+    round_it = planner.plan_qpos([goal], ANY, time_step=0.01)
+    assert_a_plan(planner, round_it, ANY, 0.01)
     np.testing.assert_array_equal(round_it["position"][-1], goal)
-    through = planner.plan_qpos([goal], ASIDE, time_step=0.01, use_point_cloud=False)
+    through = planner.plan_qpos([goal], ANY, time_step=0.01, use_point_cloud=False)
     np.testing.assert_array_equal(through["position"], free["position"])
     assert planner.get_object_names() == ["scene_pcd"]
     planner.update_point_cloud(np.add(wall, [0, 0, 5]), resolution=0.02)  # in place of the first
-    np.testing.assert_array_equal(planner.plan_qpos([goal], ASIDE, time_step=0.01)["position"], free["position"])
+    np.testing.assert_array_equal(planner.plan_qpos([goal], ANY, time_step=0.01)["position"], free["position"])
     assert planner.remove_point_cloud() and not planner.remove_point_cloud()
 
 
 def test_attached_objects_count(planner):
     planner.add_object("shelf", CollisionObject(Box([0.4, 0.4, 0.02]), Pose(hand(planner, READY)) * Pose([0, 0, 0.2])))
-    empty = planner.plan_qpos([READY], ASIDE)
+    empty = planner.plan_qpos([READY], ANY)
     assert empty["status"] == "Success"
     planner.update_attached_box([0.04, 0.04, 0.5], Pose([0, 0, 0.2]))
     name = f"arm7_{planner.move_group_link_id}_box"
@@ -338,12 +338,12 @@ def test_attached_objects_count(planner):
     (contact,) = planner.check_for_env_collision(READY)
     assert contact.collision_type == "attached_sceneobject" and contact.object_name1 == name
     assert contact.object_name2 == "shelf" and contact.distance < 0
-    assert planner.plan_qpos([READY], ASIDE)["status"].startswith("goal_invalid: ")
-    without = planner.plan_qpos([READY], ASIDE, use_attach=False)
+    assert planner.plan_qpos([READY], ANY)["status"].startswith("goal_invalid: ")
+    without = planner.plan_qpos([READY], ANY, use_attach=False)
     np.testing.assert_array_equal(without["position"], empty["position"])
-    assert planner.plan_qpos([READY], ASIDE)["status"].startswith("goal_invalid: ")  # it is back
+    assert planner.plan_qpos([READY], ANY)["status"].startswith("goal_invalid: ")  # it is back
     assert planner.detach_object(name, also_remove=True) and not planner.detach_object(name)
-    assert planner.plan_qpos([READY], ASIDE)["status"] == "Success"
+    assert planner.plan_qpos([READY], ANY)["status"] == "Success"
 
 
 def test_attached_objects_of_every_kind(planner, tmp_path):
@@ -358,9 +358,9 @@ def test_attached_objects_of_every_kind(planner, tmp_path):
     planner.update_attached_object(mplib.Cone(0.02, 0.1), Pose([0, 0, 0.1]), name="pen")  # in its place
     names = [f"arm7_{number}_mesh", f"arm7_{number}_sphere", "attached_geom", "pen"]
     assert planner.get_object_names() == names
-    planner.set_qpos(ASIDE)
+    planner.set_qpos(ANY)
     at = Pose(planner.srmp.get_object_pose("attached_geom"))
-    assert at.distance(Pose(hand(planner, ASIDE)) * Pose([0, 0, 0.1], DOWN)) < 1e-12
+    assert at.distance(Pose(hand(planner, ANY)) * Pose([0, 0, 0.1], DOWN)) < 1e-12
     assert all(planner.detach_object(name) for name in names)  # they stay where they were
     planner.set_qpos(READY)
     assert at.distance(planner.srmp.get_object_pose("attached_geom")) < 1e-12
@@ -368,8 +368,8 @@ def test_attached_objects_of_every_kind(planner, tmp_path):
 
 
 def test_objects_of_the_world_can_be_attached(planner):
-    planner.set_qpos(ASIDE)
-    where = Pose(hand(planner, ASIDE)) * Pose([0, 0, 0.06])
+    planner.set_qpos(ANY)
+    where = Pose(hand(planner, ANY)) * Pose([0, 0, 0.06])
     planner.planning_world.add_object("cube", CollisionObject(Box([0.03] * 3), where))
     planner.planning_world.attach_object("cube", planner.get_name(), planner.move_group_link_id)
     planner.set_qpos(READY)
@@ -383,10 +383,10 @@ def test_geometries_of_mplib_will_do(planner):
     """They have these names and attributes (mplib.collision_detection.fcl of 0.2.1)."""
     sphere = type("Sphere", (), {"radius": 0.05})()
     there = types.SimpleNamespace(p=[0, 0, 3], q=[1, 0, 0, 0])
-    planner.add_object("ball", types.SimpleNamespace(get_collision_geometry=lambda: sphere, pose=there))
+    planner.add_object("sphere", types.SimpleNamespace(get_collision_geometry=lambda: sphere, pose=there))
     planner.update_attached_object(type("Box", (), {"side": np.array([0.1, 0.1, 0.1])})(), there, name="box")
-    assert planner.get_object_names() == ["ball", "box"]
-    np.testing.assert_array_equal(planner.srmp.get_object_pose("ball").p, [0, 0, 3])
+    assert planner.get_object_names() == ["sphere", "box"]
+    np.testing.assert_array_equal(planner.srmp.get_object_pose("sphere").p, [0, 0, 3])
 
 
 def test_what_is_refused_changes_nothing(planner):
@@ -410,10 +410,10 @@ def test_what_is_refused_changes_nothing(planner):
 
 def test_collisions_are_told_in_mplibs_words(planner):
     assert planner.check_for_collision(READY) == [] and planner.distance_to_collision(READY) > 0
-    planner.add_object("ball", CollisionObject(Sphere(0.05), hand(planner, READY)))
+    planner.add_object("sphere", CollisionObject(Sphere(0.05), hand(planner, READY)))
     (contact, *_) = planner.check_for_env_collision(READY)
     assert contact.collision_type == "self_sceneobject"
-    assert (contact.object_name1, contact.object_name2, contact.link_name2) == ("arm7", "ball", "ball")
+    assert (contact.object_name1, contact.object_name2, contact.link_name2) == ("arm7", "sphere", "sphere")
     assert contact.link_name1 in planner.user_link_names and contact.distance < 0
     assert planner.check_for_self_collision(READY) == []
     assert planner.distance_to_collision(READY) == pytest.approx(
@@ -471,9 +471,9 @@ def test_joints_that_follow_planned_ones_do_so(tmp_path):
     (tmp_path / "arm.urdf").write_text(text)
     planner = Planner(tmp_path / "arm.urdf", "arm7_hand")
     assert planner.user_joint_names[-2:] == ["half_joint", "whole_joint"]
-    assert planner.plan_qpos([READY], [*ASIDE, 3, 3])["status"] == "Success"  # the last two numbers are not used
+    assert planner.plan_qpos([READY], [*ANY, 3, 3])["status"] == "Success"  # the last two numbers are not used
     for link, angle in (("half", 0.45), ("whole", 0.9)):
-        turn = Pose(planner.srmp.compute_fk("arm7", ASIDE, link)).q
+        turn = Pose(planner.srmp.compute_fk("arm7", ANY, link)).q
         np.testing.assert_allclose(turn, [np.cos(angle / 2), 0, 0, np.sin(angle / 2)], atol=1e-12)
 
 
@@ -562,7 +562,7 @@ BAD = {
     ),
     "velocities": (lambda p: Planner(p, "arm7_hand", joint_vel_limits=[1, 2]), "velocity"),
     "accelerations": (lambda p: Planner(p, "arm7_hand", joint_acc_limits=[-1] * 7), "acceleration"),
-    "objects": (lambda p: Planner(p, "arm7_hand", objects=["ball"]), "objects cannot be given to Planner; add_object"),
+    "objects": (lambda p: Planner(p, "arm7_hand", objects=["sphere"]), "objects cannot be given to Planner; add_object"),
 }
 
 
@@ -585,26 +585,26 @@ def test_broken_urdfs_are_refused(tmp_path):
 WRONG = {
     "size": (lambda p: p.plan_qpos([READY], [1, 2]), r"qpos has the shape \(2,\); it must be 7 numbers, of all joints"),
     "text": (lambda p: p.plan_qpos([READY], "here"), "qpos must be numbers, but is 'here'"),
-    "one goal": (lambda p: p.plan_qpos(READY, ASIDE), r"qpos has the shape \(\)"),
-    "no goal": (lambda p: p.plan_qpos([], ASIDE), "target"),
+    "one goal": (lambda p: p.plan_qpos(READY, ANY), r"qpos has the shape \(\)"),
+    "no goal": (lambda p: p.plan_qpos([], ANY), "target"),
     "NaN": (lambda p: p.plan_qpos([READY], np.full(7, np.nan)), "'arm7_joint1' is NaN"),
-    "time step": (lambda p: p.plan_qpos([READY], ASIDE, time_step=0), "time_step is 0; it must be above 0"),
-    "time": (lambda p: p.plan_pose(Pose(), ASIDE, planning_time=-1), "planning_time is -1; it must be above 0"),
-    "qpos step": (lambda p: p.plan_screw(Pose(), ASIDE, qpos_step=np.inf), "qpos_step is inf"),
-    "mask": (lambda p: p.plan_pose(Pose(), ASIDE, [True] + [False] * 6), "mask holds 'arm7_joint1', which is planned"),
-    "IK mask": (lambda p: p.IK(Pose(), ASIDE, [False] * 6 + [True]), "mask holds 'arm7_joint7', which is planned"),
-    "long mask": (lambda p: p.plan_pose(Pose(), ASIDE, [False] * 8 + [True]), "mask speaks of joint 8; there are 7"),
+    "time step": (lambda p: p.plan_qpos([READY], ANY, time_step=0), "time_step is 0; it must be above 0"),
+    "time": (lambda p: p.plan_pose(Pose(), ANY, planning_time=-1), "planning_time is -1; it must be above 0"),
+    "qpos step": (lambda p: p.plan_screw(Pose(), ANY, qpos_step=np.inf), "qpos_step is inf"),
+    "mask": (lambda p: p.plan_pose(Pose(), ANY, [True] + [False] * 6), "mask holds 'arm7_joint1', which is planned"),
+    "IK mask": (lambda p: p.IK(Pose(), ANY, [False] * 6 + [True]), "mask holds 'arm7_joint7', which is planned"),
+    "long mask": (lambda p: p.plan_pose(Pose(), ANY, [False] * 8 + [True]), "mask speaks of joint 8; there are 7"),
     "fixed": (
-        lambda p: p.plan_qpos([READY], ASIDE, fixed_joint_indices=[2]),
+        lambda p: p.plan_qpos([READY], ANY, fixed_joint_indices=[2]),
         "fixed_joint_indices holds 'arm7_joint3'",
     ),
-    "constraint": (lambda p: p.plan_qpos([READY], ASIDE, constraint_function=print), "constraint_function"),
-    "tolerance": (lambda p: p.plan_pose(Pose(), ASIDE, constraint_tolerance=1e-2), "constraint_tolerance"),
+    "constraint": (lambda p: p.plan_qpos([READY], ANY, constraint_function=print), "constraint_function"),
+    "tolerance": (lambda p: p.plan_pose(Pose(), ANY, constraint_tolerance=1e-2), "constraint_tolerance"),
     "robot": (lambda p: p.update_attached_box([1, 1, 1], Pose(), art_name="panda"), "art_name is 'panda'; .* 'arm7'"),
     "link": (lambda p: p.update_attached_box([1, 1, 1], Pose(), link_id=99), r"link_id is 99; it must be in 0\.\."),
     "link name": (lambda p: p.update_attached_sphere(1, Pose(), link_id="arm_hand"), "did you mean 'arm7_hand'"),
-    "shape": (lambda p: p.update_attached_object("ball", Pose()), "a geometry must be a Box, .* but is 'ball'"),
-    "object": (lambda p: p.attach_object("ball"), "there is no object 'ball'"),
+    "shape": (lambda p: p.update_attached_object("sphere", Pose()), "a geometry must be a Box, .* but is 'sphere'"),
+    "object": (lambda p: p.attach_object("sphere"), "there is no object 'sphere'"),
     "full": (lambda p: p.set_qpos(READY[:3], full=True), "qpos has 3 numbers; with full=True it has 7"),
 }
 
@@ -616,10 +616,10 @@ def test_bad_input_is_refused(planner, call, sentence):
 
 
 UNKNOWN = {
-    "rrt_rang": lambda p: p.plan_pose(Pose(), ASIDE, rrt_rang=0.1),
-    "time_stp": lambda p: p.plan_qpos_to_qpos([READY], ASIDE, time_stp=0.1),
-    "wrt_wrld": lambda p: p.plan_qpos_to_pose(Pose(), ASIDE, wrt_wrld=True),
-    "qpos_stp": lambda p: p.plan_screw(Pose(), ASIDE, qpos_stp=0.1),
+    "rrt_rang": lambda p: p.plan_pose(Pose(), ANY, rrt_rang=0.1),
+    "time_stp": lambda p: p.plan_qpos_to_qpos([READY], ANY, time_stp=0.1),
+    "wrt_wrld": lambda p: p.plan_qpos_to_pose(Pose(), ANY, wrt_wrld=True),
+    "qpos_stp": lambda p: p.plan_screw(Pose(), ANY, qpos_stp=0.1),
     "resolutoin": lambda p: p.update_point_cloud([[0, 0, 1]], resolutoin=0.1),
     "move_grup": lambda p: Planner("x.urdf", move_grup="hand"),
 }
@@ -633,17 +633,17 @@ def test_unknown_keywords_name_the_nearest(planner, name):
 
 def test_what_has_no_meaning_here_is_said_once(planner):
     with pytest.warns(UserWarning, match="rrt_range has no effect") as said:
-        planner.plan_qpos([READY], ASIDE, rrt_range=0.05)
+        planner.plan_qpos([READY], ANY, rrt_range=0.05)
     assert said[0].filename == __file__
     with pytest.warns(UserWarning, match="planner_name has no effect"):
-        planner.plan_qpos_to_pose(Pose(P, Q), ASIDE, rrt_range=0.0, planner_name="RRTstar")
+        planner.plan_qpos_to_pose(Pose(P, Q), ANY, rrt_range=0.0, planner_name="RRTstar")
     with pytest.warns(UserWarning, match="use_convex has no effect") as said:
         Planner(srmp.data_path("arm7.urdf"), "arm7_hand", use_convex=True)
     assert said[0].filename == __file__
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        planner.plan_qpos([READY], ASIDE, rrt_range=0.05, planner_name="RRTstar")
-        planner.plan_pose(Pose(P, Q), ASIDE, mask=[False] * 7, planner_name="RRTConnect")
+        planner.plan_qpos([READY], ANY, rrt_range=0.05, planner_name="RRTstar")
+        planner.plan_pose(Pose(P, Q), ANY, mask=[False] * 7, planner_name="RRTConnect")
 
 
 def test_only_the_rules_of_collisions_count_in_an_srdf(planner, tmp_path):
@@ -653,7 +653,7 @@ def test_only_the_rules_of_collisions_count_in_an_srdf(planner, tmp_path):
     rules = Path(srmp.data_path("arm7.srdf")).read_text()
     (tmp_path / "arm.srdf").write_text(rules.replace("</robot>", gripper))
     other = Planner(srmp.data_path("arm7.urdf"), "arm7_hand", srdf=tmp_path / "arm.srdf")
-    same = (asked.plan_qpos([READY], ASIDE)["position"] for asked in (other, planner))
+    same = (asked.plan_qpos([READY], ANY)["position"] for asked in (other, planner))
     np.testing.assert_array_equal(*same)
     (tmp_path / "arm.srdf").write_text("<robot")
     with pytest.raises(srmp.FileError, match=r"SRDF file '.*arm\.srdf' cannot be read: .* line 1"):
@@ -671,13 +671,13 @@ def test_what_mplib_has_and_this_has_not(planner):
 
 def test_it_is_quiet_and_logs_when_asked(planner, capfd, caplog):
     with caplog.at_level(logging.INFO, logger="srmp.compat.mplib"):
-        planner.plan_qpos([READY], ASIDE)
-        planner.plan_pose(Pose([3, 0, 0]), ASIDE)
+        planner.plan_qpos([READY], ANY)
+        planner.plan_pose(Pose([3, 0, 0]), ANY)
         assert caplog.text == ""
-        planner.plan_qpos([READY], ASIDE, verbose=True)
-        planner.plan_pose(Pose([3, 0, 0]), ASIDE, verbose=True)
-        planner.plan_screw(Pose([3, 0, 0]), ASIDE, verbose=True)
-        planner.IK(Pose([3, 0, 0]), ASIDE, verbose=True)
+        planner.plan_qpos([READY], ANY, verbose=True)
+        planner.plan_pose(Pose([3, 0, 0]), ANY, verbose=True)
+        planner.plan_screw(Pose([3, 0, 0]), ANY, verbose=True)
+        planner.IK(Pose([3, 0, 0]), ANY, verbose=True)
     assert re.search(r"a plan of .* s\n(.|\n)*no plan: .*brings(.|\n)*no plan: After(.|\n)*IK: 0 config", caplog.text)
     assert capfd.readouterr() == ("", "")
 

@@ -36,7 +36,7 @@ def test_every_link_with_geometry_is_covered(cache):
 
 
 def test_primitives_lie_within(cache):
-    """Points of the URDF's own spheres and boxes are in coarse and fine balls of their link."""
+    """Points of the URDF's own spheres and boxes are in coarse and fine spheres of their link."""
     random = np.random.default_rng(1)
     cover = {link.link: link for link in srmp.cover(ARM, **ROUGH).links}
     checked = 0
@@ -48,8 +48,8 @@ def test_primitives_lie_within(cache):
                 continue
             centre = np.array((origin.get("xyz") if origin is not None else "0 0 0").split(), dtype=float)
             points = centre + np.array(box.get("size").split(), dtype=float) * (random.random((200, 3)) - 0.5)
-            for balls in (cover[link.get("name")].coarse, cover[link.get("name")].fine):
-                distance = np.linalg.norm(points[:, None] - balls[None, :, :3], axis=2) - balls[:, 3]
+            for spheres in (cover[link.get("name")].coarse, cover[link.get("name")].fine):
+                distance = np.linalg.norm(points[:, None] - spheres[None, :, :3], axis=2) - spheres[:, 3]
                 assert np.all(distance.min(axis=1) <= 0)
             checked += 1
     assert checked > 0

@@ -22,12 +22,12 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
-def write_files(page, folder):
+def write_files(page, directory):
     """YAML blocks whose first line is `# file: NAME`, and the examples that pages refer to."""
     for text in blocks(page, "yaml"):
         if name := re.match(r"# file: (\S+)\n", text):
-            (folder / name[1]).write_text(text)
-    shutil.copytree(REPOSITORY / "examples", folder / "examples")
+            (directory / name[1]).write_text(text)
+    shutil.copytree(REPOSITORY / "examples", directory / "examples")
 
 
 def simulators_of(code):

@@ -32,7 +32,7 @@ def built(tmp_path_factory):
     cmake = shutil.which("cmake")
     if cmake is None:
         pytest.skip("no cmake on this machine")
-    folder = tmp_path_factory.mktemp("examples")
+    directory = tmp_path_factory.mktemp("examples")
     lines = [
         "cmake_minimum_required(VERSION 3.26)",
         "project(documents LANGUAGES CXX)",
@@ -40,15 +40,15 @@ def built(tmp_path_factory):
         f'add_subdirectory("{REPOSITORY / "examples"}" examples)',
     ]
     for name, program in PROGRAMS.items():
-        (folder / f"{name}.cpp").write_text(program)
+        (directory / f"{name}.cpp").write_text(program)
         lines.append(f"add_executable({name} {name}.cpp)")
         lines.append(f"target_link_libraries({name} PRIVATE srmp::srmp)")
         lines.append(f'target_compile_definitions({name} PRIVATE SRMP_DATA_DIR="${{srmp_DATA_DIR}}")')
-    (folder / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
+    (directory / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
     # Without optimisation: quick to build, and what is computed is computed in the library.
-    run(cmake, "-S", folder, "-B", folder / "build", f"-Dsrmp_DIR={srmp.get_cmake_dir()}", "-DCMAKE_CXX_FLAGS=-O0")
-    run(cmake, "--build", folder / "build", "--parallel", "2")
-    return folder / "build"
+    run(cmake, "-S", directory, "-B", directory / "build", f"-Dsrmp_DIR={srmp.get_cmake_dir()}", "-DCMAKE_CXX_FLAGS=-O0")
+    run(cmake, "--build", directory / "build", "--parallel", "2")
+    return directory / "build"
 
 
 def test_every_example_has_a_twin():

@@ -21,7 +21,7 @@ CORNERS = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 1 / 30]]
 
 @pytest.fixture
 def world(arm):
-    """The arm among one object of every kind, with a ball in its hand."""
+    """The arm among one object of every kind, with a sphere in its hand."""
     far = srmp.Pose.from_rpy(p=[-1.2, 0.1, 0.3], rpy=[0.1, 0.2, 0.3])
     arm.add_sphere("sphere", 0.1 / 3, srmp.Pose(p=[-1.2, 0.5, 0.3]), padding=0.01)
     arm.add_cylinder("cylinder", 0.1, 0.2, srmp.Pose(p=[-1.2, 1.0, 0.3]))
@@ -29,9 +29,9 @@ def world(arm):
     arm.add_cone("cone", 0.1, 0.2, srmp.Pose(p=[-1.2, -1.0, 0.3]))
     arm.add_mesh("surface", vertices=CORNERS, triangles=[[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 2, 3]], pose=far)
     arm.add_point_cloud("cloud", np.array(CORNERS) / 3 + 1.1, resolution=0.1 / 3)
-    arm.add_sphere("ball", 0.02)
-    arm.attach_object("ball", "arm", "arm7_hand", pose_in_link=srmp.Pose.from_rpy(p=[0, 0, 0.1], rpy=[1, 2, 3]))
-    arm.set_allowed_collision("ball", "table")
+    arm.add_sphere("marble", 0.02)
+    arm.attach_object("marble", "arm", "arm7_hand", pose_in_link=srmp.Pose.from_rpy(p=[0, 0, 0.1], rpy=[1, 2, 3]))
+    arm.set_allowed_collision("marble", "table")
     return arm
 
 
@@ -143,8 +143,8 @@ def test_robots_from_texts(ready):
     assert "ready" in planner.get_group_states("arm")
     with pytest.raises(srmp.InvalidArgument, match="either srdf_path or srdf_text, not both"):
         planner.add_articulation(**texts, srdf_path="x.srdf", name="b")
-    with pytest.raises(srmp.InvalidArgument, match="urdf_folder is for a URDF given as text"):
-        planner.add_articulation(srmp.data_path("arm7.urdf"), urdf_folder="/tmp", name="b")
+    with pytest.raises(srmp.InvalidArgument, match="urdf_directory is for a URDF given as text"):
+        planner.add_articulation(srmp.data_path("arm7.urdf"), urdf_directory="/tmp", name="b")
     with pytest.raises(srmp.FileError, match="SRDF text"):
         planner.add_articulation(**{**texts, "srdf_text": "<robt/>"}, name="b")
 
@@ -225,13 +225,13 @@ def test_a_file_cut_anywhere_is_refused(problem):
             srmp.PlannerInterface.load(problem)
 
 
-def test_folders_that_cannot_be_written(world, problem, tmp_path):
+def test_directories_that_cannot_be_written(world, problem, tmp_path):
     for save in (world.save, world.save_scene, world.last_result.trajectory.save):
         with pytest.raises(srmp.FileError, match=r"nowhere/p\.json: the file cannot be written: No such file"):
             save(tmp_path / "nowhere" / "p.json")
         with pytest.raises(srmp.InvalidArgument, match=r"a path must be a str or an os\.PathLike, but is 3"):
             save(3)
-    with pytest.raises(srmp.FileError, match="is a folder, not a file"):
+    with pytest.raises(srmp.FileError, match="is a directory, not a file"):
         srmp.PlannerInterface.load(tmp_path)
     with pytest.raises(srmp.FileError, match="there is no such file"):
         srmp.Trajectory.load(tmp_path / "nothing.json")

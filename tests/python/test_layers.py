@@ -1,35 +1,133 @@
-"""Include directions: nothing lower in the house includes anything higher (docs/architecture.md)."""
+"""Include directions: nothing lower in the house includes anything higher, and nothing includes in a circle."""
 
+import ast
 import re
 from pathlib import Path
 
 import pytest
 
-SOURCE = Path(__file__).parents[2] / "src" / "srmp"
+ROOT = Path(__file__).parents[2]
+SOURCES = (ROOT / "include" / "srmp", ROOT / "src" / "srmp")
 
+# docs/architecture.md has the same list.
 MAY_INCLUDE = {
     "core": set(),
-    "robot": {"core"},
-    "scene": {"core", "robot"},
-    "collision": {"core", "robot", "scene"},
+    "geometry": {"core"},
+    "cover": {"core", "geometry"},
+    "robot": {"core", "geometry", "cover"},
+    "scene": {"core", "geometry", "robot"},
+    "collision": {"core", "geometry", "cover", "robot", "scene"},
     "search": {"core"},
     "multi": {"core", "search"},
     "lattice": {"core", "robot", "search"},
-    "heuristic": {"core", "robot", "scene"},
+    "heuristic": {"core", "geometry", "robot", "scene"},
     "trajectory": {"core", "robot", "collision"},
     "io": {"core", "robot", "scene", "lattice", "trajectory"},
-    "planner": {"core", "robot", "scene", "collision", "search", "multi", "lattice", "heuristic", "trajectory", "io"},
 }
+MAY_INCLUDE["planning"] = set(MAY_INCLUDE)
+MAY_INCLUDE["facade"] = set(MAY_INCLUDE) | {"planning"}
 
 
-@pytest.mark.parametrize("module", sorted(p.name for p in SOURCE.iterdir() if p.is_dir()))
+def source_files():
+    return [file for source in SOURCES for file in source.rglob("*.[hc]pp")] + [
+        file for source in SOURCES for file in source.rglob("*.h")
+    ]
+
+
+def name_of(file):
+    """As an #include has it: "srmp/core/pose.hpp"."""
+    return next(str(file.relative_to(source.parent)) for source in SOURCES if file.is_relative_to(source))
+
+
+def module_of(name):
+    """Headers straight in include/srmp are the facade's."""
+    parts = name.split("/")
+    return parts[1] if len(parts) > 2 else "facade"
+
+
+def included_by(file):
+    return re.findall(r'#include "(srmp/[^"]+)"', file.read_text())
+
+
+@pytest.mark.parametrize("module", sorted(MAY_INCLUDE))
 def test_module_includes_only_what_lies_below_it(module):
-    for file in (SOURCE / module).rglob("*.[hc]pp"):
-        included = set(re.findall(r'#include "srmp/(\w+)/', file.read_text()))
-        assert included <= MAY_INCLUDE[module] | {module}, f"{file.relative_to(SOURCE)} includes {sorted(included)}"
+    files = [file for file in source_files() if module_of(name_of(file)) == module]
+    assert files
+    for file in files:
+        included = {module_of(name) for name in included_by(file)}
+        assert included <= MAY_INCLUDE[module] | {module}, f"{name_of(file)} includes {sorted(included)}"
+
+
+def test_every_module_has_its_place():
+    assert {module_of(name_of(file)) for file in source_files()} == set(MAY_INCLUDE)
+
+
+def circle(graph):
+    """Names along a circle of the graph {name: names it needs}, or [] when there is none."""
+    done = set()
+
+    def walk(name, path):
+        if name in path:
+            return [*path[path.index(name) :], name]
+        if name in done:
+            return []
+        for needed in graph.get(name, ()):
+            if found := walk(needed, [*path, name]):
+                return found
+        done.add(name)
+        return []
+
+    return next((found for name in graph if (found := walk(name, []))), [])
+
+
+def test_a_circle_is_found():
+    assert circle({"a": ["b"], "b": ["c"], "c": ["b"]}) == ["b", "c", "b"]
+    assert circle({"a": ["b", "c"], "b": ["c"], "c": []}) == []
+
+
+def test_no_files_include_in_a_circle():
+    """A source belongs to its header: what the one includes, the other does too."""
+    graph = {}
+    for file in source_files():
+        unit = re.sub(r"\.(cpp|hpp|h)$", "", name_of(file))
+        needed = {re.sub(r"\.(hpp|h)$", "", name) for name in included_by(file)} - {unit}
+        graph.setdefault(unit, set()).update(needed)
+    assert circle({unit: sorted(needed) for unit, needed in graph.items()}) == []
+
+
+def python_imports(file, package):
+    """Modules of the package that a module imports when it is imported itself, or in any of its functions."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = file.parent
+            for _ in range(node.level - 1):
+                base = base.parent
+            target = base / Path(*(node.module.split(".") if node.module else []))
+            for alias in node.names:
+                inner = target / alias.name
+                yield inner if inner.with_suffix(".py").exists() or inner.is_dir() else target
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == package.name:
+            yield package.parent / Path(*node.module.split("."))
+
+
+def test_no_python_modules_import_in_a_circle():
+    package = ROOT / "python" / "srmp"
+    graph = {}
+    for file in package.rglob("*.py"):
+        unit = file.parent if file.name == "__init__.py" else file.with_suffix("")
+        needed = {target for target in python_imports(file, package) if target != package} - {unit}
+        graph[str(unit.relative_to(package.parent))] = sorted(str(n.relative_to(package.parent)) for n in needed)
+    assert circle(graph) == []
 
 
 def test_headers_keep_pinocchio_and_coal_out():
-    for file in SOURCE.rglob("*.hpp"):
+    for file in (SOURCES[0]).rglob("*.hpp"):
         public = "#include <pinocchio" not in file.read_text() and "#include <coal" not in file.read_text()
-        assert public, f"{file.relative_to(SOURCE)} would force its users to have Pinocchio or Coal"
+        assert public, f"{name_of(file)} would force its users to have Pinocchio or Coal"
+
+
+def test_public_headers_include_public_headers_only():
+    public = {name_of(file) for file in SOURCES[0].rglob("*.hpp")}
+    for file in SOURCES[0].rglob("*.hpp"):
+        assert set(included_by(file)) <= public, name_of(file)
+    assert len(public) <= 40, "the public face grows: is all of this for users?"

@@ -15,10 +15,10 @@ from srmp._table import format_seconds, format_table
 from srmp.bench import mbm
 
 
-def add_problem(folder, scenario, number, kinds=("scene", "request")):
-    (folder / scenario).mkdir(parents=True, exist_ok=True)
+def add_problem(directory, scenario, number, kinds=("scene", "request")):
+    (directory / scenario).mkdir(parents=True, exist_ok=True)
     for kind in kinds:
-        (folder / scenario / f"{kind}{number:04d}.yaml").write_text(f"{kind} {number}")
+        (directory / scenario / f"{kind}{number:04d}.yaml").write_text(f"{kind} {number}")
 
 
 @pytest.fixture
@@ -29,8 +29,8 @@ def problems(tmp_path):
     return tmp_path
 
 
-def names(folder, *choice):
-    with mbm.open_problems(folder, "arm", *choice) as chosen:
+def names(directory, *choice):
+    with mbm.open_problems(directory, "arm", *choice) as chosen:
         return [problem.name for problem in chosen]
 
 
@@ -52,10 +52,10 @@ def test_archive_is_read_without_touching_the_data(problems):
     before = names(problems)
     for file in (problems / "problems").rglob("*.yaml"):
         file.unlink()
-    for folder in [*(problems / "problems").iterdir(), problems / "problems"]:
-        folder.rmdir()
+    for directory in [*(problems / "problems").iterdir(), problems / "problems"]:
+        directory.rmdir()
     with pytest.raises(srmp.FileError, match="cannot be unpacked"):
-        names(problems)  # a member that climbs out of the folder is refused
+        names(problems)  # a member that climbs out of the directory is refused
     with tarfile.open(problems / "problems.tar.bz2", "w:bz2") as tar:
         for name in before:
             scenario, number = name.split("/")

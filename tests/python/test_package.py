@@ -106,7 +106,7 @@ def test_finds_libraries_that_were_installed_elsewhere(tmp_path):
 
 
 def test_cpp_project_builds_against_the_package(tmp_path):
-    """examples/cpp_consumer finds srmp and Eigen with nothing but the folder that `srmp cmake-dir` prints."""
+    """examples/cpp_consumer finds srmp and Eigen with nothing but the directory that `srmp cmake-dir` prints."""
     cmake = shutil.which("cmake")
     if cmake is None:
         pytest.skip("no cmake on this machine")

@@ -1,4 +1,4 @@
-"""The paper's listings (Fig. 3) run as printed, with the files they name in the working folder."""
+"""The paper's listings (Fig. 3) run as printed, with the files they name in the working directory."""
 
 import shutil
 import struct
@@ -69,7 +69,7 @@ def write_stl(path):
 
 @pytest.fixture
 def world(mbm_dir, tmp_path, monkeypatch):
-    """The listing's names, in a folder that holds the files it reads."""
+    """The listing's names, in a directory that holds the files it reads."""
     for name in ("panda.urdf", "panda.srdf"):
         shutil.copy(mbm_dir / "panda" / name, tmp_path / name)
     shutil.copytree(mbm_dir / "panda" / "meshes" / "collision", tmp_path / "meshes" / "collision")

@@ -190,7 +190,7 @@ def test_the_same_question_has_the_same_answer(arm, ready):
     assert len(answers) == len(parallel) == 1
 
 
-LAYERS = ("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal")
+LAYERS = ("edges_free_by_spheres", "edges_colliding_by_spheres", "edges_free_by_coal", "edges_colliding_by_coal")
 
 
 def counts(stats):
@@ -213,8 +213,8 @@ def test_statistics_tell_layers_and_memory_and_are_the_same_every_time(arm, read
     stats = seen[0]
     assert seen[1] == stats
     assert sum(stats[layer] for layer in LAYERS) == stats["edge_checks"] > 0
-    assert stats["edges_free_by_balls"] + stats["edges_free_by_coal"] >= 2  # the path is no straight line
-    assert stats["edges_colliding_by_balls"] + stats["edges_colliding_by_coal"] >= 1
+    assert stats["edges_free_by_spheres"] + stats["edges_free_by_coal"] >= 2  # the path is no straight line
+    assert stats["edges_colliding_by_spheres"] + stats["edges_colliding_by_coal"] >= 1
     assert stats["memory_bytes"] > 32 * stats["states"]  # dof + 1 coordinates each
 
 
@@ -238,11 +238,11 @@ def test_a_finer_lattice_and_a_grid_take_more_memory(arm, ready):
 
 
 def test_start_in_collision_names_the_pair(arm, ready):
-    arm.add_sphere("ball", radius=0.1, pose=srmp.Pose(p=arm.compute_fk("arm", ready, "arm7_hand").p))
-    with pytest.raises(srmp.PlanningError, match=r"'arm7_.*'ball'.*mm") as error:
+    arm.add_sphere("sphere", radius=0.1, pose=srmp.Pose(p=arm.compute_fk("arm", ready, "arm7_hand").p))
+    with pytest.raises(srmp.PlanningError, match=r"'arm7_.*'sphere'.*mm") as error:
         arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready)))
     assert error.value.status == srmp.Status.start_invalid
-    with pytest.raises(srmp.PlanningError, match="'ball'") as error:
+    with pytest.raises(srmp.PlanningError, match="'sphere'") as error:
         arm.plan("arm", mirrored(ready), srmp.GoalConstraint(srmp.GoalType.JOINTS, ready))
     assert error.value.status == srmp.Status.goal_invalid
     assert arm.get_planning_stats()["status"] == srmp.Status.goal_invalid
@@ -263,19 +263,19 @@ def test_a_hair_outside_a_limit_is_mended_and_said(arm, ready):
 
 
 def test_a_start_in_collision_can_be_escaped_if_asked_for(arm, ready):
-    arm.add_sphere("ball", radius=0.1, pose=arm.compute_fk("arm", ready) @ srmp.Pose([0, 0, 0.09]))
+    arm.add_sphere("sphere", radius=0.1, pose=arm.compute_fk("arm", ready) @ srmp.Pose([0, 0, 0.09]))
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
     depths = {(c.body_a, c.body_b): c.distance for c in arm.contacts("arm", ready)}
     assert depths
-    arm.make_planner("arm", srmp.WAStar(escape_start=True))
+    arm.make_planner("arm", srmp.WAStar(recover_start=True))
     trajectory = arm.plan("arm", ready, goal)
     np.testing.assert_array_equal(trajectory.positions[0], ready)
     np.testing.assert_array_equal(trajectory.positions[-1], mirrored(ready))
     stats = arm.get_planning_stats()
-    assert "'ball'" in stats["note"]
-    end = stats["escape_waypoints"]
+    assert "'sphere'" in stats["note"]
+    end = stats["recovery_waypoints"]
     assert end >= 1
-    length = stats["escape_cost_rad"] + stats["path_cost_rad"]
+    length = stats["recovery_cost_rad"] + stats["path_cost_rad"]
     assert 0.98 * length <= trajectory.length <= length + 1e-9  # corners are rounded
     for q in trajectory.positions:  # the trajectory itself: depths never grow, and once free, always free
         now = {(c.body_a, c.body_b): c.distance for c in arm.contacts("arm", q)}
@@ -287,7 +287,7 @@ def test_a_start_in_collision_can_be_escaped_if_asked_for(arm, ready):
         assert arm.is_motion_free("arm", a, b)
     result = arm.plan_many([srmp.PlanRequest("arm", ready, goal)] * 2, threads=2)[1]
     np.testing.assert_array_equal(result.trajectory.positions, trajectory.positions)
-    assert result.statistics["escape_cost_rad"] == stats["escape_cost_rad"]
+    assert result.statistics["recovery_cost_rad"] == stats["recovery_cost_rad"]
 
 
 def test_out_of_reach_says_so(arm, ready):

@@ -14,18 +14,18 @@ from srmp.cli import main
 
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory):
-    """The folder of problem.json and plan.json, and what the latter holds."""
-    folder = tmp_path_factory.mktemp("plan")
+    """The directory of problem.json and plan.json, and what the latter holds."""
+    directory = tmp_path_factory.mktemp("plan")
     result = demo.run()
-    result.planner.save(folder / "problem.json")
-    result.trajectory.save(folder / "plan.json")
-    return folder, json.loads((folder / "plan.json").read_text())
+    result.planner.save(directory / "problem.json")
+    result.trajectory.save(directory / "plan.json")
+    return directory, json.loads((directory / "plan.json").read_text())
 
 
-def verify(folder, motion, *arguments):
+def verify(directory, motion, *arguments):
     text = json.dumps({key: np.asarray(value).tolist() if key in ARRAYS else value for key, value in motion.items()})
-    (folder / "planted.json").write_text(text)
-    command = ["verify", folder / "planted.json", "--scene", folder / "problem.json", *arguments]
+    (directory / "planted.json").write_text(text)
+    command = ["verify", directory / "planted.json", "--scene", directory / "problem.json", *arguments]
     return CliRunner().invoke(main, [str(argument) for argument in command])
 
 
@@ -164,8 +164,8 @@ def expect_named(result, text):
 
 
 def test_nothing_is_found_in_the_plan_itself(plan):
-    folder, motion = plan
-    result = verify(folder, arrays(motion))
+    directory, motion = plan
+    result = verify(directory, arrays(motion))
     assert result.exit_code == 0, result.output
     assert "FAULT" not in result.output
     assert "proved free    all of the motion, also between samples" in result.output
@@ -173,28 +173,28 @@ def test_nothing_is_found_in_the_plan_itself(plan):
 
 @pytest.mark.parametrize(("plant", "text"), NAMED, ids=lambda value: getattr(value, "__name__", ""))
 def test_a_planted_fault_is_found_and_named(plan, plant, text):
-    folder, motion = plan
+    directory, motion = plan
     planted = arrays(json.loads(json.dumps(motion)))
     plant(planted)
-    expect_named(verify(folder, planted), text)
+    expect_named(verify(directory, planted), text)
 
 
 @pytest.mark.parametrize(("plant", "options", "text"), WITH_OPTIONS, ids=["jerk", "deviation"])
 def test_a_fault_that_only_an_option_asks_for_is_found(plan, plant, options, text):
-    folder, motion = plan
+    directory, motion = plan
     planted = arrays(json.loads(json.dumps(motion)))
     plant(planted)
-    assert verify(folder, planted).exit_code == 0
-    expect_named(verify(folder, planted, *options), text)
+    assert verify(directory, planted).exit_code == 0
+    expect_named(verify(directory, planted, *options), text)
 
 
 @pytest.mark.parametrize("plant", [velocity_between_samples, position_between_samples, collision_between_samples])
 def test_rows_alone_do_not_show_it(plan, plant):
     """What makes these faults worth looking for."""
-    folder, motion = plan
+    directory, motion = plan
     planted = arrays(json.loads(json.dumps(motion)))
     plant(planted)
-    planner = srmp.PlannerInterface.load(folder / "problem.json")
+    planner = srmp.PlannerInterface.load(directory / "problem.json")
     limits = np.array(planner.get_joint_limits("arm7"))
     assert (planted["positions"] >= limits[:, 0]).all()
     assert (planted["positions"] <= limits[:, 1]).all()
@@ -205,7 +205,7 @@ def test_rows_alone_do_not_show_it(plan, plant):
 
 def test_what_is_no_trajectory_is_refused_by_name(plan):
     """Files that cannot be read end with 2, as everywhere."""
-    folder, motion = plan
+    directory, motion = plan
     for change, text in (
         (lambda m: m["velocities"].pop(), "velocities has 204 rows of 7 numbers; there are 205 rows of positions"),
         (
@@ -217,8 +217,8 @@ def test_what_is_no_trajectory_is_refused_by_name(plan):
     ):
         planted = json.loads(json.dumps(motion))
         change(planted)
-        (folder / "planted.json").write_text(json.dumps(planted))
-        command = ["verify", folder / "planted.json", "--scene", folder / "problem.json"]
+        (directory / "planted.json").write_text(json.dumps(planted))
+        command = ["verify", directory / "planted.json", "--scene", directory / "problem.json"]
         result = CliRunner().invoke(main, [str(argument) for argument in command])
         assert result.exit_code == 2
         assert (

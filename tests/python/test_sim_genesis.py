@@ -54,9 +54,9 @@ DUO = """<mujoco model="duo"><worldbody>
 </worldbody></mujoco>"""
 
 
-def panda(folder):
+def panda(directory):
     """Its URDF, all links but the hand merged where joints are fixed."""
-    text = (folder / "panda.urdf").read_text().replace("package://", f"{folder}/")
+    text = (directory / "panda.urdf").read_text().replace("package://", f"{directory}/")
     text = re.sub(r"<visual>.*?</visual>", "", text, flags=re.S)
     return gs.morphs.URDF(file=text, fixed=True, links_to_keep=["panda_hand"])
 
@@ -73,9 +73,9 @@ def angle_iron():
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory):
     """Two arms among a plane, boxes, a sphere, a cylinder, a capsule, an ellipsoid, meshes, a terrain and more."""
-    folder, random, m = tmp_path_factory.mktemp("meshes"), np.random.default_rng(0), gs.morphs
-    trimesh.convex.convex_hull(0.08 * random.normal(size=(40, 3))).export(folder / "rock.obj")
-    angle_iron().export(folder / "angle.obj")
+    directory, random, m = tmp_path_factory.mktemp("meshes"), np.random.default_rng(0), gs.morphs
+    trimesh.convex.convex_hull(0.08 * random.normal(size=(40, 3))).export(directory / "rock.obj")
+    angle_iron().export(directory / "angle.obj")
     gs.destroy()  # another test may have begun it
     gs.init(backend=gs.cpu, precision="64", logging_level="error")
     scene = gs.Scene(show_viewer=False, rigid_options=gs.options.RigidOptions(use_gjk_collision=True))
@@ -83,14 +83,14 @@ def scene(tmp_path_factory):
     named = {
         "floor": m.Plane(pos=(0, 0, -0.6)),
         "crate": m.Box(size=(0.2, 0.2, 0.4), pos=(0.5, 0.3, 0.1), fixed=True),
-        "ball": m.Sphere(radius=0.1, pos=(0.5, -0.3, 0.5), fixed=True),
+        "sphere": m.Sphere(radius=0.1, pos=(0.5, -0.3, 0.5), fixed=True),
         "pole": m.Cylinder(radius=0.05, height=0.8, pos=(-0.4, 0.4, 0.3), **turned),
         "pill": mjcf("pill", "-0.4 -0.4 0.5", '<geom type="capsule" size="0.07 0.2" quat="0.8 0.4 0.2 0.4"/>'),
         "egg": mjcf("egg", "0 0.5 0.6", '<geom type="ellipsoid" size="0.1 0.15 0.2" quat="0.8 0.4 0.2 0.4"/>'),
-        "rock": m.Mesh(file=str(folder / "rock.obj"), pos=(0, -0.5, 0.7), fixed=True),
-        "angle": m.Mesh(file=str(folder / "angle.obj"), pos=(0.45, -0.1, 0.75), fixed=True, convexify=False),
+        "rock": m.Mesh(file=str(directory / "rock.obj"), pos=(0, -0.5, 0.7), fixed=True),
+        "angle": m.Mesh(file=str(directory / "angle.obj"), pos=(0.45, -0.1, 0.75), fixed=True, convexify=False),
         "bracket": m.Mesh(
-            file=str(folder / "angle.obj"), pos=(-0.5, -0.15, 0.75), decompose_object_error_threshold=0.0, **turned
+            file=str(directory / "angle.obj"), pos=(-0.5, -0.15, 0.75), decompose_object_error_threshold=0.0, **turned
         ),
         "hills": m.Terrain(
             height_field=random.integers(0, 40, size=(9, 7)),

@@ -16,8 +16,8 @@ HOME = np.array([0, -0.5, 0, -2.2, 0, 1.8, 0.8])
 
 def panda_spec(mbm_dir: Path) -> "mujoco.MjSpec":
     """The Panda's URDF as MuJoCo reads it, the base a body of its own."""
-    folder = mbm_dir / "panda"
-    text = (folder / "panda.urdf").read_text().replace("package://", f"{folder}/")
+    directory = mbm_dir / "panda"
+    text = (directory / "panda.urdf").read_text().replace("package://", f"{directory}/")
     text = re.sub(r"<visual>.*?</visual>", "", text, flags=re.S)
     compiler = '<mujoco><compiler fusestatic="false" strippath="false" balanceinertia="true"/></mujoco>'
     return mujoco.MjSpec.from_string(re.sub(r"(<robot [^>]*>)", rf"\1{compiler}", text, count=1))
@@ -34,7 +34,7 @@ def every_geometry(mbm_dir: Path) -> "mujoco.MjModel":
     turned = [0.7, 0.3, 0.1, 0.2]
     for name, place, geometry in (
         ("crate", {"pos": [0.5, 0.3, 0.1]}, {"type": kind.mjGEOM_BOX, "size": [0.1, 0.1, 0.2]}),
-        ("ball", {"pos": [0.5, -0.3, 0.5]}, {"type": kind.mjGEOM_SPHERE, "size": [0.1, 0, 0]}),
+        ("sphere", {"pos": [0.5, -0.3, 0.5]}, {"type": kind.mjGEOM_SPHERE, "size": [0.1, 0, 0]}),
         ("pole", {"pos": [-0.4, 0.4, 0.3], "quat": turned}, {"type": kind.mjGEOM_CYLINDER, "size": [0.05, 0.4, 0]}),
         ("pill", {"pos": [-0.4, -0.4, 0.5], "quat": turned}, {"type": kind.mjGEOM_CAPSULE, "size": [0.07, 0.2, 0]}),
         ("egg", {"pos": [0, 0.5, 0.6], "quat": turned}, {"type": kind.mjGEOM_ELLIPSOID, "size": [0.1, 0.15, 0.2]}),
@@ -191,11 +191,11 @@ def test_refresh_moves_adds_and_removes():
     assert planner.get_object_pose("cube").p[0] == 0.7
 
     spec.delete(spec.body("post"))
-    ball = spec.worldbody.add_body(name="ball", pos=[0, 0.5, 0.5])
-    ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
+    sphere = spec.worldbody.add_body(name="sphere", pos=[0, 0.5, 0.5])
+    sphere.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
     sim = spec.recompile(model, data)
     world.refresh(sim)
-    assert planner.object_names == ["ball", "cube", "floor"]
+    assert planner.object_names == ["sphere", "cube", "floor"]
     assert planner.get_qpos("arm")[1] == 0.5
     assert planner.is_state_colliding("arm", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
@@ -552,10 +552,10 @@ def test_what_refresh_refuses_moves_nothing():
     assert data.time == 0  # nothing moved
     planner.detach_object("cube")
 
-    planner.add_box("ball", size=[0.1] * 3, pose=srmp.Pose(p=[2, 2, 2]))
-    spec.worldbody.add_body(name="ball", pos=[0, 0.9, 0.5]).add_geom(size=[0.1, 0, 0])
+    planner.add_box("sphere", size=[0.1] * 3, pose=srmp.Pose(p=[2, 2, 2]))
+    spec.worldbody.add_body(name="sphere", pos=[0, 0.9, 0.5]).add_geom(size=[0.1, 0, 0])
     larger = spec.compile()
-    refused_refresh("a new object 'ball', and the planner has one", (larger, mujoco.MjData(larger)))
+    refused_refresh("a new object 'sphere', and the planner has one", (larger, mujoco.MjData(larger)))
     text = "<mujoco><worldbody><body name='arm'><body><joint/><geom size='.1'/></body></body></worldbody></mujoco>"
     strange = mujoco.MjModel.from_xml_string(text)
     refused_refresh("joint 'arm/arm7_joint1' of robot 'arm' is no longer in", (strange, mujoco.MjData(strange)))

@@ -27,8 +27,8 @@ def client():
 
 def panda_urdf(mbm_dir, tmp_path):
     """With the paths of its meshes, and without the meshes to look at."""
-    folder = mbm_dir / "panda"
-    text = (folder / "panda.urdf").read_text().replace("package://", f"{folder}/")
+    directory = mbm_dir / "panda"
+    text = (directory / "panda.urdf").read_text().replace("package://", f"{directory}/")
     path = tmp_path / "panda.urdf"
     path.write_text(re.sub(r"<visual>.*?</visual>", "", text, flags=re.S))
     return str(path)
@@ -78,8 +78,8 @@ URDF_BODY = """
 """
 
 
-def urdf_body(client, folder, name, collisions, position, turn=(0, 0, 0, 1), flags=0):
-    path = Path(folder, f"{name}.urdf")
+def urdf_body(client, directory, name, collisions, position, turn=(0, 0, 0, 1), flags=0):
+    path = Path(directory, f"{name}.urdf")
     path.write_text(URDF_BODY.format(name=name, collisions=collisions))
     return pybullet.loadURDF(str(path), position, turn, useFixedBase=True, flags=flags, physicsClientId=client)
 
@@ -89,11 +89,11 @@ def collision(geometry, xyz="0 0 0", rpy="0 0 0", **attributes):
     return f'<collision {said}><origin xyz="{xyz}" rpy="{rpy}"/><geometry>{geometry}</geometry></collision>'
 
 
-def every_geometry(client, folder):
+def every_geometry(client, directory):
     """All that PyBullet collides: 18 bodies, one of them filtered, and none is a robot."""
     p, random = pybullet, np.random.default_rng(0)
     turned = np.array([0.3, 0.1, 0.2, 0.7]) / np.linalg.norm([0.3, 0.1, 0.2, 0.7])
-    obj, prism = tetrahedra(folder / "two.obj"), stl(folder / "prism.stl")
+    obj, prism = tetrahedra(directory / "two.obj"), stl(directory / "prism.stl")
     heights = random.uniform(0, 0.2, size=9 * 7).tolist()
     field = {
         "heightfieldData": heights,
@@ -103,7 +103,7 @@ def every_geometry(client, folder):
     }
     body(client, "floor", (p.GEOM_PLANE, {"planeNormal": [0, 0, 1]}), [0, 0, -0.6])
     body(client, "crate", (p.GEOM_BOX, {"halfExtents": [0.1, 0.1, 0.2]}), [0.5, 0.3, 0.1])
-    body(client, "ball", (p.GEOM_SPHERE, {"radius": 0.1}), [0.5, -0.3, 0.5])
+    body(client, "sphere", (p.GEOM_SPHERE, {"radius": 0.1}), [0.5, -0.3, 0.5])
     body(client, "pole", (p.GEOM_CYLINDER, {"radius": 0.05, "height": 0.8}), [-0.4, 0.4, 0.3], turned)
     body(client, "pill", (p.GEOM_CAPSULE, {"radius": 0.07, "height": 0.4}), [-0.4, -0.4, 0.5], turned)
     body(client, "rock", (p.GEOM_MESH, {"vertices": 0.08 * random.normal(size=(40, 3))}), [0, -0.5, 0.7])
@@ -137,14 +137,14 @@ def every_geometry(client, folder):
         + collision('<sphere radius="0.05"/>', "0 0.2 0")
         + collision('<box size="0.1 0.05 0.2"/>', "0 0.25 0.1", "0 0 0.7")
     )
-    urdf_body(client, folder, "mixed", mixed, [0.75, 0.05, 0.75], turned)
+    urdf_body(client, directory, "mixed", mixed, [0.75, 0.05, 0.75], turned)
     urdf_body(
-        client, folder, "prism", collision(f'<mesh filename="{prism}" scale="0.7 0.7 0.7"/>'), [0.1, -0.4, 0.3], turned
+        client, directory, "prism", collision(f'<mesh filename="{prism}" scale="0.7 0.7 0.7"/>'), [0.1, -0.4, 0.3], turned
     )
     tube = collision(f'<mesh filename="{prism}"/>', "0 0 0.1", concave="yes")
-    urdf_body(client, folder, "tube", tube, [-0.2, 0.5, 0.8], turned)
+    urdf_body(client, directory, "tube", tube, [-0.2, 0.5, 0.8], turned)
     can = collision('<cylinder radius="0.1" length="0.2"/>')
-    urdf_body(client, folder, "can", can, [0.35, -0.5, 0.1], turned, p.URDF_USE_IMPLICIT_CYLINDER)
+    urdf_body(client, directory, "can", can, [0.35, -0.5, 0.1], turned, p.URDF_USE_IMPLICIT_CYLINDER)
 
 
 def set_state(client, robot, q):
@@ -359,20 +359,20 @@ def test_refresh_moves_adds_and_removes(small):
     assert planner.get_object_pose("cube").p[0] == 0.7
 
     p.removeBody(2, physicsClientId=small)  # the post; its number goes to the next body
-    ball = body(small, "ball", (p.GEOM_SPHERE, {"radius": 0.1}), [0, 0.5, 0.5])
+    sphere = body(small, "sphere", (p.GEOM_SPHERE, {"radius": 0.1}), [0, 0.5, 0.5])
     sphere = p.createCollisionShape(p.GEOM_SPHERE, radius=0.1, physicsClientId=small)
     unnamed = p.createMultiBody(0, sphere, -1, [9, 0, 0], physicsClientId=small)
     world.refresh()
-    assert ball == 2
-    assert planner.object_names == ["ball", f"body{unnamed}", "cube", "floor"]
+    assert sphere == 2
+    assert planner.object_names == ["sphere", f"body{unnamed}", "cube", "floor"]
     assert planner.is_state_colliding("arm7", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
-    p.removeBody(ball, physicsClientId=small)
-    assert cuboid(small, "ball", [0.1] * 3, [0, 0.5, 0.5]) == ball  # the same name, place and size: another shape
+    p.removeBody(sphere, physicsClientId=small)
+    assert cuboid(small, "sphere", [0.1] * 3, [0, 0.5, 0.5]) == sphere  # the same name, place and size: another shape
     world.refresh()
     planner.set_qpos("arm7", [0.0] * 7)
     planner.add_sphere("probe", radius=0.01, pose=srmp.Pose(p=[0.09, 0.59, 0.59]))
-    shape = next(b for b in world.simulator.bodies() if b.name == "ball").geometries[0].shape
+    shape = next(b for b in world.simulator.bodies() if b.name == "sphere").geometries[0].shape
     assert isinstance(shape, srmp.sim.shapes.Box)
 
 
@@ -435,11 +435,11 @@ def test_two_arms_at_once(client):
 
 def test_names(client):
     """Of the URDF, of the user, or of the number; two of one name are told apart, and keep their names."""
-    folder = str(Path(pytest.importorskip("pybullet_data").getDataPath()))
-    spheres = [pybullet.loadURDF(f"{folder}/sphere_small.urdf", [k, 0, 1], physicsClientId=client) for k in range(2)]
+    directory = str(Path(pytest.importorskip("pybullet_data").getDataPath()))
+    spheres = [pybullet.loadURDF(f"{directory}/sphere_small.urdf", [k, 0, 1], physicsClientId=client) for k in range(2)]
     load_arm7(client)
     second = load_arm7(client, [3, 0, 0])
-    robot = pybullet.loadURDF(f"{folder}/r2d2.urdf", [6, 0, 1], physicsClientId=client)
+    robot = pybullet.loadURDF(f"{directory}/r2d2.urdf", [6, 0, 1], physicsClientId=client)
     planner, world = read(client, articulations=["arm7", second])
     assert planner.robot_names == ["arm7", f"arm7_{second}"]
     assert {"urdf_robot", f"urdf_robot_{spheres[1]}"} <= set(planner.object_names)
@@ -606,8 +606,8 @@ def test_shapes_that_cannot_be_read(small):
 
 def test_a_soft_body(client, tmp_path):
     pybullet.resetSimulation(pybullet.RESET_USE_DEFORMABLE_WORLD, physicsClientId=client)
-    folder = pytest.importorskip("pybullet_data").getDataPath()
-    pybullet.loadSoftBody(f"{folder}/cloth_z_up.obj", mass=1, useMassSpring=1, physicsClientId=client)
+    directory = pytest.importorskip("pybullet_data").getDataPath()
+    pybullet.loadSoftBody(f"{directory}/cloth_z_up.obj", mass=1, useMassSpring=1, physicsClientId=client)
     refused(srmp.NotSupported, "object 'cloth_z_up': a soft body cannot be read", client)
 
 

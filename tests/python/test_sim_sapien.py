@@ -93,14 +93,14 @@ def add_cabinet(scene):
     return cabinet
 
 
-def add_panda(scene, mbm_dir: Path, folder: Path):
+def add_panda(scene, mbm_dir: Path, directory: Path):
     """The Panda's URDF as SAPIEN reads it; links that always touch are kept apart by an SRDF."""
     text = (mbm_dir / "panda" / "panda.urdf").read_text().replace("package://", f"{mbm_dir}/panda/")
-    (folder / "panda.urdf").write_text(re.sub(r"<visual>.*?</visual>|<mimic.*?</mimic>", "", text, flags=re.S))
+    (directory / "panda.urdf").write_text(re.sub(r"<visual>.*?</visual>|<mimic.*?</mimic>", "", text, flags=re.S))
     apart = [("panda_link7", "panda_hand"), ("panda_link5", "panda_link7"), ("panda_leftfinger", "panda_rightfinger")]
     pairs = "".join(f'<disable_collisions link1="{a}" link2="{b}" reason="Default"/>' for a, b in apart)
-    (folder / "panda.srdf").write_text(f'<robot name="panda">{pairs}</robot>')
-    panda = scene.create_urdf_loader().load(str(folder / "panda.urdf"))
+    (directory / "panda.srdf").write_text(f'<robot name="panda">{pairs}</robot>')
+    panda = scene.create_urdf_loader().load(str(directory / "panda.urdf"))
     panda.name = "panda"
     panda.qpos = HOME
     return panda
@@ -112,7 +112,7 @@ def sim(mbm_dir, tmp_path):
     scene = new_scene()
     scene.add_ground(-0.6, render=False)
     add(scene, "crate", [0.5, 0.3, 0.1], box(0.1, 0.1, 0.2))
-    add(scene, "ball", [0.5, -0.3, 0.5], px.PhysxCollisionShapeSphere(0.1, MATERIAL))
+    add(scene, "sphere", [0.5, -0.3, 0.5], px.PhysxCollisionShapeSphere(0.1, MATERIAL))
     add(scene, "pole", [-0.4, 0.4, 0.3], px.PhysxCollisionShapeCylinder(0.05, 0.4, MATERIAL), turn=TURNED)
     pill = px.PhysxCollisionShapeCapsule(0.07, 0.2, MATERIAL)
     add(scene, "pill", [-0.4, -0.4, 0.5], pill, turn=TURNED, kind="kinematic")
@@ -350,9 +350,9 @@ def test_refresh_moves_adds_and_removes():
     assert planner.get_object_pose("cube").p[0] == 0.75
 
     scene.remove_entity(next(entity for entity in scene.entities if entity.name == "post"))
-    add(scene, "ball", [0, 0.625, 0.5], px.PhysxCollisionShapeSphere(0.1, MATERIAL))
+    add(scene, "sphere", [0, 0.625, 0.5], px.PhysxCollisionShapeSphere(0.1, MATERIAL))
     world.refresh()
-    assert planner.object_names == ["ball", "cube", "ground"]
+    assert planner.object_names == ["sphere", "cube", "ground"]
     assert planner.is_state_colliding("arm", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
     scene.remove_articulation(arm)
@@ -499,9 +499,9 @@ def test_a_scene_of_another_kind():
 def test_a_geometry_that_cannot_be_read(monkeypatch):
     scene, _, _ = small_scene()
     monkeypatch.setattr(px, "PhysxCollisionShapeSphere", type("PhysxCollisionShapeOther", (), {}))
-    add(scene, "ball", [0, 0.6, 0.5], sapien.pysapien.physx.PhysxCollisionShapeCapsule(0.1, 0.1, MATERIAL))
+    add(scene, "sphere", [0, 0.6, 0.5], sapien.pysapien.physx.PhysxCollisionShapeCapsule(0.1, 0.1, MATERIAL))
     monkeypatch.setattr(px, "PhysxCollisionShapeCapsule", type("PhysxCollisionShapeOther", (), {}))
-    match = r"object 'ball': a PhysxCollisionShapeCapsule cannot be read; exclude=\['ball'\] leaves it out"
+    match = r"object 'sphere': a PhysxCollisionShapeCapsule cannot be read; exclude=\['sphere'\] leaves it out"
     refused(srmp.NotSupported, match, scene, articulations=[])
 
 

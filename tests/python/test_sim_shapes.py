@@ -10,17 +10,17 @@ from srmp.sim.urdf import to_urdf
 
 
 def distance(shape, point, pose=None):
-    """Of a small ball from the shape, as the planner sees it [m]."""
+    """Of a small sphere from the shape, as the planner sees it [m]."""
     planner = srmp.PlannerInterface()
-    ball = '<collision><geometry><sphere radius="0.001"/></geometry></collision>'
+    sphere = '<collision><geometry><sphere radius="0.001"/></geometry></collision>'
     limit = '<limit lower="-1" upper="1" velocity="1"/>'
     planner.add_articulation(
-        urdf_text=f"""<robot name="ball"><link name="base"/><link name="ball">{ball}</link>
-        <joint name="slide" type="prismatic"><parent link="base"/><child link="ball"/>{limit}</joint></robot>""",
+        urdf_text=f"""<robot name="sphere"><link name="base"/><link name="sphere">{sphere}</link>
+        <joint name="slide" type="prismatic"><parent link="base"/><child link="sphere"/>{limit}</joint></robot>""",
         base_pose=srmp.Pose(p=point),
     )
     shapes.add_object(planner, "it", shape, pose or srmp.Pose())
-    return planner.distance_to_collision("ball", [0.0]) + 0.001
+    return planner.distance_to_collision("sphere", [0.0]) + 0.001
 
 
 def test_an_ellipsoid_is_held_and_not_by_much():
@@ -109,7 +109,7 @@ def test_a_urdf_has_every_shape_where_it_is(tmp_path, monkeypatch):
 def test_joints_and_planes_that_urdfs_do_not_have():
     names = {"base": "base", "arm": "arm"}
     with pytest.raises(srmp.NotSupported, match="joint 'turn' of articulation 'robot' has more than one degree"):
-        to_urdf(one_joint("ball"), names, {"turn": "turn"})
+        to_urdf(one_joint("sphere"), names, {"turn": "turn"})
     with pytest.raises(srmp.NotSupported, match="link 'arm' has a plane, which is endless"):
         to_urdf(one_joint("revolute", Geometry("", shapes.Plane(), srmp.Pose(), 0)), names, {"turn": "turn"})
 

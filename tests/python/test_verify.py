@@ -74,8 +74,8 @@ def test_the_scene_counts_as_it_is(question):
         ({"limits": srmp.MotionLimits([1], [1], [1])}, "velocity limits: got 1, but there are 7 joints"),
         ({"max_deviation": -1}, "max_deviation is -1; it must be 0 m or above"),
         ({"max_deviation": np.nan}, "max_deviation is NaN"),
-        ({"tightness": 0}, "tightness is 0; it must be above 0 and below 1"),
-        ({"tightness": 1}, "tightness is 1"),
+        ({"gap_tolerance": 0}, "gap_tolerance is 0; it must be above 0 and below 1"),
+        ({"gap_tolerance": 1}, "gap_tolerance is 1"),
     ],
 )
 def test_wrong_questions_are_refused(question, arguments, text):
@@ -192,30 +192,30 @@ def test_a_certificate_is_plain_data(question):
 @pytest.fixture(scope="module")
 def planned(tmp_path_factory):
     """What `srmp plan` wrote."""
-    folder = tmp_path_factory.mktemp("plan")
-    arguments = ("-o", folder / "plan.json", "--save", folder / "problem.json")
+    directory = tmp_path_factory.mktemp("plan")
+    arguments = ("-o", directory / "plan.json", "--save", directory / "problem.json")
     result = srmp_command("plan", *ROBOT, *SCENE, *REQUEST, *arguments)
     assert result.exit_code == 0, result.output
-    return folder, result.output
+    return directory, result.output
 
 
 def test_plan_writes_and_tells_the_certificate(planned):
-    folder, output = planned
-    certificate = srmp.Trajectory.load(folder / "plan.json").certificate
-    assert certificate == srmp.PlannerInterface.load(folder / "problem.json").last_result.trajectory.certificate
+    directory, output = planned
+    certificate = srmp.Trajectory.load(directory / "plan.json").certificate
+    assert certificate == srmp.PlannerInterface.load(directory / "problem.json").last_result.trajectory.certificate
     assert "certificate: holds, proved free, clearance " in output
     assert f"{certificate.clearance * 1e3:.3g} mm" in output
 
 
 def test_verify_takes_plans_and_problems(planned, tmp_path):
-    folder, _ = planned
-    world = srmp.PlannerInterface.load(folder / "problem.json")
+    directory, _ = planned
+    world = srmp.PlannerInterface.load(directory / "problem.json")
     world.save_scene(tmp_path / "scene.json")
-    srmp.Trajectory.load(folder / "plan.json").save(tmp_path / "t.json")
+    srmp.Trajectory.load(directory / "plan.json").save(tmp_path / "t.json")
     for arguments in (
-        (folder / "problem.json",),
-        (folder / "plan.json", "--scene", folder / "problem.json"),
-        (folder / "plan.json", "--scene", tmp_path / "scene.json", *REQUEST),
+        (directory / "problem.json",),
+        (directory / "plan.json", "--scene", directory / "problem.json"),
+        (directory / "plan.json", "--scene", tmp_path / "scene.json", *REQUEST),
         (tmp_path / "t.json", *ROBOT, *SCENE, *REQUEST),
         (tmp_path / "t.json", *ROBOT),
     ):
@@ -226,27 +226,27 @@ def test_verify_takes_plans_and_problems(planned, tmp_path):
 
 
 def test_verify_names_every_fault(planned, tmp_path):
-    folder, _ = planned
+    directory, _ = planned
     limits = tmp_path / "joint_limits.yaml"
     limits.write_text("joint_limits: {arm7_joint1: {max_velocity: 1.0e-3, max_acceleration: 1.0e-3}, finger: {}}")
-    result = srmp_command("verify", folder / "problem.json", "--joint-limits", limits)
+    result = srmp_command("verify", directory / "problem.json", "--joint-limits", limits)
     assert result.exit_code == 1
     assert "FAULT velocity_limit: arm7_joint1: the velocity reaches" in result.output
     assert "FAULT acceleration_limit: arm7_joint1: " in result.output
     assert "also limits finger, which are no planned joints of the robot" in result.output
     assert result.output.splitlines()[-1] == "2 faults: velocity_limit, acceleration_limit"
-    motion = srmp.Trajectory.load(folder / "plan.json")
+    motion = srmp.Trajectory.load(directory / "plan.json")
     motion.slice(0, motion.duration / 2).save(tmp_path / "half.json")
-    half = srmp_command("verify", tmp_path / "half.json", "--scene", folder / "problem.json")
+    half = srmp_command("verify", tmp_path / "half.json", "--scene", directory / "problem.json")
     assert half.exit_code == 1
     assert half.output.splitlines()[-1] == "2 faults: rest, goal"
-    assert srmp_command("verify", folder / "problem.json", "--max-deviation", 0.005).exit_code == 0
-    jerk = srmp_command("verify", folder / "problem.json", "--jerk")
+    assert srmp_command("verify", directory / "problem.json", "--max-deviation", 0.005).exit_code == 0
+    jerk = srmp_command("verify", directory / "problem.json", "--jerk")
     assert jerk.exit_code == (0 if motion.certificate.jerk.share <= 1 else 1)
 
 
 def test_joint_limits_make_plans_slower(planned, tmp_path):
-    folder, _ = planned
+    directory, _ = planned
     limits = tmp_path / "joint_limits.yaml"
     limits.write_text("default_velocity_scaling_factor: 0.2\njoint_limits: {finger: {}}")
     arguments = ("-o", tmp_path / "slow.json", "--joint-limits", limits)
@@ -254,7 +254,7 @@ def test_joint_limits_make_plans_slower(planned, tmp_path):
     assert result.exit_code == 0, result.output
     assert "also limits finger" in result.output
     slow = srmp.Trajectory.load(tmp_path / "slow.json")
-    assert slow.duration > 1.5 * srmp.Trajectory.load(folder / "plan.json").duration
+    assert slow.duration > 1.5 * srmp.Trajectory.load(directory / "plan.json").duration
     assert slow.certificate.limits.velocity[0] == 0.2 * 2.2
 
 
@@ -272,8 +272,8 @@ def test_joint_limits_make_plans_slower(planned, tmp_path):
     ],
 )
 def test_wrong_calls_end_in_one_sentence(planned, arguments, text):
-    folder, _ = planned
-    files = {"PLAN": folder / "plan.json", "PROBLEM": folder / "problem.json"}
+    directory, _ = planned
+    files = {"PLAN": directory / "plan.json", "PROBLEM": directory / "problem.json"}
     result = srmp_command("verify", *(files.get(argument, argument) for argument in arguments))
     assert result.exit_code == 2
     assert text in result.output

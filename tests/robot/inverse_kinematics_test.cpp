@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
-#include "srmp/robot/low_discrepancy.hpp"
+#include "srmp/core/low_discrepancy.hpp"
 #include "support/data.hpp"
 #include "support/numbers.hpp"
 #include "support/robots.hpp"

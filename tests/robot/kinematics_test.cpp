@@ -96,24 +96,24 @@ BOOST_AUTO_TEST_CASE(prismatic_continuous_and_mimic_joints_move_as_they_should) 
 BOOST_AUTO_TEST_CASE(drives_and_movers_tell_what_moves_what) {
   const auto robot = cart();
   // Depth first: rail, wheel, finger, mast.
-  BOOST_TEST(robot->drives().size() == 4);
+  BOOST_TEST(robot->actuated_joints().size() == 4);
   const std::vector<std::size_t> joints{0, 1, 1, 0};
   const std::vector<double> ratios{1, 1, 0.5, -2};
   for (std::size_t k = 0; k < 4; ++k) {
-    BOOST_TEST(robot->drives()[k].joint == joints[k]);
-    BOOST_TEST(robot->drives()[k].ratio == ratios[k]);
-    BOOST_TEST(robot->drives()[k].prismatic == (k == 0 || k == 3));
+    BOOST_TEST(robot->actuated_joints()[k].joint == joints[k]);
+    BOOST_TEST(robot->actuated_joints()[k].ratio == ratios[k]);
+    BOOST_TEST(robot->actuated_joints()[k].prismatic == (k == 0 || k == 3));
   }
-  BOOST_TEST(robot->link_movers(robot->link_index("base")) == 0b0000u);
-  BOOST_TEST(robot->link_movers(robot->link_index("cart")) == 0b0001u);
-  BOOST_TEST(robot->link_movers(robot->link_index("nail")) == 0b0111u);
-  BOOST_TEST(robot->link_movers(robot->link_index("lamp")) == 0b1001u);
+  BOOST_TEST(robot->link_support(robot->link_index("base")) == 0b0000u);
+  BOOST_TEST(robot->link_support(robot->link_index("cart")) == 0b0001u);
+  BOOST_TEST(robot->link_support(robot->link_index("nail")) == 0b0111u);
+  BOOST_TEST(robot->link_support(robot->link_index("lamp")) == 0b1001u);
   for (const LinkGeometry& geometry : robot->geometries())
-    BOOST_TEST(geometry.movers == robot->link_movers(geometry.link_index));
+    BOOST_TEST(geometry.support == robot->link_support(geometry.link_index));
 
   const RobotDataPtr data = robot->make_data();
   robot->forward(*data, Eigen::Vector2d(0.5, pi / 2));
-  const auto [point, axis] = robot->drive_axis(*data, 2);  // the finger's, turned a quarter by the wheel
+  const auto [point, axis] = robot->actuated_joint_axis(*data, 2);  // the finger's, turned a quarter by the wheel
   BOOST_TEST((point - Eigen::Vector3d(0.5, 1, 1)).norm() < 1e-12);
   BOOST_TEST((axis - Eigen::Vector3d(-1, 0, 0)).norm() < 1e-12);
 }

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "srmp/core/error.hpp"
-#include "srmp/robot/mesh_file.hpp"
+#include "srmp/geometry/mesh_file.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/throws.hpp"
@@ -23,8 +23,8 @@ namespace {
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-bool same(const std::vector<Ball>& a, const std::vector<Ball>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Ball& x, const Ball& y) {
+bool same(const std::vector<PlacedSphere>& a, const std::vector<PlacedSphere>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PlacedSphere& x, const PlacedSphere& y) {
     return same_bits(x.radius, y.radius) && same_bits(x.center[0], y.center[0]) &&
            same_bits(x.center[1], y.center[1]) && same_bits(x.center[2], y.center[2]);
   });
@@ -52,7 +52,7 @@ using Geometry = std::shared_ptr<const coal::CollisionGeometry>;
 
 Geometry box(double x, double y, double z) { return std::make_shared<coal::Box>(x, y, z); }
 
-/// A ball with bumps and dents; with a triangle taken out where asked.
+/// A sphere with bumps and dents; with a triangle taken out where asked.
 TriangleSoup lumpy(unsigned seed, bool open) {
   std::mt19937 random(seed);
   constexpr int rings = 7, sectors = 10;
@@ -77,9 +77,9 @@ TriangleSoup lumpy(unsigned seed, bool open) {
   return mesh;
 }
 
-std::string only_file(const std::string& folder) {
+std::string only_file(const std::string& directory) {
   std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path().string());
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) files.push_back(entry.path().string());
   BOOST_REQUIRE(files.size() == 1u);
   return files[0];
 }
@@ -128,7 +128,7 @@ BOOST_AUTO_TEST_CASE(covers_of_lumpy_meshes_contain_them) {
       BOOST_TEST(cover.coarse_inflation.mean <= cover.coarse_inflation.max + 1e-12);
       BOOST_TEST(cover.children.size() == cover.coarse.size());
       BOOST_TEST(cover.hollow);
-      for (const Ball& ball : cover.inner) BOOST_TEST(solid.depth(ball.center) >= ball.radius - 1e-12);
+      for (const PlacedSphere& sphere : cover.inner) BOOST_TEST(solid.depth(sphere.center) >= sphere.radius - 1e-12);
     }
 }
 
@@ -160,8 +160,8 @@ BOOST_AUTO_TEST_CASE(cavities_behind_small_holes_may_be_filled) {
   BOOST_TEST(filled.depth({0.12, 0, 0}) < 0);
   const SphereCover a = cover_solid(as_it_is, {.max_inflation = 0.015}),
                     b = cover_solid(filled, {.max_inflation = 0.015});
-  BOOST_TEST(contains_solid(b.balls, filled));
-  BOOST_TEST(2 * b.balls.size() < a.balls.size());
+  BOOST_TEST(contains_solid(b.spheres, filled));
+  BOOST_TEST(2 * b.spheres.size() < a.spheres.size());
 }
 
 BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
@@ -173,7 +173,7 @@ BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
     BOOST_TEST(cover.parts[i].name == robot->geometries()[i].name);
     BOOST_TEST((&store.cover(*robot->geometries()[i].shape) == cover.parts[i].cover.get()));
   }
-  BOOST_TEST(cover.coarse_balls() <= 160u);
+  BOOST_TEST(cover.coarse_spheres() <= 160u);
   BOOST_TEST(cover.coarse_inflation() <= kRough.coarse * 1.0001);
   BOOST_TEST(cover.fine_inflation() <= kRough.fine * 1.0001);
   BOOST_TEST((cover.origin == CoverStore::Origin::built));
@@ -188,22 +188,22 @@ BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(coarse_balls_grow_to_keep_to_the_budget) {
+BOOST_AUTO_TEST_CASE(coarse_spheres_grow_to_keep_to_the_budget) {
   const auto robot = RobotModel::load(arm7());
   CoverStore store("");
   const RobotCover free = cover_robot(*robot, store, {.levels = kRough, .max_coarse = 0});
-  const std::size_t budget = free.coarse_balls() - 3;
+  const std::size_t budget = free.coarse_spheres() - 3;
   const RobotCover tight = cover_robot(*robot, store, {.levels = kRough, .max_coarse = budget});
-  BOOST_TEST(tight.coarse_balls() <= budget);
+  BOOST_TEST(tight.coarse_spheres() <= budget);
   BOOST_TEST(tight.coarse_inflation() > free.coarse_inflation());
-  BOOST_TEST(tight.fine_balls() == free.fine_balls());
+  BOOST_TEST(tight.fine_spheres() == free.fine_spheres());
 }
 
 BOOST_AUTO_TEST_CASE(loaded_covers_have_the_bits_of_built_ones) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   const auto robot = RobotModel::load(arm7());
   const RobotCoverOptions options{.levels = kRough};
-  CoverStore first(folder.path("covers")), second(folder.path("covers"));
+  CoverStore first(directory.path("covers")), second(directory.path("covers"));
   const RobotCover built = cover_robot(*robot, first, options);
   const RobotCover loaded = cover_robot(*robot, second, options);
   BOOST_TEST((built.origin == CoverStore::Origin::built));
@@ -216,33 +216,33 @@ BOOST_AUTO_TEST_CASE(loaded_covers_have_the_bits_of_built_ones) {
 }
 
 BOOST_AUTO_TEST_CASE(geometries_are_known_by_content_and_levels) {
-  const TemporaryFolder folder;
-  CoverStore store(folder.path(), kRough);
+  const TemporaryDirectory directory;
+  CoverStore store(directory.path(), kRough);
   const GeometryCover& a = store.cover(*box(0.3, 0.2, 0.1));
   BOOST_TEST((&store.cover(*box(0.3, 0.2, 0.1)) == &a));
   BOOST_TEST((&store.cover(*box(0.3, 0.2, 0.11)) != &a));
-  BOOST_TEST(same(CoverStore(folder.path(), kRough).cover(*box(0.3, 0.2, 0.1)), a));
-  const GeometryCover finer = CoverStore(folder.path(), {.coarse = 0.06, .fine = 0.02}).cover(*box(0.3, 0.2, 0.1));
+  BOOST_TEST(same(CoverStore(directory.path(), kRough).cover(*box(0.3, 0.2, 0.1)), a));
+  const GeometryCover finer = CoverStore(directory.path(), {.coarse = 0.06, .fine = 0.02}).cover(*box(0.3, 0.2, 0.1));
   BOOST_TEST(finer.fine.size() > a.fine.size());
-  const GeometryCover& ball = store.cover(coal::Sphere(0.1));
-  BOOST_TEST(ball.exact);
-  BOOST_TEST(ball.fine.empty());
+  const GeometryCover& sphere = store.cover(coal::Sphere(0.1));
+  BOOST_TEST(sphere.exact);
+  BOOST_TEST(sphere.fine.empty());
 }
 
 BOOST_AUTO_TEST_CASE(damaged_files_are_built_again) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   const Geometry shape = box(0.2, 0.1, 0.1);
   const auto ask = [&] {
-    CoverStore store(folder.path(), kRough);
+    CoverStore store(directory.path(), kRough);
     return store.cover(*shape);
   };
   const GeometryCover good = ask();
-  const std::string path = only_file(folder.path()), text = contents(path);
+  const std::string path = only_file(directory.path()), text = contents(path);
   const auto damaged = [&](const std::string& bad) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bad;
     BOOST_TEST(same(ask(), good));
     BOOST_TEST(contents(path) == text);  // put right
-    BOOST_TEST(only_file(folder.path()) == path);
+    BOOST_TEST(only_file(directory.path()) == path);
   };
   damaged("");
   damaged("no cover");
@@ -255,15 +255,15 @@ BOOST_AUTO_TEST_CASE(damaged_files_are_built_again) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(a_folder_that_cannot_be_used_does_not_matter) {
-  const TemporaryFolder folder;
+BOOST_AUTO_TEST_CASE(a_directory_that_cannot_be_used_does_not_matter) {
+  const TemporaryDirectory directory;
   const Geometry shape = box(0.2, 0.1, 0.1);
   CoverStore none("", kRough);
-  const std::string file = folder.write("file", "not a folder");
+  const std::string file = directory.write("file", "not a directory");
   CoverStore blocked(file + "/covers", kRough);
   BOOST_TEST(same(blocked.cover(*shape), none.cover(*shape)));
   if (geteuid() != 0) {  // nothing is forbidden to root
-    const std::string locked = folder.path("locked");
+    const std::string locked = directory.path("locked");
     std::filesystem::create_directories(locked);
     chmod(locked.c_str(), 0500);
     CoverStore store(locked, kRough);
@@ -272,9 +272,9 @@ BOOST_AUTO_TEST_CASE(a_folder_that_cannot_be_used_does_not_matter) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(threads_share_stores_and_folders) {
-  const TemporaryFolder folder;
-  CoverStore shared(folder.path(), kRough), own(folder.path(), kRough);
+BOOST_AUTO_TEST_CASE(threads_share_stores_and_directories) {
+  const TemporaryDirectory directory;
+  CoverStore shared(directory.path(), kRough), own(directory.path(), kRough);
   const std::vector<Geometry> shapes{box(0.2, 0.1, 0.1), std::make_shared<coal::Cylinder>(0.05, 0.2),
                                      std::make_shared<coal::Cone>(0.05, 0.2), box(0.1, 0.1, 0.1)};
   std::vector<std::vector<const GeometryCover*>> found(3);
@@ -291,23 +291,23 @@ BOOST_AUTO_TEST_CASE(threads_share_stores_and_folders) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_environment_names_the_folder) {
+BOOST_AUTO_TEST_CASE(the_environment_names_the_directory) {
   const Environment home("HOME", "/home/someone");
   {
     const Environment a("SRMP_CACHE_DIR", nullptr), b("XDG_CACHE_HOME", nullptr);
-    BOOST_TEST(default_cover_folder() == "/home/someone/.cache/srmp/covers");
+    BOOST_TEST(default_cover_directory() == "/home/someone/.cache/srmp/covers");
   }
   {
     const Environment a("SRMP_CACHE_DIR", nullptr), b("XDG_CACHE_HOME", "/caches");
-    BOOST_TEST(default_cover_folder() == "/caches/srmp/covers");
+    BOOST_TEST(default_cover_directory() == "/caches/srmp/covers");
   }
   const Environment b("XDG_CACHE_HOME", "relative");
   const Environment a("SRMP_CACHE_DIR", nullptr);
-  BOOST_TEST(default_cover_folder() == "/home/someone/.cache/srmp/covers");
+  BOOST_TEST(default_cover_directory() == "/home/someone/.cache/srmp/covers");
   const Environment c("SRMP_CACHE_DIR", "/mine");
-  BOOST_TEST(default_cover_folder() == "/mine/covers");
+  BOOST_TEST(default_cover_directory() == "/mine/covers");
   const Environment d("SRMP_CACHE_DIR", "");
-  BOOST_TEST(default_cover_folder() == "");
+  BOOST_TEST(default_cover_directory() == "");
 }
 
 BOOST_AUTO_TEST_CASE(progress_counts_up_and_may_stop_the_work) {
@@ -346,9 +346,9 @@ BOOST_AUTO_TEST_CASE(covers_of_real_robots_contain_them) {
     if (description.urdf_path.empty()) return;
     const auto robot = RobotModel::load(description);
     CoverStore store("");
-    // Coarser than by default: the proof is the same, and there are fewer balls to make.
+    // Coarser than by default: the proof is the same, and there are fewer spheres to make.
     const RobotCover cover = cover_robot(*robot, store, {.levels = {.coarse = 0.04, .fine = 0.025}});
-    BOOST_TEST(cover.coarse_balls() <= 160u, name);
+    BOOST_TEST(cover.coarse_spheres() <= 160u, name);
     BOOST_TEST(cover.fine_inflation() <= 0.025001, name);
     for (std::size_t i = 0; i < cover.parts.size(); ++i) {
       const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(robot->geometries()[i].shape.get());

@@ -62,9 +62,9 @@ bool collides(const RobotModel& robot, const Eigen::VectorXd& q) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(adjacent_and_rigid_links_are_allowed_with_an_srdf) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   RobotDescription description = chain();
-  description.srdf_path = folder.write("r.srdf", "<robot name='chain'/>");
+  description.srdf_path = directory.write("r.srdf", "<robot name='chain'/>");
   const auto robot = RobotModel::load(description);
   // base-a, a-b (through bare) and c-d are joined by one joint; b and c are one body.
   BOOST_TEST(
@@ -77,13 +77,13 @@ BOOST_AUTO_TEST_CASE(adjacent_and_rigid_links_are_allowed_with_an_srdf) {
 }
 
 BOOST_AUTO_TEST_CASE(srdf_rules_switch_pairs_off_and_on) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   RobotDescription description = chain();
-  description.srdf_path = folder.write("r.srdf",
-                                       "<robot name='chain'><disable_default_collisions link='base'/>"
-                                       "<disable_collisions link1='a' link2='c' reason='Never'/>"
-                                       "<enable_collisions link1='base' link2='d'/>"
-                                       "<enable_collisions link1='b' link2='c'/></robot>");
+  description.srdf_path = directory.write("r.srdf",
+                                          "<robot name='chain'><disable_default_collisions link='base'/>"
+                                          "<disable_collisions link1='a' link2='c' reason='Never'/>"
+                                          "<enable_collisions link1='base' link2='d'/>"
+                                          "<enable_collisions link1='b' link2='c'/></robot>");
   BOOST_TEST((checked(*RobotModel::load(description)) == Pairs{{"base", "d"}, {"a", "d"}, {"b", "d"}}));
 }
 

@@ -29,14 +29,14 @@ class Load {
  public:
   explicit Load(const std::string& inside, RobotDescription description = {}) : description_(std::move(description)) {
     description_.urdf_text = kRobot;
-    description_.srdf_path = folder_.write("r.srdf", "<robot name='r'>\n" + inside + "</robot>");
+    description_.srdf_path = directory_.write("r.srdf", "<robot name='r'>\n" + inside + "</robot>");
     if (description_.end_effector.empty() && description_.group.empty() && description_.joint_names.empty())
       description_.end_effector = "three";
   }
   std::shared_ptr<const RobotModel> operator()() const { return RobotModel::load(description_); }
 
  private:
-  TemporaryFolder folder_;
+  TemporaryDirectory directory_;
   RobotDescription description_;
 };
 
@@ -81,8 +81,8 @@ BOOST_AUTO_TEST_CASE(joint_names_keep_their_order) {
   const auto robot = Load(kGroups, description)();
   BOOST_TEST(robot->joint_names() == (Names{"c", "a"}), boost::test_tools::per_element());
   BOOST_TEST(robot->end_effector() == "three");
-  BOOST_TEST(robot->drives()[0].joint == 1u);  // parents first: a, then c
-  BOOST_TEST(robot->drives()[1].joint == 0u);
+  BOOST_TEST(robot->actuated_joints()[0].joint == 1u);  // parents first: a, then c
+  BOOST_TEST(robot->actuated_joints()[1].joint == 0u);
 }
 
 BOOST_AUTO_TEST_CASE(unknown_choices_are_refused_with_the_nearest) {

@@ -52,10 +52,10 @@ BOOST_AUTO_TEST_CASE(broken_xml_says_the_line) {
 }
 
 BOOST_AUTO_TEST_CASE(missing_files_are_named) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   check_throws<FileError>([] { Urdf::read_file("/no/such/file.urdf"); }, "'/no/such/file.urdf' does not exist");
-  check_throws<FileError>([&] { Urdf::read_file(folder.path()); }, "is not a file");
-  const std::string empty = folder.write("empty.urdf", "");
+  check_throws<FileError>([&] { Urdf::read_file(directory.path()); }, "is not a file");
+  const std::string empty = directory.write("empty.urdf", "");
   check_throws<FileError>([&] { Urdf::read_file(empty); }, "empty.urdf is empty");
 }
 

@@ -64,7 +64,7 @@ struct TestGraph {
 
   bool is_goal(StateId s) const { return goals[s]; }
 
-  int most_asked() const {
+  int max_asked() const {
     int most = 0;
     for (const auto& out : arcs) {
       for (const Arc& arc : out) most = std::max(most, arc.asked);

@@ -12,7 +12,7 @@ namespace {
 using Member = PortfolioMember<TestGraph, Problem>;
 
 /// Two guides: the problem's own heuristic, and one that knows nothing.
-Guides guides(const Problem& problem) {
+InadmissibleHeuristics inadmissible_heuristics(const Problem& problem) {
   return {2, [&problem](std::span<const StateId> states, std::span<double> out) {
             for (std::size_t i = 0; i < states.size(); ++i) {
               out[2 * i] = problem.h[states[i]] < infinity ? problem.h[states[i]] : 0.0;
@@ -21,7 +21,7 @@ Guides guides(const Problem& problem) {
           }};
 }
 
-Member member(Problem& problem) { return {&problem.graph, problem.starts, &problem, guides(problem)}; }
+Member member(Problem& problem) { return {&problem.graph, problem.starts, &problem, inadmissible_heuristics(problem)}; }
 
 PortfolioResult run(const std::vector<Member>& members, const PortfolioOptions& options = {1.5, 2}) {
   return portfolio<TestGraph, Problem>(members.size(), [&](std::size_t i) { return members[i]; }, options, Deadline());

@@ -17,9 +17,9 @@ inline srmp::RobotDescription arm7() {
 
 /// A robot of the MotionBenchMaker data, which SRMP_MBM_DIR points to; "" and a message where it is not there.
 inline std::string mbm_file(const std::string& robot, const std::string& file) {
-  const char* folder = std::getenv("SRMP_MBM_DIR");
-  const std::string path = folder ? std::string(folder) + "/" + robot + "/" + file : "";
+  const char* directory = std::getenv("SRMP_MBM_DIR");
+  const std::string path = directory ? std::string(directory) + "/" + robot + "/" + file : "";
   if (!path.empty() && std::filesystem::exists(path)) return path;
-  BOOST_TEST_MESSAGE("skipped: set SRMP_MBM_DIR to a folder that holds " << robot << "/" << file);
+  BOOST_TEST_MESSAGE("skipped: set SRMP_MBM_DIR to a directory that holds " << robot << "/" << file);
   return "";
 }

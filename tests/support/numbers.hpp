@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/robot/low_discrepancy.hpp"
+#include "srmp/core/low_discrepancy.hpp"
 #include "srmp/robot/robot_model.hpp"
 
 /// The index-th of a fixed sequence of configurations within the limits (continuous joints within half a turn of 0).

@@ -8,7 +8,7 @@
 
 #include "collision/worlds.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/planner/verify.hpp"
+#include "srmp/planning/certificates/verify.hpp"
 #include "srmp/trajectory/parameterize.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "support/rows.hpp"
@@ -22,13 +22,13 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The planar robot (joints a and b within ±3 rad, 2 rad/s) beside a ball that its bars pass by 0.15 m at q = (0, 0).
+/// The planar robot (joints a and b within ±3 rad, 2 rad/s) beside a sphere that its bars pass by 0.15 m at q = (0, 0).
 struct World {
-  World() : checker(with_ball(), "planar", {.mode = CheckMode::coal}), limits(default_limits(checker.robot())) {}
-  static Scene with_ball() {
+  World() : checker(with_sphere(), "planar", {.mode = CheckMode::coal}), limits(default_limits(checker.robot())) {}
+  static Scene with_sphere() {
     Scene scene;
     scene.add_robot(robots::planar());
-    scene.add_object("ball", Sphere{0.1}, at(2.2, 0, 0));
+    scene.add_object("sphere", Sphere{0.1}, at(2.2, 0, 0));
     return scene;
   }
   Certificate certify(const Trajectory& t, const CertifyOptions& options = {}) const {
@@ -81,7 +81,7 @@ BOOST_AUTO_TEST_CASE(a_timed_path_has_no_faults) {
     BOOST_TEST(c.proved_free());
     BOOST_TEST(c.clearance_proved > 0.0);
     BOOST_TEST(c.clearance >= c.clearance_proved);
-    BOOST_TEST(c.body_b == "ball");
+    BOOST_TEST(c.body_b == "sphere");
     BOOST_TEST((c.velocity.share > 0.5 && c.velocity.share <= 1 + 1e-6));
     BOOST_TEST((c.acceleration.share > 0.9 && c.acceleration.share <= 1 + 1e-6));
     BOOST_TEST((c.position.share > 0.3 && c.position.share < 0.4));
@@ -285,7 +285,7 @@ BOOST_AUTO_TEST_CASE(limits_hold_to_a_millionth) {
 
 BOOST_AUTO_TEST_CASE(collisions_between_rows_only_are_found) {
   World world;
-  Scene scene = World::with_ball();
+  Scene scene = World::with_sphere();
   scene.add_object("foil", Box{{0.1, 1e-4, 0.1}}, at(1.9, 0, 0));
   const Checker checker(scene, "planar", {.mode = CheckMode::coal});
   Trajectory t{{"a", "b"}, rows({{-0.5, 0}, {0.5, 0}}), RowMatrix(0, 2), {}, Eigen::Vector2d(2, 3), {}};
@@ -409,8 +409,8 @@ BOOST_AUTO_TEST_CASE(several_faults_are_all_named) {
 
 BOOST_AUTO_TEST_CASE(options_of_certify_are_checked_at_the_door) {
   const World world;
-  for (const double tightness : {0.0, 1.0, -1.0, double(NAN)})
-    check_throws<InvalidArgument>([&] { world.certify(world.good(), {.tightness = tightness}); },
+  for (const double gap_tolerance : {0.0, 1.0, -1.0, double(NAN)})
+    check_throws<InvalidArgument>([&] { world.certify(world.good(), {.gap_tolerance = gap_tolerance}); },
                                   "above 0 and below 1");
   MotionLimits limits = world.limits;
   limits.velocity[1] = 0.0;

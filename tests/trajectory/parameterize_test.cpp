@@ -45,8 +45,8 @@ struct Problem {
 };
 
 /// Steps of all sizes: none, 1e-9, small and large; one joint or many; there and back again.
-Problem random_problem(Random& random, Eigen::Index most_waypoints = 7) {
-  const Eigen::Index dof = random.integer(1, 8), count = random.integer(2, most_waypoints);
+Problem random_problem(Random& random, Eigen::Index max_waypoints = 7) {
+  const Eigen::Index dof = random.integer(1, 8), count = random.integer(2, max_waypoints);
   Problem problem{RowMatrix(count, dof), uniform_limits(dof, 1, 1, 1)};
   for (Eigen::Index j = 0; j < dof; ++j) {
     problem.limits.velocity[j] = random.scale(0.1, 5);
@@ -178,7 +178,7 @@ BOOST_AUTO_TEST_CASE(extreme_limits_and_lengths_are_solved) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_duration_is_the_least_that_the_limits_allow) {
+BOOST_AUTO_TEST_CASE(the_duration_is_the_min_that_the_limits_allow) {
   RowMatrix path(2, 2);
   path << 0, 0, 2, 1;
   // Joint 0 decides: v = 1, a = 2, j = 20: ramps of v/a + a/j = 0.6 s, so 2/1 + 0.6 s in all.

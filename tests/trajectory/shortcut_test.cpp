@@ -18,7 +18,7 @@ namespace {
 
 using Point = Eigen::VectorXd;
 
-/// Balls in the plane or in space.
+/// Spheres in the plane or in space.
 struct World {
   std::vector<Point> centers;
   std::vector<double> radii;
@@ -34,7 +34,7 @@ struct World {
   }
 };
 
-/// A path of unit-grid steps such as a lattice search returns: round each ball on a random side.
+/// A path of unit-grid steps such as a lattice search returns: round each sphere on a random side.
 RowMatrix staircase(const World& world, const Point& start, const Point& goal, double step) {
   // Greedy best-first over the grid; small worlds, so a plain list does.
   using Cell = std::vector<int>;
@@ -75,7 +75,8 @@ RowMatrix staircase(const World& world, const Point& start, const Point& goal, d
   return stack_waypoints(path);
 }
 
-/// Length of the taut string that the path can be pulled into: an elastic band of many beads, pushed out of the balls.
+/// Length of the taut string that the path can be pulled into: an elastic band of many beads, pushed out of the
+/// spheres.
 double taut_length(const World& world, const RowMatrix& path) {
   std::vector<Point> beads;
   for (Eigen::Index i = 0; i + 1 < path.rows(); ++i) {

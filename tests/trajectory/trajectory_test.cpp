@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
-#include "srmp/planner/planner_interface.hpp"
+#include "srmp/planner_interface.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "support/robots.hpp"

@@ -1,7 +1,7 @@
 """MotionBenchMaker (Chamzas et al., RA-L 2022): runs its problems and writes one row for each.
 
-The data folder holds, for each robot, its URDF and SRDF, meshes, and MoveIt's files
-problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (unpacked into a temporary folder,
+The data directory holds, for each robot, its URDF and SRDF, meshes, and MoveIt's files
+problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (unpacked into a temporary directory,
 never into the data).
 """
 
@@ -35,7 +35,7 @@ _MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<num
 STATISTICS = (
     *("plan_time_s", "total_time_s", "search_time_s", "timing_time_s", "verification_time_s"),
     *("expansions", "memory_bytes", "edge_checks"),
-    *("edges_free_by_balls", "edges_colliding_by_balls", "edges_free_by_coal", "edges_colliding_by_coal"),
+    *("edges_free_by_spheres", "edges_colliding_by_spheres", "edges_free_by_coal", "edges_colliding_by_coal"),
 )
 PROFILES = ("times", "positions", "velocities", "accelerations")
 COSTS = ("path_cost_rad", "straight_cost_rad", "ee_cost_m")
@@ -61,25 +61,25 @@ class Problem:
 @dataclass(frozen=True)
 class RobotFiles:
     name: str
-    folder: Path
+    directory: Path
     urdf: Path
     srdf: Path
 
 
 def robot_files(data: str | Path, robot: str, geometry: str) -> RobotFiles:
-    """Finds URDF (geometry "urdf") or sphere model ("spheres") and SRDF of a robot in the data folder."""
+    """Finds URDF (geometry "urdf") or sphere model ("spheres") and SRDF of a robot in the data directory."""
     data = Path(data)
-    folder = data / robot
-    if not folder.is_dir():
-        raise srmp.FileError(f"{folder} is not a folder{_nearest(robot, _folders(data))}.")
+    directory = data / robot
+    if not directory.is_dir():
+        raise srmp.FileError(f"{directory} is not a directory{_nearest(robot, _directories(data))}.")
     if geometry not in ("urdf", "spheres"):
         raise srmp.InvalidArgument(f"geometry '{geometry}' is neither 'urdf' nor 'spheres'.")
-    urdf = folder / (f"{robot}.urdf" if geometry == "urdf" else f"{robot}_spherized.urdf")
-    srdf = folder / f"{robot}.srdf"
+    urdf = directory / (f"{robot}.urdf" if geometry == "urdf" else f"{robot}_spherized.urdf")
+    srdf = directory / f"{robot}.srdf"
     for file in (urdf, srdf):
         if not file.is_file():
             raise srmp.FileError(f"{file} does not exist.")
-    return RobotFiles(robot, folder, urdf, srdf)
+    return RobotFiles(robot, directory, urdf, srdf)
 
 
 def load_robot(files: RobotFiles, group: str) -> srmp.PlannerInterface:
@@ -91,7 +91,7 @@ def load_robot(files: RobotFiles, group: str) -> srmp.PlannerInterface:
         name=files.name,
         end_effector=END_EFFECTORS.get(files.name, ""),
         group=group,
-        package_dirs=[str(files.folder)],
+        package_dirs=[str(files.directory)],
     )
     return planner
 
@@ -114,18 +114,18 @@ def parse_numbers(text: str) -> set[int]:
 
 @contextlib.contextmanager
 def open_problems(
-    folder: str | Path, robot: str, scenarios: Sequence[str] = (), numbers: set[int] | None = None
+    directory: str | Path, robot: str, scenarios: Sequence[str] = (), numbers: set[int] | None = None
 ) -> Iterator[list[Problem]]:
     """The chosen problems in the order (scenario, number); their files exist until the context ends."""
-    folder = Path(folder)
+    directory = Path(directory)
     with contextlib.ExitStack() as stack:
-        if (folder / "problems").is_dir():
-            root = folder / "problems"
-        elif (folder / "problems.tar.bz2").is_file():
+        if (directory / "problems").is_dir():
+            root = directory / "problems"
+        elif (directory / "problems.tar.bz2").is_file():
             root = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="srmp-mbm-")))
-            _unpack(folder / "problems.tar.bz2", root)
+            _unpack(directory / "problems.tar.bz2", root)
         else:
-            raise srmp.FileError(f"{folder} has neither problems/ nor problems.tar.bz2.")
+            raise srmp.FileError(f"{directory} has neither problems/ nor problems.tar.bz2.")
         yield _select(_discover(root, robot), scenarios, numbers)
 
 
@@ -135,7 +135,7 @@ def _unpack(archive: Path, root: Path) -> None:
             members = [member for member in tar.getmembers() if member.isfile() and _MEMBER.search(member.name)]
             for member in members:  # plain files only, so this is all that Pythons without data_filter need
                 if Path(member.name).is_absolute() or ".." in Path(member.name).parts:
-                    raise tarfile.TarError(f"{member.name} would lie outside the folder")
+                    raise tarfile.TarError(f"{member.name} would lie outside the directory")
             safely = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
             tar.extractall(root, members, **safely)
     except (tarfile.TarError, EOFError, OSError) as error:
@@ -172,7 +172,7 @@ def _select(problems: list[Problem], scenarios: Sequence[str], numbers: set[int]
     return chosen
 
 
-def _folders(path: Path) -> list[str]:
+def _directories(path: Path) -> list[str]:
     return sorted(child.name for child in path.iterdir() if child.is_dir()) if path.is_dir() else []
 
 
@@ -291,7 +291,7 @@ def run(
     files = robot_files(data, robot, geometry)
     numbers = parse_numbers(problems) if problems else None
     runner = Runner(files, planner_id, options or {}, time_limit)
-    with open_problems(files.folder, robot, scenarios, numbers) as chosen:
+    with open_problems(files.directory, robot, scenarios, numbers) as chosen:
         rows, complete = solve_all(chosen, runner.run, progress)
     described = {
         "data": str(data),

@@ -147,7 +147,7 @@ class World:
             robot.name: {
                 "urdf": robot.model.urdf.resolve(),
                 "srdf": robot.model.srdf and robot.model.srdf.resolve(),
-                "package_dirs": [Path(folder).resolve() for folder in robot.model.package_dirs],
+                "package_dirs": [Path(directory).resolve() for directory in robot.model.package_dirs],
                 "allowed": planner.get_always_colliding(robot.name),
                 "fixed_joints": robot.model.fixed_joints,
                 "base_link": robot.model.base_link,
@@ -187,9 +187,9 @@ class Scenario(Protocol):
 def example_robot_data() -> Path | None:
     """robots/ of the example-robot-data package, where pip put it."""
     for path in sys.path:
-        folder = Path(path) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
-        if folder.is_dir():
-            return folder
+        directory = Path(path) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
+        if directory.is_dir():
+            return directory
     return None
 
 
@@ -232,29 +232,29 @@ ARMS = {
     ),
 }
 OF_DATA = ("panda", "ur5")
-"""Those that MotionBenchMaker's folder has too."""
+"""Those that MotionBenchMaker's directory has too."""
 
 
 def find_model(name: str, data: str | Path | None) -> Model:
-    """The robot of MotionBenchMaker's folder `data`, else that of example-robot-data."""
+    """The robot of MotionBenchMaker's directory `data`, else that of example-robot-data."""
     if data is not None:
         files = robot_files(data, name, "urdf")
         return dataclasses.replace(
             ARMS[name],
             urdf=files.urdf,
             srdf=files.srdf,
-            package_dirs=(str(files.folder),),
+            package_dirs=(str(files.directory),),
             group=GROUPS[name],
             fixed_joints={},  # its fingers are fixed in the URDF
         )
-    folder = example_robot_data()
-    if folder is None:
+    directory = example_robot_data()
+    if directory is None:
         raise srmp.FileError(
             f"There is no {name}: say where MotionBenchMaker's robots are (--data), or pip install example-robot-data."
         )
     arm = ARMS[name]
-    srdf = folder / arm.srdf if arm.srdf else None
-    return dataclasses.replace(arm, urdf=folder / arm.urdf, srdf=srdf, package_dirs=(str(folder.parents[1]),))
+    srdf = directory / arm.srdf if arm.srdf else None
+    return dataclasses.replace(arm, urdf=directory / arm.urdf, srdf=srdf, package_dirs=(str(directory.parents[1]),))
 
 
 # --- files ------------------------------------------------------------------------------------------------------------

@@ -123,7 +123,7 @@ class World:
         self.srmp.add_articulation(
             urdf_path="" if changed else str(urdf),
             urdf_text=ElementTree.tostring(tree, encoding="unicode") if changed else "",
-            urdf_folder=str(urdf.parent) if changed else "",
+            urdf_directory=str(urdf.parent) if changed else "",
             srdf_text=_collision_rules(Path(srdf), links) if srdf else "",
             end_effector=move_group,
             joint_names=group,

@@ -31,7 +31,7 @@ from srmp.sim.simulator import (
 
 HULL_MARGIN = 1e-3  # [m] by which Bullet lets convex hulls collide before they touch
 OVERLAP = 1e-3  # [m] as deep as two shapes have to be in each other before a missing contact means a filter
-LEAST_STATES, MOST_STATES = 200, 2000  # random ones in which filters among a body's own links are looked for
+MIN_STATES, MAX_STATES = 200, 2000  # random ones in which filters among a body's own links are looked for
 UNLIMITED = 1e5  # [N or Nm] the force of motors whose joints have no limit
 FAR = 1e3  # [m] above everything: where a body is looked at alone
 RAYS = 16000  # in one question
@@ -385,8 +385,8 @@ class PyBullet(Simulator):
             touched: set[frozenset[int]] = set()
             random = np.random.default_rng(0)
             with self.probe():
-                for state in range(MOST_STATES):
-                    if state >= LEAST_STATES and (through | touched) - neighbours:
+                for state in range(MAX_STATES):
+                    if state >= MIN_STATES and (through | touched) - neighbours:
                         break
                     for joint, limits in joints.items():
                         self.p.resetJointState(body, joint, random.uniform(*limits))
@@ -553,7 +553,7 @@ def _hull(points: NDArray[np.float64]) -> shapes.Mesh:
     golden = (1 + 5**0.5) / 2
     around = np.array([[0, s, t * golden] for s in (-1, 1) for t in (-1, 1)])
     around = np.concatenate([np.roll(around, k, axis=1) for k in range(3)])  # an icosahedron
-    around *= HULL_MARGIN * 3**0.5 / golden**2  # that holds a ball of that radius
+    around *= HULL_MARGIN * 3**0.5 / golden**2  # that holds a sphere of that radius
     corners, _ = convex_hull((points[:, None] + around).reshape(-1, 3))
     return shapes.Mesh(corners, None)
 

@@ -14,18 +14,18 @@ Floats = NDArray[np.float64]
 Heights = Callable[[Floats, Floats], Floats]  # at shares (n,), 0 to 1, of the sides along x and y
 
 LARGEST_GRID = 512  # cells along a side of a height field
-MOST_GRIDS = 2000  # that are tried
+MAX_GRIDS = 2000  # that are tried
 FLAT = 1e-6  # [m]: heights closer than that are the same
 
 
 def find_file(file: str) -> Path | None:
     """Where it is; PyBullet does not tell its search path, but most scripts add that of pybullet_data."""
-    folders = [Path()]
+    directories = [Path()]
     with contextlib.suppress(ImportError):
         import pybullet_data
 
-        folders.append(Path(pybullet_data.getDataPath()))
-    return next((folder / file for folder in folders if (folder / file).is_file()), None)
+        directories.append(Path(pybullet_data.getDataPath()))
+    return next((directory / file for directory in directories if (directory / file).is_file()), None)
 
 
 def read_obj(path: Path) -> tuple[NDArray[np.float64], list[NDArray[np.int64]]]:
@@ -64,7 +64,7 @@ def grid_surface(heights: Heights, spread: float) -> tuple[Floats, NDArray[np.in
     columns = _cells(lambda share: np.append(heights(share, 0 * share), heights(share, 0 * share + 1)))
     rows = _cells(lambda share: np.append(heights(0 * share, share), heights(0 * share + 1, share)))
     sizes = itertools.product(range(columns, LARGEST_GRID + 1, columns), range(rows, LARGEST_GRID + 1, rows))
-    for size in itertools.islice(sorted(sizes, key=lambda each: each[0] * each[1]), MOST_GRIDS):
+    for size in itertools.islice(sorted(sizes, key=lambda each: each[0] * each[1]), MAX_GRIDS):
         for rising in (True, False):
             if not np.allclose(_interpolated(heights, size, rising, few), at_few, atol=FLAT):
                 continue

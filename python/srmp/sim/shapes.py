@@ -144,7 +144,7 @@ def hull(shape: Mesh) -> Mesh:
 
 
 def _directions() -> NDArray[np.float64]:
-    """Corners of a polyhedron that holds the unit ball: an icosahedron whose faces were split four times, blown up."""
+    """Corners of a polyhedron that holds the unit sphere: an icosahedron whose faces were split four times, blown up."""
     golden = (1 + 5**0.5) / 2
     corners = np.array(
         [[s * 1.0, t * golden, 0.0] for s in (-1, 1) for t in (-1, 1)]

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from srmp import NotSupported, Pose, cover_folder
+from srmp import NotSupported, Pose, cover_directory
 from srmp.sim.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere, as_mesh, hull
 from srmp.sim.simulator import Articulation, Joint
 
@@ -20,7 +20,7 @@ VELOCITY = {"revolute": 1.5, "continuous": 1.5, "prismatic": 0.2}  # [rad/s], [m
 
 
 def to_urdf(articulation: Articulation, links: Mapping[str, str], joints: Mapping[str, str]) -> str:
-    """The text. `links` and `joints`: the names to use, by those in the simulator. Meshes go to mesh_folder()."""
+    """The text. `links` and `joints`: the names to use, by those in the simulator. Meshes go to mesh_directory()."""
     robot = Element("robot", name=articulation.name)
     for body in articulation.links:
         link = SubElement(robot, "link", name=links[body.name])
@@ -32,9 +32,9 @@ def to_urdf(articulation: Articulation, links: Mapping[str, str], joints: Mappin
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def mesh_folder() -> Path:
+def mesh_directory() -> Path:
     """Where meshes of such robots are kept, beside the covers that are made of them (docs/covers.md)."""
-    covers = cover_folder()
+    covers = cover_directory()
     return (Path(covers).parent if covers else Path(tempfile.gettempdir()) / "srmp") / "meshes"
 
 
@@ -87,7 +87,7 @@ def _mesh_file(mesh: Mesh) -> Path:
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(mesh.vertices, dtype=float).tolist()]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in np.asarray(mesh.triangles).tolist()]
     text = "\n".join(lines) + "\n"
-    path = mesh_folder() / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.obj"
+    path = mesh_directory() / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.obj"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".tmp", delete=False) as file:

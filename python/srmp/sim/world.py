@@ -29,7 +29,7 @@ LIMIT_SLACK = 0.02  # [rad or m] by which a simulated joint, whose stop is soft,
 # What `articulations` may say of a robot: these, and what add_articulation is told.
 _OWN_KEYS = ("articulation", "self_collisions")
 _DESCRIPTION_KEYS = (
-    *("urdf_path", "urdf_text", "urdf_folder", "srdf_path", "srdf_text", "end_effector", "group", "joint_names"),
+    *("urdf_path", "urdf_text", "urdf_directory", "srdf_path", "srdf_text", "end_effector", "group", "joint_names"),
     *("fixed_joints", "package_dirs"),
 )
 

@@ -57,8 +57,8 @@ Body object_body(const Object& object, BodyKind kind) {
 class Rules {
  public:
   /// Numbers the bodies by their scene names: several geometries share a link.
-  Rules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool companions_only)
-      : scene_(scene), group_(group), companions_only_(companions_only) {
+  Rules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool other_robots_only)
+      : scene_(scene), group_(group), other_robots_only_(other_robots_only) {
     std::map<std::string_view, std::size_t> known;
     const auto number = [&](Body& body) {
       const auto [it, added] = known.try_emplace(body.scene_name, names_.size());
@@ -74,7 +74,7 @@ class Rules {
 
   bool matters(const Body& a, const Body& b) {
     if (a.member != 0 && b.member != 0) return false;
-    if (companions_only_ && (a.member == b.member || a.member < 0 || b.member < 0)) return false;
+    if (other_robots_only_ && (a.member == b.member || a.member < 0 || b.member < 0)) return false;
     const bool same_robot = a.member == b.member && a.kind == BodyKind::link && b.kind == BodyKind::link;
     if (by_model_alone(a, b))
       return !same_robot || is_self_pair(group_.model(static_cast<std::size_t>(a.member)),
@@ -123,7 +123,7 @@ class Rules {
 
   const Scene& scene_;
   const RobotGroup& group_;
-  bool companions_only_;
+  bool other_robots_only_;
   std::vector<const std::string*> names_;
   std::vector<char> spoken_of_;                // by number of the name
   std::vector<char> allowed_;                  // [a * names + b]
@@ -135,7 +135,7 @@ class Rules {
 Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
                std::vector<const PairTables*> tables)
     : group_(group), options_(options), tables_(std::move(tables)), data_(group.make_data()) {
-  for (const std::string& name : options.absent) {
+  for (const std::string& name : options.excluded_robots) {
     scene.robot(name);  // throws with the nearest name
     if (group.contains(name)) throw InvalidArgument("robot '" + name + "' is planned and cannot be absent");
   }
@@ -155,15 +155,16 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     const Bounds& b = body.bounds;
     const Eigen::Vector3d half = body.pose.linear().cwiseAbs() * b.box_half, center = body.pose * b.box_center;
     boxes.emplace_back(center - half, center + half);
-    most_fixed_padding = std::max(most_fixed_padding, body.padding);
+    max_fixed_padding = std::max(max_fixed_padding, body.padding);
   }
   tree.build(boxes);
   add_pairs(scene);
 }
 
 bool Bodies::leaves_out(const std::string& robot) const {
-  const auto& absent = options_.absent;
-  return options_.companions_only || std::find(absent.begin(), absent.end(), robot) != absent.end();
+  const auto& excluded_robots = options_.excluded_robots;
+  return options_.other_robots_only ||
+         std::find(excluded_robots.begin(), excluded_robots.end(), robot) != excluded_robots.end();
 }
 
 void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
@@ -178,9 +179,9 @@ void Bodies::add_links(int member) {
     Body body = link_body(instance, i);
     const LinkGeometry& geometry = instance.model->geometries()[i];
     body.member = member;
-    body.movers = group_.movers(index, geometry.movers);
+    body.support = group_.support(index, geometry.support);
     if (member == 0) body.name = geometry.link;
-    if (body.movers == 0)
+    if (body.support == 0)
       add_fixed(std::move(body), group_.geometry_pose(data_, index, i));
     else
       moving.push_back({std::move(body), Eigen::Isometry3d::Identity()});
@@ -191,7 +192,7 @@ void Bodies::add_objects(const Scene& scene) {
   const Pose to_base = group_.instance(0).base.inverse();
   for (const auto& [name, object] : scene.objects()) {
     const auto it = scene.attachments().find(name);
-    if (it == scene.attachments().end() && options_.companions_only) continue;
+    if (it == scene.attachments().end() && options_.other_robots_only) continue;
     if (it != scene.attachments().end() && !group_.contains(it->second.robot) && leaves_out(it->second.robot)) continue;
     if (it == scene.attachments().end()) {
       add_fixed(object_body(object, BodyKind::object), (to_base * object.pose).isometry());
@@ -206,10 +207,10 @@ void Bodies::add_objects(const Scene& scene) {
     }
     const auto member = static_cast<std::size_t>(body.member);
     const std::size_t link = group_.model(member).link_index(it->second.link);
-    body.movers = group_.movers(member, group_.model(member).link_movers(link));
+    body.support = group_.support(member, group_.model(member).link_support(link));
     body.source = link;
     const Eigen::Isometry3d in_link = object.pose.isometry();
-    if (body.movers == 0)
+    if (body.support == 0)
       add_fixed(std::move(body), group_.link_pose(data_, member, link) * in_link);
     else
       moving.push_back({std::move(body), in_link});
@@ -228,7 +229,7 @@ void Bodies::add_other_robots(const Scene& scene) {
 }
 
 void Bodies::add_pairs(const Scene& scene) {
-  Rules rules(scene, group_, *this, options_.companions_only);
+  Rules rules(scene, group_, *this, options_.other_robots_only);
   fixed_pair.assign(moving.size() * fixed.size(), -1);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)
@@ -258,7 +259,7 @@ const PairTable* Bodies::table_of(const Body& a, const Body& b) const {
 
 void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib) {
   const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
-  if (a.movers == b.movers) {
+  if (a.support == b.support) {
     const auto pose = [&](bool is_fixed, std::size_t i) {
       return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
     };
@@ -279,8 +280,8 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   pair.in_pieces = !a.is_solid() && !b.is_solid();
   if (a.solid && b.solid) pair.formula = formulas.index(*a.solid, *b.solid);
   pair.padding = a.member == b.member ? 0.0 : a.padding + b.padding;
-  pair.movers_a = a.movers & ~b.movers;
-  pair.movers_b = b.movers & ~a.movers;
+  pair.support_a = a.support & ~b.support;
+  pair.support_b = b.support & ~a.support;
   const auto id = static_cast<std::uint32_t>(pairs.size());
   if (b_fixed)
     fixed_pair[ia * fixed.size() + ib] = static_cast<std::int32_t>(id);

@@ -10,6 +10,8 @@
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/collision/pair_table.hpp"
 #include "srmp/collision/robot_group.hpp"
+#include "srmp/geometry/distance_field.hpp"
+#include "srmp/scene/shape_geometry.hpp"
 
 // What a checker keeps of a scene: bodies, and the pairs of them that matter. In the base frame of a group of robots,
 // of which the first is planned; the others move too, but matter only where the first meets them.
@@ -23,11 +25,11 @@ struct Body {
   std::shared_ptr<const DistanceField> field;  // of an object, or of a link that no planned joint moves
   Bounds bounds;
   double padding{};
-  int member{-1};          // of the group: whose link it is, or whose link holds it
-  std::uint64_t movers{};  // drives of the group that move it
-  std::string scene_name;  // as the scene resolves it
-  std::size_t source{};    // geometry index of a link; link index of an object in a moving hand
-  std::size_t name_id{};   // equal for bodies of the same scene_name
+  int member{-1};           // of the group: whose link it is, or whose link holds it
+  std::uint64_t support{};  // drives of the group that move it
+  std::string scene_name;   // as the scene resolves it
+  std::size_t source{};     // geometry index of a link; link index of an object in a moving hand
+  std::size_t name_id{};    // equal for bodies of the same scene_name
   /// The geometry, or a convex solid around it; null when there is only the geometry's pieces.
   const coal::CollisionGeometry* solid{};
 
@@ -56,7 +58,7 @@ struct Pair {
   const PairTable* table{};  // null: none; its joints are counted from first_joint
   std::size_t first_joint{};
   double padding{};
-  std::uint64_t movers_a{}, movers_b{};  // drives between the body and the nearest common frame
+  std::uint64_t support_a{}, support_b{};  // drives between the body and the nearest common frame
 };
 
 /// Two bodies at rest relative to each other that overlap.
@@ -80,7 +82,7 @@ struct Bodies {
   std::vector<std::uint32_t> moving_pairs;  // pairs of two moving bodies
   std::vector<RigidOverlap> overlaps;
   BoxTree tree;  // over fixed
-  double most_fixed_padding{};
+  double max_fixed_padding{};
   FormulaTable formulas;
 
  private:

@@ -22,8 +22,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Where balls are the bodies, they may as well look closely; elsewhere they stop early, because Coal settles what they
-/// leave open, pair by pair, in less time than more blocks would take.
+/// Where spheres are the bodies, they may as well look closely; elsewhere they stop early, because Coal settles what
+/// they leave open, pair by pair, in less time than more blocks would take.
 BatchChecker::MotionOptions batch_options(const BatchWorld& world) {
   const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
   return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
@@ -44,7 +44,7 @@ const char* kind_text(BodyKind kind) {
   return "'";
 }
 
-std::vector<std::string> with_companions(const std::string& robot, std::vector<std::string> names) {
+std::vector<std::string> with_other_robots(const std::string& robot, std::vector<std::string> names) {
   names.insert(names.begin(), robot);
   return names;
 }
@@ -52,7 +52,7 @@ std::vector<std::string> with_companions(const std::string& robot, std::vector<s
 using Tables = std::vector<std::shared_ptr<const PairTables>>;
 Tables tables_of(const detail::RobotGroup& group, const CheckerOptions& options) {
   Tables tables(group.size());
-  if (options.mode != CheckMode::coal && options.pair_tables && !options.companions_only)
+  if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
     for (std::size_t i = 0; i < group.size(); ++i) {
       const RobotInstance& robot = group.instance(i);
       tables[i] = options.pair_tables->tables(robot.model, robot.parts);
@@ -77,7 +77,7 @@ std::string Contact::describe() const {
 }
 
 Checker::Impl::Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options)
-    : group(scene, with_companions(robot, options.companions)),
+    : group(scene, with_other_robots(robot, options.other_robots)),
       tables(tables_of(group, options)),
       bodies(scene, group, options, addresses(tables)),
       mode(options.mode) {
@@ -105,7 +105,7 @@ const Eigen::VectorXd& Checker::other_positions() const { return impl_->group.in
 CheckMode Checker::mode() const { return impl_->mode; }
 
 /// How far a prismatic drive gets from where it is at 0.
-double Checker::Impl::travel(const Drive& drive) const {
+double Checker::Impl::travel(const ActuatedJoint& drive) const {
   const Joint& joint = group.joints()[drive.joint];
   return drive.prismatic ? std::abs(drive.ratio) * std::max(std::abs(joint.lower), std::abs(joint.upper)) : 0.0;
 }
@@ -116,53 +116,53 @@ double Checker::Impl::travel(const Drive& drive) const {
 /// than `way` from the point of the axis where the drive is.
 template <class AtAxis>
 void Checker::Impl::for_each_axis(AtAxis&& at_axis) const {
-  const std::vector<Drive>& drives = group.drives();
+  const std::vector<ActuatedJoint>& actuated_joints = group.actuated_joints();
   detail::RobotGroup::Data data = group.make_data();
   group.forward(data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
   for (const detail::MovingBody& body : bodies.moving) {
     Eigen::Vector3d from = detail::pose_of(body, group, data) * body.bounds.center;
     double way = body.bounds.radius;
-    for (int k = detail::deepest_drive(body.movers); k >= 0; k = group.parent(static_cast<std::size_t>(k))) {
+    for (int k = detail::deepest_drive(body.support); k >= 0; k = group.parent(static_cast<std::size_t>(k))) {
       const auto drive = static_cast<std::size_t>(k);
-      const Eigen::Vector3d axis = group.drive_axis(data, drive).first;
+      const Eigen::Vector3d axis = group.actuated_joint_axis(data, drive).first;
       way += (from - axis).norm();
       at_axis(body, drive, way, axis);
-      way += travel(drives[drive]);
+      way += travel(actuated_joints[drive]);
       from = axis;
     }
   }
 }
 
 Eigen::VectorXd Checker::reach() const {
-  const std::vector<Drive>& drives = impl_->group.drives();
-  std::vector<double> farthest(drives.size(), 0.0);  // from the drive's axis
+  const std::vector<ActuatedJoint>& actuated_joints = impl_->group.actuated_joints();
+  std::vector<double> farthest(actuated_joints.size(), 0.0);  // from the drive's axis
   impl_->for_each_axis([&](const detail::MovingBody&, std::size_t drive, double way, const Eigen::Vector3d&) {
     farthest[drive] = std::max(farthest[drive], way);
   });
   Eigen::VectorXd reach = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof()));
-  for (std::size_t k = 0; k < drives.size(); ++k)
-    reach[static_cast<Eigen::Index>(drives[k].joint)] +=
-        std::abs(drives[k].ratio) * (drives[k].prismatic ? 1.0 : farthest[k]);
+  for (std::size_t k = 0; k < actuated_joints.size(); ++k)
+    reach[static_cast<Eigen::Index>(actuated_joints[k].joint)] +=
+        std::abs(actuated_joints[k].ratio) * (actuated_joints[k].prismatic ? 1.0 : farthest[k]);
   return reach;
 }
 
 /// Around the first axis that stays where it is.
-Ball Checker::range() const {
+PlacedSphere Checker::range() const {
   const detail::RobotGroup& group = impl_->group;
-  Ball ball;
+  PlacedSphere sphere;
   bool centered = false;
   const auto hold = [&](const Eigen::Vector3d& point, double radius) {
-    if (!std::exchange(centered, true)) ball.center = point;
-    ball.radius = std::max(ball.radius, (point - ball.center).norm() + radius);
+    if (!std::exchange(centered, true)) sphere.center = point;
+    sphere.radius = std::max(sphere.radius, (point - sphere.center).norm() + radius);
   };
   impl_->for_each_axis([&](const detail::MovingBody& body, std::size_t drive, double way, const Eigen::Vector3d& axis) {
     if (body.member == 0 && group.parent(drive) < 0)
-      hold(axis, way + impl_->travel(group.drives()[drive]) + body.padding);
+      hold(axis, way + impl_->travel(group.actuated_joints()[drive]) + body.padding);
   });
   for (const detail::FixedBody& body : impl_->bodies.fixed)
     if (body.member == 0) hold(body.center, body.bounds.radius + body.padding);
-  ball.center = base() * ball.center;
-  return ball;
+  sphere.center = base() * sphere.center;
+  return sphere;
 }
 
 void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
@@ -179,18 +179,18 @@ bool Checker::is_free(ConstVector q, Workspace& workspace) const {
   return workspace.is_free_here();
 }
 
-bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, bool a_is_free, bool by_balls) const {
+bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const {
   impl_->group.require_configuration(a, "start of the motion");
   impl_->group.require_configuration(b, "end of the motion");
   ++workspace.statistics.motions;
   if (!impl_->bodies.overlaps.empty()) return false;
   workspace.start_motion(a, b);
-  return workspace.is_motion_free(a_is_free, by_balls || impl_->mode == CheckMode::conservative);
+  return workspace.is_motion_free(query.start_is_free, query.spheres_only || impl_->mode == CheckMode::conservative);
 }
 
 void Checker::stop_at(const Deadline& deadline, Workspace& workspace) const { workspace.deadline = &deadline; }
 
-void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, bool by_balls) const {
+void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
   if (free.size() != static_cast<std::size_t>(q.rows()))
     throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
                           std::to_string(free.size()) + " answers");
@@ -202,9 +202,9 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, 
     std::fill(free.begin(), free.end(), false);
     return;
   }
-  bool has_balls = impl_->batch.has_value();
-  for (Eigen::Index i = 0; i < q.rows() && has_balls; ++i) has_balls = impl_->balls_reach(q.row(i).transpose());
-  if (!has_balls) {
+  bool has_spheres = impl_->batch.has_value();
+  for (Eigen::Index i = 0; i < q.rows() && has_spheres; ++i) has_spheres = impl_->spheres_reach(q.row(i).transpose());
+  if (!has_spheres) {
     for (std::size_t i = 0; i < free.size(); ++i) {
       workspace.place(q.row(static_cast<Eigen::Index>(i)).transpose());
       free[i] = workspace.is_free_here();
@@ -214,7 +214,7 @@ void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, 
   for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
     const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
     workspace.judge_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
-                          free.subspan(first, count), by_balls || impl_->mode == CheckMode::conservative);
+                          free.subspan(first, count), query.spheres_only || impl_->mode == CheckMode::conservative);
   }
 }
 
@@ -233,7 +233,8 @@ MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspac
     if (impl_->continuous[i]) ends(1, j) = a[j] + std::remainder(b[j] - a[j], 2.0 * std::numbers::pi);
   }
   const Eigen::VectorXd times = Eigen::Vector2d(0.0, 1.0);
-  const MotionProof proof = prove_motion(*this, {times, ends, RowMatrix(0, a.size())}, workspace, {.tightness = 0.0});
+  const MotionProof proof =
+      prove_motion(*this, {times, ends, RowMatrix(0, a.size())}, workspace, {.gap_tolerance = 0.0});
   if (!proof.free) return {false, proof.time, proof.time, proof.body_a, proof.body_b};
   if (proof.unproved.empty()) return {true, 0.0, 0.0, "", ""};
   const MotionProof::Part& part = proof.unproved.front();
@@ -307,6 +308,11 @@ std::optional<Contact> Checker::nearest(ConstVector q, Workspace& workspace) con
   const Proximity found =
       NarrowPhase::distance(workspace.placed(false, pair->a), workspace.placed(pair->b_fixed, pair->b));
   return workspace.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
+}
+
+std::unique_ptr<const Checker> make_checker(const Scene& scene, const std::string& robot,
+                                            const CheckerOptions& options) {
+  return std::make_unique<const Checker>(scene, robot, options);
 }
 
 }  // namespace srmp

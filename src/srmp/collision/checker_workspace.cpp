@@ -18,7 +18,7 @@ namespace {
 constexpr double rough_distance = 0.3;
 
 /// An interval is cut into so many that the pair's distance could prove each, but no more than this.
-constexpr int most_cuts = 16;
+constexpr int max_cuts = 16;
 constexpr int samples_per_look = 32;  // at the clock
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -46,15 +46,15 @@ Checker::Workspace::Workspace(const Impl& checker)
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
   open_.reserve(1024);
   next_.reserve(1024);
-  const std::size_t drives = impl.group.drives().size(), moving = bodies_.moving.size();
+  const std::size_t actuated_joints = impl.group.actuated_joints().size(), moving = bodies_.moving.size();
   poses_.resize(moving);
   centers_.resize(moving);
   const auto dof = static_cast<Eigen::Index>(impl.group.joints().size());
   start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
-  active_drives_.reserve(drives);
-  speed_.resize(drives);
-  axes_.resize(drives);
-  reach_.resize(moving * drives);
+  active_drives_.reserve(actuated_joints);
+  speed_.resize(actuated_joints);
+  axes_.resize(actuated_joints);
+  reach_.resize(moving * actuated_joints);
   reach_known_.resize(moving);
 }
 
@@ -145,7 +145,7 @@ template <class Visit>
 bool Checker::Workspace::for_each_fixed_near(std::size_t body, double margin, Visit&& visit) {
   const MovingBody& moving = bodies_.moving[body];
   const double reach =
-      moving.bounds.radius + moving.padding + bodies_.most_fixed_padding + margin + NarrowPhase::tolerance;
+      moving.bounds.radius + moving.padding + bodies_.max_fixed_padding + margin + NarrowPhase::tolerance;
   const std::int32_t* row = bodies_.fixed_pair.data() + body * bodies_.fixed.size();
   return bodies_.tree.for_each_near(centers_[body], reach, [&](std::size_t fixed) {
     return row[fixed] < 0 || visit(static_cast<std::uint32_t>(row[fixed]));
@@ -169,9 +169,9 @@ void Checker::Workspace::start_motion(ConstVector a, ConstVector b) {
     if (impl.continuous[i]) delta_[i] = std::remainder(delta_[i], 2.0 * std::numbers::pi);
   active_ = 0;
   active_drives_.clear();
-  const std::vector<Drive>& drives = impl.group.drives();
-  for (std::size_t k = drives.size(); k-- > 0;) {  // children first
-    speed_[k] = std::abs(drives[k].ratio * delta_[static_cast<Eigen::Index>(drives[k].joint)]);
+  const std::vector<ActuatedJoint>& actuated_joints = impl.group.actuated_joints();
+  for (std::size_t k = actuated_joints.size(); k-- > 0;) {  // children first
+    speed_[k] = std::abs(actuated_joints[k].ratio * delta_[static_cast<Eigen::Index>(actuated_joints[k].joint)]);
     if (speed_[k] == 0.0) continue;
     active_ |= std::uint64_t{1} << k;
     active_drives_.push_back(k);
@@ -181,13 +181,14 @@ void Checker::Workspace::start_motion(ConstVector a, ConstVector b) {
 void Checker::Workspace::start_any_motion(std::uint64_t active) {
   active_ = active;
   active_drives_.clear();
-  for (std::size_t k = impl.group.drives().size(); k-- > 0;)
+  for (std::size_t k = impl.group.actuated_joints().size(); k-- > 0;)
     if (active >> k & 1) active_drives_.push_back(k);
 }
 
 void Checker::Workspace::place_in_range(ConstVector q, std::span<const double> change) {
-  const std::vector<Drive>& drives = impl.group.drives();
-  for (std::size_t k : active_drives_) speed_[k] = std::abs(drives[k].ratio) * change[drives[k].joint];
+  const std::vector<ActuatedJoint>& actuated_joints = impl.group.actuated_joints();
+  for (std::size_t k : active_drives_)
+    speed_[k] = std::abs(actuated_joints[k].ratio) * change[actuated_joints[k].joint];
   place_with_axes(q);
 }
 
@@ -198,14 +199,14 @@ void Checker::Workspace::place_on_motion(double t) {
 
 void Checker::Workspace::place_with_axes(ConstVector q) {
   place(q);
-  for (std::size_t k : active_drives_) axes_[k] = impl.group.drive_axis(data_, k);
+  for (std::size_t k : active_drives_) axes_[k] = impl.group.actuated_joint_axis(data_, k);
   std::fill(reach_known_.begin(), reach_known_.end(), 0);
 }
 
 /// The farthest that a point of the body may be from the drive's axis, here.
 double Checker::Workspace::axis_reach(std::size_t body, std::size_t drive) {
-  const std::size_t drives = speed_.size();
-  double* reach = reach_.data() + body * drives;
+  const std::size_t actuated_joints = speed_.size();
+  double* reach = reach_.data() + body * actuated_joints;
   if (!reach_known_[body]) {
     for (std::size_t k : active_drives_)
       reach[k] = (centers_[body] - axes_[k].first).cross(axes_[k].second).norm() + bodies_.moving[body].bounds.radius;
@@ -217,19 +218,19 @@ double Checker::Workspace::axis_reach(std::size_t body, std::size_t drive) {
 /// How far any point of the body can get from where it is here, within `half_width` of the motion's parameter, by the
 /// drives in `movers` alone. The drives are undone one after the other, deepest first: a drive turns about the axis it
 /// has here, since all above it still stand as they do here, a body that the deeper ones moved by `moved` at most.
-double Checker::Workspace::displacement(std::size_t body, std::uint64_t movers, double half_width) {
+double Checker::Workspace::displacement(std::size_t body, std::uint64_t support, double half_width) {
   double moved = 0.0;
   for (std::size_t k : active_drives_) {
-    if (!(movers >> k & 1)) continue;
+    if (!(support >> k & 1)) continue;
     const double change = speed_[k] * half_width;
-    moved += impl.group.drives()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
+    moved += impl.group.actuated_joints()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
   }
   return moved;
 }
 
 double Checker::Workspace::approach(const Pair& pair, double half_width) {
-  const double motion = displacement(pair.a, pair.movers_a, half_width);
-  return (pair.movers_b & active_) ? motion + displacement(pair.b, pair.movers_b, half_width) : motion;
+  const double motion = displacement(pair.a, pair.support_a, half_width);
+  return (pair.support_b & active_) ? motion + displacement(pair.b, pair.support_b, half_width) : motion;
 }
 
 /// Judges the pair over an interval around here: `cuts` is into how many parts it is to be cut when undecided.
@@ -245,7 +246,7 @@ Checker::Workspace::Judgement Checker::Workspace::judge(const Pair& pair, double
     return in_contact(pair) ? Judgement::contact : unproved;
   }
   const auto cut_by = [&](double found) {
-    while (cuts < most_cuts && motion > cuts * (found - pair.padding)) cuts *= 2;
+    while (cuts < max_cuts && motion > cuts * (found - pair.padding)) cuts *= 2;
     return unproved;
   };
   if (!pair.solid) {
@@ -281,8 +282,8 @@ void Checker::Workspace::cut(double t, double half_width, std::uint32_t pair, in
 
 bool Checker::Workspace::first_sample_of(std::size_t body) {
   constexpr double half_width = 0.5;
-  if (bodies_.moving[body].movers & active_)
-    return for_each_fixed_near(body, displacement(body, bodies_.moving[body].movers, half_width),
+  if (bodies_.moving[body].support & active_)
+    return for_each_fixed_near(body, displacement(body, bodies_.moving[body].support, half_width),
                                [&](std::uint32_t pair) { return take(pair, 0.5, half_width); });
   if (start_is_free_) return true;
   return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) {
@@ -328,14 +329,14 @@ bool Checker::Workspace::settle() {
   return true;
 }
 
-/// What the balls prove of the motion; what they leave open goes to open_.
-Verdict Checker::Workspace::ask_balls() {
+/// What the spheres prove of the motion; what they leave open goes to open_.
+CollisionStatus Checker::Workspace::ask_spheres() {
   const BatchChecker& batch = *impl.batch;
   const std::uint64_t blocks = batch.statistics(*batch_).blocks;
-  const Verdict verdict = batch.motion(as_span(start_), as_span(delta_), *batch_, impl.batch_options);
+  const CollisionStatus verdict = batch.motion(as_span(start_), as_span(delta_), *batch_, impl.batch_options);
   statistics.blocks += batch.statistics(*batch_).blocks - blocks;
   open_.clear();
-  if (verdict != Verdict::undecided) return verdict;
+  if (verdict != CollisionStatus::undecided) return verdict;
   // One interval a pair, from the first to the last that is open: Coal proves a long one as readily as a short one.
   for (const UndecidedPair& u : batch.undecided(*batch_))
     for (std::uint32_t pair : impl.pairs_of(u)) {
@@ -355,11 +356,11 @@ Verdict Checker::Workspace::ask_balls() {
     high = 0.0;
   }
   statistics.undecided += batch.undecided(*batch_).size();
-  return open_.empty() ? Verdict::free : verdict;
+  return open_.empty() ? CollisionStatus::free : verdict;
 }
 
-/// Do the balls prove the motion free?
-bool Checker::Workspace::balls_prove() {
+/// Do the spheres prove the motion free?
+bool Checker::Workspace::spheres_prove() {
   const std::uint64_t blocks = impl.batch->statistics(*batch_).blocks;
   const bool proved = impl.batch->proves_free(as_span(start_), as_span(delta_), *batch_, impl.batch_options);
   statistics.blocks += impl.batch->statistics(*batch_).blocks - blocks;
@@ -375,27 +376,27 @@ bool Checker::Workspace::settle_by_coal() {
   return settle();
 }
 
-bool Checker::Workspace::is_motion_free(bool a_is_free, bool by_balls) {
-  start_is_free_ = a_is_free;
+bool Checker::Workspace::is_motion_free(bool start_is_free, bool spheres_only) {
+  start_is_free_ = start_is_free;
   if (active_ == 0) {
-    if (a_is_free) return true;
+    if (start_is_free) return true;
     place(start_);
     return is_free_here();
   }
-  if (!impl.batch || !impl.balls_reach(start_) || !impl.balls_reach(start_ + delta_)) return settle_by_coal();
-  if (by_balls && !impl.has_tables()) {
-    ++statistics.motions_by_balls;
-    return balls_prove();
+  if (!impl.batch || !impl.spheres_reach(start_) || !impl.spheres_reach(start_ + delta_)) return settle_by_coal();
+  if (spheres_only && !impl.has_tables()) {
+    ++statistics.motions_by_spheres;
+    return spheres_prove();
   }
-  const Verdict verdict = ask_balls();
-  if (verdict == Verdict::undecided && !by_balls) return settle();
-  ++statistics.motions_by_balls;
-  return verdict == Verdict::free;
+  const CollisionStatus verdict = ask_spheres();
+  if (verdict == CollisionStatus::undecided && !spheres_only) return settle();
+  ++statistics.motions_by_spheres;
+  return verdict == CollisionStatus::free;
 }
 
 // --- many configurations
 
-/// Are the pairs that balls left open apart at q?
+/// Are the pairs that spheres left open apart at q?
 bool Checker::Workspace::settle_lane(ConstVector q, std::span<const UndecidedPair> open) {
   place(q);
   for (const UndecidedPair& u : open)
@@ -405,21 +406,21 @@ bool Checker::Workspace::settle_lane(ConstVector q, std::span<const UndecidedPai
 }
 
 /// Up to 16 rows.
-void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free, bool by_balls) {
+void Checker::Workspace::judge_block(ConstRows q, std::span<bool> free, bool spheres_only) {
   const BatchChecker& batch = *impl.batch;
-  const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, by_balls);
+  const auto lanes = batch.judge_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, spheres_only);
   ++statistics.blocks;
   std::span<const UndecidedPair> open = batch.undecided(*batch_);
-  if (!by_balls) statistics.undecided += open.size();
+  if (!spheres_only) statistics.undecided += open.size();
   for (std::size_t lane = 0; lane < free.size(); ++lane) {
     std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
     while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
     const bool undecided = lanes.undecided >> lane & 1;
     free[lane] = !undecided && !(lanes.colliding >> lane & 1);
-    if (undecided && !by_balls)
+    if (undecided && !spheres_only)
       free[lane] = settle_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
     else
-      ++statistics.states_by_balls;
+      ++statistics.states_by_spheres;
     open = open.subspan(count);
   }
 }

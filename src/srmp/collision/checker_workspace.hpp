@@ -13,7 +13,7 @@
 #include "srmp/collision/checker.hpp"
 #include "srmp/collision/pair_table.hpp"
 
-// What a checker is made of, for the files of this folder.
+// What a checker is made of, for the files of this directory.
 namespace srmp {
 
 struct Checker::Impl {
@@ -24,8 +24,8 @@ struct Checker::Impl {
     return (pair.self ? batch_scene.self_pairs : batch_scene.obstacle_pairs)[static_cast<std::size_t>(pair.pair)];
   }
 
-  /// The balls' bounds hold for prismatic joints up to 1 m outside their limits (BatchDrive::max_travel).
-  bool balls_reach(ConstVector q) const {
+  /// The spheres' bounds hold for prismatic joints up to 1 m outside their limits (BatchActuatedJoint::max_travel).
+  bool spheres_reach(ConstVector q) const {
     for (std::size_t i = 0; i < group.joints().size(); ++i) {
       const Joint& joint = group.joints()[i];
       const double value = q[static_cast<Eigen::Index>(i)];
@@ -40,7 +40,7 @@ struct Checker::Impl {
 
   template <class AtAxis>
   void for_each_axis(AtAxis&& at_axis) const;
-  double travel(const Drive& drive) const;
+  double travel(const ActuatedJoint& drive) const;
 
   detail::RobotGroup group;
   std::vector<std::shared_ptr<const PairTables>> tables;  // by member of the group
@@ -72,21 +72,21 @@ class Checker::Workspace {
   enum class Judgement { proved, contact, undecided };
   void start_motion(ConstVector a, ConstVector b);
   void place_on_motion(double t);
-  double displacement(std::size_t body, std::uint64_t movers, double half_width);
-  bool is_still(const detail::Pair& pair) const { return ((pair.movers_a | pair.movers_b) & active_) == 0; }
+  double displacement(std::size_t body, std::uint64_t support, double half_width);
+  bool is_still(const detail::Pair& pair) const { return ((pair.support_a | pair.support_b) & active_) == 0; }
   Judgement judge(const detail::Pair& pair, double half_width, int& cuts);
   bool first_sample();
   bool first_sample_of(std::size_t body);
-  Verdict ask_balls();
-  bool balls_prove();
+  CollisionStatus ask_spheres();
+  bool spheres_prove();
   void cut(double t, double half_width, std::uint32_t pair, int cuts);
   void sort_open();
   bool settle();
   bool take(std::uint32_t pair, double t, double half_width);
-  bool is_motion_free(bool a_is_free, bool by_balls);
+  bool is_motion_free(bool start_is_free, bool spheres_only);
   bool settle_by_coal();
   bool settle_lane(ConstVector q, std::span<const UndecidedPair> open);
-  void judge_block(ConstRows q, std::span<bool> free, bool by_balls);
+  void judge_block(ConstRows q, std::span<bool> free, bool spheres_only);
 
   // --- any motion near a configuration
   void start_any_motion(std::uint64_t active);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rough_distance = 0.3;  // of an interval's motion: distances below are not refined, it is cut anyway
-constexpr int most_levels = 3;          // cut at once
-constexpr int most_looks = 200'000;     // at configurations: nobody waits for the proof of a million turns
+constexpr int max_levels = 3;           // cut at once
+constexpr int max_looks = 200'000;      // at configurations: nobody waits for the proof of a million turns
 constexpr double largest = 1e100;       // [rad or m] beyond it, squares overflow
 
 /// Rows from, ..., to of a motion, or within one of its pieces the share from u to v.
@@ -130,7 +130,7 @@ class Prover {
         motion_(motion),
         pieces_(motion),
         workspace_(workspace),
-        tightness_(options.tightness),
+        gap_tolerance_(options.gap_tolerance),
         deadline_(options.deadline) {
     const auto dof = motion.positions.cols();
     middle_.resize(dof);
@@ -146,14 +146,16 @@ class Prover {
     std::uint32_t pair;
     int levels;  // to go down before it is worth another look
   };
-  enum class Verdict { apart, contact, open };
+  enum class CollisionStatus { apart, contact, open };
 
   void look_at(Eigen::Index row);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
-  Verdict judge(Open& open, bool& finest);
+  CollisionStatus judge(Open& open, bool& finest);
   double approach(const Pair& pair);
-  double goal() const { return tightness_ > 0.0 ? tightness_ * least_ : 0.0; }  // that is to be proved of every pair
-  Verdict meet(const Pair& pair, double distance);
+  double goal() const {
+    return gap_tolerance_ > 0.0 ? gap_tolerance_ * least_ : 0.0;
+  }  // that is to be proved of every pair
+  CollisionStatus meet(const Pair& pair, double distance);
   void leave(const Interval& interval, std::uint32_t pair);
   double span(const Interval& at, bool end) const {
     if (!at.one_piece()) return motion_.times[end ? at.to : at.from];
@@ -164,7 +166,7 @@ class Prover {
   const CubicMotion& motion_;
   Pieces pieces_;
   Checker::Workspace& workspace_;
-  double tightness_;
+  double gap_tolerance_;
   const Deadline* deadline_;
   double least_{infinity};  // distance found, less padding
   const Pair* nearest_{};
@@ -182,7 +184,7 @@ class Prover {
 };
 
 /// Notes a distance found at the configuration at hand.
-Prover::Verdict Prover::meet(const Pair& pair, double distance) {
+Prover::CollisionStatus Prover::meet(const Pair& pair, double distance) {
   const double clearance = distance - pair.padding;
   if (clearance < least_) {
     least_ = clearance;
@@ -190,7 +192,7 @@ Prover::Verdict Prover::meet(const Pair& pair, double distance) {
     nearest_time_ = time_;
     nearest_place_ = middle_;
   }
-  return clearance <= NarrowPhase::contact_distance ? Verdict::contact : Verdict::open;
+  return clearance <= NarrowPhase::contact_distance ? CollisionStatus::contact : CollisionStatus::open;
 }
 
 /// The nearest pair at a row, so that what follows need not look at those farther away.
@@ -224,20 +226,20 @@ double Prover::approach(const Pair& pair) {
 }
 
 /// Judges a pair over the interval around the configuration at hand.
-Prover::Verdict Prover::judge(Open& open, bool& finest) {
+Prover::CollisionStatus Prover::judge(Open& open, bool& finest) {
   const Pair& pair = impl_.bodies.pairs[open.pair];
   const double motion = approach(pair), goal = this->goal();
   const double margin = pair.padding + motion + goal + NarrowPhase::tolerance, apart = workspace_.gap(pair);
   const auto prove = [&](double at_least) {
     proved_ = std::min(proved_, std::max(0.0, at_least));
-    return Verdict::apart;
+    return CollisionStatus::apart;
   };
   // An interval of the motion m shall be cut until m + goal is no more than the distance.
   const auto cut_for = [&](double distance) {
-    if (finest) return Verdict::open;
+    if (finest) return CollisionStatus::open;
     const double room = std::max(distance - pair.padding - this->goal(), 0.1 * motion);
-    open.levels = std::clamp(static_cast<int>(std::log2(motion / room)), 0, most_levels);
-    return Verdict::open;
+    open.levels = std::clamp(static_cast<int>(std::log2(motion / room)), 0, max_levels);
+    return CollisionStatus::open;
   };
   finest = motion < Checker::motion_floor;
   if (apart > margin) return prove(apart - pair.padding - motion - NarrowPhase::tolerance);
@@ -255,7 +257,7 @@ Prover::Verdict Prover::judge(Open& open, bool& finest) {
   double found = workspace_.distance(pair, margin, pair.padding + rough_distance * motion);
   if (found == infinity) return prove(goal);
   if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, touching);
-  if (meet(pair, found) == Verdict::contact) return Verdict::contact;
+  if (meet(pair, found) == CollisionStatus::contact) return CollisionStatus::contact;
   // What is left of it is the pair's distance then: one that is only of two of its points is less than the motion.
   const double left = found - pair.padding - motion - NarrowPhase::tolerance;
   if (left > (finest ? 0.0 : this->goal())) return prove(left);
@@ -275,7 +277,7 @@ void Prover::leave(const Interval& interval, std::uint32_t pair) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  if (looks_ >= most_looks || (deadline_ && deadline_->stop_requested())) {
+  if (looks_ >= max_looks || (deadline_ && deadline_->stop_requested())) {
     for (std::size_t i = first; i < first + count; ++i) leave(interval, open_[i].pair);
     return true;
   }
@@ -296,11 +298,11 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
       continue;
     }
     bool finest = false;
-    const Verdict verdict = judge(open, finest);
-    if (verdict == Verdict::contact) return false;
-    if (verdict == Verdict::open && finest)
+    const CollisionStatus verdict = judge(open, finest);
+    if (verdict == CollisionStatus::contact) return false;
+    if (verdict == CollisionStatus::open && finest)
       leave(interval, open.pair);
-    else if (verdict == Verdict::open)
+    else if (verdict == CollisionStatus::open)
       open_.push_back(open);
   }
   const std::size_t still = open_.size() - kept;
@@ -320,10 +322,10 @@ MotionProof Prover::run() {
   const std::vector<Pair>& pairs = impl_.bodies.pairs;
   const Eigen::Index last = motion_.positions.rows() - 1;
   std::uint64_t active = 0;
-  for (std::size_t k = 0; k < impl_.group.drives().size(); ++k) active |= std::uint64_t{1} << k;
+  for (std::size_t k = 0; k < impl_.group.actuated_joints().size(); ++k) active |= std::uint64_t{1} << k;
   workspace_.start_any_motion(active);
   bool free = true;
-  if (tightness_ > 0.0 || last == 0)
+  if (gap_tolerance_ > 0.0 || last == 0)
     for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) look_at(row);
   free = least_ > NarrowPhase::contact_distance;
   if (free && last > 0) {
@@ -386,8 +388,9 @@ void require_motion(const CubicMotion& motion, std::size_t dof) {
 MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Checker::Workspace& workspace,
                          const ProofOptions& options) {
   require_motion(motion, checker.dof());
-  if (!(options.tightness >= 0.0 && options.tightness < 1.0))
-    throw InvalidArgument("motion proof: tightness is " + to_text(options.tightness) + "; it must be in [0, 1)");
+  if (!(options.gap_tolerance >= 0.0 && options.gap_tolerance < 1.0))
+    throw InvalidArgument("motion proof: gap_tolerance is " + to_text(options.gap_tolerance) +
+                          "; it must be in [0, 1)");
   const Checker::Impl& impl = workspace.impl;
   if (!impl.bodies.overlaps.empty()) {
     const Contact rigid = checker.contacts(motion.positions.row(0).transpose(), workspace).front();

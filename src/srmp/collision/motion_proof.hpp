@@ -36,7 +36,7 @@ struct MotionProof {
 struct ProofOptions {
   /// The proof goes on until `proved` is at least this share of `clearance`, or within 25 µm of it, in [0, 1). 0: until
   /// the motion is proved free; nothing is then said of the clearance.
-  double tightness{0.5};
+  double gap_tolerance{0.5};
   const Deadline* deadline{};  ///< once it passes, all that is open goes to `unproved`; null: none
 };
 
@@ -49,8 +49,8 @@ struct ProofOptions {
 /// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`, and so does all that is open
 /// when time is up, or after 200 000 configurations.
 ///
-/// No balls, no tables and no code of Checker::is_motion_free have a say; with a checker of CheckMode::coal no pair was
-/// left out by them either. The answer depends on the arguments alone. Stops at the first contact. Throws
+/// No spheres, no tables and no code of Checker::is_motion_free have a say; with a checker of CheckMode::coal no pair
+/// was left out by them either. The answer depends on the arguments alone. Stops at the first contact. Throws
 /// InvalidArgument for no rows, sizes that do not match Checker::dof, NaN, positions beyond 1e100, and times that do
 /// not increase.
 MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Checker::Workspace& workspace,

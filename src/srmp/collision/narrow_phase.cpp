@@ -100,14 +100,14 @@ struct OrientedBox {
   Eigen::Vector3d center, half;
 
   /// Is it farther than `limit` from the triangle's plane?
-  bool beyond_plane(const PieceTree::Triangle& t, double limit) const {
+  bool beyond_plane(const PrimitiveBvh::Triangle& t, double limit) const {
     const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
     const double gap = std::abs(normal.dot(center - t[0])) - (axes.transpose() * normal).cwiseAbs().dot(half);
     return gap > 0 && gap * gap > limit * limit * normal.squaredNorm();
   }
 };
 
-OrientedBox transformed(const Eigen::Isometry3d& by, const PieceTree::Node& node) {
+OrientedBox transformed(const Eigen::Isometry3d& by, const PrimitiveBvh::Node& node) {
   return {by.linear() * node.axes, by * node.center, node.half};
 }
 
@@ -122,16 +122,16 @@ double squared_gap(const A& a, const B& b) {
   return std::max(of_a.squaredNorm(), of_b.squaredNorm());
 }
 
-Eigen::Vector3d middle_of(const PieceTree& tree, std::size_t piece) {
+Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t piece) {
   if (tree.of_cubes()) return tree.cubes()[piece];
-  const PieceTree::Triangle& t = tree.triangles()[piece];
+  const PrimitiveBvh::Triangle& t = tree.triangles()[piece];
   return (t[0] + t[1] + t[2]) / 3;
 }
 
 /// A piece as one of Coal's shapes.
 class PieceShape {
  public:
-  explicit PieceShape(const PieceTree& tree) : tree_(&tree), cube_(tree.edge(), tree.edge(), tree.edge()) {}
+  explicit PieceShape(const PrimitiveBvh& tree) : tree_(&tree), cube_(tree.edge(), tree.edge(), tree.edge()) {}
   const coal::ShapeBase* shape() const {
     if (tree_->of_cubes()) return &cube_;
     return &triangle_;
@@ -139,13 +139,13 @@ class PieceShape {
   /// Changes shape() into the piece; returns its frame's origin in the tree's frame.
   Eigen::Vector3d take(std::size_t piece) {
     if (tree_->of_cubes()) return tree_->cubes()[piece];
-    const PieceTree::Triangle& t = tree_->triangles()[piece];
+    const PrimitiveBvh::Triangle& t = tree_->triangles()[piece];
     triangle_.a = t[0], triangle_.b = t[1], triangle_.c = t[2];
     return Eigen::Vector3d::Zero();
   }
 
  private:
-  const PieceTree* tree_;
+  const PrimitiveBvh* tree_;
   coal::TriangleP triangle_;
   coal::Box cube_;
 };
@@ -167,9 +167,9 @@ struct NarrowPhase::Impl {
 
   double run_gjk(const Eigen::Vector3d& guess, double margin);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
-  double solid_to_piece(const Placed& solid, const PieceTree& tree, std::size_t piece, const Eigen::Isometry3d& to_tree,
-                        PieceShape& shape, double margin);
-  double solid_to_node(const Placed& solid, const PieceTree::Node& node, const Eigen::Isometry3d& to_tree,
+  double solid_to_piece(const Placed& solid, const PrimitiveBvh& tree, std::size_t piece,
+                        const Eigen::Isometry3d& to_tree, PieceShape& shape, double margin);
+  double solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
                        double margin);
   double solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough);
   double pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough);
@@ -236,7 +236,7 @@ double NarrowPhase::pieces(const Placed& a, const Placed& b, double margin, doub
 }
 
 /// `to_tree`: from the solid's frame.
-double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PieceTree& tree, std::size_t piece,
+double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PrimitiveBvh& tree, std::size_t piece,
                                          const Eigen::Isometry3d& to_tree, PieceShape& shape, double margin) {
   const Eigen::Vector3d origin = shape.take(piece);
   if (tree.of_cubes() && solid.geometry->getNodeType() == coal::GEOM_SPHERE) {
@@ -251,7 +251,7 @@ double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PieceTree& t
 }
 
 /// The distance to the box around pieces: a solid may be far from what its own box holds.
-double NarrowPhase::Impl::solid_to_node(const Placed& solid, const PieceTree::Node& node,
+double NarrowPhase::Impl::solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node,
                                         const Eigen::Isometry3d& to_tree, double margin) {
   box.halfSide = node.half;
   difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), &box, transform(to_tree),
@@ -268,7 +268,7 @@ void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, dou
 }
 
 double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough) {
-  const PieceTree& tree = *other.pieces;
+  const PrimitiveBvh& tree = *other.pieces;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
   PieceShape shape(tree);
@@ -280,7 +280,7 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
     const Open next = open.back();
     open.pop_back();
     if (next.squared_gap > limit * limit) continue;
-    const PieceTree::Node& node = tree.nodes()[next.a];
+    const PrimitiveBvh::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
       if (fills_its_box_badly && solid_to_node(solid, node, to_tree, limit) == infinity) continue;
       push_nearer_last({gap_to(next.a + 1), next.a + 1, 0}, {gap_to(node.right), node.right, 0}, limit);
@@ -297,7 +297,7 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
 }
 
 double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough) {
-  const PieceTree &tree_a = *a.pieces, &tree_b = *b.pieces;
+  const PrimitiveBvh &tree_a = *a.pieces, &tree_b = *b.pieces;
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
   PieceShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
@@ -309,7 +309,7 @@ double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, dou
     const Open next = open.back();
     open.pop_back();
     if (next.squared_gap > limit * limit) continue;
-    const PieceTree::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
+    const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
     if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
       push_nearer_last(entry(next.a + 1, next.b), entry(node_a.right, next.b), limit);

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "srmp/scene/piece_tree.hpp"
+#include "srmp/geometry/primitive_bvh.hpp"
 
 // Coal, as the checker needs it: one query, whose answer depends on its arguments alone.
 namespace srmp::detail {
@@ -26,7 +26,7 @@ bool is_convex_solid(const coal::CollisionGeometry& geometry);
 /// A geometry at a place.
 struct Placed {
   const coal::CollisionGeometry* geometry;
-  const PieceTree* pieces;  ///< make_piece_tree(*geometry): null for a convex solid
+  const PrimitiveBvh* pieces;  ///< make_primitive_bvh(*geometry): null for a convex solid
   const Bounds& bounds;
   const Eigen::Isometry3d& pose;
   const Eigen::Vector3d& center;  ///< of its bounding sphere, in the frame of the pose's parent

@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "srmp/collision/narrow_phase.hpp"
+#include "srmp/core/cache_file.hpp"
+#include "srmp/core/low_discrepancy.hpp"
 #include "srmp/core/worker_pool.hpp"
-#include "srmp/robot/cache_file.hpp"
-#include "srmp/robot/cover_file.hpp"
-#include "srmp/robot/low_discrepancy.hpp"
+#include "srmp/cover/cover_file.hpp"
 
 namespace srmp {
 
@@ -23,7 +23,7 @@ namespace {
 constexpr std::string_view extension = ".pairs";
 constexpr std::uint64_t table_version = 2;  // raise when the same pair gets another table, or the layout changes
 constexpr int coarsest = 32;                // cells along an edge of what is tried first
-constexpr int most_questions = 60'000;      // a pair; then the rest is not proved
+constexpr int max_questions = 60'000;       // a pair; then the rest is not proved
 constexpr double turn = 2 * std::numbers::pi;
 
 int cell_of(double angle) { return static_cast<int>(std::floor(angle / turn * PairTable::cells)); }
@@ -36,13 +36,13 @@ struct Turning {
 };
 
 std::optional<Turning> turning_of(const RobotModel& model, std::size_t a, std::size_t b) {
-  const std::uint64_t movers_a = model.geometries()[a].movers, movers_b = model.geometries()[b].movers;
+  const std::uint64_t support_a = model.geometries()[a].support, support_b = model.geometries()[b].support;
   Turning turning;
   std::size_t count = 0;
-  for (std::size_t k = model.drives().size(); k-- > 0;) {
-    const bool moves_a = movers_a >> k & 1, moves_b = movers_b >> k & 1;
+  for (std::size_t k = model.actuated_joints().size(); k-- > 0;) {
+    const bool moves_a = support_a >> k & 1, moves_b = support_b >> k & 1;
     if (moves_a == moves_b) continue;
-    const Drive& drive = model.drives()[k];
+    const ActuatedJoint& drive = model.actuated_joints()[k];
     const int joint = static_cast<int>(drive.joint);
     if (drive.prismatic || std::abs(drive.ratio) != 1.0 || count == 2 || joint == turning.joints[0])
       return std::nullopt;
@@ -88,12 +88,12 @@ class Prover {
     }
     std::size_t index;
     const coal::CollisionGeometry *shape, *solid{};
-    const PieceTree* pieces;
+    const PrimitiveBvh* pieces;
     Bounds bounds;
   };
 
   void prove(PairTable& table, int first, int second, int edge) {
-    if (++questions_ > most_questions) return;
+    if (++questions_ > max_questions) return;
     const int rows = std::min(edge, rows_);
     if (apart(first + 0.5 * edge, second + 0.5 * rows, 0.5 * edge)) {
       for (int y = second; y < second + rows; ++y)
@@ -132,11 +132,11 @@ class Prover {
                            {b_.shape, b_.pieces, b_.bounds, pose_b, center_b}, margin, any) == any;
   }
 
-  double moved(const std::vector<std::size_t>& drives, const Eigen::Vector3d& center, double radius,
+  double moved(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,
                double change) const {
     double sum = 0;
-    for (const std::size_t k : drives) {
-      const auto [point, direction] = model_.drive_axis(*data_, k);
+    for (const std::size_t k : actuated_joints) {
+      const auto [point, direction] = model_.actuated_joint_axis(*data_, k);
       sum += change * ((center - point).cross(direction).norm() + radius + sum);
     }
     return sum;
@@ -200,7 +200,7 @@ Sha256::Digest key_of(const RobotModel& model) {
   hash.add(table_version);
   for (const LinkGeometry& geometry : model.geometries()) add_content(hash, *geometry.shape);
   for (const auto& [a, b] : model.self_pairs()) hash.add(static_cast<std::uint64_t>(a * model.geometries().size() + b));
-  for (const Drive& drive : model.drives()) {
+  for (const ActuatedJoint& drive : model.actuated_joints()) {
     hash.add(static_cast<std::uint64_t>(drive.joint));
     hash.add(drive.ratio);
   }
@@ -277,10 +277,10 @@ std::shared_ptr<const PairTables> PairTableStore::tables(const std::shared_ptr<c
     if (known.model == model) return known.tables;
   const Sha256::Digest key = key_of(*model);
   std::optional<PairTables> tables;
-  if (const auto bytes = read_cached(folder_, extension, key)) tables = from_bytes(*bytes, *model);
+  if (const auto bytes = read_cached(directory_, extension, key)) tables = from_bytes(*bytes, *model);
   if (!tables) {
     tables = build(*model, parts);
-    write_cached(folder_, extension, key, to_bytes(*tables));
+    write_cached(directory_, extension, key, to_bytes(*tables));
   }
   known_.push_back({model, std::make_shared<const PairTables>(std::move(*tables))});
   return known_.back().tables;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "srmp/robot/robot_model.hpp"
-#include "srmp/scene/shape.hpp"
+#include "srmp/scene/shape_geometry.hpp"
 
 namespace srmp {
 
@@ -32,11 +32,12 @@ class PairTable {
 /// against each other have none.
 using PairTables = std::vector<PairTable>;
 
-/// Tables are made once, kept in memory as long as the store lives, and in a folder for later runs. Threads share it.
+/// Tables are made once, kept in memory as long as the store lives, and in a directory for later runs. Threads share
+/// it.
 class PairTableStore {
  public:
-  /// Keeps its files in `folder`; an empty one: no files.
-  explicit PairTableStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// Keeps its files in `directory`; an empty one: no files.
+  explicit PairTableStore(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
   /// `parts`: parts_of each geometry. The first call for a robot takes some seconds; waiting calls wait.
   std::shared_ptr<const PairTables> tables(const std::shared_ptr<const RobotModel>& model,
@@ -47,7 +48,7 @@ class PairTableStore {
     std::shared_ptr<const RobotModel> model;  // keeps the address taken
     std::shared_ptr<const PairTables> tables;
   };
-  const std::filesystem::path folder_;
+  const std::filesystem::path directory_;
   std::mutex mutex_;
   std::vector<Known> known_;
 };

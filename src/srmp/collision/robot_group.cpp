@@ -10,27 +10,27 @@ RobotGroup::RobotGroup(const Scene& scene, const std::vector<std::string>& robot
   for (const std::string& name : robots) {
     if (contains(name)) throw InvalidArgument("robot '" + name + "' is named twice");
     const RobotInstance& instance = scene.robot(name);
-    Member member{instance, Eigen::Isometry3d::Identity(), joints_.size(), drives_.size()};
+    Member member{instance, Eigen::Isometry3d::Identity(), joints_.size(), actuated_joints_.size()};
     if (!members_.empty()) member.base = (members_[0].instance.base.inverse() * instance.base).isometry();
     const RobotModel& model = *instance.model;
     joints_.insert(joints_.end(), model.joints().begin(), model.joints().end());
-    std::vector<int> parent(model.drives().size(), -1);
+    std::vector<int> parent(model.actuated_joints().size(), -1);
     for (std::size_t link = 0; link < model.link_names().size(); ++link)
-      if (const std::uint64_t movers = model.link_movers(link)) {
-        const std::uint64_t above = movers & ~(std::uint64_t{1} << deepest_drive(movers));
-        if (above) parent[static_cast<std::size_t>(deepest_drive(movers))] = deepest_drive(above);
+      if (const std::uint64_t support = model.link_support(link)) {
+        const std::uint64_t above = support & ~(std::uint64_t{1} << deepest_drive(support));
+        if (above) parent[static_cast<std::size_t>(deepest_drive(support))] = deepest_drive(above);
       }
     for (std::size_t k = 0; k < parent.size(); ++k) {
-      Drive drive = model.drives()[k];
+      ActuatedJoint drive = model.actuated_joints()[k];
       drive.joint += member.first_joint;
-      drives_.push_back(drive);
+      actuated_joints_.push_back(drive);
       parents_.push_back(parent[k] < 0 ? -1 : parent[k] + static_cast<int>(member.first_drive));
       member_of_drive_.push_back(members_.size());
     }
     members_.push_back(std::move(member));
   }
-  if (drives_.size() > 64)
-    throw InvalidArgument(std::to_string(members_.size()) + " robots have " + std::to_string(drives_.size()) +
+  if (actuated_joints_.size() > 64)
+    throw InvalidArgument(std::to_string(members_.size()) + " robots have " + std::to_string(actuated_joints_.size()) +
                           " moving joints together; a checker takes at most 64");
 }
 
@@ -77,9 +77,9 @@ Eigen::Isometry3d RobotGroup::link_pose(const Data& data, std::size_t member, st
   return member == 0 ? pose : members_[member].base * pose;
 }
 
-std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotGroup::drive_axis(const Data& data, std::size_t drive) const {
+std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotGroup::actuated_joint_axis(const Data& data, std::size_t drive) const {
   const std::size_t member = member_of_drive_[drive];
-  const auto axis = model(member).drive_axis(*data[member], drive - members_[member].first_drive);
+  const auto axis = model(member).actuated_joint_axis(*data[member], drive - members_[member].first_drive);
   if (member == 0) return axis;
   const Eigen::Isometry3d& base = members_[member].base;
   return {base * axis.first, base.linear() * axis.second};

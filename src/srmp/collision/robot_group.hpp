@@ -9,7 +9,7 @@
 namespace srmp::detail {
 
 /// Of a set of drives on one chain, which is not empty; drives are listed parents first.
-inline int deepest_drive(std::uint64_t movers) { return 63 - std::countl_zero(movers); }
+inline int deepest_drive(std::uint64_t support) { return 63 - std::countl_zero(support); }
 
 /// The kinematics of one or more robots of a scene as if they were one: configurations one after the other, everything
 /// in the base frame of the first. Const; threads share it, each with Data of its own.
@@ -27,9 +27,9 @@ class RobotGroup {
   std::size_t first_joint(std::size_t member) const { return members_[member].first_joint; }  ///< into joints()
 
   const std::vector<Joint>& joints() const { return joints_; }
-  const std::vector<Drive>& drives() const { return drives_; }
+  const std::vector<ActuatedJoint>& actuated_joints() const { return actuated_joints_; }
   /// What RobotModel and LinkGeometry call movers, as a set of drives().
-  std::uint64_t movers(std::size_t member, std::uint64_t of_model) const {
+  std::uint64_t support(std::size_t member, std::uint64_t of_model) const {
     return of_model << members_[member].first_drive;
   }
   /// Throws InvalidArgument unless q has joints().size() finite entries.
@@ -39,8 +39,8 @@ class RobotGroup {
   void forward(Data& data, ConstVector q) const;
   Eigen::Isometry3d geometry_pose(const Data& data, std::size_t member, std::size_t geometry) const;
   Eigen::Isometry3d link_pose(const Data& data, std::size_t member, std::size_t link) const;
-  std::pair<Eigen::Vector3d, Eigen::Vector3d> drive_axis(const Data& data, std::size_t drive) const;
-  /// Drive `k`'s parent among drives(), -1: a base.
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> actuated_joint_axis(const Data& data, std::size_t drive) const;
+  /// ActuatedJoint `k`'s parent among drives(), -1: a base.
   int parent(std::size_t k) const { return parents_[k]; }
 
  private:
@@ -51,7 +51,7 @@ class RobotGroup {
   };
   std::vector<Member> members_;
   std::vector<Joint> joints_;
-  std::vector<Drive> drives_;
+  std::vector<ActuatedJoint> actuated_joints_;
   std::vector<int> parents_;
   std::vector<std::size_t> member_of_drive_;
 };

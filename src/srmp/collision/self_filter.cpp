@@ -11,7 +11,7 @@ using namespace detail;
 
 namespace {
 
-/// Balls around points against one geometry.
+/// Spheres around points against one geometry.
 class NearGeometry {
  public:
   NearGeometry(const coal::CollisionGeometry& geometry, const GeometryParts& parts, const Eigen::Isometry3d& pose,
@@ -21,31 +21,33 @@ class NearGeometry {
         bounds_(bounds_of(geometry)),
         pose_(pose),
         center_(pose * bounds_.center),
-        ball_(distance),
-        ball_bounds_{Eigen::Vector3d::Zero(), distance, Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(distance)} {
-    if (!pieces_) formula_ = table_.index(ball_, geometry_);
+        sphere_(distance),
+        sphere_bounds_{Eigen::Vector3d::Zero(), distance, Eigen::Vector3d::Zero(),
+                       Eigen::Vector3d::Constant(distance)} {
+    if (!pieces_) formula_ = table_.index(sphere_, geometry_);
     narrow_ = std::make_unique<NarrowPhase>(table_);
   }
 
   bool holds(const Eigen::Vector3d& point) {
     const Eigen::Vector3d local = pose_.linear().transpose() * (point - pose_.translation()) - bounds_.box_center;
-    if ((local.cwiseAbs() - bounds_.box_half).cwiseMax(0.0).norm() > ball_.radius) return false;
+    if ((local.cwiseAbs() - bounds_.box_half).cwiseMax(0.0).norm() > sphere_.radius) return false;
     Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
     place.translation() = point;
-    const Placed ball{&ball_, nullptr, ball_bounds_, place, point};
+    const Placed sphere{&sphere_, nullptr, sphere_bounds_, place, point};
     const Placed body{&geometry_, pieces_, bounds_, pose_, center_};
-    const double apart = pieces_ ? narrow_->pieces(ball, body, 0.0, 1.0) : narrow_->solids(formula_, ball, body, 0.0);
+    const double apart =
+        pieces_ ? narrow_->pieces(sphere, body, 0.0, 1.0) : narrow_->solids(formula_, sphere, body, 0.0);
     return apart <= NarrowPhase::contact_distance;
   }
 
  private:
   const coal::CollisionGeometry& geometry_;
-  const PieceTree* pieces_;
+  const PrimitiveBvh* pieces_;
   Bounds bounds_;
   Eigen::Isometry3d pose_;
   Eigen::Vector3d center_;
-  coal::Sphere ball_;
-  Bounds ball_bounds_;
+  coal::Sphere sphere_;
+  Bounds sphere_bounds_;
   FormulaTable table_;
   int formula_{-1};
   std::unique_ptr<NarrowPhase> narrow_;

@@ -9,8 +9,8 @@ namespace srmp {
 
 namespace {
 
-CheckerOptions with_companions(CheckerOptions options, const std::map<std::string, TimedPath>& others) {
-  for (const auto& [name, path] : others) options.companions.push_back(name);
+CheckerOptions with_other_robots(CheckerOptions options, const std::map<std::string, TimedPath>& others) {
+  for (const auto& [name, path] : others) options.other_robots.push_back(name);
   return options;
 }
 
@@ -37,7 +37,7 @@ void require_time(double time, const char* what) {
 
 TimedChecker::TimedChecker(const Scene& scene, const std::string& robot, std::map<std::string, TimedPath> others,
                            const CheckerOptions& options)
-    : checker_(scene, robot, with_companions(options, others)) {
+    : checker_(scene, robot, with_other_robots(options, others)) {
   for (auto& [name, path] : others) {
     const auto& model = scene.robot(name).model;
     require_valid(path, *model);

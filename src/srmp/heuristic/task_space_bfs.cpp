@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "srmp/core/error.hpp"
+#include "srmp/geometry/distance_field.hpp"
 
 namespace srmp {
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr float unreached = std::numeric_limits<float>::infinity();
 constexpr float wall = -1.0f;
-constexpr std::size_t most_cells = 50'000'000;
+constexpr std::size_t max_cells = 50'000'000;
 
 coal::Transform3s to_coal(const Pose& pose) { return {pose.q.toRotationMatrix(), pose.p}; }
 
@@ -37,7 +38,7 @@ std::optional<double> distance(const Shape& shape, const Eigen::Vector3d& p) {
   const auto outside = [](double d) { return std::max(d, 0.0); };
   const double across = std::hypot(p.x(), p.y()), along = std::abs(p.z());
   if (const auto* box = std::get_if<Box>(&shape)) return (p.cwiseAbs() - box->size / 2).cwiseMax(0.0).norm();
-  if (const auto* ball = std::get_if<Sphere>(&shape)) return outside(p.norm() - ball->radius);
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return outside(p.norm() - sphere->radius);
   if (const auto* rod = std::get_if<Cylinder>(&shape))
     return std::hypot(outside(across - rod->radius), outside(along - rod->length / 2));
   if (const auto* pill = std::get_if<Capsule>(&shape))
@@ -45,16 +46,16 @@ std::optional<double> distance(const Shape& shape, const Eigen::Vector3d& p) {
   return std::nullopt;
 }
 
-/// Does a ball meet an object? By the formula, else by the object's field, and by Coal where that leaves it open.
-class BallTest {
+/// Does a sphere meet an object? By the formula, else by the object's field, and by Coal where that leaves it open.
+class SphereTest {
  public:
-  BallTest(const Object& object, double radius)
+  SphereTest(const Object& object, double radius)
       : object_(object),
         radius_(radius),
         to_object_(object.pose.inverse()),
-        ball_(radius),
+        sphere_(radius),
         pose_(to_coal(object.pose)),
-        collide_(&ball_, object.geometry.get()) {}
+        collide_(&sphere_, object.geometry.get()) {}
 
   bool operator()(const Eigen::Vector3d& center) const {
     const Eigen::Vector3d local = to_object_ * center;
@@ -74,7 +75,7 @@ class BallTest {
   const Object& object_;
   double radius_;
   Pose to_object_;
-  coal::Sphere ball_;
+  coal::Sphere sphere_;
   coal::Transform3s pose_;
   coal::ComputeCollision collide_;
 };
@@ -96,7 +97,7 @@ TaskSpaceBfs::TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const
     cells *= std::max(1.0, n);
     size_[static_cast<std::size_t>(i)] = std::max(1, static_cast<int>(std::min(n, 1e6)));
   }
-  if (cells > static_cast<double>(most_cells))
+  if (cells > static_cast<double>(max_cells))
     throw InvalidArgument("bfs_resolution " + to_text(resolution_) +
                           " m makes a grid of more than 50 million cells; use a larger one");
   if (!fill(distance_, index(size_) + 1, unreached, deadline)) {
@@ -146,7 +147,7 @@ void TaskSpaceBfs::mark(const Object& object, double radius, const Deadline& dea
   }
   const Cell from = cell_of((low.array() - radius - resolution_).matrix()),
              to = cell_of((high.array() + radius + resolution_).matrix());
-  const BallTest hits(object, radius);
+  const SphereTest hits(object, radius);
   Cell c;
   for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
     for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {

@@ -9,11 +9,11 @@
 
 namespace srmp {
 
-/// Breadth-first distances in the workspace: how far a ball of `radius` must travel from the goal positions around the
-/// scene's objects (Cohen, Chitta, Likhachev 2010). 26-connected grid; steps cost their length.
+/// Breadth-first distances in the workspace: how far a sphere of `radius` must travel from the goal positions around
+/// the scene's objects (Cohen, Chitta, Likhachev 2010). 26-connected grid; steps cost their length.
 ///
-/// Guides the end effector, not the arm: neither admissible nor consistent for joint-space costs. Use it with a weight,
-/// or beside a consistent anchor in MHA*.
+/// InadmissibleHeuristics the end effector, not the arm: neither admissible nor consistent for joint-space costs. Use
+/// it with a weight, or beside a consistent anchor in MHA*.
 class TaskSpaceBfs {
  public:
   struct Options {

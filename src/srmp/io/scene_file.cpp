@@ -40,7 +40,7 @@ void describe(Archive& archive, Ref<Archive, RobotText> robot) {
   archive("group", robot.description.group);
   archive("joint_names", robot.description.joint_names);
   archive("fixed_joints", robot.description.fixed_joints);
-  archive("urdf_folder", robot.description.urdf_folder);
+  archive("urdf_directory", robot.description.urdf_directory);
   archive("package_dirs", robot.description.package_dirs);
   archive("base_pose", robot.base);
   archive("q", robot.q);
@@ -147,8 +147,8 @@ ObjectText object_text(const Scene& scene, const Object& object) {
 }
 
 void add(Scene& scene, RobotText robot, const std::vector<std::string>& package_dirs) {
-  std::vector<std::string>& folders = robot.description.package_dirs;
-  folders.insert(folders.end(), package_dirs.begin(), package_dirs.end());
+  std::vector<std::string>& directories = robot.description.package_dirs;
+  directories.insert(directories.end(), package_dirs.begin(), package_dirs.end());
   const auto model = RobotModel::load(robot.description);
   scene.add_robot(model, robot.base);
   scene.set_qpos(model->name(), robot.q);

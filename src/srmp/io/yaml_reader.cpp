@@ -28,7 +28,7 @@ YAML::Node only_document(const std::string& path, const std::vector<YAML::Node>&
 YAML::Node load(const std::string& path, const std::string& language) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) throw FileError(path + ": there is no such file");
-  if (std::filesystem::is_directory(path, code)) throw FileError(path + ": this is a folder, not a file");
+  if (std::filesystem::is_directory(path, code)) throw FileError(path + ": this is a directory, not a file");
   try {
     return only_document(path, YAML::LoadAllFromFile(path));
   } catch (const YAML::BadFile&) {

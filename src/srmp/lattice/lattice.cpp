@@ -30,15 +30,15 @@ RowMatrix measure_weights(std::size_t dof) {
   return weights;
 }
 
-Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> anchors,
+Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> roots,
                  std::vector<Eigen::VectorXd> targets, Options options, MotionValidator validator, std::size_t workers)
     : joints_(joints),
-      anchors_(std::move(anchors)),
-      anchor_count_(anchors_.size()),
+      roots_(std::move(roots)),
+      root_count_(roots_.size()),
       targets_(std::move(targets)),
       near_distance_(options.primitives.near_distance),
-      snap_distance_(options.snap_distance),
-      goal_snap_(std::move(options.goal_snap)),
+      connection_distance_(options.connection_distance),
+      goal_connection_(std::move(options.goal_connection)),
       validator_(std::move(validator)),
       table_(joints.size() + 1),
       scratch_key_(joints.size() + 1, 0),
@@ -59,7 +59,7 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
       added.moves.push_back(std::move(move));
     }
   }
-  for (std::size_t i = 0; i < anchors_.size(); ++i) {
+  for (std::size_t i = 0; i < roots_.size(); ++i) {
     scratch_key_[0] = static_cast<std::int32_t>(i);
     table_.insert(scratch_key_);
   }
@@ -70,38 +70,38 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
   }
   scratch_key_[1] = 0;
   for (Eigen::VectorXd& via : options.vias) {
-    scratch_key_[0] = static_cast<std::int32_t>(anchors_.size());
-    anchors_.push_back(std::move(via));
+    scratch_key_[0] = static_cast<std::int32_t>(roots_.size());
+    roots_.push_back(std::move(via));
     table_.insert(scratch_key_);
   }
 }
 
 std::vector<search::StateId> Lattice::starts() const {
   std::vector<search::StateId> ids;
-  for (std::size_t i = 0; i < anchor_count_; ++i) ids.push_back(static_cast<search::StateId>(i));
+  for (std::size_t i = 0; i < root_count_; ++i) ids.push_back(static_cast<search::StateId>(i));
   return ids;
 }
 
 void Lattice::read_configuration(search::StateId state, Eigen::VectorXd& q) const {
   if (is_goal(state)) {
-    const SnapGoal* snapped = snapped_goal(state);
-    q = snapped ? snapped->q : targets_[state - anchor_count()];
+    const ConnectedGoal* snapped = connected_goal(state);
+    q = snapped ? snapped->q : targets_[state - root_count()];
     return;
   }
   const auto key = table_.key(state);
-  const Eigen::VectorXd& anchor = anchors_[static_cast<std::size_t>(key[0])];
+  const Eigen::VectorXd& anchor = roots_[static_cast<std::size_t>(key[0])];
   for (std::size_t j = 0; j < joints_.size(); ++j)
     q[static_cast<Eigen::Index>(j)] = anchor[static_cast<Eigen::Index>(j)] + key[j + 1] * unit_[j];
 }
 
-const SnapGoal* Lattice::snapped_goal(search::StateId state) const {
-  const auto found = snapped_goals_.find(state);
-  return found == snapped_goals_.end() ? nullptr : &found->second;
+const ConnectedGoal* Lattice::connected_goal(search::StateId state) const {
+  const auto found = connected_goals_.find(state);
+  return found == connected_goals_.end() ? nullptr : &found->second;
 }
 
 std::size_t Lattice::memory() const {
-  const std::size_t snapped = sizeof(decltype(snapped_goals_)::value_type) + joints_.size() * sizeof(double);
-  return table_.memory() + snapped_goals_.size() * snapped;
+  const std::size_t snapped = sizeof(decltype(connected_goals_)::value_type) + joints_.size() * sizeof(double);
+  return table_.memory() + connected_goals_.size() * snapped;
 }
 
 Eigen::VectorXd Lattice::configuration(search::StateId state) const {
@@ -138,10 +138,10 @@ double Lattice::distance_to_targets(search::StateId state) const {
   return least;
 }
 
-double Lattice::distance_from_anchors(search::StateId state) const {
+double Lattice::distance_from_roots(search::StateId state) const {
   read_configuration(state, q_);
   double least = search::infinity;
-  for (std::size_t i = 0; i < anchor_count_; ++i) least = std::min(least, distance(anchors_[i], q_));
+  for (std::size_t i = 0; i < root_count_; ++i) least = std::min(least, distance(roots_[i], q_));
   return least;
 }
 
@@ -170,7 +170,7 @@ void Lattice::measure_to_targets(search::StateId state, const RowMatrix& weights
 
 bool Lattice::apply(search::StateId state, const Move& move) {
   const auto key = table_.key(state);
-  const Eigen::VectorXd& anchor = anchors_[static_cast<std::size_t>(key[0])];
+  const Eigen::VectorXd& anchor = roots_[static_cast<std::size_t>(key[0])];
   scratch_key_[0] = key[0];
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     std::int32_t coordinate = key[j + 1] + move.steps[j];
@@ -225,14 +225,14 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
   read_configuration(state, q_);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const double cost = distance(q_, targets_[t]);
-    if (cost <= snap_distance_)
-      out.push_back({static_cast<search::StateId>(anchor_count() + t), std::max(cost, 1e-12)});
+    if (cost <= connection_distance_)
+      out.push_back({static_cast<search::StateId>(root_count() + t), std::max(cost, 1e-12)});
   }
-  for (std::size_t i = anchor_count_; i < anchors_.size(); ++i) {
+  for (std::size_t i = root_count_; i < roots_.size(); ++i) {
     const auto via = static_cast<search::StateId>(i + targets_.size());
-    if (via != state) out.push_back({via, std::max(distance(q_, anchors_[i]), 1e-12)});
+    if (via != state) out.push_back({via, std::max(distance(q_, roots_[i]), 1e-12)});
   }
-  add_goal_snaps(state, out);
+  add_goal_connections(state, out);
   const bool near = near_an_end(q_);
   for (const Family& family : families_)
     if (family.use == PrimitiveUse::always || family.use == PrimitiveUse::towards ||
@@ -241,22 +241,22 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
 }
 
 /// Of the state at q_. Asked again, the same goals have the same numbers.
-void Lattice::add_goal_snaps(search::StateId state, std::vector<search::Successor>& out) {
-  if (!goal_snap_) return;
+void Lattice::add_goal_connections(search::StateId state, std::vector<search::Successor>& out) {
+  if (!goal_connection_) return;
   std::fill(scratch_key_.begin(), scratch_key_.end(), 0);
   scratch_key_[0] = target_anchor;
   scratch_key_[1] = static_cast<std::int32_t>(state);
-  for (SnapGoal& goal : goal_snap_(q_)) {
+  for (ConnectedGoal& goal : goal_connection_(q_)) {
     --scratch_key_[0];
     const search::StateId next = table_.insert(scratch_key_);
     out.push_back({next, std::max(distance(q_, goal.q), 1e-12)});
-    snapped_goals_.emplace(next, std::move(goal));
+    connected_goals_.emplace(next, std::move(goal));
   }
 }
 
 bool Lattice::near_an_end(const Eigen::VectorXd& q) const {
   const auto close = [&](const Eigen::VectorXd& end) { return distance(q, end) <= near_distance_; };
-  return std::any_of(targets_.begin(), targets_.end(), close) || std::any_of(anchors_.begin(), anchors_.end(), close);
+  return std::any_of(targets_.begin(), targets_.end(), close) || std::any_of(roots_.begin(), roots_.end(), close);
 }
 
 void Lattice::evaluate(std::span<const search::Edge> edges, std::span<double> costs) {

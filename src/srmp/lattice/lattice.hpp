@@ -19,13 +19,13 @@ namespace srmp {
 using MotionValidator = std::function<bool(std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b)>;
 
 /// A goal configuration, within limits, and which of the caller's goals it meets.
-struct SnapGoal {
+struct ConnectedGoal {
   Eigen::VectorXd q;
   int goal{};
 };
 
 /// Further goal configurations near q, if any; they need not be free. The answer must depend on q alone.
-using GoalSnap = std::function<std::vector<SnapGoal>(const Eigen::VectorXd& q)>;
+using GoalConnection = std::function<std::vector<ConnectedGoal>(const Eigen::VectorXd& q)>;
 
 /// Weights of Lattice::measure_to_targets for a chain of so many joints, three rows: all joints alike; those near the
 /// base counting for more; those near the hand.
@@ -38,10 +38,11 @@ RowMatrix measure_weights(std::size_t dof);
 /// - States lie on a grid hung up at their anchor (grid unit 1e-4 degree or 1e-6 m, so that any mix of primitives meets
 ///   exactly); continuous joints wrap. Anchors are states 0, 1, …; targets follow.
 /// - An edge costs its joint-space length [rad; prismatic joints in m count as they are].
-/// - From every state a snap leads to each target within `snap_distance`, and to each of the `vias` (waypoints of paths
+/// - From every state a snap leads to each target within `connection_distance`, and to each of the `vias` (waypoints of
+/// paths
 ///   that are known already), which hold up grids of their own.
-/// - `goal_snap` may add goals while the search runs: each has one edge, from the state for which it was found, and
-/// none
+/// - `goal_connection` may add goals while the search runs: each has one edge, from the state for which it was found,
+/// and none
 ///   on. The heuristics know the targets alone, and nothing of these goals but that they are goals. So no cost-to-come
 ///   of other states changes, and what a search proves holds of the lattice *without* these goals: cost <= bound * the
 ///   optimum there. The path found may cost less than that optimum; a lattice is exhausted only with its goal snaps.
@@ -49,18 +50,18 @@ class Lattice {
  public:
   struct Options {
     PrimitiveSet primitives;
-    double snap_distance{search::infinity};  ///< [rad], >= 0
-    GoalSnap goal_snap{};                    ///< may be empty
-    std::vector<Eigen::VectorXd> vias{};     ///< free configurations that a snap leads to from everywhere
+    double connection_distance{search::infinity};  ///< [rad], >= 0
+    GoalConnection goal_connection{};              ///< may be empty
+    std::vector<Eigen::VectorXd> vias{};           ///< free configurations that a snap leads to from everywhere
   };
 
   /// All anchors and targets must be free configurations within limits. Batches of edges are shared out to `workers`.
-  Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> anchors, std::vector<Eigen::VectorXd> targets,
+  Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> roots, std::vector<Eigen::VectorXd> targets,
           Options options, MotionValidator validator, std::size_t workers = 1)
-      : Lattice(robot.joints(), std::move(anchors), std::move(targets), std::move(options), std::move(validator),
+      : Lattice(robot.joints(), std::move(roots), std::move(targets), std::move(options), std::move(validator),
                 workers) {}
   /// The same for any joints, which outlive it.
-  Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> anchors, std::vector<Eigen::VectorXd> targets,
+  Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> roots, std::vector<Eigen::VectorXd> targets,
           Options options, MotionValidator validator, std::size_t workers = 1);
 
   // --- search::Graph
@@ -70,14 +71,14 @@ class Lattice {
 
   std::vector<search::StateId> starts() const;
   Eigen::VectorXd configuration(search::StateId state) const;
-  std::size_t anchor_count() const { return anchor_count_; }
+  std::size_t root_count() const { return root_count_; }
   const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
-  /// What `goal_snap` said of a goal; null for other states, targets too.
-  const SnapGoal* snapped_goal(search::StateId state) const;
+  /// What `goal_connection` said of a goal; null for other states, targets too.
+  const ConnectedGoal* connected_goal(search::StateId state) const;
   /// Joint-space distance from a state to its nearest target: a consistent heuristic.
   double distance_to_targets(search::StateId state) const;
   /// Joint-space distance from the nearest anchor: no path to the state is shorter.
-  double distance_from_anchors(search::StateId state) const;
+  double distance_from_roots(search::StateId state) const;
   /// The way to the nearest target by several measures: Euclidean with each row of `weights` (n, dof), then the plain
   /// sum over the joints; `out` has n + 1 entries.
   void measure_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const;
@@ -97,7 +98,7 @@ class Lattice {
     std::vector<Move> moves;
   };
 
-  void add_goal_snaps(search::StateId state, std::vector<search::Successor>& out);
+  void add_goal_connections(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
   void add_moves_towards(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
@@ -108,13 +109,13 @@ class Lattice {
   void read_configuration(search::StateId state, Eigen::VectorXd& q) const;
 
   const std::vector<Joint>& joints_;
-  std::vector<Eigen::VectorXd> anchors_;  // then the vias
-  std::size_t anchor_count_;
+  std::vector<Eigen::VectorXd> roots_;  // then the vias
+  std::size_t root_count_;
   std::vector<Eigen::VectorXd> targets_;
   double near_distance_;
-  double snap_distance_;
-  GoalSnap goal_snap_;
-  std::map<search::StateId, SnapGoal> snapped_goals_;
+  double connection_distance_;
+  GoalConnection goal_connection_;
+  std::map<search::StateId, ConnectedGoal> connected_goals_;
   MotionValidator validator_;
   std::vector<Family> families_;
   std::vector<double> unit_;  // of the grid, one entry a joint [rad or m]

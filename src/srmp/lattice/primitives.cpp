@@ -40,8 +40,9 @@ std::vector<JointPair> parallel_pairs(const RobotModel& robot) {
   const RobotDataPtr data = robot.make_data();
   robot.forward(*data, Eigen::VectorXd::Zero(dof));
   std::vector<Eigen::Vector3d> axes(robot.dof(), Eigen::Vector3d::Zero());  // of joints that turn
-  for (std::size_t k = robot.drives().size(); k-- > 0;)
-    if (const Drive& drive = robot.drives()[k]; !drive.prismatic) axes[drive.joint] = robot.drive_axis(*data, k).second;
+  for (std::size_t k = robot.actuated_joints().size(); k-- > 0;)
+    if (const ActuatedJoint& drive = robot.actuated_joints()[k]; !drive.prismatic)
+      axes[drive.joint] = robot.actuated_joint_axis(*data, k).second;
   std::vector<JointPair> pairs;
   for (Eigen::Index j = 0; j < dof; ++j)
     for (Eigen::Index k = j + 1; k < std::min(j + 3, dof); ++k)

@@ -12,7 +12,7 @@
 namespace srmp::multi {
 
 double ConflictSearchOptions::bound() const {
-  return priorities_only ? search::infinity : guide_weight * low_focal * high_focal;
+  return priorities_only ? search::infinity : low_level_weight * low_focal * high_focal;
 }
 
 namespace {
@@ -255,12 +255,12 @@ class ConflictSearch {
       if (link->constraint.agent() == agent) mine.push_back(link->constraint);
     std::vector<OtherPath> avoid, others;
     for (std::size_t i = 0; i < world_.size(); ++i) {
-      if (i == agent || !node.paths[i] || !world_.may_meet(agent, i)) continue;
+      if (i == agent || !node.paths[i] || !world_.may_conflict(agent, i)) continue;
       const bool ahead = std::binary_search(before.begin(), before.end(), i);
       (ahead ? avoid : others).push_back({i, node.paths[i].get()});
     }
     TimedSearchOptions options{
-        .bound = low_bound(), .guide_weight = options_.guide_weight, .focal = options_.low_focal};
+        .bound = low_bound(), .low_level_weight = options_.low_level_weight, .focal = options_.low_focal};
     options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, effort());
     if (!before.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
     TimedSearchResult found =
@@ -279,11 +279,11 @@ class ConflictSearch {
   }
 
   /// A way costs at most this times the lower bound that its search found.
-  double low_bound() const { return options_.guide_weight * options_.low_focal; }
+  double low_bound() const { return options_.low_level_weight * options_.low_focal; }
 
   void find_conflicts(TreeNode& node, std::size_t agent) {
     for (std::size_t i = 0; i < world_.size(); ++i) {
-      if (i == agent || !node.paths[i] || !world_.may_meet(agent, i)) continue;
+      if (i == agent || !node.paths[i] || !world_.may_conflict(agent, i)) continue;
       const Pair pair = std::minmax(agent, i);
       const PathConflicts found = conflicts_of(world_, {pair.first, node.paths[pair.first].get()},
                                                {pair.second, node.paths[pair.second].get()});
@@ -325,7 +325,7 @@ class ConflictSearch {
 }  // namespace
 
 ConflictSearchResult conflict_search(World& world, const ConflictSearchOptions& options, const Deadline& deadline) {
-  search::require_weight(options.guide_weight, "conflict_search: guide_weight");
+  search::require_weight(options.low_level_weight, "conflict_search: low_level_weight");
   search::require_weight(options.low_focal, "conflict_search: low_focal");
   search::require_weight(options.high_focal, "conflict_search: high_focal");
   return ConflictSearch(world, options, deadline).run();

@@ -13,10 +13,10 @@ namespace srmp::multi {
 /// One algorithm, whose settings make it CBS (all as they are: optimal), ECBS (low_focal, high_focal), xECBS (all of
 /// it).
 struct ConflictSearchOptions {
-  double guide_weight{1.0};  ///< of every agent's guide, >= 1
-  double low_focal{1.0};     ///< of the agents' searches, >= 1
-  double high_focal{1.0};    ///< of the constraint tree, >= 1
-  bool experience{false};    ///< an agent's search begins with what still holds of its last way
+  double low_level_weight{1.0};  ///< of every agent's guide, >= 1
+  double low_focal{1.0};         ///< of the agents' searches, >= 1
+  double high_focal{1.0};        ///< of the constraint tree, >= 1
+  bool experience{false};        ///< an agent's search begins with what still holds of its last way
   /// Beside the two children that lose no solution, each conflict has two in which one agent gives way to all of the
   /// other's path (constraints of any kind beside complete ones: Shaoul, Veerapaneni, Likhachev, Li 2024; priorities:
   /// Ma, Harabor, Stuckey, Li, Koenig 2019). They find paths sooner and have no say in the bound.

@@ -22,7 +22,7 @@ struct Node {
   Move move;      // that led here; of the start: a wait of no length
   double g{};     // cost to come; a lower bound until evaluated
   double f{};     // g + heuristic
-  double lead{};  // g + guide_weight * guide
+  double lead{};  // g + low_level_weight * guide
   int met{};      // other agents met on the way; a lower bound until evaluated
   NodeId parent{no_node};
   bool evaluated{};
@@ -120,7 +120,7 @@ class TimedSearch {
     const StateId state = node.move.to;
     node.f = node.g + (node.final ? 0.0 : estimate(agent_.heuristic(state), "heuristic", state));
     if (node.f == search::infinity) return no_node;
-    node.lead = node.g + options_.guide_weight * (node.final ? 0.0 : estimate(agent_.guide(state), "guide", state));
+    node.lead = node.g + options_.low_level_weight * (node.final ? 0.0 : estimate(agent_.guide(state), "guide", state));
     nodes_.push_back(node);
     const auto id = static_cast<NodeId>(nodes_.size() - 1);
     enter(id);
@@ -327,7 +327,7 @@ TimedSearchResult timed_search(World& world, std::size_t agent, std::span<const 
                                std::span<const OtherPath> avoid, std::span<const OtherPath> others,
                                const TimedPath* experience, const TimedSearchOptions& options,
                                const Deadline& deadline) {
-  search::require_weight(options.guide_weight, "timed_search: guide_weight");
+  search::require_weight(options.low_level_weight, "timed_search: low_level_weight");
   search::require_weight(options.focal, "timed_search: focal");
   if (!(options.bound >= 1.0)) search::require_weight(options.bound, "timed_search: bound");
   return TimedSearch(world, agent, constraints, avoid, others, options).run(experience, deadline);

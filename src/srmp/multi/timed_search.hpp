@@ -16,9 +16,10 @@ struct OtherPath {
 };
 
 struct TimedSearchOptions {
-  double bound{1.0};         ///< cost <= bound * optimal cost under the constraints, >= 1; infinity: no matter
-  double guide_weight{1.0};  ///< of Agent::guide, >= 1: states are taken up by cost-to-come + guide_weight * guide
-  double focal{1.0};         ///< >= 1: among states within this factor of the best, the one that meets fewest others
+  double bound{1.0};  ///< cost <= bound * optimal cost under the constraints, >= 1; infinity: no matter
+  double low_level_weight{
+      1.0};           ///< of Agent::guide, >= 1: states are taken up by cost-to-come + low_level_weight * guide
+  double focal{1.0};  ///< >= 1: among states within this factor of the best, the one that meets fewest others
   std::uint64_t max_evaluations{std::numeric_limits<std::uint64_t>::max()};  ///< moves looked at
 };
 

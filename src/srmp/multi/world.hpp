@@ -78,7 +78,7 @@ class World {
   virtual std::size_t size() const = 0;
   virtual Agent& agent(std::size_t i) = 0;
   /// False: these two never meet, whatever they do.
-  virtual bool may_meet(std::size_t a, std::size_t b) const = 0;
+  virtual bool may_conflict(std::size_t a, std::size_t b) const = 0;
   /// Do the two meet at any time at which both moves last? Moves of two agents that may meet.
   virtual bool meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) = 0;
   /// Does the constraint forbid its agent's `move`? At least the conflict's own move must be forbidden, and in any

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "srmp/core/error.hpp"
-#include "srmp/robot/low_discrepancy.hpp"
+#include "srmp/core/low_discrepancy.hpp"
 
 namespace srmp {
 
@@ -18,7 +18,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kLargestStep = 0.5;  // [rad or m] a step may change a joint by this much: the Jacobian is local
-constexpr double kLeastDamping = 1e-9;
+constexpr double kMinDamping = 1e-9;
 constexpr int kPatience = 20;    // steps without progress before a seed is given up
 constexpr int kPolishSteps = 3;  // after the tolerance is met: convergence is quadratic there, the digits are cheap
 
@@ -43,9 +43,9 @@ class Solver {
         reference_(reference),
         moves_link_(robot.dof(), false),
         whole_turns_(robot.dof(), true) {
-    for (std::size_t k = 0; k < robot.drives().size(); ++k) {
-      const Drive& drive = robot.drives()[k];
-      if (robot.link_movers(link) >> k & 1) moves_link_[drive.joint] = true;
+    for (std::size_t k = 0; k < robot.actuated_joints().size(); ++k) {
+      const ActuatedJoint& drive = robot.actuated_joints()[k];
+      if (robot.link_support(link) >> k & 1) moves_link_[drive.joint] = true;
       if (drive.prismatic || drive.ratio != std::round(drive.ratio)) whole_turns_[drive.joint] = false;
     }
     project(reference_);
@@ -152,7 +152,7 @@ class Solver {
   /// step = J^T (J J^T + damping)^-1 error, the damping falling with the error (Sugihara 2011).
   void damped_step() {
     Matrix6d normal = jacobian_ * jacobian_.transpose();
-    normal.diagonal().array() += 0.05 * error_.squaredNorm() + kLeastDamping;
+    normal.diagonal().array() += 0.05 * error_.squaredNorm() + kMinDamping;
     step_.noalias() = jacobian_.transpose() * normal.ldlt().solve(error_);
   }
 

@@ -37,7 +37,7 @@ struct KinematicTree::Model {
   Eigen::VectorXd neutral;
   std::mutex mutex;
   std::vector<std::unique_ptr<Data>> idle;  // data that may be used again
-  static constexpr std::size_t most_idle = 256;
+  static constexpr std::size_t max_idle = 256;
 };
 
 KinematicTree::Data::Data(std::shared_ptr<Model> of) : model(std::move(of)), pinocchio(model->pinocchio) {}
@@ -46,7 +46,7 @@ void KinematicTree::DataDeleter::operator()(Data* data) const {
   std::unique_ptr<Data> idle(data);
   const std::shared_ptr<Model> model = std::move(data->model);
   const std::lock_guard lock(model->mutex);
-  if (model->idle.size() < Model::most_idle) model->idle.push_back(std::move(idle));
+  if (model->idle.size() < Model::max_idle) model->idle.push_back(std::move(idle));
 }
 
 KinematicTree::KinematicTree(const Urdf& urdf) {
@@ -59,7 +59,7 @@ KinematicTree::KinematicTree(const Urdf& urdf) {
   const pinocchio::Model& m = model->pinocchio;
   for (const UrdfLink& link : urdf.links) {
     const auto& frame = m.frames[m.getFrameId(link.name, pinocchio::BODY)];
-    mounts_.push_back({frame.parentJoint, isometry(frame.placement)});
+    placements_.push_back({frame.parentJoint, isometry(frame.placement)});
   }
   for (const UrdfJoint& joint : urdf.joints) {
     if (!joint.scalar()) {

@@ -16,7 +16,7 @@ class KinematicTree {
   ~KinematicTree();
 
   /// Where a link hangs: rigidly on a moving joint (0: on the base).
-  struct Mount {
+  struct FixedPlacement {
     std::size_t joint{};
     Eigen::Isometry3d placement{Eigen::Isometry3d::Identity()};
   };
@@ -27,7 +27,7 @@ class KinematicTree {
     bool unit_circle{};  ///< continuous: cos and sin are stored
   };
 
-  const Mount& mount(std::size_t urdf_link) const { return mounts_[urdf_link]; }
+  const FixedPlacement& mount(std::size_t urdf_link) const { return placements_[urdf_link]; }
   const Slot& slot(std::size_t urdf_joint) const { return slots_[urdf_joint]; }  ///< scalar joints only
   std::size_t joint_count() const;                                               ///< with the base as joint 0
   std::size_t parent(std::size_t joint) const;
@@ -47,7 +47,7 @@ class KinematicTree {
  private:
   struct Model;
   std::shared_ptr<Model> model_;  // its data may outlive this
-  std::vector<Mount> mounts_;
+  std::vector<FixedPlacement> placements_;
   std::vector<Slot> slots_;
 };
 

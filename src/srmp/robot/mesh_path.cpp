@@ -13,57 +13,59 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> environment_folders(const char* variable, const char* below) {
-  std::vector<fs::path> folders;
+std::vector<fs::path> environment_directories(const char* variable, const char* below) {
+  std::vector<fs::path> directories;
   const char* value = std::getenv(variable);
   std::istringstream entries(value ? value : "");
   for (std::string entry; std::getline(entries, entry, ':');)
-    if (!entry.empty()) folders.push_back(*below ? fs::path(entry) / below : fs::path(entry));
-  return folders;
+    if (!entry.empty()) directories.push_back(*below ? fs::path(entry) / below : fs::path(entry));
+  return directories;
 }
 
-std::vector<fs::path> package_folders(const std::string& urdf_folder, const std::vector<std::string>& package_dirs) {
-  std::vector<fs::path> folders;
-  if (!urdf_folder.empty())
-    for (fs::path folder = fs::absolute(urdf_folder).lexically_normal();; folder = folder.parent_path()) {
-      if (folder.has_filename() || folder == folder.root_path()) folders.push_back(folder);
-      if (folder == folder.parent_path()) break;
+std::vector<fs::path> package_directories(const std::string& urdf_directory,
+                                          const std::vector<std::string>& package_dirs) {
+  std::vector<fs::path> directories;
+  if (!urdf_directory.empty())
+    for (fs::path directory = fs::absolute(urdf_directory).lexically_normal();; directory = directory.parent_path()) {
+      if (directory.has_filename() || directory == directory.root_path()) directories.push_back(directory);
+      if (directory == directory.parent_path()) break;
     }
-  folders.insert(folders.end(), package_dirs.begin(), package_dirs.end());
-  for (const auto& folder : environment_folders("ROS_PACKAGE_PATH", "")) folders.push_back(folder);
-  for (const auto& folder : environment_folders("AMENT_PREFIX_PATH", "share")) folders.push_back(folder);
-  return folders;
+  directories.insert(directories.end(), package_dirs.begin(), package_dirs.end());
+  for (const auto& directory : environment_directories("ROS_PACKAGE_PATH", "")) directories.push_back(directory);
+  for (const auto& directory : environment_directories("AMENT_PREFIX_PATH", "share")) directories.push_back(directory);
+  return directories;
 }
 
-std::vector<fs::path> candidates(const std::string& filename, const std::string& urdf_folder,
+std::vector<fs::path> candidates(const std::string& filename, const std::string& urdf_directory,
                                  const std::vector<std::string>& package_dirs) {
   std::vector<fs::path> places;
   if (filename.starts_with("package://")) {
     const std::string rest = filename.substr(10);
     const std::size_t slash = std::min(rest.find('/'), rest.size());
     const std::string package = rest.substr(0, slash), inner = rest.substr(std::min(slash + 1, rest.size()));
-    for (const fs::path& folder : package_folders(urdf_folder, package_dirs)) {
-      places.push_back(folder / rest);
-      const fs::path named = fs::absolute(folder).lexically_normal();
-      if ((named.has_filename() ? named : named.parent_path()).filename() == package) places.push_back(folder / inner);
+    for (const fs::path& directory : package_directories(urdf_directory, package_dirs)) {
+      places.push_back(directory / rest);
+      const fs::path named = fs::absolute(directory).lexically_normal();
+      if ((named.has_filename() ? named : named.parent_path()).filename() == package)
+        places.push_back(directory / inner);
     }
   } else if (filename.starts_with("file://")) {
     places.push_back(filename.substr(7));
   } else if (fs::path(filename).is_absolute()) {
     places.push_back(filename);
   } else {
-    if (!urdf_folder.empty()) places.push_back(fs::path(urdf_folder) / filename);
-    for (const std::string& folder : package_dirs) places.push_back(fs::path(folder) / filename);
+    if (!urdf_directory.empty()) places.push_back(fs::path(urdf_directory) / filename);
+    for (const std::string& directory : package_dirs) places.push_back(fs::path(directory) / filename);
   }
   return places;
 }
 
 }  // namespace
 
-std::string find_mesh(const std::string& filename, const std::string& urdf_folder,
+std::string find_mesh(const std::string& filename, const std::string& urdf_directory,
                       const std::vector<std::string>& package_dirs, const std::string& where) {
   std::vector<std::string> tried;
-  for (const fs::path& place : candidates(filename, urdf_folder, package_dirs)) {
+  for (const fs::path& place : candidates(filename, urdf_directory, package_dirs)) {
     const std::string path = fs::absolute(place).lexically_normal().string();
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) return path;
@@ -71,7 +73,7 @@ std::string find_mesh(const std::string& filename, const std::string& urdf_folde
   }
   throw FileError(
       where + "mesh '" + filename + "' was not found; tried " +
-      (tried.empty() ? "nothing, for there is no folder to search: give package_dirs" : quoted_list(tried)));
+      (tried.empty() ? "nothing, for there is no directory to search: give package_dirs" : quoted_list(tried)));
 }
 
 }  // namespace srmp

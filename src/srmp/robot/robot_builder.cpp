@@ -197,7 +197,7 @@ void collect_group_states(Impl& impl, const Srdf& srdf) {
     }
 }
 
-/// Reads the files. Paths in it are absolute: the working folder may be another one by the time it is used.
+/// Reads the files. Paths in it are absolute: the working directory may be another one by the time it is used.
 RobotDescription without_files(RobotDescription description) {
   RobotDescription& d = description;
   if (d.urdf_path.empty() == d.urdf_text.empty())
@@ -205,17 +205,17 @@ RobotDescription without_files(RobotDescription description) {
                                               : "give either urdf_path or urdf_text, not both");
   if (!d.srdf_path.empty() && !d.srdf_text.empty())
     throw InvalidArgument("give either srdf_path or srdf_text, not both");
-  if (!d.urdf_path.empty() && !d.urdf_folder.empty())
-    throw InvalidArgument("urdf_folder is for a URDF given as text; that of urdf_path is where the file lies");
+  if (!d.urdf_path.empty() && !d.urdf_directory.empty())
+    throw InvalidArgument("urdf_directory is for a URDF given as text; that of urdf_path is where the file lies");
   if (!d.urdf_path.empty()) {
     d.urdf_text = xml::read_text(d.urdf_path, "URDF");
-    d.urdf_folder = std::filesystem::absolute(d.urdf_path).parent_path().string();
+    d.urdf_directory = std::filesystem::absolute(d.urdf_path).parent_path().string();
   }
   if (!d.srdf_path.empty()) d.srdf_text = xml::read_text(d.srdf_path, "SRDF");
   d.urdf_path.clear();
   d.srdf_path.clear();
-  if (!d.urdf_folder.empty()) d.urdf_folder = std::filesystem::absolute(d.urdf_folder).string();
-  for (std::string& folder : d.package_dirs) folder = std::filesystem::absolute(folder).string();
+  if (!d.urdf_directory.empty()) d.urdf_directory = std::filesystem::absolute(d.urdf_directory).string();
+  for (std::string& directory : d.package_dirs) directory = std::filesystem::absolute(directory).string();
   return description;
 }
 
@@ -241,7 +241,7 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
   build_drives(m);
-  if (m.joint_movers[m.tree->mount(m.end_effector_index).joint] == 0)
+  if (m.joint_support[m.tree->mount(m.end_effector_index).joint] == 0)
     throw InvalidArgument("none of the planned joints of robot '" + m.name + "' moves its end effector '" +
                           m.end_effector + "'");
   build_geometries(m);
@@ -279,7 +279,7 @@ void RobotModelBuilder::build_drives(Impl& m) {
     return static_cast<std::size_t>(
         std::find_if(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == name; }) - joints.begin());
   };
-  m.joint_movers.assign(m.tree->joint_count(), 0);
+  m.joint_support.assign(m.tree->joint_count(), 0);
   std::vector<std::uint64_t> own(m.tree->joint_count(), 0);
   for (const std::size_t index : m.urdf.joint_order) {
     const UrdfJoint& joint = m.urdf.joints[index];
@@ -289,10 +289,10 @@ void RobotModelBuilder::build_drives(Impl& m) {
     const std::size_t planned = find(m.joints, source);
     Follower follower{m.tree->slot(index), planned, mimic.multiplier, mimic.offset, joint.axis};
     if (planned < m.joints.size()) {
-      if (m.drives.size() == kMaxDrives)
+      if (m.actuated_joints.size() == kMaxDrives)
         throw InvalidArgument("robot '" + m.name + "' has more than " + std::to_string(kMaxDrives) + " driven joints");
-      own[follower.slot.joint] = std::uint64_t{1} << m.drives.size();
-      m.drives.push_back({planned, mimic.multiplier, joint.type == UrdfJointType::prismatic});
+      own[follower.slot.joint] = std::uint64_t{1} << m.actuated_joints.size();
+      m.actuated_joints.push_back({planned, mimic.multiplier, joint.type == UrdfJointType::prismatic});
       m.planned_followers.push_back(follower);
     } else {
       follower.source = find(m.other_joints, source);
@@ -300,7 +300,7 @@ void RobotModelBuilder::build_drives(Impl& m) {
     }
   }
   for (std::size_t j = 1; j < own.size(); ++j)  // Pinocchio numbers parents before children
-    m.joint_movers[j] = m.joint_movers[m.tree->parent(j)] | own[j];
+    m.joint_support[j] = m.joint_support[m.tree->parent(j)] | own[j];
 }
 
 }  // namespace srmp

@@ -81,7 +81,7 @@ class Jobs {
   std::atomic<bool> stop_{false};
 };
 
-/// Grows coarse balls, always where a millimetre more spares the most of them, until all together are few enough.
+/// Grows coarse spheres, always where a millimetre more spares the most of them, until all together are few enough.
 void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, const std::vector<std::size_t>& times,
                     std::size_t budget) {
   if (budget == 0) return;
@@ -150,13 +150,13 @@ auto largest(const RobotCover& cover, Value&& value) {
 
 }  // namespace
 
-std::size_t RobotCover::coarse_balls() const {
+std::size_t RobotCover::coarse_spheres() const {
   std::size_t sum = 0;
   for (const Part& part : parts) sum += part.cover->coarse.size();
   return sum;
 }
 
-std::size_t RobotCover::fine_balls() const {
+std::size_t RobotCover::fine_spheres() const {
   std::size_t sum = 0;
   for (const Part& part : parts) sum += part.cover->exact ? part.cover->coarse.size() : part.cover->fine.size();
   return sum;
@@ -196,8 +196,8 @@ void ensure_covered(const RobotModel& model, CoverStore& store) {
 
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options, const CoverProgress& progress) {
-  const std::string folder = std::filesystem::absolute(urdf_path).parent_path().string();
-  const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), folder, package_dirs);
+  const std::string directory = std::filesystem::absolute(urdf_path).parent_path().string();
+  const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), directory, package_dirs);
   std::vector<Shape> shapes;
   for (const PlacedGeometry& g : geometries) shapes.push_back(g.geometry.envelope);
   RobotCover cover = cover_shapes(shapes, store, options, progress);

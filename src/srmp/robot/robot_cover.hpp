@@ -3,20 +3,20 @@
 #include <Eigen/Geometry>
 #include <functional>
 
-#include "srmp/robot/cover_store.hpp"
+#include "srmp/cover/cover_store.hpp"
 #include "srmp/robot/robot_model.hpp"
 
 namespace srmp {
 
 struct RobotCoverOptions {
   CoverLevels levels;
-  /// Coarse balls of the whole robot. Where levels.coarse needs more, the coarse balls of the geometries with the most
-  /// of them grow until so many are enough. 0: no limit.
+  /// Coarse spheres of the whole robot. Where levels.coarse needs more, the coarse spheres of the geometries with the
+  /// most of them grow until so many are enough. 0: no limit.
   std::size_t max_coarse{160};
   std::size_t threads{0};  ///< that build; 0: as many as there are cores. The cover is the same
 };
 
-/// All collision geometries of a robot under balls.
+/// All collision geometries of a robot under spheres.
 struct RobotCover {
   struct Part {
     std::string link;
@@ -28,10 +28,10 @@ struct RobotCover {
   CoverStore::Origin origin{};
   double seconds{};  ///< it took to build or load
 
-  std::size_t coarse_balls() const;
-  std::size_t fine_balls() const;   ///< exact covers count with their coarse ball
-  double coarse_inflation() const;  ///< [m] largest
-  double fine_inflation() const;    ///< [m] largest
+  std::size_t coarse_spheres() const;
+  std::size_t fine_spheres() const;  ///< exact covers count with their coarse sphere
+  double coarse_inflation() const;   ///< [m] largest
+  double fine_inflation() const;     ///< [m] largest
 };
 
 /// Told before each step what is done, of how much; what it throws ends the work.

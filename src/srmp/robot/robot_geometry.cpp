@@ -7,7 +7,7 @@
 #include <map>
 
 #include "srmp/core/error.hpp"
-#include "srmp/robot/mesh_file.hpp"
+#include "srmp/geometry/mesh_file.hpp"
 #include "srmp/robot/mesh_path.hpp"
 #include "srmp/robot/robot_impl.hpp"
 
@@ -54,12 +54,12 @@ void build_primitive(const UrdfGeometry& g, LinkGeometry& geometry) {
 /// Reads each mesh file once, however many links use it.
 class MeshLoader {
  public:
-  MeshLoader(const Urdf& urdf, const std::string& urdf_folder, const std::vector<std::string>& package_dirs)
-      : label_(urdf.label), folder_(urdf_folder), package_dirs_(package_dirs) {}
+  MeshLoader(const Urdf& urdf, const std::string& urdf_directory, const std::vector<std::string>& package_dirs)
+      : label_(urdf.label), directory_(urdf_directory), package_dirs_(package_dirs) {}
 
   void load(const UrdfGeometry& g, LinkGeometry& geometry) {
     const std::string where = label_ + ":" + std::to_string(g.line) + ": ";
-    const std::string path = find_mesh(g.filename, folder_, package_dirs_, where);
+    const std::string path = find_mesh(g.filename, directory_, package_dirs_, where);
     const auto [it, is_new] = known_.try_emplace({path, {g.scale.x(), g.scale.y(), g.scale.z()}});
     if (is_new) it->second = read(path, g.scale, where);
     geometry.shape = it->second.shape;
@@ -84,16 +84,16 @@ class MeshLoader {
   }
 
   const std::string& label_;
-  const std::string& folder_;
+  const std::string& directory_;
   const std::vector<std::string>& package_dirs_;
   std::map<std::pair<std::string, std::array<double, 3>>, LinkGeometry> known_;
 };
 
 }  // namespace
 
-std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_folder,
+std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_directory,
                                             const std::vector<std::string>& package_dirs) {
-  MeshLoader meshes(urdf, urdf_folder, package_dirs);
+  MeshLoader meshes(urdf, urdf_directory, package_dirs);
   std::vector<PlacedGeometry> geometries;
   for (std::size_t i = 0; i < urdf.links.size(); ++i) {
     const UrdfLink& link = urdf.links[i];
@@ -114,10 +114,11 @@ std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string&
 }
 
 void RobotModelBuilder::build_geometries(Impl& m) {
-  for (PlacedGeometry& placed : load_geometries(m.urdf, m.self_contained.urdf_folder, m.self_contained.package_dirs)) {
-    const KinematicTree::Mount& mount = m.tree->mount(placed.geometry.link_index);
-    placed.geometry.movers = m.joint_movers[mount.joint];
-    m.geometry_mounts.push_back({mount.joint, mount.placement * placed.in_link});
+  for (PlacedGeometry& placed :
+       load_geometries(m.urdf, m.self_contained.urdf_directory, m.self_contained.package_dirs)) {
+    const KinematicTree::FixedPlacement& mount = m.tree->mount(placed.geometry.link_index);
+    placed.geometry.support = m.joint_support[mount.joint];
+    m.geometry_placements.push_back({mount.joint, mount.placement * placed.in_link});
     m.geometries.push_back(std::move(placed.geometry));
   }
 }

@@ -14,9 +14,9 @@ struct PlacedGeometry {
   Eigen::Isometry3d in_link;
 };
 
-/// In the order of the file. `urdf_folder`: where meshes are searched first; "" = nowhere. Throws FileError that says
-/// the line.
-std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_folder,
+/// In the order of the file. `urdf_directory`: where meshes are searched first; "" = nowhere. Throws FileError that
+/// says the line.
+std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string& urdf_directory,
                                             const std::vector<std::string>& package_dirs);
 
 }  // namespace srmp

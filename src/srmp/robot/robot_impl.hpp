@@ -35,13 +35,13 @@ struct RobotModel::Impl {
   std::string end_effector;
   std::size_t end_effector_index{};
 
-  std::vector<Drive> drives;
+  std::vector<ActuatedJoint> actuated_joints;
   std::vector<Follower> planned_followers;  // as drives
   std::vector<Follower> other_followers;
-  std::vector<std::uint64_t> joint_movers;  // by joint of the tree
+  std::vector<std::uint64_t> joint_support;  // by joint of the tree
 
   std::vector<LinkGeometry> geometries;
-  std::vector<KinematicTree::Mount> geometry_mounts;
+  std::vector<KinematicTree::FixedPlacement> geometry_placements;
   std::vector<char> allowed;  // link x link
   std::vector<std::pair<std::size_t, std::size_t>> self_pairs;
   std::vector<std::pair<std::string, std::string>> always_colliding;

@@ -29,7 +29,7 @@ const std::map<std::string, Eigen::VectorXd>& RobotModel::group_states() const {
 const std::vector<std::string>& RobotModel::link_names() const { return impl_->link_names; }
 const std::string& RobotModel::end_effector() const { return impl_->end_effector; }
 const std::vector<LinkGeometry>& RobotModel::geometries() const { return impl_->geometries; }
-const std::vector<Drive>& RobotModel::drives() const { return impl_->drives; }
+const std::vector<ActuatedJoint>& RobotModel::actuated_joints() const { return impl_->actuated_joints; }
 const std::vector<std::pair<std::size_t, std::size_t>>& RobotModel::self_pairs() const { return impl_->self_pairs; }
 const std::vector<std::pair<std::string, std::string>>& RobotModel::always_colliding() const {
   return impl_->always_colliding;
@@ -43,8 +43,8 @@ std::size_t RobotModel::link_index(const std::string& link) const {
   return static_cast<std::size_t>(it - names.begin());
 }
 
-std::uint64_t RobotModel::link_movers(std::size_t link_index) const {
-  return impl_->joint_movers[impl_->tree->mount(link_index).joint];
+std::uint64_t RobotModel::link_support(std::size_t link_index) const {
+  return impl_->joint_support[impl_->tree->mount(link_index).joint];
 }
 
 bool RobotModel::allowed(const std::string& link_a, const std::string& link_b) const {
@@ -77,8 +77,8 @@ void RobotModel::forward(RobotData& data, ConstVector q) const {
     KinematicTree::set(*data.tree, f.slot, f.ratio * q[static_cast<Eigen::Index>(f.source)] + f.offset);
   impl_->tree->forward(*data.tree, data.joint_poses);
   for (std::size_t i = 0; i < impl_->geometries.size(); ++i) {
-    if (impl_->geometries[i].movers == 0 && !data.fixed_are_stale) continue;
-    const KinematicTree::Mount& mount = impl_->geometry_mounts[i];
+    if (impl_->geometries[i].support == 0 && !data.fixed_are_stale) continue;
+    const KinematicTree::FixedPlacement& mount = impl_->geometry_placements[i];
     data.geometry_poses[i] = data.joint_poses[mount.joint] * mount.placement;
   }
   data.fixed_are_stale = false;
@@ -89,11 +89,12 @@ const Eigen::Isometry3d& RobotModel::geometry_pose(const RobotData& data, std::s
 }
 
 Eigen::Isometry3d RobotModel::link_pose(const RobotData& data, std::size_t link_index) const {
-  const KinematicTree::Mount& mount = impl_->tree->mount(link_index);
+  const KinematicTree::FixedPlacement& mount = impl_->tree->mount(link_index);
   return data.joint_poses[mount.joint] * mount.placement;
 }
 
-std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotModel::drive_axis(const RobotData& data, std::size_t k) const {
+std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotModel::actuated_joint_axis(const RobotData& data,
+                                                                            std::size_t k) const {
   const Follower& f = impl_->planned_followers[k];
   const Eigen::Isometry3d& pose = data.joint_poses[f.slot.joint];
   return {pose.translation(), pose.linear() * f.axis};
@@ -101,12 +102,12 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotModel::drive_axis(const RobotDa
 
 void RobotModel::jacobian(const RobotData& data, std::size_t link_index, Eigen::Ref<Eigen::MatrixXd> result) const {
   const Eigen::Vector3d origin = link_pose(data, link_index).translation();
-  const std::uint64_t movers = link_movers(link_index);
+  const std::uint64_t support = link_support(link_index);
   result.setZero();
-  for (std::size_t k = 0; k < drives().size(); ++k) {
-    if (!(movers >> k & 1)) continue;
-    const auto [point, axis] = drive_axis(data, k);
-    const Drive& drive = drives()[k];
+  for (std::size_t k = 0; k < actuated_joints().size(); ++k) {
+    if (!(support >> k & 1)) continue;
+    const auto [point, axis] = actuated_joint_axis(data, k);
+    const ActuatedJoint& drive = actuated_joints()[k];
     auto column = result.col(static_cast<Eigen::Index>(drive.joint));
     if (drive.prismatic) {
       column.head<3>() += drive.ratio * axis;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "srmp/robot/low_discrepancy.hpp"
+#include "srmp/core/low_discrepancy.hpp"
 #include "srmp/robot/robot_impl.hpp"
 
 namespace srmp {
@@ -14,7 +14,7 @@ namespace {
 using Impl = RobotModelBuilder::Impl;
 
 constexpr std::size_t kSamples = 2000;
-constexpr std::size_t kMostMisses = kSamples / 20;  // "always" leaves room for 5 % of the samples
+constexpr std::size_t kMaxMisses = kSamples / 20;  // "always" leaves room for 5 % of the samples
 
 /// Joined by one moving joint, with nothing but geometry-less links and fixed joints in between?
 bool adjacent(const Impl& m, std::size_t a, std::size_t b) {
@@ -135,7 +135,7 @@ void RobotModelBuilder::allow_always_colliding(RobotModel& model) {
       other[i] = sample_in(model.other_joints()[static_cast<std::size_t>(i)], unit[dof + i]);
     model.set_other_positions(*data, other);
     model.forward(*data, q);
-    std::erase_if(candidates, [&](Candidate& c) { return !collide(model, *data, c) && ++c.misses > kMostMisses; });
+    std::erase_if(candidates, [&](Candidate& c) { return !collide(model, *data, c) && ++c.misses > kMaxMisses; });
   }
   Impl& m = impl(model);
   for (const Candidate& c : candidates) {

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/geometry/distance_field.hpp"
+#include "srmp/scene/shape_geometry.hpp"
 
 namespace srmp {
 
@@ -120,7 +122,7 @@ void Scene::add_robot(std::shared_ptr<const RobotModel> model, const Pose& base)
                          {}};
   for (const LinkGeometry& geometry : model->geometries()) {
     instance.parts.push_back(parts_of(geometry.shape));
-    const bool moves = geometry.movers != 0;
+    const bool moves = geometry.support != 0;
     instance.fields.push_back(moves ? nullptr
                                     : make_distance_field(*geometry.shape, instance.parts.back().pieces.get()));
   }

@@ -7,15 +7,15 @@
 #include <optional>
 #include <vector>
 
-#include "srmp/search/guided_search.hpp"
+#include "srmp/search/alternating_search.hpp"
 
 /// Several guided searches of one question, each in a graph of its own, a few expansions at a time in turns: as quick
 /// as a few times the quickest of them, whichever that is.
 ///
 /// Paper: Huberman, Lukose, Hogg 1997, "An Economics Approach to Hard Computational Problems" (portfolios); the
-/// searches are GuidedSearch's. Guarantee: cost <= bound * optimal cost in the graph of the search that finished first,
-/// bound <= weight unless the deadline came first. `exhausted` means that no graph holds a path. Turns are counted in
-/// expansions, so the answer does not depend on time.
+/// searches are AlternatingSearch's. Guarantee: cost <= bound * optimal cost in the graph of the search that finished
+/// first, bound <= weight unless the deadline came first. `exhausted` means that no graph holds a path. Turns are
+/// counted in expansions, so the answer does not depend on time.
 namespace srmp::search {
 
 struct PortfolioOptions {
@@ -32,7 +32,7 @@ struct PortfolioMember {
   G* graph;
   std::vector<StateId> starts;
   H* heuristic;
-  Guides guides;
+  InadmissibleHeuristics inadmissible_heuristics;
 };
 
 struct PortfolioResult {
@@ -42,13 +42,13 @@ struct PortfolioResult {
 };
 
 /// `make(i)` is called when member i of `count` has its first turn; graph and heuristic must outlive the call. Throws
-/// InvalidArgument for no members and as GuidedSearch does.
+/// InvalidArgument for no members and as AlternatingSearch does.
 template <Graph G, Heuristic H, class Make>
 PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions& options, const Deadline& deadline) {
   require_weight(options.weight, "weight");
   if (count == 0) throw InvalidArgument("a portfolio needs at least one search");
   if (options.turn == 0) throw InvalidArgument("a portfolio's turn must be at least one expansion");
-  using Search = GuidedSearch<G, H>;
+  using Search = AlternatingSearch<G, H>;
   std::vector<std::unique_ptr<Search>> searches(count);
   const auto finish = [&](std::size_t winner, std::optional<Status> stop) {
     for (std::size_t i = 0; i < count; ++i)  // stopped before the proof: the cheapest path
@@ -77,7 +77,8 @@ PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions
     for (std::size_t i = 0; i < count; ++i) {
       if (!searches[i]) {
         PortfolioMember<G, H> member = make(i);
-        searches[i] = std::make_unique<Search>(*member.graph, *member.heuristic, member.guides, options.weight);
+        searches[i] =
+            std::make_unique<Search>(*member.graph, *member.heuristic, member.inadmissible_heuristics, options.weight);
         searches[i]->add_starts(member.starts);
       }
       if (searches[i]->finished()) continue;

@@ -60,9 +60,9 @@ class BatchedSearch {
  private:
   /// Walks down OPEN: edges to evaluate go into the batch, independent confirmed states are expanded, all others wait.
   std::optional<Status> collect(const Deadline& deadline) {
-    const std::size_t most_waiting = 4 * options_.batch_size;  // bounds the cost of a round
+    const std::size_t max_waiting = 4 * options_.batch_size;  // bounds the cost of a round
     batch_.clear();
-    while (!search_.open().empty() && batch_.size() < options_.batch_size && waiting_.size() < most_waiting) {
+    while (!search_.open().empty() && batch_.size() < options_.batch_size && waiting_.size() < max_waiting) {
       if (const auto stop = stop_status(deadline)) return stop;
       const OpenList::Entry entry = search_.open().pop();
       const bool confirmed = search_.table().confirmed(entry.state);

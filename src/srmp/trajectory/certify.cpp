@@ -315,7 +315,7 @@ class Certifier {
     const auto workspace = checker_.make_workspace();
     const CubicMotion motion{times, t_.positions.bottomRows(rows),
                              t_.velocities.bottomRows(t_.velocities.rows() > 0 ? rows : 0)};
-    const MotionProof proof = prove_motion(checker_, motion, *workspace, {options_.tightness, options_.deadline});
+    const MotionProof proof = prove_motion(checker_, motion, *workspace, {options_.gap_tolerance, options_.deadline});
     result_.clearance = result_.clearance_proved = std::numeric_limits<double>::infinity();
     add_proof(result_, proof);
     if (proof.free) return;
@@ -360,8 +360,9 @@ Certificate certify(const Trajectory& trajectory, const Checker& checker, const 
                     const CertifyOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   require_limits(limits, checker.robot().joint_names());
-  if (!(options.tightness > 0.0 && options.tightness < 1.0))
-    throw InvalidArgument("certify: tightness is " + to_text(options.tightness) + "; it must be above 0 and below 1");
+  if (!(options.gap_tolerance > 0.0 && options.gap_tolerance < 1.0))
+    throw InvalidArgument("certify: gap_tolerance is " + to_text(options.gap_tolerance) +
+                          "; it must be above 0 and below 1");
   Certificate certificate = Certifier(trajectory, checker, limits, options).run();
   certificate.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return certificate;

@@ -7,9 +7,9 @@ namespace srmp::detail {
 
 namespace {
 
-constexpr int chords = 8;            // of a parabola, that are asked for collisions
-constexpr int halvings = 6;          // a corner that is not free then is a stop
-constexpr double least_part = 1e-6;  // of the shorter segment: below this a rounded corner is a stop
+constexpr int chords = 8;          // of a parabola, that are asked for collisions
+constexpr int halvings = 6;        // a corner that is not free then is a stop
+constexpr double min_part = 1e-6;  // of the shorter segment: below this a rounded corner is a stop
 
 /// A segment between two waypoints; s runs from 0 to length.
 struct Segment {
@@ -50,7 +50,7 @@ double cut_of(const Segment& in, const Segment& out, const TimingOptions& option
   const double off = options.reach.size() ? turn.dot(options.reach) : turn.sum();
   const double most = 0.5 * std::min(in.length, out.length);
   double cut = off > 0.0 ? std::min(most, 4.0 * options.blend_deviation / off) : most;
-  for (int i = 0; i < halvings && cut > least_part * most; ++i, cut *= 0.5)
+  for (int i = 0; i < halvings && cut > min_part * most; ++i, cut *= 0.5)
     if (is_free(parabola(in, out, cut), options)) return cut;
   return 0.0;
 }
@@ -66,7 +66,7 @@ std::vector<SmoothPath> round_corners(const RowMatrix& waypoints, const MotionLi
     const Segment& segment = segments[i];
     const double after = i + 1 < segments.size() ? cut_of(segment, segments[i + 1], options) : 0.0;
     if (before == 0.0) paths.emplace_back();
-    if (const double left = segment.length - before - after; left > least_part * segment.length)
+    if (const double left = segment.length - before - after; left > min_part * segment.length)
       paths.back().push_back(
           {left, segment.from + before * segment.way, segment.way, Eigen::VectorXd::Zero(segment.way.size()), false});
     if (after > 0.0) paths.back().push_back(parabola(segment, segments[i + 1], after));

@@ -10,7 +10,7 @@ namespace srmp::detail {
 
 namespace {
 
-constexpr double least_phase = 1e-3;  // of the duration
+constexpr double min_phase = 1e-3;  // of the duration
 
 double smallest_ratio(const Eigen::VectorXd& limit, const Eigen::VectorXd& way) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -54,7 +54,7 @@ Knots time_with_ruckig(const PathPiece& piece, const MotionLimits& limits, doubl
   double end = 0.0;
   const auto add = [&](double phase) {
     end += phase;
-    if (end > ends.back() + least_phase * duration) ends.push_back(end);
+    if (end > ends.back() + min_phase * duration) ends.push_back(end);
   };
   if (phases.brake.duration > 0.0)
     for (double t : phases.brake.t) add(t);

@@ -13,7 +13,7 @@ namespace srmp::detail {
 namespace {
 
 constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight pieces
-constexpr int least_straight = 8, most_straight = 60, per_corner = 8;  // grid intervals of a piece
+constexpr int min_straight = 8, max_straight = 60, per_corner = 8;  // grid intervals of a piece
 
 constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
 
@@ -66,7 +66,7 @@ class ScaledPath : public toppra::GeometricPath {
     std::vector<double> points{0.0};
     for (std::size_t i = 0; i < path_.size(); ++i) {
       const double end = i + 1 < path_.size() ? begins_[i + 1] : 1.0;
-      const int straight = std::clamp(static_cast<int>(path_[i].length / spacing), least_straight, most_straight);
+      const int straight = std::clamp(static_cast<int>(path_[i].length / spacing), min_straight, max_straight);
       const int count = path_[i].rounded ? per_corner : straight;
       for (int k = 1; k <= count; ++k) points.push_back(k == count ? end : begins_[i] + (end - begins_[i]) * k / count);
     }

@@ -12,7 +12,7 @@
 
 #include "srmp/collision/batch/kernel.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/scene/distance_field.hpp"
+#include "srmp/geometry/distance_field.hpp"
 
 namespace srmp {
 
@@ -106,12 +106,12 @@ struct BatchChecker::Impl {
 
   std::vector<batch::KernelNode> nodes;
   std::vector<batch::KernelBody> bodies;
-  std::vector<batch::KernelBall> balls;
+  std::vector<batch::KernelSphere> spheres;
   std::vector<int> children;
   std::vector<batch::KernelObstacle> obstacles;
   std::vector<int> pair_obstacles, pair_ids;
   std::vector<batch::KernelSelfPair> self_pairs;
-  int stage_count{}, coarse_count{}, most_children{};
+  int stage_count{}, coarse_count{}, max_children{};
   std::vector<double> drive_reach;  // [m per rad, or 1] how far anything beyond the drive can be from its axis
 
   // Of each node: bounds on rotation error (operator norm), position error and distance from the base.
@@ -121,9 +121,9 @@ struct BatchChecker::Impl {
   batch::KernelModel view() const {
     return {nodes.data(),          static_cast<int>(nodes.size()),
             bodies.data(),         static_cast<int>(bodies.size()),
-            stage_count,           balls.data(),
+            stage_count,           spheres.data(),
             coarse_count,          children.data(),
-            most_children,         obstacles.data(),
+            max_children,          obstacles.data(),
             pair_obstacles.data(), static_cast<int>(pair_obstacles.size()),
             self_pairs.data(),     static_cast<int>(self_pairs.size())};
   }
@@ -157,10 +157,10 @@ void require_index(int index, std::size_t size, const Part& part, const char* wh
                           std::to_string(size));
 }
 
-void require_balls(std::span<const Ball> balls, const Part& part) {
-  for (const Ball& ball : balls)
-    require(ball.center.allFinite() && std::isfinite(ball.radius) && ball.radius >= 0, part,
-            ": a ball is not finite, or its radius is negative");
+void require_spheres(std::span<const PlacedSphere> spheres, const Part& part) {
+  for (const PlacedSphere& sphere : spheres)
+    require(sphere.center.allFinite() && std::isfinite(sphere.radius) && sphere.radius >= 0, part,
+            ": a sphere is not finite, or its radius is negative");
 }
 
 void copy_rotation(const Eigen::Matrix3d& rotation, float* out) {
@@ -168,11 +168,11 @@ void copy_rotation(const Eigen::Matrix3d& rotation, float* out) {
     for (int c = 0; c < 3; ++c) out[3 * r + c] = static_cast<float>(rotation(r, c));
 }
 
-batch::KernelBall kernel_ball(const Ball& ball, bool inner = false) {
-  return {static_cast<float>(ball.center.x()),
-          static_cast<float>(ball.center.y()),
-          static_cast<float>(ball.center.z()),
-          inner ? below(ball.radius) : above(ball.radius),
+batch::KernelSphere kernel_sphere(const PlacedSphere& sphere, bool inner = false) {
+  return {static_cast<float>(sphere.center.x()),
+          static_cast<float>(sphere.center.y()),
+          static_cast<float>(sphere.center.z()),
+          inner ? below(sphere.radius) : above(sphere.radius),
           0,
           0};
 }
@@ -216,8 +216,8 @@ double diameter(const BatchObstacle& o) {
 }  // namespace
 
 void BatchChecker::Impl::require_valid() const {
-  for (std::size_t k = 0; k < world.drives.size(); ++k) {
-    const BatchDrive& d = world.drives[k];
+  for (std::size_t k = 0; k < world.actuated_joints.size(); ++k) {
+    const BatchActuatedJoint& d = world.actuated_joints[k];
     const Part part{"drive", k};
     require(d.parent < static_cast<int>(k) && d.parent >= -1, part, " comes before its parent");
     require_index(d.joint, world.dof, part, "joint");
@@ -228,15 +228,15 @@ void BatchChecker::Impl::require_valid() const {
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const BatchBody& b = world.bodies[i];
     const Part part{"body", i};
-    if (b.drive != -1) require_index(b.drive, world.drives.size(), part, "drive");
-    require_balls({&b.bound, 1}, part);
-    require_balls(b.coarse, part);
-    require_balls(b.fine, part);
-    require_balls(b.inner, part);
-    require(!b.coarse.empty(), part, " has no balls");
+    if (b.drive != -1) require_index(b.drive, world.actuated_joints.size(), part, "drive");
+    require_spheres({&b.bound, 1}, part);
+    require_spheres(b.coarse, part);
+    require_spheres(b.fine, part);
+    require_spheres(b.inner, part);
+    require(!b.coarse.empty(), part, " has no spheres");
     require(std::isfinite(b.padding) && b.padding >= 0, part, ": its padding must be 0 or more");
     require(b.children.size() == (b.fine.empty() ? 0 : b.coarse.size()), part,
-            ": children must be given for each coarse ball when there are fine ones");
+            ": children must be given for each coarse sphere when there are fine ones");
     for (const auto& list : b.children)
       for (const std::uint32_t child : list) require_index(static_cast<int>(child), b.fine.size(), part, "child");
   }
@@ -268,8 +268,8 @@ void BatchChecker::Impl::add_nodes() {
   rotation_error.push_back(0);
   position_error.push_back(0);
   node_reach.push_back(0);
-  for (std::size_t k = 0; k < world.drives.size(); ++k) {
-    const BatchDrive& drive = world.drives[k];
+  for (std::size_t k = 0; k < world.actuated_joints.size(); ++k) {
+    const BatchActuatedJoint& drive = world.actuated_joints[k];
     batch::KernelNode node{drive.parent + 1, static_cast<int>(k), drive.prismatic, {}, {}};
     copy_rotation(drive.frame.linear(), node.rotation);
     for (int i = 0; i < 3; ++i) node.translation[i] = static_cast<float>(drive.frame.translation()[i]);
@@ -288,8 +288,8 @@ void BatchChecker::Impl::add_nodes() {
 double BatchChecker::Impl::body_slack(const BatchBody& body) const {
   const std::size_t node = static_cast<std::size_t>(body.drive + 1);
   double far = body.bound.center.norm() + body.bound.radius;
-  for (const auto* balls : {&body.coarse, &body.fine, &body.inner})
-    for (const Ball& b : *balls) far = std::max(far, b.center.norm());
+  for (const auto* spheres : {&body.coarse, &body.fine, &body.inner})
+    for (const PlacedSphere& b : *spheres) far = std::max(far, b.center.norm());
   return position_error[node] + rotation_error[node] * far + 12 * kUnit * (node_reach[node] + far);
 }
 
@@ -300,34 +300,34 @@ void BatchChecker::Impl::add_bodies() {
     for (int n = kernel.node; n >= 0; n = nodes[n].parent) ++kernel.depth;
     kernel.first_stage = stage_count;
     stage_count += kernel.depth;
-    const batch::KernelBall bound = kernel_ball(body.bound);
+    const batch::KernelSphere bound = kernel_sphere(body.bound);
     kernel.x = bound.x, kernel.y = bound.y, kernel.z = bound.z, kernel.radius = bound.radius;
     kernel.reach_radius = above(body.bound.radius + 2 * body_slack(body));
     kernel.padding = above(body.padding);
     kernel.exact = body.exact;
     kernel.capacity = body.hollow ? above(2 * body.bound.radius + 1e-3) : 0.0f;
-    kernel.first_ball = static_cast<int>(balls.size());
-    kernel.balls = static_cast<int>(body.coarse.size());
-    for (const Ball& ball : body.coarse) balls.push_back(kernel_ball(ball));
+    kernel.first_sphere = static_cast<int>(spheres.size());
+    kernel.spheres = static_cast<int>(body.coarse.size());
+    for (const PlacedSphere& sphere : body.coarse) spheres.push_back(kernel_sphere(sphere));
     bodies.push_back(kernel);
     slack = std::max(slack, body_slack(body));
     arm_reach = std::max(arm_reach, node_reach[kernel.node] + body.bound.center.norm() + body.bound.radius);
   }
-  coarse_count = static_cast<int>(balls.size());
+  coarse_count = static_cast<int>(spheres.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const BatchBody& body = world.bodies[i];
-    const int first_fine = static_cast<int>(balls.size());
-    for (const Ball& ball : body.fine) balls.push_back(kernel_ball(ball));
+    const int first_fine = static_cast<int>(spheres.size());
+    for (const PlacedSphere& sphere : body.fine) spheres.push_back(kernel_sphere(sphere));
     for (std::size_t c = 0; c < body.children.size(); ++c) {
-      batch::KernelBall& parent = balls[bodies[i].first_ball + c];
+      batch::KernelSphere& parent = spheres[bodies[i].first_sphere + c];
       parent.first_child = static_cast<int>(children.size());
       parent.children = static_cast<int>(body.children[c].size());
-      most_children = std::max(most_children, parent.children);
+      max_children = std::max(max_children, parent.children);
       for (std::uint32_t child : body.children[c]) children.push_back(first_fine + static_cast<int>(child));
     }
-    bodies[i].first_inner = static_cast<int>(balls.size());
+    bodies[i].first_inner = static_cast<int>(spheres.size());
     bodies[i].inners = static_cast<int>(body.inner.size());
-    for (const Ball& ball : body.inner) balls.push_back(kernel_ball(ball, true));
+    for (const PlacedSphere& sphere : body.inner) spheres.push_back(kernel_sphere(sphere, true));
   }
 }
 
@@ -422,12 +422,12 @@ BatchChecker::BatchChecker(const BatchWorld& world, SimdBackend backend) {
   impl->add_obstacles();
   impl->add_pairs();
   impl->add_self_pairs();
-  impl->drive_reach.assign(world.drives.size(), 0.0);
+  impl->drive_reach.assign(world.actuated_joints.size(), 0.0);
   for (const BatchBody& body : world.bodies) {
     double beyond = body.bound.center.norm() + body.bound.radius;
-    for (int k = body.drive; k >= 0; k = world.drives[k].parent) {
-      impl->drive_reach[k] = std::max(impl->drive_reach[k], world.drives[k].prismatic ? 1.0 : beyond);
-      beyond += world.drives[k].frame.translation().norm() + world.drives[k].max_travel;
+    for (int k = body.drive; k >= 0; k = world.actuated_joints[k].parent) {
+      impl->drive_reach[k] = std::max(impl->drive_reach[k], world.actuated_joints[k].prismatic ? 1.0 : beyond);
+      beyond += world.actuated_joints[k].frame.translation().norm() + world.actuated_joints[k].max_travel;
     }
   }
   impl_ = std::move(impl);
@@ -444,12 +444,12 @@ double BatchChecker::slack() const { return impl_->slack; }
 class BatchChecker::Workspace {
  public:
   explicit Workspace(const Impl& impl)
-      : values(aligned_floats(impl.world.drives.size() * kLanes + kLanes)),
-        half_widths(aligned_floats(impl.world.drives.size() * kLanes + kLanes)),
+      : values(aligned_floats(impl.world.actuated_joints.size() * kLanes + kLanes)),
+        half_widths(aligned_floats(impl.world.actuated_joints.size() * kLanes + kLanes)),
         scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
         pair_lanes(impl.pair_obstacles.size() + impl.self_pairs.size(), 0),
-        start(impl.world.drives.size()),
-        delta(impl.world.drives.size()),
+        start(impl.world.actuated_joints.size()),
+        delta(impl.world.actuated_joints.size()),
         view(impl.view()) {
     undecided.reserve(1024);
     open.reserve(4096);
@@ -495,7 +495,7 @@ class BatchChecker::Workspace {
 
   void set_motion(const Impl& impl, std::span<const double> a, std::span<const double> difference) {
     for (std::size_t k = 0; k < start.size(); ++k) {
-      const BatchDrive& drive = impl.world.drives[k];
+      const BatchActuatedJoint& drive = impl.world.actuated_joints[k];
       start[k] = drive.ratio * a[drive.joint] + drive.offset;
       delta[k] = drive.ratio * difference[drive.joint];
       constexpr double turn = 2 * std::numbers::pi;
@@ -552,8 +552,8 @@ BatchChecker::Lanes BatchChecker::judge_block(std::span<const double> configurat
   if (n == 0 || count * n != configurations.size() || count == 0 || count > block)
     throw InvalidArgument("batch checker: a block holds 1 to 16 configurations of " + std::to_string(n) + " entries");
   w.undecided.clear();
-  for (std::size_t k = 0; k < impl_->world.drives.size(); ++k) {
-    const BatchDrive& drive = impl_->world.drives[k];
+  for (std::size_t k = 0; k < impl_->world.actuated_joints.size(); ++k) {
+    const BatchActuatedJoint& drive = impl_->world.actuated_joints[k];
     for (std::size_t i = 0; i < kLanes; ++i) {
       double value = drive.ratio * configurations[std::min(i, count - 1) * n + drive.joint] + drive.offset;
       constexpr double turn = 2 * std::numbers::pi;
@@ -569,7 +569,8 @@ BatchChecker::Lanes BatchChecker::judge_block(std::span<const double> configurat
   return {static_cast<std::uint16_t>(colliding), static_cast<std::uint16_t>(result.undecided & wanted & ~colliding)};
 }
 
-Verdict BatchChecker::motion_block(std::span<const double> a, std::span<const double> difference, Workspace& w) const {
+CollisionStatus BatchChecker::motion_block(std::span<const double> a, std::span<const double> difference,
+                                           Workspace& w) const {
   return motion(a, difference, w, {.step = std::numeric_limits<double>::infinity(), .refinements = 0, .max_blocks = 1});
 }
 
@@ -590,8 +591,8 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
       w.open.push_back({(static_cast<double>(i) * cuts + j + 0.5) / (cuts * kLanes), 0.5 / (cuts * kLanes)});
 }
 
-Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
-                             const MotionOptions& options) const {
+CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
+                                     const MotionOptions& options) const {
   begin_motion(a, difference, w, options);
   int blocks = 0;
   for (int level = 0; !w.open.empty(); ++level) {
@@ -605,7 +606,7 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
         w.forget();
         w.undecided.clear();
         ++w.statistics.motions_colliding;
-        return Verdict::colliding;
+        return CollisionStatus::colliding;
       }
       if (last) {
         w.collect(*impl_, result, wanted, [&](int lane) { return w.lanes[lane]; });
@@ -621,7 +622,7 @@ Verdict BatchChecker::motion(std::span<const double> a, std::span<const double> 
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
   const bool free = w.undecided.empty();
   ++(free ? w.statistics.motions_free : w.statistics.motions_undecided);
-  return free ? Verdict::free : Verdict::undecided;
+  return free ? CollisionStatus::free : CollisionStatus::undecided;
 }
 
 bool BatchChecker::proves_free(std::span<const double> a, std::span<const double> difference, Workspace& w,
@@ -651,9 +652,9 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
 
 Eigen::Isometry3d BatchChecker::drive_pose(std::span<const double> q, std::size_t k, Workspace& w) const {
   require_size(q.size(), dof(), "batch checker: configuration");
-  if (k >= impl_->world.drives.size())
+  if (k >= impl_->world.actuated_joints.size())
     throw InvalidArgument("batch checker: drive " + std::to_string(k) + " was asked for; there are " +
-                          std::to_string(impl_->world.drives.size()));
+                          std::to_string(impl_->world.actuated_joints.size()));
   judge_block(q, w);
   // The kernel leaves lane 0 of the last slice's frames at the front of its scratch memory; all lanes are equal here.
   const int width = impl_->backend == SimdBackend::avx512 ? 16 : impl_->backend == SimdBackend::avx2 ? 8 : 4;

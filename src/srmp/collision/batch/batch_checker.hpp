@@ -8,17 +8,17 @@
 #include <utility>
 #include <vector>
 
-#include "srmp/robot/sphere_cover.hpp"
+#include "srmp/cover/sphere_cover.hpp"
 
 namespace srmp {
 
 class DistanceField;
 
-// Plain data that a BatchChecker is made of: the driven joints, balls for each rigid body, obstacles. All frames and
+// Plain data that a BatchChecker is made of: the driven joints, spheres for each rigid body, obstacles. All frames and
 // poses start from the robot's base; lengths in metres, angles in radians.
 
 /// A tree joint moved by a planned joint. Its frame has the joint's axis as z.
-struct BatchDrive {
+struct BatchActuatedJoint {
   int parent{-1};  ///< index of the driven joint it hangs on, -1: the base; smaller than its own index
   Eigen::Isometry3d frame{Eigen::Isometry3d::Identity()};  ///< in the parent's frame, at value 0
   bool prismatic{false};
@@ -28,16 +28,16 @@ struct BatchDrive {
   double max_travel{0.0};  ///< prismatic: bound on |value|
 };
 
-/// A rigid body under balls, in the frame of the drive that it hangs on.
+/// A rigid body under spheres, in the frame of the drive that it hangs on.
 struct BatchBody {
-  int drive{-1};                                     ///< -1: fixed to the base
-  Ball bound;                                        ///< holds the body
-  std::vector<Ball> coarse;                          ///< together hold the body
-  bool exact{false};                                 ///< the coarse balls are the body (then no fine or inner balls)
-  std::vector<Ball> fine;                            ///< together hold the body; may be empty
+  int drive{-1};                     ///< -1: fixed to the base
+  PlacedSphere bound;                ///< holds the body
+  std::vector<PlacedSphere> coarse;  ///< together hold the body
+  bool exact{false};                 ///< the coarse spheres are the body (then no fine or inner spheres)
+  std::vector<PlacedSphere> fine;    ///< together hold the body; may be empty
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); empty when fine is
-  std::vector<Ball> inner;                           ///< inside the body
-  bool hollow{false};   ///< what is wholly inside does not collide: inner balls count against larger things only
+  std::vector<PlacedSphere> inner;                   ///< inside the body
+  bool hollow{false};   ///< what is wholly inside does not collide: inner spheres count against larger things only
   double padding{0.0};  ///< kept clear of obstacles
 };
 
@@ -61,14 +61,14 @@ struct BatchSelfPair {
 
 struct BatchWorld {
   std::size_t dof{};
-  std::vector<BatchDrive> drives;
+  std::vector<BatchActuatedJoint> actuated_joints;
   std::vector<BatchBody> bodies;
   std::vector<BatchObstacle> obstacles;
   std::vector<std::pair<int, int>> obstacle_pairs;  ///< (body, obstacle) to check
   std::vector<BatchSelfPair> self_pairs;
 };
 
-enum class Verdict { free, colliding, undecided };
+enum class CollisionStatus { free, colliding, undecided };
 
 /// What could not be settled: a pair, over part of a motion (half = 0: at one configuration).
 struct UndecidedPair {
@@ -125,7 +125,8 @@ class BatchChecker {
   Lanes judge_block(std::span<const double> configurations, Workspace& workspace, bool proofs_only = false) const;
 
   /// One block: the motion from a by `difference` (joint space, straight) in 16 equal intervals.
-  Verdict motion_block(std::span<const double> a, std::span<const double> difference, Workspace& workspace) const;
+  CollisionStatus motion_block(std::span<const double> a, std::span<const double> difference,
+                               Workspace& workspace) const;
 
   /// As many blocks as it takes: the motion is cut so that no point moves more than about `step` [m] within half an
   /// interval; intervals not proved are cut into four, up to `refinements` times. Lanes are spread over the motion.
@@ -134,8 +135,8 @@ class BatchChecker {
     int refinements{2};
     int max_blocks{256};  ///< then the rest is undecided
   };
-  Verdict motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
-                 const MotionOptions& options) const;
+  CollisionStatus motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
+                         const MotionOptions& options) const;
 
   /// Is the motion proved free, by the same intervals? Ends at the first that cannot be, and says nothing of what is
   /// undecided or collides. After max_blocks a part is cut once at most, where motion() ends with the level that it is

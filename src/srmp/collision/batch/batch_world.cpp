@@ -20,23 +20,23 @@ Eigen::Isometry3d frame_on_axis(const std::pair<Eigen::Vector3d, Eigen::Vector3d
   return frame;
 }
 
-/// A small ball around balls (Badoiu and Clarkson 2003).
-Ball around(const std::vector<Ball>& balls) {
-  if (balls.size() == 1) return balls.front();
-  Ball result{balls.front().center, 0};
+/// A small sphere around spheres (Badoiu and Clarkson 2003).
+PlacedSphere around(const std::vector<PlacedSphere>& spheres) {
+  if (spheres.size() == 1) return spheres.front();
+  PlacedSphere result{spheres.front().center, 0};
   const auto farthest = [&] {
-    const Ball* far = &balls.front();
-    for (const Ball& b : balls)
+    const PlacedSphere* far = &spheres.front();
+    for (const PlacedSphere& b : spheres)
       if ((b.center - result.center).norm() + b.radius > (far->center - result.center).norm() + far->radius) far = &b;
     return *far;
   };
   for (int i = 1; i <= 30; ++i) {
-    const Ball far = farthest();
+    const PlacedSphere far = farthest();
     const Eigen::Vector3d way = far.center - result.center;
     const double distance = way.norm();
     if (distance > 0) result.center += way * ((distance + far.radius) / distance / (i + 1));
   }
-  const Ball far = farthest();
+  const PlacedSphere far = farthest();
   result.radius = ((far.center - result.center).norm() + far.radius) * (1 + 1e-12);
   return result;
 }
@@ -60,10 +60,10 @@ class Builder {
 
  private:
   void add_drives() {
-    for (std::size_t k = 0; k < group_.drives().size(); ++k) {
-      const Drive& from = group_.drives()[k];
-      frames_.push_back(frame_on_axis(group_.drive_axis(data_, k)));
-      BatchDrive drive;
+    for (std::size_t k = 0; k < group_.actuated_joints().size(); ++k) {
+      const ActuatedJoint& from = group_.actuated_joints()[k];
+      frames_.push_back(frame_on_axis(group_.actuated_joint_axis(data_, k)));
+      BatchActuatedJoint drive;
       drive.parent = group_.parent(k);
       drive.frame =
           drive.parent < 0 ? frames_[k] : frames_[static_cast<std::size_t>(drive.parent)].inverse() * frames_[k];
@@ -74,18 +74,19 @@ class Builder {
         const Joint& joint = group_.joints()[from.joint];
         drive.max_travel = std::abs(from.ratio) * (std::max(std::abs(joint.lower), std::abs(joint.upper)) + 1.0);
       }
-      scene_.world.drives.push_back(drive);
+      scene_.world.actuated_joints.push_back(drive);
     }
   }
 
   void add_cover(BatchBody& body, const Body& from, const Eigen::Isometry3d& pose) {
     if (from.kind == BodyKind::link)
-      add_balls(body, cover_of_(*from.geometry), pose);
+      add_spheres(body, cover_of_(*from.geometry), pose);
     else
-      add_balls(body, cover_of_held(from), pose);
+      add_spheres(body, cover_of_held(from), pose);
   }
 
-  /// Nobody waits for the covers of a held object: unless it is a ball, cells of the box around it are put into balls.
+  /// Nobody waits for the covers of a held object: unless it is a sphere, cells of the box around it are put into
+  /// spheres.
   static GeometryCover cover_of_held(const Body& from) {
     GeometryCover cover;
     cover.bound = {from.bounds.center, from.bounds.radius};
@@ -96,11 +97,11 @@ class Builder {
       return cover;
     }
     cover.hollow = true;  // as far as the cells know
-    cover.coarse = balls_around_cells(from.bounds.box_center, from.bounds.box_half, 3);
-    for (const Ball& ball : cover.coarse) {
+    cover.coarse = spheres_around_cells(from.bounds.box_center, from.bounds.box_half, 3);
+    for (const PlacedSphere& sphere : cover.coarse) {
       const auto first = static_cast<std::uint32_t>(cover.fine.size());
       const Eigen::Vector3d cell = from.bounds.box_half.cwiseQuotient(cells_of(from.bounds.box_half, 3));
-      for (const Ball& fine : balls_around_cells(ball.center, cell, 2)) cover.fine.push_back(fine);
+      for (const PlacedSphere& fine : spheres_around_cells(sphere.center, cell, 2)) cover.fine.push_back(fine);
       cover.children.emplace_back(cover.fine.size() - first);
       std::iota(cover.children.back().begin(), cover.children.back().end(), first);
     }
@@ -114,23 +115,24 @@ class Builder {
     return (half / edge - Eigen::Vector3d::Constant(1e-9)).array().ceil().max(1.0);
   }
 
-  static std::vector<Ball> balls_around_cells(const Eigen::Vector3d& center, const Eigen::Vector3d& half, int longest) {
+  static std::vector<PlacedSphere> spheres_around_cells(const Eigen::Vector3d& center, const Eigen::Vector3d& half,
+                                                        int longest) {
     const Eigen::Vector3d cells = cells_of(half, longest), cell = half.cwiseQuotient(cells);
     const double radius = cell.norm() * (1 + 1e-9) + 1e-12;
-    std::vector<Ball> balls;
+    std::vector<PlacedSphere> spheres;
     for (int x = 0; x < cells.x(); ++x)
       for (int y = 0; y < cells.y(); ++y)
         for (int z = 0; z < cells.z(); ++z)
-          balls.push_back(
+          spheres.push_back(
               {center - half + cell.cwiseProduct(Eigen::Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1)), radius});
-    return balls;
+    return spheres;
   }
 
-  /// Adds a geometry's balls to a body.
-  void add_balls(BatchBody& body, const GeometryCover& cover, const Eigen::Isometry3d& pose) {
+  /// Adds a geometry's spheres to a body.
+  void add_spheres(BatchBody& body, const GeometryCover& cover, const Eigen::Isometry3d& pose) {
     const auto first_fine = static_cast<std::uint32_t>(body.fine.size());
-    const auto add = [&](std::vector<Ball>& to, const std::vector<Ball>& balls) {
-      for (const Ball& ball : balls) to.push_back({pose * ball.center, ball.radius});
+    const auto add = [&](std::vector<PlacedSphere>& to, const std::vector<PlacedSphere>& spheres) {
+      for (const PlacedSphere& sphere : spheres) to.push_back({pose * sphere.center, sphere.radius});
     };
     const bool had_children = !body.children.empty(), first = body.coarse.empty();
     body.exact = cover.exact && (first || body.exact);
@@ -147,7 +149,7 @@ class Builder {
     bounds_of(body).push_back({pose * cover.bound.center, cover.bound.radius});
   }
 
-  std::vector<Ball>& bounds_of(const BatchBody& body) {
+  std::vector<PlacedSphere>& bounds_of(const BatchBody& body) {
     bounds_.resize(scene_.world.bodies.size());
     return bounds_[static_cast<std::size_t>(&body - scene_.world.bodies.data())];
   }
@@ -158,7 +160,7 @@ class Builder {
   }
 
   int add_moving(const MovingBody& body) {
-    const int drive = deepest_drive(body.movers);
+    const int drive = deepest_drive(body.support);
     const auto key = std::pair(body.name_id, body.attached());
     const auto [place, added] = links_.try_emplace(key, static_cast<int>(scene_.world.bodies.size()));
     if (added) {
@@ -197,8 +199,8 @@ class Builder {
     return o;
   }
 
-  /// A distance field takes longer over a ball than another ball does: it pays for links under as many.
-  static constexpr std::size_t many_balls = 512;
+  /// A distance field takes longer over a sphere than another sphere does: it pays for links under as many.
+  static constexpr std::size_t many_spheres = 512;
 
   /// Does a body stand among the obstacles? A link with a distance field may; but obstacles keep their padding from all
   /// that moves, and a hit of any geometry of a link counts.
@@ -206,7 +208,7 @@ class Builder {
     const FixedBody& body = bodies_.fixed[fixed];
     if (body.kind != BodyKind::link) return true;
     if (body.member >= 0 && body.padding != 0.0) return false;
-    if (!body.field || cover_of_(*body.geometry).fine.size() < many_balls) return false;
+    if (!body.field || cover_of_(*body.geometry).fine.size() < many_spheres) return false;
     std::vector<int> geometries(scene_.world.bodies.size()), pairs(geometries.size());
     for (std::size_t i = 0; i < bodies_.moving.size(); ++i) {
       const auto link = static_cast<std::size_t>(body_of_moving_[i]);
@@ -287,7 +289,7 @@ class Builder {
   std::vector<int> body_of_moving_;
   std::vector<std::pair<bool, int>> fixed_;            // of Bodies::fixed: (obstacle?, index)
   std::map<std::pair<std::size_t, bool>, int> links_;  // by name_id
-  std::vector<std::vector<Ball>> bounds_;              // of each body's geometries
+  std::vector<std::vector<PlacedSphere>> bounds_;      // of each body's geometries
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "srmp/collision/batch/batch_checker.hpp"
-#include "srmp/robot/geometry_cover.hpp"
+#include "srmp/cover/geometry_cover.hpp"
 #include "srmp/robot/robot_model.hpp"
 
 namespace srmp::detail {

@@ -30,11 +30,11 @@ class Slice {
     centers_ = frames_ + 12 * kWidth * m_.node_count;
     stages_ = centers_ + 3 * kWidth * m_.body_count;
     margins_ = stages_ + kWidth * m_.stage_count;
-    balls_ = margins_ + kWidth * m_.body_count;
-    near_ = balls_ + 3 * kWidth * m_.coarse_count;
-    near_radii_ = near_ + 3 * kWidth * m_.most_children;
-    near_lanes_ = near_radii_ + m_.most_children;
-    placed_ = near_lanes_ + m_.most_children;
+    spheres_ = margins_ + kWidth * m_.body_count;
+    near_ = spheres_ + 3 * kWidth * m_.coarse_count;
+    near_radii_ = near_ + 3 * kWidth * m_.max_children;
+    near_lanes_ = near_radii_ + m_.max_children;
+    placed_ = near_lanes_ + m_.max_children;
   }
 
   void run() {
@@ -219,55 +219,57 @@ class Slice {
     }
   }
 
-  SRMP_INLINE V3 coarse(int b) const { return {row(balls_, 3 * b), row(balls_, 3 * b + 1), row(balls_, 3 * b + 2)}; }
-
-  SRMP_INLINE V3 fine(const KernelBody& body, const KernelBall& ball) const {
-    return transform(body.node, ball.x, ball.y, ball.z);
+  SRMP_INLINE V3 coarse(int b) const {
+    return {row(spheres_, 3 * b), row(spheres_, 3 * b + 1), row(spheres_, 3 * b + 2)};
   }
 
-  /// Places the coarse balls of a body when first needed.
-  SRMP_INLINE void place_balls(int i) {
+  SRMP_INLINE V3 fine(const KernelBody& body, const KernelSphere& sphere) const {
+    return transform(body.node, sphere.x, sphere.y, sphere.z);
+  }
+
+  /// Places the coarse spheres of a body when first needed.
+  SRMP_INLINE void place_spheres(int i) {
     if (placed_[i] != 0.0f) return;
     placed_[i] = 1.0f;
     const KernelBody& body = m_.bodies[i];
-    for (int b = body.first_ball; b < body.first_ball + body.balls; ++b) {
-      const V3 c = fine(body, m_.balls[b]);
-      set_row(balls_, 3 * b, c.x);
-      set_row(balls_, 3 * b + 1, c.y);
-      set_row(balls_, 3 * b + 2, c.z);
+    for (int b = body.first_sphere; b < body.first_sphere + body.spheres; ++b) {
+      const V3 c = fine(body, m_.spheres[b]);
+      set_row(spheres_, 3 * b, c.x);
+      set_row(spheres_, 3 * b + 1, c.y);
+      set_row(spheres_, 3 * b + 2, c.z);
     }
   }
 
   __attribute__((noinline)) void check_closely(int i, const KernelObstacle& o, int pair, unsigned pending, V margin) {
     const KernelBody& body = m_.bodies[i];
-    place_balls(i);
+    place_spheres(i);
     const V limit = add(margin, all(o.radius));
     unsigned undecided = 0;
-    for (int b = body.first_ball; b < body.first_ball + body.balls; ++b) {
-      const KernelBall& ball = m_.balls[b];
+    for (int b = body.first_sphere; b < body.first_sphere + body.spheres; ++b) {
+      const KernelSphere& sphere = m_.spheres[b];
       const unsigned around =
-          near(o, coarse(b), add(limit, all(ball.radius)), body.exact ? pending : pending & ~undecided);
+          near(o, coarse(b), add(limit, all(sphere.radius)), body.exact ? pending : pending & ~undecided);
       if (around == 0) continue;
-      if (body.exact && o.exact && hit_obstacle(o, coarse(b), ball.radius + body.padding, around)) return;
-      if (ball.children == 0) {
+      if (body.exact && o.exact && hit_obstacle(o, coarse(b), sphere.radius + body.padding, around)) return;
+      if (sphere.children == 0) {
         undecided |= around;
         continue;
       }
-      for (int k = 0; k < ball.children && (around & ~undecided); ++k) {
-        const KernelBall& child = m_.balls[m_.children[ball.first_child + k]];
+      for (int k = 0; k < sphere.children && (around & ~undecided); ++k) {
+        const KernelSphere& child = m_.spheres[m_.children[sphere.first_child + k]];
         undecided |= near(o, fine(body, child), add(limit, all(child.radius)), around & ~undecided);
       }
     }
     if (undecided == 0) return;
     if (const unsigned open = undecided & ~proofs_only_; open && o.exact && o.size > body.capacity)
       for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
-        if (hit_obstacle(o, fine(body, m_.balls[b]), m_.balls[b].radius + body.padding, open)) return;
+        if (hit_obstacle(o, fine(body, m_.spheres[b]), m_.spheres[b].radius + body.padding, open)) return;
     report(pair, undecided);
   }
 
-  /// Does a ball surely meet the obstacle in some lanes of `mask`? True when that ends the run.
-  SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, float ball, unsigned mask) {
-    const float radius = ball + o.inner_radius;
+  /// Does a sphere surely meet the obstacle in some lanes of `mask`? True when that ends the run.
+  SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, float sphere, unsigned mask) {
+    const float radius = sphere + o.inner_radius;
     if (!o.field.squared) return hit(squared_distance(o, center), radius, mask);
     return radius > 0.0f && hit(surely_within(o, center, radius) & mask);
   }
@@ -315,23 +317,24 @@ class Slice {
 
   __attribute__((noinline)) void check_self_closely(int k, const KernelSelfPair& pair, unsigned pending, V limit) {
     const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
-    place_balls(pair.a);
-    place_balls(pair.b);
+    place_spheres(pair.a);
+    place_spheres(pair.b);
     const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
     const unsigned ends = request_.every_lane ? 0 : proofs_only_;
     unsigned undecided = 0;
-    for (int i = a.first_ball; i < a.first_ball + a.balls && !(undecided & ends); ++i) {
+    for (int i = a.first_sphere; i < a.first_sphere + a.spheres && !(undecided & ends); ++i) {
       const V3 ci = coarse(i);
-      const float ri = m_.balls[i].radius;
+      const float ri = m_.spheres[i].radius;
       const unsigned around = within(between(ci, cb), add(limit, all(ri + b.radius))) & pending & ~undecided;
       if (around == 0) continue;
-      for (int j = b.first_ball; j < b.first_ball + b.balls; ++j) {
+      for (int j = b.first_sphere; j < b.first_sphere + b.spheres; ++j) {
         const V squared = between(ci, coarse(j));
-        const unsigned near = within(squared, add(limit, all(ri + m_.balls[j].radius))) & around & ~undecided;
+        const unsigned near = within(squared, add(limit, all(ri + m_.spheres[j].radius))) & around & ~undecided;
         if (near == 0) continue;
-        if (pair.exact && a.exact && b.exact && hit(squared, ri + m_.balls[j].radius + pair.padding - pair.slack, near))
+        if (pair.exact && a.exact && b.exact &&
+            hit(squared, ri + m_.spheres[j].radius + pair.padding - pair.slack, near))
           return;
-        undecided |= finer(a, m_.balls[i], ci, b, m_.balls[j], coarse(j), limit, near);
+        undecided |= finer(a, m_.spheres[i], ci, b, m_.spheres[j], coarse(j), limit, near);
       }
     }
     if (undecided == 0) return;
@@ -341,30 +344,30 @@ class Slice {
     report(m_.pair_count + k, undecided);
   }
 
-  /// Does a ball inside a surely meet one inside b?
+  /// Does a sphere inside a surely meet one inside b?
   bool check_inner(const KernelBody& a, const KernelBody& b, const KernelSelfPair& pair, unsigned undecided) {
     for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
-      const V3 ci = fine(a, m_.balls[i]);
+      const V3 ci = fine(a, m_.spheres[i]);
       for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
-        if (hit(between(ci, fine(b, m_.balls[j])), m_.balls[i].radius + m_.balls[j].radius + pair.padding - pair.slack,
-                undecided))
+        if (hit(between(ci, fine(b, m_.spheres[j])),
+                m_.spheres[i].radius + m_.spheres[j].radius + pair.padding - pair.slack, undecided))
           return true;
     }
     return false;
   }
 
-  /// Children of a coarse ball that are near another body's coarse ball, found as far as they are asked for. Each is
-  /// placed once, however many balls of the other body it is compared with.
+  /// Children of a coarse sphere that are near another body's coarse sphere, found as far as they are asked for. Each
+  /// is placed once, however many spheres of the other body it is compared with.
   class NearChildren {
    public:
-    SRMP_INLINE NearChildren(const Slice& slice, const KernelBody& body, const KernelBall& parent, const V3& other,
+    SRMP_INLINE NearChildren(const Slice& slice, const KernelBody& body, const KernelSphere& parent, const V3& other,
                              V reach, unsigned near)
         : slice_(slice), body_(body), parent_(parent), other_(other), reach_(reach), near_(near) {}
 
     /// Is there one more, at `index`?
     SRMP_INLINE bool has(int index) {
       for (; index == found_ && next_ < parent_.children; ++next_) {
-        const KernelBall& child = slice_.m_.balls[slice_.m_.children[parent_.first_child + next_]];
+        const KernelSphere& child = slice_.m_.spheres[slice_.m_.children[parent_.first_child + next_]];
         const V3 c = slice_.fine(body_, child);
         const unsigned lanes = slice_.within(between(other_, c), add(reach_, all(child.radius))) & near_;
         if (lanes == 0) continue;
@@ -386,30 +389,30 @@ class Slice {
    private:
     const Slice& slice_;
     const KernelBody& body_;
-    const KernelBall& parent_;
+    const KernelSphere& parent_;
     const V3 other_;
     const V reach_;
     const unsigned near_;
     int next_{}, found_{};
   };
 
-  /// Two coarse balls are near: their children, or the ball itself where there is none.
-  unsigned finer(const KernelBody& a, const KernelBall& ball_a, const V3& ca, const KernelBody& b,
-                 const KernelBall& ball_b, const V3& cb, V limit, unsigned near) const {
-    if (ball_a.children == 0 && ball_b.children == 0) return near;
-    NearChildren of_b(*this, b, ball_b, ca, add(limit, all(ball_a.radius)), near);
+  /// Two coarse spheres are near: their children, or the sphere itself where there is none.
+  unsigned finer(const KernelBody& a, const KernelSphere& sphere_a, const V3& ca, const KernelBody& b,
+                 const KernelSphere& sphere_b, const V3& cb, V limit, unsigned near) const {
+    if (sphere_a.children == 0 && sphere_b.children == 0) return near;
+    NearChildren of_b(*this, b, sphere_b, ca, add(limit, all(sphere_a.radius)), near);
     unsigned undecided = 0;
-    if (ball_a.children == 0) {
+    if (sphere_a.children == 0) {
       for (int j = 0; (near & ~undecided) && of_b.has(j); ++j) undecided |= of_b.lanes(j);
       return undecided;
     }
-    for (int i = 0; i < ball_a.children && (near & ~undecided); ++i) {
-      const KernelBall& fine_a = m_.balls[m_.children[ball_a.first_child + i]];
+    for (int i = 0; i < sphere_a.children && (near & ~undecided); ++i) {
+      const KernelSphere& fine_a = m_.spheres[m_.children[sphere_a.first_child + i]];
       const V3 ci = fine(a, fine_a);
       const V reach = add(limit, all(fine_a.radius));
-      const unsigned left = within(between(ci, cb), add(reach, all(ball_b.radius))) & near & ~undecided;
+      const unsigned left = within(between(ci, cb), add(reach, all(sphere_b.radius))) & near & ~undecided;
       if (left == 0) continue;
-      if (ball_b.children == 0) {
+      if (sphere_b.children == 0) {
         undecided |= left;
         continue;
       }
@@ -426,7 +429,7 @@ class Slice {
   const int lane_;
   const unsigned proofs_only_;          // of this slice
   unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide, nor answered
-  float *frames_, *centers_, *stages_, *margins_, *balls_, *near_, *near_radii_, *near_lanes_, *placed_;
+  float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
 
 }  // namespace

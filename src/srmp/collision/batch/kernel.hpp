@@ -19,26 +19,26 @@ struct KernelNode {
   float translation[3];
 };
 
-struct KernelBall {
+struct KernelSphere {
   float x, y, z;              // in the node's frame
   float radius;               // padding included
   int first_child, children;  // into Model::children; 0 children: nothing finer
 };
 
-/// A rigid part of the robot (a link, an attached object) under balls: one around all, coarse ones, fine ones.
+/// A rigid part of the robot (a link, an attached object) under spheres: one around all, coarse ones, fine ones.
 struct KernelBody {
   int node;
   int depth;        // nodes from this one up to the base, both counted
   int first_stage;  // row of its margins in the scratch memory; depth rows
-  float x, y, z;    // ball around all, in the node's frame
+  float x, y, z;    // sphere around all, in the node's frame
   float radius;
-  float reach_radius;       // the same, for motion bounds: float slack included
-  float padding;            // kept clear of obstacles
-  int first_ball, balls;    // coarse
-  int first_inner, inners;  // balls inside
-  float capacity;           // nothing of a larger diameter can be inside without contact; 0 for solids
-  int exact;                // the coarse balls are the body itself
-  int first_pair, pairs;    // obstacles to check against, into Model::pair_obstacles
+  float reach_radius;         // the same, for motion bounds: float slack included
+  float padding;              // kept clear of obstacles
+  int first_sphere, spheres;  // coarse
+  int first_inner, inners;    // spheres inside
+  float capacity;             // nothing of a larger diameter can be inside without contact; 0 for solids
+  int exact;                  // the coarse spheres are the body itself
+  int first_pair, pairs;      // obstacles to check against, into Model::pair_obstacles
 };
 
 /// A DistanceField, in the kernel's numbers.
@@ -78,10 +78,10 @@ struct KernelModel {
   const KernelBody* bodies;
   int body_count;
   int stage_count;
-  const KernelBall* balls;  // coarse, then fine, then inner
+  const KernelSphere* spheres;  // coarse, then fine, then inner
   int coarse_count;
   const int* children;
-  int most_children;  // of a ball
+  int max_children;  // of a sphere
   const KernelObstacle* obstacles;
   const int* pair_obstacles;
   int pair_count;  // body-obstacle pairs; self pairs are numbered after them
@@ -108,8 +108,8 @@ using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float*
 /// Floats of scratch memory (64-byte aligned) that a kernel needs.
 inline int scratch_floats(const KernelModel& m) {
   return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count +
-                   3 * m.most_children) +
-         2 * m.most_children + m.body_count;
+                   3 * m.max_children) +
+         2 * m.max_children + m.body_count;
 }
 
 void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);

@@ -1,0 +1,593 @@
+#include "srmp/planner_interface.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "srmp/collision/self_filter.hpp"
+#include "srmp/facade/plan_many.hpp"
+#include "srmp/facade/problem_file.hpp"
+#include "srmp/facade/scene_checkers.hpp"
+#include "srmp/io/joint_limits.hpp"
+#include "srmp/io/moveit.hpp"
+#include "srmp/io/scene_file.hpp"
+#include "srmp/planning/certificates/verify_together.hpp"
+#include "srmp/planning/holding.hpp"
+#include "srmp/planning/multi_robot.hpp"
+#include "srmp/planning/obstacles/moving_obstacles.hpp"
+#include "srmp/planning/single_robot.hpp"
+
+namespace srmp {
+
+namespace {
+
+std::vector<std::string> names_of(const MultiPlanRequest& request) {
+  std::vector<std::string> names;
+  for (const auto& [name, start] : request.starts) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string> names_of(const std::vector<MultiRobotPart>& parts) {
+  std::vector<std::string> names;
+  for (const MultiRobotPart& part : parts) names.push_back(part.robot);
+  return names;
+}
+
+bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
+  const auto named = [&](const auto& entry) { return is_one(entry.first); };
+  return std::any_of(request.starts.begin(), request.starts.end(), named) ||
+         std::any_of(request.obstacles.begin(), request.obstacles.end(), named);
+}
+bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
+  return is_one(request.robot);
+}
+
+/// One robot may have been given a planner that knows no others.
+void require_for_many(const PlannerOptions& options) {
+  for (const PlannerInfo& info : available_planners())
+    if (info.id == planner_id(options) && !info.many_robots)
+      throw InvalidArgument("planner '" + info.id +
+                            "' plans for one robot, with plan; make_planner one for many, such as 'xECBS', for "
+                            "plan_multi");
+}
+
+}  // namespace
+
+struct PlannerInterface::Impl {
+  Scene scene;
+  PlannerTable planners;
+  mutable SceneCheckers checkers;
+  UserHeuristics heuristics;
+  std::map<std::string, MotionLimits> motion_limits;  // of the user; other robots have default_limits
+  PlanStatistics statistics;                          // of the last plan
+  std::optional<LastRequest> request;                 // of the last plan
+  std::optional<LastResult> result;                   // of it, while nothing that it depends on has changed
+
+  /// Runs a change of the scene; the checkers made for the old one go.
+  template <class Change>
+  void change(Change&& apply) {
+    apply(scene);
+    checkers.clear();
+    result.reset();
+  }
+
+  /// Planners and the last request go with their robots.
+  template <class Gone>
+  void forget(Gone&& gone) {
+    std::erase_if(planners,
+                  [&](const auto& entry) { return std::any_of(entry.first.begin(), entry.first.end(), gone); });
+    if (request && std::visit([&](const auto& asked) { return names_any(asked, gone); }, *request)) request.reset();
+    std::erase_if(motion_limits, [&](const auto& entry) { return gone(entry.first); });
+  }
+
+  /// Single questions go to Coal alone, so that they do not wait for sphere covers.
+  const Checker& checker(const std::string& robot) const { return checkers.of(scene, robot, CheckMode::coal); }
+
+  const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
+
+  MotionLimits limits_of(const std::string& robot) const {
+    const RobotModel& model = this->model(robot);
+    const auto set = motion_limits.find(robot);
+    return set == motion_limits.end() ? default_limits(model) : set->second;
+  }
+
+  void require_state(const std::string& robot, ConstVector q) const {
+    model(robot).require_configuration(q, "q of '" + robot + "'");
+  }
+
+  const PlannerOptions& planner_options(const std::vector<std::string>& robots) const {
+    const auto it = planners.find(planner_key(scene, robots));
+    if (it == planners.end())
+      throw InvalidArgument("there is no planner for " + quoted_list(robots) + " yet; call make_planner first");
+    return it->second;
+  }
+
+  std::vector<std::string> heuristic_names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, heuristic] : heuristics) names.push_back(name);
+    return names;
+  }
+
+  std::shared_ptr<const PlacedRobot> placed(const std::string& robot) const {
+    const RobotInstance& instance = scene.robot(robot);
+    return std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions});
+  }
+
+  /// A question about the scene as it is now, looked over; all that it names must outlive it.
+  SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
+                                  const PlannerOptions& options, const OnSolution& on_solution = {}) const {
+    require_heuristics(options, heuristic_names());
+    require_robots(options, {robot});
+    require_question(scene, robot, start, goals);
+    return {scene,
+            robot,
+            checkers.of(scene, robot, CheckMode::exact),
+            start,
+            goals,
+            options,
+            heuristics,
+            limits_of(robot),
+            on_solution,
+            placed(robot)};
+  }
+
+  /// One robot's of many.
+  VerifyOptions verify_options(const std::string& robot, const Trajectory& motion,
+                               const MultiVerifyOptions& options) const {
+    VerifyOptions own{
+        .jerk = options.jerk, .max_deviation = options.max_deviation, .gap_tolerance = options.gap_tolerance};
+    if (const auto start = options.starts.find(robot); start != options.starts.end()) own.start = start->second;
+    const auto goal = options.goals.find(robot);
+    if (goal == options.goals.end()) return own;
+    goal->second.validate();
+    if (goal->second.type == GoalType::hold) {
+      if (own.start)
+        own.goals = {GoalConstraint::joints(*own.start)};
+      else if (motion.positions.rows() > 0)  // one that cannot be read has other faults
+        own.goals = {GoalConstraint::joints(motion.positions.row(0).transpose())};
+      return own;
+    }
+    if (!goal->second.targets.empty()) own.goals = {goal->second};
+    if (!own.goals.empty()) require_question(scene, robot, own.start.value_or(scene.robot(robot).q), own.goals);
+    return own;
+  }
+
+  /// The robots of a question to many: those that move, or those that hold.
+  std::vector<MultiRobotPart> parts(const MultiPlanRequest& request, bool holding) const {
+    std::vector<MultiRobotPart> found;
+    for (const auto& [name, start] : request.starts) {
+      const auto goal = request.goals.find(name);
+      const GoalConstraint& wanted = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
+      if ((wanted.type == GoalType::hold) != holding) continue;
+      found.push_back({name, start, wanted, limits_of(name), placed(name)});
+    }
+    return found;
+  }
+
+  /// The answer to a request in a scene where robots with obstacles stand at their ends; fills the statistics.
+  MultiTrajectory answer(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
+                         const Interrupt& interrupt) {
+    const Deadline deadline(common_options(options).time_limit, interrupt);
+    std::vector<MultiRobotPart> moving = parts(request, false);
+    std::vector<std::string> who_moves = names_of(moving);
+    for (const auto& [name, motion] : request.obstacles) who_moves.push_back(name);
+    const HoldingRobots holding(now, parts(request, true), who_moves);
+    const SceneCheckers::Together& judges =
+        checkers.of(now, names_of(moving), static_cast<std::size_t>(num_threads(options)));
+    holding.require_starts(deadline, statistics);
+    const MultiRobotProblem problem{now, std::move(moving), *judges.plan, *judges.judge, options, heuristics};
+    MultiTrajectory result = request.obstacles.empty()
+                                 ? plan_multi_robot(problem, deadline, statistics)
+                                 : plan_around(problem, request.starts, request.obstacles,
+                                               checkers.options(CheckMode::exact), deadline, statistics);
+    holding.join(result, request.obstacles, common_options(options), deadline, statistics);
+    return result;
+  }
+};
+
+PlannerInterface::PlannerInterface() : impl_(std::make_unique<Impl>()) {}
+PlannerInterface::~PlannerInterface() = default;
+PlannerInterface::PlannerInterface(PlannerInterface&&) noexcept = default;
+PlannerInterface& PlannerInterface::operator=(PlannerInterface&&) noexcept = default;
+
+// --- robots
+
+void PlannerInterface::add_articulation(const RobotDescription& description, const Pose& base) {
+  if (!description.name.empty() && impl_->scene.robots().contains(description.name))
+    throw InvalidArgument("there is a robot '" + description.name + "' already; give another name");
+  auto model = RobotModel::load(description);
+  impl_->change([&](Scene& scene) { scene.add_robot(std::move(model), base); });
+}
+
+void PlannerInterface::remove_articulation(const std::string& robot) {
+  const std::string gone = robot;  // the caller's string may live in what is removed
+  impl_->change([&](Scene& scene) { scene.remove_robot(robot); });
+  impl_->forget([&](const std::string& name) { return name == gone; });
+}
+
+void PlannerInterface::set_base_pose(const std::string& robot, const Pose& pose) {
+  impl_->change([&](Scene& scene) { scene.set_base_pose(robot, pose); });
+}
+
+void PlannerInterface::set_qpos(const std::string& robot, ConstVector q) {
+  impl_->change([&](Scene& scene) { scene.set_qpos(robot, q); });
+}
+
+void PlannerInterface::set_joint_positions(const std::string& robot, const std::map<std::string, double>& positions) {
+  impl_->change([&](Scene& scene) { scene.set_joint_positions(robot, positions); });
+}
+
+// --- objects
+
+void PlannerInterface::add_box(const std::string& name, const Eigen::Vector3d& size, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Box{size}, pose, padding); });
+}
+
+void PlannerInterface::add_sphere(const std::string& name, double radius, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Sphere{radius}, pose, padding); });
+}
+
+void PlannerInterface::add_cylinder(const std::string& name, double radius, double length, const Pose& pose,
+                                    double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Cylinder{radius, length}, pose, padding); });
+}
+
+void PlannerInterface::add_capsule(const std::string& name, double radius, double length, const Pose& pose,
+                                   double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Capsule{radius, length}, pose, padding); });
+}
+
+void PlannerInterface::add_cone(const std::string& name, double radius, double length, const Pose& pose,
+                                double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, Cone{radius, length}, pose, padding); });
+}
+
+void PlannerInterface::add_mesh(const std::string& name, const std::string& path, const Pose& pose,
+                                const Eigen::Vector3d& scale, bool convex, double padding) {
+  add_mesh(name, Mesh::from_file(path, scale, convex), pose, padding);
+}
+
+void PlannerInterface::add_mesh(const std::string& name, const Mesh& mesh, const Pose& pose, double padding) {
+  impl_->change([&](Scene& scene) { scene.add_object(name, mesh, pose, padding); });
+}
+
+void PlannerInterface::add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points,
+                                       double resolution, const Pose& pose, double padding,
+                                       std::optional<double> self_filter_distance) {
+  impl_->change([&](Scene& scene) {
+    if (!self_filter_distance) return scene.add_object(name, PointCloud{points, resolution}, pose, padding);
+    const auto kept = points_clear_of_robots(scene, points, pose, *self_filter_distance);
+    if (kept.empty() && !points.empty())
+      throw InvalidArgument("point cloud of object '" + name + "': all " + std::to_string(points.size()) +
+                            " points are within self_filter_distance " + to_text(*self_filter_distance) +
+                            " m of a robot or what it holds");
+    scene.add_object(name, PointCloud{kept, resolution}, pose, padding);
+  });
+}
+
+void PlannerInterface::remove_object(const std::string& name) {
+  impl_->change([&](Scene& scene) { scene.remove_object(name); });
+}
+
+void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose) {
+  impl_->change([&](Scene& scene) { scene.set_object_pose(name, pose); });
+}
+
+void PlannerInterface::set_padding(const std::string& name, double padding) {
+  impl_->change([&](Scene& scene) {
+    if (scene.robots().contains(name))
+      scene.set_robot_padding(name, padding);
+    else
+      scene.set_padding(name, padding);
+  });
+}
+
+void PlannerInterface::attach_object(const std::string& object, const std::string& robot, const std::string& link,
+                                     const std::vector<std::string>& touch_links,
+                                     const std::optional<Pose>& pose_in_link) {
+  impl_->change([&](Scene& scene) { scene.attach_object(object, robot, link, touch_links, pose_in_link); });
+}
+
+void PlannerInterface::detach_object(const std::string& object) {
+  impl_->change([&](Scene& scene) { scene.detach_object(object); });
+}
+
+void PlannerInterface::set_allowed_collision(const std::string& a, const std::string& b, bool allowed) {
+  impl_->change([&](Scene& scene) { scene.set_allowed_collision(a, b, allowed); });
+}
+
+void PlannerInterface::load_moveit_scene(const std::string& path) {
+  const io::SceneFile file = io::read_moveit_scene(path);
+  impl_->change([&](Scene& scene) { io::apply(file, scene); });
+}
+
+void PlannerInterface::attach_moveit_objects(const io::RequestFile& request) {
+  impl_->change([&](Scene& scene) { io::apply_attached(request, scene); });
+}
+
+void PlannerInterface::reset() {
+  impl_->change([](Scene& scene) { scene.reset(); });
+  impl_->planners.clear();
+  impl_->heuristics.clear();
+  impl_->motion_limits.clear();
+  impl_->request.reset();
+  impl_->statistics = {};
+}
+
+// --- files
+
+void PlannerInterface::save(const std::string& path) const {
+  save_problem({impl_->scene, impl_->planners, impl_->motion_limits, impl_->request, impl_->result}, path);
+}
+
+PlannerInterface PlannerInterface::load(const std::string& path, const std::vector<std::string>& package_dirs) {
+  Problem problem = load_problem(path, package_dirs);
+  PlannerInterface planner;
+  Impl& impl = *planner.impl_;
+  impl.scene = std::move(problem.scene);
+  impl.planners = std::move(problem.planners);
+  impl.motion_limits = std::move(problem.motion_limits);
+  impl.request = std::move(problem.request);
+  impl.result = std::move(problem.result);
+  if (impl.result) impl.statistics = std::visit([](const auto& result) { return result.statistics(); }, *impl.result);
+  return planner;
+}
+
+void PlannerInterface::save_scene(const std::string& path) const { io::save_scene(impl_->scene, path); }
+
+void PlannerInterface::load_scene(const std::string& path, const std::vector<std::string>& package_dirs) {
+  Scene loaded = io::load_scene(path, package_dirs);
+  std::erase_if(impl_->motion_limits, [&](const auto& entry) {
+    const auto same = loaded.robots().find(entry.first);
+    return same == loaded.robots().end() ||
+           same->second.model->joint_names() != impl_->model(entry.first).joint_names();
+  });
+  impl_->change([&](Scene& scene) { scene = std::move(loaded); });
+  impl_->forget([&](const std::string& name) { return !impl_->scene.robots().contains(name); });
+  impl_->request.reset();
+}
+
+// --- questions
+
+const Scene& PlannerInterface::scene() const { return impl_->scene; }
+
+const RobotModel& PlannerInterface::robot(const std::string& name) const { return impl_->model(name); }
+
+std::vector<std::string> PlannerInterface::robot_names() const { return impl_->scene.robot_names(); }
+
+std::vector<std::string> PlannerInterface::object_names() const { return impl_->scene.object_names(); }
+
+std::vector<std::string> PlannerInterface::get_joint_names(const std::string& robot) const {
+  return impl_->model(robot).joint_names();
+}
+
+std::vector<std::string> PlannerInterface::get_link_names(const std::string& robot) const {
+  return impl_->model(robot).link_names();
+}
+
+Pose PlannerInterface::compute_fk(const std::string& robot, ConstVector q, const std::string& link) const {
+  impl_->require_state(robot, q);
+  const RobotInstance& instance = impl_->scene.robot(robot);
+  return instance.base * instance.model->compute_fk(q, link, instance.other_positions);
+}
+
+Eigen::MatrixXd PlannerInterface::compute_jacobian(const std::string& robot, ConstVector q,
+                                                   const std::string& link) const {
+  impl_->require_state(robot, q);
+  const RobotInstance& instance = impl_->scene.robot(robot);
+  Eigen::MatrixXd jacobian = instance.model->compute_jacobian(q, link, instance.other_positions);
+  const Eigen::Matrix3d rotation = instance.base.q.toRotationMatrix();
+  jacobian.topRows<3>() = rotation * jacobian.topRows<3>().eval();
+  jacobian.bottomRows<3>() = rotation * jacobian.bottomRows<3>().eval();
+  return jacobian;
+}
+
+std::vector<Eigen::VectorXd> PlannerInterface::compute_ik(const std::string& robot, const Pose& target,
+                                                          const std::optional<Eigen::VectorXd>& reference,
+                                                          const IkOptions& options, const std::string& link) const {
+  const RobotInstance& instance = impl_->scene.robot(robot);
+  if (reference) instance.model->require_configuration(*reference, "reference of '" + robot + "'");
+  IkOptions here = options;
+  if (here.other_positions.size() == 0) here.other_positions = instance.other_positions;
+  return inverse_kinematics(*instance.model, instance.base.inverse() * target, reference.value_or(instance.q), here,
+                            link);
+}
+
+bool PlannerInterface::is_state_colliding(const std::string& robot, ConstVector q) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, q);
+  return !checker.is_free(q, *checker.make_workspace());
+}
+
+std::vector<Contact> PlannerInterface::contacts(const std::string& robot, ConstVector q) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, q);
+  return checker.contacts(q, *checker.make_workspace());
+}
+
+bool PlannerInterface::is_motion_free(const std::string& robot, ConstVector a, ConstVector b) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, a);
+  impl_->require_state(robot, b);
+  return checker.is_motion_free(a, b, *checker.make_workspace());
+}
+
+std::optional<Contact> PlannerInterface::nearest(const std::string& robot, ConstVector q) const {
+  const Checker& checker = impl_->checker(robot);
+  impl_->require_state(robot, q);
+  return checker.nearest(q, *checker.make_workspace());
+}
+
+double PlannerInterface::distance_to_collision(const std::string& robot, ConstVector q) const {
+  const auto pair = nearest(robot, q);
+  return pair ? pair->distance : std::numeric_limits<double>::infinity();
+}
+
+std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
+  impl_->scene.robot(robot);  // throws with the nearest name
+  return std::make_shared<const Checker>(impl_->scene, robot, impl_->checkers.options(mode));
+}
+
+std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
+    const std::string& robot, const std::map<std::string, TimedPath>& others, CheckMode mode) const {
+  impl_->scene.robot(robot);  // throws with the nearest name
+  return std::make_shared<const TimedChecker>(impl_->scene, robot, others, impl_->checkers.options(mode));
+}
+
+// --- heuristics of the user
+
+void PlannerInterface::add_heuristic(const std::string& name, HeuristicFunction function, bool consistent) {
+  UserHeuristic heuristic{std::move(function), consistent};
+  require_new_heuristic(name, heuristic, impl_->heuristics);
+  impl_->heuristics.emplace(name, std::move(heuristic));
+}
+
+void PlannerInterface::remove_heuristic(const std::string& name) {
+  if (impl_->heuristics.erase(name) > 0) return;
+  const std::vector<std::string> known = heuristic_names();
+  throw InvalidArgument("there is no heuristic '" + name + "' of yours" + did_you_mean(name, known));
+}
+
+std::vector<std::string> PlannerInterface::heuristic_names() const { return impl_->heuristic_names(); }
+
+// --- limits and proofs
+
+MotionLimits PlannerInterface::motion_limits(const std::string& robot) const { return impl_->limits_of(robot); }
+
+void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits limits) {
+  const RobotModel& model = impl_->model(robot);
+  require_limits(limits, model.joint_names());
+  limits.continuous = default_limits(model).continuous;
+  impl_->motion_limits.insert_or_assign(robot, std::move(limits));
+  impl_->result.reset();
+}
+
+std::vector<std::string> PlannerInterface::load_joint_limits(const std::string& robot, const std::string& path) {
+  io::JointLimitsFile file = io::read_joint_limits(path, impl_->model(robot));
+  set_motion_limits(robot, std::move(file.limits));
+  return file.unused;
+}
+
+Certificate PlannerInterface::verify(const std::string& robot, const Trajectory& trajectory,
+                                     const VerifyOptions& options) const {
+  const Checker& checker = impl_->checker(robot);
+  if (!options.goals.empty())
+    require_question(impl_->scene, robot, options.start.value_or(impl_->scene.robot(robot).q), options.goals);
+  return srmp::verify(trajectory, checker, impl_->limits_of(robot), options);
+}
+
+std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTrajectory& trajectory,
+                                                                  const MultiVerifyOptions& options) const {
+  const auto require_judged = [&](const auto& by_robot, const std::string& what) {
+    for (const auto& [name, value] : by_robot)
+      if (!trajectory.robots.contains(name))
+        throw InvalidArgument("robot '" + name + "' has " + what + ", but no trajectory to verify");
+  };
+  require_judged(options.starts, "a start");
+  require_judged(options.goals, "a goal");
+  std::map<std::string, Trajectory> motions = trajectory.robots;
+  for (const auto& [name, motion] : options.obstacles)
+    if (!motions.emplace(name, motion).second)
+      throw InvalidArgument("robot '" + name + "' has a trajectory to verify and is an obstacle too");
+  MotionsTogether together(impl_->scene, motions, options.gap_tolerance);
+  std::map<std::string, Certificate> certificates;
+  for (const auto& [name, motion] : trajectory.robots)
+    certificates.emplace(name,
+                         together.verify(name, impl_->limits_of(name), impl_->verify_options(name, motion, options)));
+  return certificates;
+}
+
+// --- planning
+
+void PlannerInterface::make_planner(const std::vector<std::string>& robots, const OptionMap& options) {
+  make_planner(robots, parse_options(options));
+}
+
+void PlannerInterface::make_planner(const std::vector<std::string>& robots, const PlannerOptions& options) {
+  validate(options);
+  require_heuristics(options, impl_->heuristic_names());
+  std::vector<std::string> key = planner_key(impl_->scene, robots);
+  require_planner_for(key, options);
+  require_robots(options, key);
+  impl_->checkers.cover_robots(impl_->scene);
+  impl_->result.reset();
+  impl_->planners.insert_or_assign(std::move(key), options);
+}
+
+const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::string>& robots) const {
+  return impl_->planner_options(robots);
+}
+
+Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
+                                  const Interrupt& interrupt, const OnSolution& on_solution) {
+  const PlannerOptions& options = planner_options({robot});
+  impl_->checkers.cover_robots(impl_->scene);  // once for a robot, and no part of the plan
+  const Deadline deadline(common_options(options).time_limit, interrupt);
+  const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
+  const SingleRobotProblem problem =
+      impl_->pose_problem(request.robot, request.start, request.goals, options, on_solution);
+  impl_->request = request;
+  impl_->result.reset();
+  impl_->statistics = {};
+  try {
+    Trajectory trajectory = plan_single_robot(problem, deadline, impl_->statistics);
+    impl_->result = PlanResult(impl_->statistics, trajectory);
+    return trajectory;
+  } catch (const PlanningError&) {
+    impl_->result = PlanResult(impl_->statistics);
+    throw;
+  }
+}
+
+Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
+                                  const Interrupt& interrupt, const OnSolution& on_solution) {
+  return plan(robot, start, std::vector<GoalConstraint>{goal}, interrupt, on_solution);
+}
+
+std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanRequest>& requests,
+                                                    std::optional<int> threads, const Interrupt& interrupt,
+                                                    const Progress& progress) {
+  if (threads.value_or(1) < 1)
+    throw InvalidArgument("threads is " + std::to_string(*threads) + "; it must be at least 1");
+  const auto pose = [this](const PlanRequest& request) {
+    if (request.options) validate(*request.options);
+    const PlannerOptions& options = request.options ? *request.options : planner_options({request.robot});
+    return impl_->pose_problem(request.robot, request.start, request.goals, options);
+  };
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  return srmp::plan_many(requests, pose, static_cast<std::size_t>(threads.value_or(static_cast<int>(cores))), interrupt,
+                         progress);
+}
+
+MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
+                                             const std::map<std::string, GoalConstraint>& goals,
+                                             const std::map<std::string, Trajectory>& obstacles,
+                                             const Interrupt& interrupt) {
+  const MultiPlanRequest request{starts, goals, obstacles};  // a copy: the caller's may be last_request
+  require_multi_question(impl_->scene, request);
+  const PlannerOptions& options = planner_options(names_of(request));
+  require_for_many(options);
+  require_heuristics(options, impl_->heuristic_names());
+  Scene scene = impl_->scene;
+  stand_at_ends(scene, request.starts, request.obstacles, common_options(options));
+  impl_->checkers.cover_robots(impl_->scene);
+  impl_->request = request;
+  impl_->result.reset();
+  impl_->statistics = {};
+  for (const MultiRobotPart& part : impl_->parts(request, false)) impl_->statistics.robot_cost_rad[part.robot] = 0.0;
+  try {
+    MultiTrajectory result = impl_->answer(request, scene, options, interrupt);
+    impl_->result = MultiPlanResult(impl_->statistics, result);
+    return result;
+  } catch (const PlanningError&) {
+    impl_->result = MultiPlanResult(impl_->statistics);
+    throw;
+  }
+}
+
+const PlanStatistics& PlannerInterface::get_planning_stats() const { return impl_->statistics; }
+
+const std::optional<LastRequest>& PlannerInterface::last_request() const { return impl_->request; }
+
+const std::optional<LastResult>& PlannerInterface::last_result() const { return impl_->result; }
+
+}  // namespace srmp

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "srmp/planning/group_checkers.hpp"
+
+namespace srmp {
+
+/// Checkers of a scene as it is now, each made when it is first asked for and kept until the scene changes. What they
+/// know of robots (sphere covers, tables of pairs of links) stays. Not thread-safe.
+class SceneCheckers {
+ public:
+  SceneCheckers();
+
+  /// Of one robot. Throws InvalidArgument with the nearest name when there is none of that name. The reference is good
+  /// until the scene changes.
+  const Checker& of(const Scene& scene, const std::string& robot, CheckMode mode);
+  /// With the covers and tables known here, for a checker that its user keeps.
+  CheckerOptions options(CheckMode mode) const {
+    return {.mode = mode, .covers = covers_, .pair_tables = pair_tables_};
+  }
+
+  struct Together {
+    std::unique_ptr<const GroupCheckers> plan, judge;  ///< judge: by Coal alone
+  };
+  /// Of robots that move together while the others stand as in `scene`; the last ones asked for are kept.
+  const Together& of(const Scene& scene, const std::vector<std::string>& robots, std::size_t threads);
+
+  /// Slow for a robot seen for the first time, nothing otherwise.
+  void cover_robots(const Scene& scene) const;
+  /// The scene has changed.
+  void clear();
+
+ private:
+  std::shared_ptr<CoverStore> covers_;
+  std::shared_ptr<PairTableStore> pair_tables_;
+  std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;
+  Together together_;
+  std::vector<Eigen::VectorXd> others_;  // where the robots that stand still did for `together_`
+};
+
+}  // namespace srmp

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "srmp/planning/verify.hpp"
+#include "srmp/trajectory/certify.hpp"
+
+namespace srmp {
+
+/// How far q misses the nearest of the goals: joint goals in rad (m), the worst joint; poses and positions as a share
+/// of their tolerances, the worst axis. NaN when there is none.
+struct GoalError {
+  double error{std::numeric_limits<double>::quiet_NaN()};
+  double allowed{};
+};
+GoalError goal_error(const std::vector<GoalConstraint>& goals, const Checker& checker, ConstVector q);
+
+/// certify, and whether the trajectory begins and ends where it should. Throws InvalidArgument for options out of
+/// range.
+Certificate verify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
+                   const VerifyOptions& options);
+
+}  // namespace srmp

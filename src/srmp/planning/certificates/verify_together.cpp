@@ -1,0 +1,80 @@
+#include "srmp/planning/certificates/verify_together.hpp"
+
+#include <optional>
+
+#include "srmp/core/error.hpp"
+#include "srmp/trajectory/prove_collision_free.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Motions = std::map<std::string, Trajectory>;
+
+Checker without(const Scene& scene, const std::string& robot, const Motions& others) {
+  CheckerOptions options{.mode = CheckMode::coal};
+  for (const auto& [name, other] : others)
+    if (name != robot) options.excluded_robots.push_back(name);
+  return Checker(scene, robot, options);
+}
+
+Checker beside(const Scene& scene, const std::string& robot, const std::string& other) {
+  return Checker(scene, robot, {.mode = CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
+}
+
+/// Why a motion cannot be held against others; nothing: it can.
+std::optional<Fault> unfitness(const Trajectory& motion, const RobotModel& robot) {
+  if (auto fault = unreadable(motion, robot)) return fault;
+  const double begin = motion.times[0];
+  if (begin == 0.0) return std::nullopt;
+  const std::string text = "the trajectory begins at " + to_text(begin) + " s; motions on one clock begin at time 0";
+  return Fault{FaultKind::times, text, begin};
+}
+
+}  // namespace
+
+Certificate certify_among(const Scene& scene, const std::string& robot, const Trajectory& motion, const Motions& others,
+                          const MotionLimits& limits, const CertifyOptions& options) {
+  Certificate certificate = certify(motion, without(scene, robot, others), limits, options);
+  for (const auto& [name, other] : others)
+    add_proof(certificate, prove_collision_free(beside(scene, robot, name), motion, other,
+                                                {options.gap_tolerance, options.deadline}));
+  return certificate;
+}
+
+MotionsTogether::MotionsTogether(const Scene& scene, const Motions& motions, double gap_tolerance)
+    : scene_(scene), motions_(motions), gap_tolerance_(gap_tolerance) {
+  for (const auto& [name, motion] : motions)
+    if (const auto fault = unfitness(motion, *scene.robot(name).model)) unfit_.emplace(name, *fault);
+}
+
+const MotionProof& MotionsTogether::proof(const std::string& robot, const std::string& other) {
+  if (const auto known = proofs_.find({robot, other}); known != proofs_.end()) return known->second;
+  const Checker judge = beside(scene_, robot, other);
+  const MotionProof proof =
+      prove_collision_free(judge, motions_.at(robot), motions_.at(other), {.gap_tolerance = gap_tolerance_});
+  proofs_.emplace(std::pair(other, robot), seen_from_other_robot(proof, judge, other));
+  return proofs_.emplace(std::pair(robot, other), proof).first->second;
+}
+
+Certificate MotionsTogether::verify(const std::string& robot, const MotionLimits& limits,
+                                    const VerifyOptions& options) {
+  Certificate certificate = srmp::verify(motions_.at(robot), without(scene_, robot, motions_), limits, options);
+  if (!certificate.collisions_checked) return certificate;
+  if (const auto unfit = unfit_.find(robot); unfit != unfit_.end()) {
+    certificate.faults.push_back(unfit->second);
+    return certificate;
+  }
+  for (const auto& [name, other] : motions_) {
+    if (name == robot) continue;
+    if (const auto unfit = unfit_.find(name); unfit != unfit_.end()) {
+      const Fault& its = unfit->second;
+      certificate.faults.push_back({its.kind, "'" + name + "' cannot be kept clear of: " + its.text, its.time});
+    } else {
+      add_proof(certificate, proof(robot, name));
+    }
+  }
+  return certificate;
+}
+
+}  // namespace srmp

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "srmp/planning/certificates/verify.hpp"
+#include "srmp/scene/scene.hpp"
+#include "srmp/trajectory/prove_collision_free.hpp"
+
+namespace srmp {
+
+// Judgement of robots of a scene that move on one clock from time 0 on, and rest where their motions end: each by
+// itself among robots that stand still, and then against every other. By Coal alone.
+
+/// certify of one robot. `others`, by robot name, are whole, and all motions have times.
+Certificate certify_among(const Scene& scene, const std::string& robot, const Trajectory& motion,
+                          const std::map<std::string, Trajectory>& others, const MotionLimits& limits,
+                          const CertifyOptions& options);
+
+/// verify of any motions.
+class MotionsTogether {
+ public:
+  /// By robot name; references outlive this. `gap_tolerance`: of proofs of two, VerifyOptions::gap_tolerance. Throws
+  /// InvalidArgument for a robot that is not in the scene.
+  MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions, double gap_tolerance);
+
+  /// Of one of the robots. A motion of another one that cannot be read, or does not begin at time 0, is a fault too.
+  Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options);
+
+ private:
+  /// Of two robots, as the first one's judge names the bodies; made once for both.
+  const MotionProof& proof(const std::string& robot, const std::string& other);
+
+  const Scene& scene_;
+  const std::map<std::string, Trajectory>& motions_;
+  double gap_tolerance_;
+  std::map<std::pair<std::string, std::string>, MotionProof> proofs_;
+  std::map<std::string, Fault> unfit_;  // why a motion cannot be held against others
+};
+
+}  // namespace srmp

@@ -1,0 +1,115 @@
+#include "srmp/planning/endpoints/endpoints.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/endpoints/ik_goal_connection.hpp"
+#include "srmp/planning/endpoints/start_recovery.hpp"
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/validity.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// From a start in collision, for the reason `why`, to a free one, from which the plan is made.
+void escape(PlanContext& context, Endpoints& ends, const std::string& why) {
+  ends.escape = find_start_recovery(context.checks.checker(), ends.start, context.checks.workspace(),
+                                    [&] { context.stop_if_late("the escape from the start"); });
+  if (ends.escape.empty())
+    throw PlanningError(Status::start_invalid,
+                        "the start is invalid: " + why +
+                            ", and no way out was found along which no pair gets deeper into contact and no other "
+                            "comes into contact");
+  ends.start = ends.escape.back();
+  PlanStatistics& statistics = context.statistics;
+  statistics.recovery_waypoints = static_cast<int>(ends.escape.size()) - 1;
+  statistics.recovery_cost_rad = context.length(ends.escape);
+  statistics.note += (statistics.note.empty() ? "" : "; ") +
+                     ("the start was in collision (" + why + "): the trajectory begins with the way out of it");
+}
+
+void find_start(PlanContext& context, Endpoints& ends) {
+  const SingleRobotProblem& problem = context.problem;
+  context.robot.require_configuration(problem.start, "start of '" + problem.robot + "'");
+  ends.start = context.robot.clamped(problem.start, limit_tolerance);
+  if (ends.start != problem.start)
+    context.statistics.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
+  const std::string why = invalidity(context.checks.checker(), ends.start, context.checks.workspace());
+  if (why.empty()) return;
+  if (!context.common.recover_start || context.robot.limit_violation(ends.start))
+    throw PlanningError(Status::start_invalid, "the start is invalid: " + why);
+  escape(context, ends, why);
+}
+
+/// That meet a target, free or not; `why` says why there are none.
+std::vector<Eigen::VectorXd> configurations(const PlanContext& context, const Eigen::VectorXd& start,
+                                            const GoalConstraint& goal, const Eigen::VectorXd& target,
+                                            std::string& why) {
+  const RobotModel& robot = context.robot;
+  if (goal.type == GoalType::joints) return {robot.clamped(target, limit_tolerance)};
+  auto [in_base, options] = ik_goal(goal, target, *context.problem.placed);
+  options.max_solutions = context.common.ik_solutions;
+  auto found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
+  if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
+    options.position_tolerance = goal.position_tolerance;
+    if (goal.type == GoalType::pose) options.rotation_tolerance = goal.rotation_tolerance;
+    found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
+  }
+  if (found.empty())
+    why = "no configuration within the joint limits brings '" + robot.end_effector() + "' to [" + to_text(target[0]) +
+          ", " + to_text(target[1]) + ", " + to_text(target[2]) + "] (" + std::to_string(options.seeds) +
+          " seeds tried)";
+  return found;
+}
+
+void find_targets(PlanContext& context, Endpoints& ends) {
+  const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
+  int index = 0;
+  std::string first_reason;
+  for (const GoalConstraint& goal : context.problem.goals)
+    for (const Eigen::VectorXd& target : goal.targets) {
+      std::string why;
+      for (Eigen::VectorXd& q : configurations(context, ends.start, goal, target, why)) {
+        const std::string invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
+        if (invalid.empty()) {
+          ends.targets.push_back(std::move(q));
+          ends.goal_indices.push_back(index);
+        } else if (why.empty()) {
+          why = invalid;
+        }
+        context.stop_if_late("the search for goal configurations");
+      }
+      if (first_reason.empty()) first_reason = why;
+      ++index;
+      context.stop_if_late("the search for goal configurations");
+    }
+  if (ends.targets.empty())
+    throw PlanningError(
+        Status::goal_invalid,
+        (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
+}
+
+}  // namespace
+
+int Endpoints::goal_index_of(const Eigen::VectorXd& target) const {
+  return goal_indices[static_cast<std::size_t>(std::find(targets.begin(), targets.end(), target) - targets.begin())];
+}
+
+Endpoints find_endpoints(PlanContext& context) {
+  Endpoints ends;
+  find_start(context, ends);
+  find_targets(context, ends);
+  return ends;
+}
+
+void verify_recovery(const PlanContext& context, const Endpoints& ends) {
+  if (ends.escape.empty()) return;
+  const PhaseTimer timer(context.deadline, context.statistics.verification_time_s);
+  const Checker& checker = context.checks.checker();
+  const std::string why = recovery_violation(checker, ends.escape, *checker.make_workspace());
+  if (!why.empty())
+    throw Error("internal error: the way out of the start does not lead out (" + why +
+                "); nothing is returned. Please report this");
+}
+
+}  // namespace srmp

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "srmp/lattice/lattice.hpp"
+#include "srmp/planning/goal.hpp"
+#include "srmp/trajectory/trajectory.hpp"
+
+namespace srmp {
+
+/// A pose or position target as inverse kinematics wants it.
+struct IkGoal {
+  Pose in_base;       ///< of the end effector, robot base frame
+  IkOptions options;  ///< met as closely as IkOptions' defaults say, or more loosely along free axes only
+};
+
+/// Of a goal that is no joint goal.
+IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot);
+
+/// For states whose end effector is near a pose or position target: the configuration that inverse kinematics, started
+/// from that very state, finds there. Near is what a lattice step makes good: the position is missed by no more than
+/// one `step` of a revolute joint at the target's distance from the base (and one of a prismatic joint), the
+/// orientation by no more than two. No joint of the answer is more than two steps away. ConnectedGoal::goal counts all
+/// targets of all goals. Empty, and so free of charge, when all goals are joint goals.
+GoalConnection make_ik_goal_connection(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
+                                       const Eigen::VectorXd& step);
+
+}  // namespace srmp

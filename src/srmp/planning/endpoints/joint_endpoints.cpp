@@ -1,0 +1,49 @@
+#include "srmp/planning/endpoints/joint_endpoints.hpp"
+
+#include "srmp/core/error.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// What two robots touch with at two configurations; "" = nothing.
+std::string contact(const GroupCheckers& checkers, std::size_t i, const Eigen::VectorXd& a, std::size_t j,
+                    const Eigen::VectorXd& b) {
+  const Checker* checker = checkers.pair(i, j);
+  if (!checker) return "";
+  Eigen::VectorXd both(a.size() + b.size());
+  both << a, b;
+  const auto workspace = checker->make_workspace();
+  if (checker->is_free(both, *workspace)) return "";
+  const auto contacts = checker->contacts(both, *workspace);
+  return "'" + checkers.names()[i] + "' and '" + checkers.names()[j] + "' are in collision" +
+         (contacts.empty() ? "" : ": " + contacts.front().describe());
+}
+
+/// Of the first two targets; "" = some go together, or there are none.
+std::string goal_contact(const GroupCheckers& checkers, std::size_t i, const RobotEndpoints& a, std::size_t j,
+                         const RobotEndpoints& b) {
+  std::string first;
+  for (const Eigen::VectorXd& of_a : a.targets)
+    for (const Eigen::VectorXd& of_b : b.targets) {
+      const std::string why = contact(checkers, i, of_a, j, of_b);
+      if (why.empty()) return "";
+      if (first.empty()) first = why;
+    }
+  return first;
+}
+
+}  // namespace
+
+void require_joint_endpoints(const GroupCheckers& checkers, const std::vector<RobotEndpoints>& ends) {
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    for (std::size_t j = i + 1; j < ends.size(); ++j)
+      if (const std::string why = contact(checkers, i, ends[i].start, j, ends[j].start); !why.empty())
+        throw PlanningError(Status::start_invalid, "the starts are invalid: " + why);
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    for (std::size_t j = i + 1; j < ends.size(); ++j)
+      if (const std::string why = goal_contact(checkers, i, ends[i], j, ends[j]); !why.empty())
+        throw PlanningError(Status::goal_invalid, "the goals cannot be reached together: at them " + why);
+}
+
+}  // namespace srmp

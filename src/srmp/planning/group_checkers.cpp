@@ -1,0 +1,39 @@
+#include "srmp/planning/group_checkers.hpp"
+
+#include "srmp/core/jobs.hpp"
+
+namespace srmp {
+
+RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_first) {
+  RowMatrix both(arm.rows(), arm.cols() + other.cols());
+  both << (other_first ? other : arm), (other_first ? arm : other);
+  return both;
+}
+
+GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
+                             std::size_t threads)
+    : names_(std::move(robots)), alone_(names_.size()) {
+  Jobs jobs(threads);
+  jobs.run(size(), Deadline(), [&](std::size_t i, const Deadline&) {
+    CheckerOptions alone = options;
+    for (const std::string& other : names_)
+      if (other != names_[i]) alone.excluded_robots.push_back(other);
+    alone_[i] = std::make_unique<const Checker>(scene, names_[i], alone);
+  });
+  std::vector<PlacedSphere> ranges;
+  for (const auto& checker : alone_) ranges.push_back(checker->range());
+  for (std::size_t i = 0; i < size(); ++i)
+    for (std::size_t j = i + 1; j < size(); ++j)
+      if ((ranges[i].center - ranges[j].center).norm() <= ranges[i].radius + ranges[j].radius) pairs_[{i, j}] = nullptr;
+  std::vector<decltype(pairs_)::value_type*> pairs;
+  for (auto& pair : pairs_) pairs.push_back(&pair);
+  jobs.run(pairs.size(), Deadline(), [&](std::size_t k, const Deadline&) {
+    auto& [numbers, checker] = *pairs[k];
+    CheckerOptions both = options;
+    both.other_robots = {names_[numbers.second]};
+    both.other_robots_only = true;
+    checker = std::make_unique<const Checker>(scene, names_[numbers.first], both);
+  });
+}
+
+}  // namespace srmp

@@ -1,0 +1,289 @@
+#include "srmp/planning/multi_robot_world.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <unordered_map>
+
+#include "srmp/core/memory_of.hpp"
+#include "srmp/trajectory/motion_limits.hpp"
+#include "srmp/trajectory/path.hpp"
+
+namespace srmp {
+
+using multi::Move;
+using search::StateId;
+
+class MultiRobotWorld::Arm : public multi::Agent {
+ public:
+  Arm(const Checker& checker, WorldTask task, const Options& options)
+      : checker_(checker),
+        robot_(checker.robot()),
+        workspace_(checker.make_workspace()),
+        limits_(default_limits(robot_)),
+        wait_cost_(0.1 * options.resolution),
+        task_(std::move(task)),
+        lattice_(robot_, {task_.start}, task_.targets,
+                 {.primitives = primitives(options), .vias = inner(task_.backbone)},
+                 [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
+    double left = 0.0;
+    rest_.assign(task_.backbone.size(), 0.0);
+    for (std::size_t k = task_.backbone.size(); k-- > 1;)
+      rest_[k - 1] = left += lattice_.distance(task_.backbone[k - 1], task_.backbone[k]);
+  }
+
+  StateId start() override { return 0; }
+  void successors(StateId state, std::vector<search::Successor>& out) override { lattice_.successors(state, out); }
+  bool is_goal(StateId state) override { return task_.anywhere || lattice_.is_goal(state); }
+  double heuristic(StateId state) override { return task_.anywhere ? 0.0 : lattice_.distance_to_targets(state); }
+  double wait_cost() override { return wait_cost_; }
+  int duration(StateId from, StateId to) override {
+    const double time = time_of(lattice_.configuration(from), lattice_.configuration(to));
+    return std::max(1, static_cast<int>(std::ceil(time / step_time - 1e-9)));
+  }
+
+  /// Along the backbone, from where one gets onto it.
+  double guide(StateId state) override {
+    double least = heuristic(state);
+    if (task_.backbone.size() < 3 || least == 0.0) return least;
+    const Eigen::VectorXd q = lattice_.configuration(state);
+    least = search::infinity;
+    for (std::size_t k = 0; k < rest_.size(); ++k)
+      least = std::min(least, lattice_.distance(q, task_.backbone[k]) + rest_[k]);
+    return least;
+  }
+
+  double evaluate(StateId from, StateId to) override {
+    const auto [known, added] = costs_.try_emplace(std::uint64_t{from} << 32 | to, 0.0);
+    if (added) {
+      const search::Edge edge{from, to, lattice_.distance(configuration(from), configuration(to))};
+      lattice_.evaluate({&edge, 1}, {&known->second, 1});
+    }
+    return known->second;
+  }
+
+  bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return checker_.is_motion_free(a, b, *workspace_, {.start_is_free = true});
+  }
+
+  bool is_free(const Eigen::VectorXd& q) { return checker_.is_free(q, *workspace_); }
+
+  double time_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+    return (robot_.difference(a, b).array().abs() / limits_.velocity.array()).maxCoeff();
+  }
+  const WorldTask& task() const { return task_; }
+  double length_alone() const { return rest_.empty() ? 0.0 : rest_.front(); }
+  const MotionLimits& limits() const { return limits_; }
+  Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
+  const RobotModel& robot() const { return robot_; }
+  std::size_t states() const { return lattice_.size(); }
+  std::size_t memory() const { return lattice_.memory() + memory_of(costs_); }
+
+  double step_time{};  // [s]
+
+ private:
+  PrimitiveSet primitives(const Options& options) const {
+    if (task_.primitives) return *task_.primitives;
+    const std::vector<Joint>& joints = robot_.joints();
+    return rich_primitives(joints, lattice_step(joints, options.resolution, options.prismatic_resolution),
+                           parallel_pairs(robot_));
+  }
+  static std::vector<Eigen::VectorXd> inner(const std::vector<Eigen::VectorXd>& path) {
+    if (path.size() < 3) return {};
+    return {path.begin() + 1, path.end() - 1};
+  }
+
+  const Checker& checker_;
+  const RobotModel& robot_;
+  Checker::WorkspacePtr workspace_;
+  MotionLimits limits_;
+  double wait_cost_;
+  WorldTask task_;
+  std::vector<double> rest_;  // of the backbone, from each waypoint on
+  Lattice lattice_;
+  std::unordered_map<std::uint64_t, double> costs_;  // of edges
+};
+
+/// What is known of two arms, a < b. Threads share it.
+class MultiRobotWorld::Pair {
+ public:
+  explicit Pair(const Checker& checker) : checker_(checker), workspace_(checker.make_workspace()) {}
+
+  bool are_collision_free(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
+                          const Eigen::VectorXd& to_b, const MotionQuery& query) {
+    const std::lock_guard lock(mutex_);
+    return look(from_a, to_a, from_b, to_b, query);
+  }
+
+  /// Rows of a's configurations, then b's.
+  std::vector<char> collision_free_with(const RowMatrix& both) {
+    const std::lock_guard lock(mutex_);
+    const auto count = static_cast<std::size_t>(both.rows());
+    const auto free = std::make_unique<bool[]>(count);
+    checker_.are_free(both, {free.get(), count}, *workspace_, {.spheres_only = true});
+    return {free.get(), free.get() + count};
+  }
+
+  /// `ends` of the moves where both are under way: of a, then of b, each from and to.
+  template <class Ends>
+  bool meet(const Move& move_a, const Move& move_b, int first, int last, Ends&& ends) {
+    // Of a wait only the place counts, and the time as far as the other one moves.
+    const auto since = [first](const Move& move, int step) {
+      return move.waits() ? 0u : static_cast<std::uint32_t>(step - first);
+    };
+    const bool still = move_a.waits() && move_b.waits();
+    const Meeting key{
+        move_a.from, move_a.to, since(move_a, move_a.start), since(move_a, move_a.end),
+        move_b.from, move_b.to, since(move_b, move_b.start), still ? 0u : static_cast<std::uint32_t>(last - first)};
+    const std::lock_guard lock(mutex_);
+    const auto [known, added] = meetings_.try_emplace(key, false);
+    if (added) {
+      const std::array<Eigen::VectorXd, 4> q = ends();
+      known->second = !look(q[0], q[1], q[2], q[3], {});
+    }
+    return known->second;
+  }
+
+  std::uint64_t checks() const {
+    const std::lock_guard lock(mutex_);
+    return checks_;
+  }
+  std::size_t memory() const {
+    const std::lock_guard lock(mutex_);
+    return memory_of(meetings_);
+  }
+
+ private:
+  bool look(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
+            const Eigen::VectorXd& to_b, const MotionQuery& query) {
+    ++checks_;
+    from_.resize(from_a.size() + from_b.size());
+    to_.resize(from_.size());
+    from_ << from_a, from_b;
+    to_ << to_a, to_b;
+    return checker_.is_motion_free(from_, to_, *workspace_, query);
+  }
+
+  const Checker& checker_;
+  mutable std::mutex mutex_;
+  Checker::WorkspacePtr workspace_;
+  Eigen::VectorXd from_, to_;
+  std::uint64_t checks_{};
+  /// Two moves of two arms, times since the later of their starts.
+  using Meeting = std::array<std::uint32_t, 8>;
+  struct MeetingHash {
+    std::size_t operator()(const Meeting& key) const {
+      std::uint64_t hash = 0;
+      for (const std::uint32_t number : key) hash = (hash ^ number) * 0x9e3779b97f4a7c15u ^ hash >> 29;
+      return hash;
+    }
+  };
+  std::unordered_map<Meeting, bool, MeetingHash> meetings_;  // known already
+};
+
+MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<WorldTask> tasks, const Options& options)
+    : checkers_(checkers), options_(options) {
+  for (std::size_t i = 0; i < checkers.size(); ++i) {
+    arms_.push_back(std::make_unique<Arm>(checkers.alone(i), std::move(tasks[i]), options));
+    step_time_ = std::max(step_time_, options.resolution / arms_.back()->limits().velocity.mean());
+    for (std::size_t j = i + 1; j < checkers.size(); ++j)
+      if (const Checker* both = checkers.pair(i, j)) pairs_.emplace(std::pair(i, j), std::make_unique<Pair>(*both));
+  }
+  for (const auto& arm : arms_) arm->step_time = step_time_;
+}
+MultiRobotWorld::~MultiRobotWorld() = default;
+
+multi::Agent& MultiRobotWorld::agent(std::size_t i) { return *arms_[i]; }
+
+MultiRobotWorld::Pair* MultiRobotWorld::pair(std::size_t a, std::size_t b) const {
+  const auto found = pairs_.find({a, b});
+  return found == pairs_.end() ? nullptr : found->second.get();
+}
+
+std::uint64_t MultiRobotWorld::pair_checks() const {
+  std::uint64_t sum = 0;
+  for (const auto& [numbers, pair] : pairs_) sum += pair->checks();
+  return sum;
+}
+
+std::uint64_t MultiRobotWorld::states() const {
+  std::uint64_t sum = 0;
+  for (const auto& arm : arms_) sum += arm->states();
+  return sum;
+}
+
+std::size_t MultiRobotWorld::memory() const {
+  std::size_t sum = 0;
+  for (const auto& arm : arms_) sum += arm->memory();
+  for (const auto& [numbers, pair] : pairs_) sum += pair->memory();
+  return sum;
+}
+
+Eigen::VectorXd MultiRobotWorld::at(std::size_t arm, const Move& move, int step) const {
+  const Arm& a = *arms_[arm];
+  const Eigen::VectorXd from = a.configuration(move.from);
+  if (move.waits() || step <= move.start) return from;
+  const Eigen::VectorXd to = a.configuration(move.to);
+  if (step >= move.end) return to;
+  const double share = static_cast<double>(step - move.start) / (move.end - move.start);
+  return from + share * a.robot().difference(from, to);
+}
+
+bool MultiRobotWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
+  if (a > b) return meet(b, move_b, a, move_a);
+  const auto [first, last] = multi::overlap(move_a, move_b);
+  Pair* both = pair(a, b);
+  if (first >= last || !both) return false;
+  return both->meet(move_a, move_b, first, last, [&, first = first, last = last] {
+    return std::array{at(a, move_a, first), at(a, move_a, last), at(b, move_b, first), at(b, move_b, last)};
+  });
+}
+
+bool MultiRobotWorld::has_own_primitives() const {
+  return std::any_of(arms_.begin(), arms_.end(), [](const auto& arm) { return arm->task().primitives.has_value(); });
+}
+
+int MultiRobotWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  return std::max(1, static_cast<int>(std::ceil(arms_[arm]->time_of(from, to) / step_time_ - 1e-9)));
+}
+
+RowMatrix MultiRobotWorld::unwrapped(std::size_t arm, ConstRows rows) const {
+  return unwrap_waypoints(rows, arms_[arm]->limits().continuous);
+}
+
+const WorldTask& MultiRobotWorld::task(std::size_t arm) const { return arms_[arm]->task(); }
+
+double MultiRobotWorld::direct(std::size_t arm) const {
+  const WorldTask& task = arms_[arm]->task();
+  double least = task.anywhere ? 0.0 : search::infinity;
+  for (const Eigen::VectorXd& target : task.targets)
+    least = std::min(least, robot(arm).difference(task.start, target).norm());
+  return least;
+}
+
+double MultiRobotWorld::alone(std::size_t arm) const { return task(arm).anywhere ? 0.0 : arms_[arm]->length_alone(); }
+
+bool MultiRobotWorld::are_collision_free(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a,
+                                         std::size_t b, const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b,
+                                         const MotionQuery& query) {
+  if (a > b) return are_collision_free(b, from_b, to_b, a, from_a, to_a, query);
+  Pair* both = pair(a, b);
+  return !both || both->are_collision_free(from_a, to_a, from_b, to_b, query);
+}
+
+std::vector<char> MultiRobotWorld::collision_free_with(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
+                                                       std::span<const Eigen::VectorXd> points) {
+  Pair* both = pair(std::min(a, b), std::max(a, b));
+  if (!both || points.empty()) return std::vector<char>(points.size(), true);
+  const RowMatrix rows = stack_waypoints(points);
+  return both->collision_free_with(side_by_side(rows, q.transpose().replicate(rows.rows(), 1), a < b));
+}
+
+bool MultiRobotWorld::is_free_for_one(std::size_t arm, const Eigen::VectorXd& q) { return arms_[arm]->is_free(q); }
+
+bool MultiRobotWorld::is_free_for_one(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+  return arms_[arm]->is_free(from, to);
+}
+
+}  // namespace srmp

@@ -1,0 +1,164 @@
+#include "srmp/planning/obstacles/prioritised_in_time.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "srmp/planning/endpoints/joint_endpoints.hpp"
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/post_process.hpp"
+#include "srmp/planning/single_robot_path.hpp"
+#include "srmp/planning/validity.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr int max_roadmaps = 3;
+constexpr std::uint64_t max_looks = 20'000'000;      // for a robot
+constexpr std::uint64_t looks_for_sooner = 500'000;  // for all of them
+constexpr double share_to_prove = 0.2;               // of the time that is left when the robots are begun with
+
+}  // namespace
+
+PrioritisedInTime::PrioritisedInTime(const MultiRobotProblem& problem, const CommittedMotions& committed,
+                                     const GroupCheckers& team, const CheckerOptions& quick, const Deadline& deadline,
+                                     PlanStatistics& statistics)
+    : problem_(problem),
+      common_(common_options(problem.options)),
+      committed_(committed),
+      team_(team),
+      quick_(problem.scene, team.names(), quick),
+      deadline_(deadline),
+      statistics_(statistics) {
+  for (std::size_t i = 0; i < problem.moving.size(); ++i) workspaces_.push_back(quick_.alone(i).make_workspace());
+}
+
+// --- starts and goals
+
+void PrioritisedInTime::require_ends() {
+  std::vector<RobotEndpoints> ends;
+  for (std::size_t i = 0; i < problem_.moving.size(); ++i) ends.push_back({way(i).start, way(i).targets});
+  require_joint_endpoints(team_, ends);
+}
+
+/// Among what stands still: of the robots that move none stands anywhere. Its targets are free of the committed robots
+/// where those rest at last.
+const RobotPath& PrioritisedInTime::way(std::size_t i) {
+  if (const auto known = ways_.find(i); known != ways_.end()) return known->second;
+  const MultiRobotPart& part = problem_.moving[i];
+  RobotPath path = find_way_alone(problem_, part, quick_.alone(i), deadline_, statistics_);
+  const Checker& at_last = problem_.checkers.alone(i);
+  const auto workspace = at_last.make_workspace();
+  std::string why;
+  std::erase_if(path.targets, [&](const Eigen::VectorXd& target) {
+    const std::string wrong = invalidity(at_last, target, *workspace);
+    if (why.empty()) why = wrong;
+    return !wrong.empty();
+  });
+  if (path.targets.empty() && !why.empty())
+    throw PlanningError(Status::goal_invalid, "robot '" + part.robot + "': the goal is invalid: " + why);
+  return ways_.emplace(i, std::move(path)).first->second;
+}
+
+// --- plans
+
+std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions& at_once) {
+  const double left = deadline_.remaining(),
+               to_prove = std::max(statistics_.verification_time_s, share_to_prove * left);
+  const Deadline improve_until(std::max(left - to_prove, 0.0), [&] { return deadline_.cancelled(); });
+  std::vector<std::size_t> order(problem_.moving.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::set<std::vector<std::size_t>> tried;
+  while (tried.insert(order).second && !deadline_.stop_requested()) {
+    Motions found;
+    const auto stuck = std::find_if_not(order.begin(), order.end(), [&](std::size_t i) {
+      std::uint64_t looks = max_looks;
+      return plan_one(i, at_once,
+                      {std::numeric_limits<double>::infinity(), max_roadmaps, looks, deadline_, improve_until}, found);
+    });
+    if (stuck == order.end()) return found;
+    std::rotate(order.begin(), stuck, std::next(stuck));
+  }
+  return std::nullopt;
+}
+
+std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_sooner(const Motions& at_once, double before,
+                                                                         const Deadline& until) {
+  std::uint64_t looks = looks_for_sooner;
+  Motions found;
+  try {
+    for (std::size_t i = 0; i < problem_.moving.size(); ++i)
+      if (!plan_one(i, at_once, {before, 1, looks, until, until}, found)) return std::nullopt;
+  } catch (const PlanningError&) {
+    return std::nullopt;  // no way of a robot alone was found, or not in time
+  }
+  return found;
+}
+
+/// Adds the robot's motion to `done`; false: none was found.
+bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const TimedEffort& effort, Motions& done) {
+  const MultiRobotPart& part = problem_.moving[i];
+  const std::vector<MovingRobot> others = others_of(i, done);
+  if (const auto known = at_once.find(part.robot); known != at_once.end() && end_of(known->second) < effort.before) {
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    Watch watch(others, effort.deadline);
+    const bool gets_by = !watch.find(known->second);
+    effort.looks -= std::min(effort.looks, watch.looks());
+    if (gets_by) {
+      done.emplace(part.robot, known->second);
+      return true;
+    }
+  }
+  const TimedTask task = task_of(i, at_once, others);
+  const PhaseTimer timer(deadline_, statistics_.search_time_s);
+  TimedAnswer answer = plan_in_time(task, effort);
+  statistics_.expansions += answer.expansions;
+  statistics_.edge_checks += answer.edge_checks;
+  statistics_.memory_bytes = std::max(statistics_.memory_bytes, answer.memory_bytes);
+  if (answer.status != Status::solved) return false;
+  answer.motion.robot = part.placed;
+  done.emplace(part.robot, std::move(answer.motion));
+  return true;
+}
+
+std::vector<MovingRobot> PrioritisedInTime::others_of(std::size_t i, const Motions& done) const {
+  std::vector<MovingRobot> others;
+  for (std::size_t j = 0; j < team_.size(); ++j) {
+    const std::string& name = team_.names()[j];
+    const Trajectory* motion = nullptr;
+    if (const auto committed = committed_.find(name); committed != committed_.end())
+      motion = &committed->second;
+    else if (const auto planned = done.find(name); planned != done.end())
+      motion = &planned->second;
+    if (!motion || !team_.may_conflict(i, j)) continue;
+    const auto [a, b] = std::minmax(i, j);
+    others.push_back({quick_.pair(a, b), team_.pair(a, b), j < i, motion});
+  }
+  return others;
+}
+
+/// Its way among what stands still leads the search; where it arrives at once is a target too.
+TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others) {
+  const MultiRobotPart& part = problem_.moving[i];
+  const Checker& checker = quick_.alone(i);
+  const RobotPath& path = way(i);
+  TimedTask task{
+      checker, team_.alone(i), others, path.start, path.targets, path.waypoints, scaled(part.limits, common_), {}};
+  if (const auto known = at_once.find(part.robot); known != at_once.end() && part.goal.type != GoalType::any) {
+    const Eigen::VectorXd end = known->second.positions.bottomRows(1).transpose();
+    if (std::find(task.targets.begin(), task.targets.end(), end) == task.targets.end()) task.targets.push_back(end);
+  }
+  task.in_time = [this, &checker, &workspace = *workspaces_[i], limits = task.limits](const RowMatrix& rows) {
+    TimingOptions timing = timing_options(common_, common_.blend_deviation);
+    timing.reach = checker.reach();
+    timing.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return checker.is_free(a, workspace) && checker.is_motion_free(a, b, workspace, {.start_is_free = true});
+    };
+    return time_parameterize(rows, checker.robot().joint_names(), limits, timing);
+  };
+  return task;
+}
+
+}  // namespace srmp

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "srmp/planning/obstacles/moving_obstacles.hpp"
+#include "srmp/planning/obstacles/plan_in_time.hpp"
+#include "srmp/planning/single_robot.hpp"
+
+namespace srmp {
+
+/// Robots that are planned in time one after the other, each around the committed motions and those of the robots
+/// before it (priorities: Erdmann, Lozano-Pérez 1987).
+class PrioritisedInTime {
+ public:
+  using Motions = std::map<std::string, Trajectory>;
+
+  /// `team`: judges of the problem's robots, in their order, and after them the committed ones. References outlive
+  /// this.
+  PrioritisedInTime(const MultiRobotProblem& problem, const CommittedMotions& committed, const GroupCheckers& team,
+                    const CheckerOptions& quick, const Deadline& deadline, PlanStatistics& statistics);
+
+  /// What plan_multi_robot asks of starts and goals, but that a start may be where a committed motion ends. Throws
+  /// PlanningError.
+  void require_ends();
+
+  /// A robot that finds no motion is put first, until an order comes again. Those whose motion of `at_once` gets by
+  /// keep it. Throws PlanningError where a robot has no way even among what stands still.
+  std::optional<Motions> plan(const Motions& at_once);
+  /// Only if all arrive sooner than `before` [s], with an effort that is small next to that of a plan.
+  std::optional<Motions> plan_sooner(const Motions& at_once, double before, const Deadline& until);
+
+ private:
+  bool plan_one(std::size_t i, const Motions& at_once, const TimedEffort& effort, Motions& done);
+  std::vector<MovingRobot> others_of(std::size_t i, const Motions& done) const;
+  TimedTask task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others);
+  const RobotPath& way(std::size_t i);
+
+  const MultiRobotProblem& problem_;
+  const CommonOptions& common_;
+  const CommittedMotions& committed_;
+  const GroupCheckers& team_;
+  const GroupCheckers quick_;  // the team by quick checkers
+  std::vector<Checker::WorkspacePtr> workspaces_;
+  const Deadline& deadline_;
+  PlanStatistics& statistics_;
+  std::map<std::size_t, RobotPath> ways_;  // of robots, among what stands still
+};
+
+}  // namespace srmp

@@ -1,0 +1,51 @@
+#include "srmp/planning/strategies/composite_sampling.hpp"
+
+#include "srmp/planning/strategies/robot_sampling.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double stays = 0.1;  // share of the samples in which an arm is at its start; as many, at its goal
+
+using Sampler = std::function<Eigen::VectorXd(search::RandomSequence&)>;
+
+/// Of each arm as if it were alone.
+std::vector<Sampler> samplers(const CompositeSpace& space) {
+  std::vector<Sampler> found;
+  for (std::size_t i = 0; i < space.size(); ++i)
+    found.push_back(rrt_space(space.robot(i), space.task(i).start, space.task(i).targets).sample);
+  return found;
+}
+
+Eigen::VectorXd sample(const CompositeSpace& space, const std::vector<Sampler>& alone, search::RandomSequence& random) {
+  Eigen::VectorXd q = space.start();
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    const double choice = random.next();
+    if (choice < stays) continue;
+    if (choice < 2 * stays && !space.task(i).anywhere)
+      space.part(q, i) = space.task(i).targets.front();
+    else
+      space.part(q, i) = alone[i](random);
+  }
+  return q;
+}
+
+}  // namespace
+
+search::RrtSpace rrt_space(const CompositeSpace& space) {
+  search::RrtSpace trees;
+  trees.starts = {space.start()};
+  trees.goals = space.targets();
+  trees.longest_step = 1.0;  // over all joints [rad, prismatic joints m]
+  for (const Joint& joint : space.joints()) trees.turns.push_back(joint.kind == JointKind::continuous);
+  trees.sample = [&space, alone = samplers(space)](search::RandomSequence& random) {
+    return sample(space, alone, random);
+  };
+  trees.is_motion_free = [&space](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return space.is_motion_free(a, b);
+  };
+  return trees;
+}
+
+}  // namespace srmp

@@ -1,0 +1,69 @@
+#include "srmp/planning/strategies/composite_space.hpp"
+
+#include <algorithm>
+
+namespace srmp {
+
+namespace {
+constexpr std::size_t max_targets = 16;
+}
+
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> arms)
+    : world_(world), arms_(std::move(arms)) {
+  for (const std::size_t arm : arms_) {
+    const std::vector<Joint>& joints = world.robot(arm).joints();
+    first_.push_back(std::ssize(joints_));
+    joints_.insert(joints_.end(), joints.begin(), joints.end());
+  }
+  first_.push_back(std::ssize(joints_));
+  start_.resize(std::ssize(joints_));
+  for (std::size_t i = 0; i < size(); ++i) part(start_, i) = task(i).start;
+  add_targets(0, start_);
+}
+
+/// The first goals of each arm first.
+void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
+  if (targets_.size() >= max_targets) return;
+  if (i == size()) {
+    targets_.push_back(std::move(q));
+    return;
+  }
+  const std::vector<Eigen::VectorXd> choices =
+      task(i).anywhere ? std::vector<Eigen::VectorXd>{task(i).start} : task(i).targets;
+  const Eigen::VectorXd& all = q;
+  for (const Eigen::VectorXd& choice : choices) {
+    part(q, i) = choice;
+    bool apart = true;
+    for (std::size_t k = 0; k < i && apart; ++k)
+      apart = world_.are_collision_free(arms_[k], part(all, k), part(all, k), arms_[i], choice, choice);
+    if (apart) add_targets(i + 1, q);
+  }
+}
+
+bool CompositeSpace::is_end(const Eigen::VectorXd& q) const {
+  return q == start_ || std::find(targets_.begin(), targets_.end(), q) != targets_.end();
+}
+
+bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  const bool by_spheres = !is_end(a) && !is_end(b);
+  std::vector<char> moves(size());
+  for (std::size_t i = 0; i < size(); ++i) {
+    moves[i] = part(a, i) != part(b, i);
+    if (moves[i] && !world_.is_free_for_one(arms_[i], part(a, i), part(b, i))) return false;
+  }
+  for (std::size_t i = 0; i < size(); ++i)
+    for (std::size_t k = i + 1; k < size(); ++k)
+      if ((moves[i] || moves[k]) && !world_.are_collision_free(arms_[i], part(a, i), part(b, i), arms_[k], part(a, k),
+                                                               part(b, k), {true, by_spheres}))
+        return false;
+  return true;
+}
+
+JointPath CompositeSpace::path(const std::vector<Eigen::VectorXd>& rows) const {
+  std::vector<std::vector<Eigen::VectorXd>> ways(size());
+  for (std::size_t i = 0; i < size(); ++i)
+    for (const Eigen::VectorXd& row : rows) ways[i].push_back(part(row, i));
+  return joint_path(world_, arms_, ways);
+}
+
+}  // namespace srmp

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "srmp/planning/smoothing/joint_path.hpp"
+
+namespace srmp {
+
+/// Arms as one robot with all their joints: where it begins, where it may end, and which of its motions are free. Arms
+/// whose goal is anywhere end where they start.
+class CompositeSpace {
+ public:
+  /// The world outlives this.
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> arms);
+
+  std::size_t size() const { return arms_.size(); }
+  const MultiRobotWorld& world() const { return world_; }
+  const std::vector<Joint>& joints() const { return joints_; }
+  const RobotModel& robot(std::size_t i) const { return world_.robot(arms_[i]); }
+  const WorldTask& task(std::size_t i) const { return world_.task(arms_[i]); }
+  Eigen::Index first(std::size_t i) const { return first_[i]; }  ///< joint of arm i; first(size()): of all
+  const Eigen::VectorXd& start() const { return start_; }
+  const std::vector<Eigen::VectorXd>& targets() const { return targets_; }  ///< goals of all arms that go together
+
+  Eigen::VectorBlock<Eigen::VectorXd> part(Eigen::VectorXd& q, std::size_t i) const {
+    return q.segment(first_[i], first_[i + 1] - first_[i]);
+  }
+  Eigen::VectorXd part(const Eigen::VectorXd& q, std::size_t i) const {
+    return q.segment(first_[i], first_[i + 1] - first_[i]);
+  }
+
+  /// `a` is free. Where the arms must be, it matters how near they are exactly; elsewhere spheres are quicker.
+  bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+
+  JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
+
+ private:
+  void add_targets(std::size_t i, Eigen::VectorXd q);
+  bool is_end(const Eigen::VectorXd& q) const;
+
+  MultiRobotWorld& world_;
+  std::vector<std::size_t> arms_;
+  std::vector<Joint> joints_;
+  std::vector<Eigen::Index> first_;
+  Eigen::VectorXd start_;
+  std::vector<Eigen::VectorXd> targets_;
+};
+
+}  // namespace srmp

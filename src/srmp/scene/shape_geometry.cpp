@@ -1,0 +1,172 @@
+#include "srmp/scene/shape_geometry.hpp"
+
+#include <coal/BVH/BVH_model.h>
+#include <coal/octree.h>
+#include <coal/shape/convex.h>
+#include <coal/shape/geometric_shapes.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "srmp/core/error.hpp"
+#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/morton.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Geometry = std::shared_ptr<coal::CollisionGeometry>;
+
+template <class... Calls>
+struct Overloaded : Calls... {
+  using Calls::operator()...;
+};
+
+std::string of(const char* what, const std::string& object) {
+  return std::string(what) + " of object '" + object + "'";
+}
+
+Geometry build(const Box& box, const std::string& object) {
+  for (double edge : box.size) require_positive(edge, of("box size", object));
+  return std::make_shared<coal::Box>(box.size);
+}
+
+Geometry build(const Sphere& sphere, const std::string& object) {
+  require_positive(sphere.radius, of("sphere radius", object));
+  return std::make_shared<coal::Sphere>(sphere.radius);
+}
+
+template <class CoalShape, class Round>
+Geometry build_round(const Round& round, const char* kind, const std::string& object) {
+  require_positive(round.radius, of((std::string(kind) + " radius").c_str(), object));
+  require_positive(round.length, of((std::string(kind) + " length").c_str(), object));
+  return std::make_shared<CoalShape>(round.radius, round.length);
+}
+
+void check_mesh(const Mesh& mesh, const std::string& object) {
+  const std::string mesh_of = of("mesh", object);
+  if (mesh.vertices.empty()) throw InvalidArgument(mesh_of + " has no vertices");
+  if (mesh.triangles.empty() && !mesh.convex)
+    throw InvalidArgument(mesh_of + " has no triangles; give some, or ask for its convex hull");
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (!mesh.vertices[i].allFinite())
+      throw InvalidArgument(mesh_of + ": vertex " + std::to_string(i) +
+                            " has a component that is NaN or infinite; only finite numbers are allowed");
+  const int count = static_cast<int>(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (int index : mesh.triangles[i])
+      if (index < 0 || index >= count)
+        throw InvalidArgument(mesh_of + ": triangle " + std::to_string(i) + " names vertex " + std::to_string(index) +
+                              ", but there are " + std::to_string(count) + " vertices, counted from 0");
+}
+
+/// Without the triangles that have no area: they have no plane, and their edges belong to their neighbours.
+std::vector<std::array<int, 3>> with_area(const Mesh& mesh) {
+  std::vector<std::array<int, 3>> kept;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d u = mesh.vertices[t[1]] - mesh.vertices[t[0]], v = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+    if (u.cross(v).norm() > 1e-12 * std::max(u.squaredNorm(), v.squaredNorm())) kept.push_back(t);
+  }
+  return kept;
+}
+
+std::shared_ptr<const coal::CollisionGeometry> build_mesh(const Mesh& mesh, const std::string& object) {
+  check_mesh(mesh, object);
+  const TriangleSoup soup{mesh.vertices, with_area(mesh)};
+  if (!mesh.convex && soup.triangles.empty())
+    throw InvalidArgument(of("mesh", object) + ": every triangle has zero area");
+  try {
+    return make_mesh_geometry(soup, mesh.convex ? MeshModel::hull : MeshModel::surface);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(of("mesh", object) + ": " + error.what());
+  }
+}
+
+/// coal::makeOctree, faster: every cell once, in the octree's own order, its parents at the end.
+Geometry octree_of(const PointCloud& cloud) {
+  std::vector<std::uint64_t> codes;
+  codes.reserve(cloud.points.size());
+  const auto cell = [&](double x) { return static_cast<std::int32_t>(std::floor(x / cloud.resolution)); };
+  for (const Eigen::Vector3d& p : cloud.points) codes.push_back(morton_code({cell(p.x()), cell(p.y()), cell(p.z())}));
+  std::sort(codes.begin(), codes.end());
+  codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
+  const auto octree = std::make_shared<octomap::OcTree>(cloud.resolution);
+  const auto middle = static_cast<std::int32_t>(1u << (octree->getTreeDepth() - 1));
+  for (const std::uint64_t code : codes) {
+    const auto key = morton_key(code);
+    const auto part = [&](std::size_t i) { return static_cast<octomap::key_type>(key[i] + middle); };
+    octree->setNodeValue(octomap::OcTreeKey(part(0), part(1), part(2)), octree->getProbHitLog(), true);
+  }
+  octree->updateInnerOccupancy();
+  return std::make_shared<coal::OcTree>(octree);
+}
+
+Geometry build(const PointCloud& cloud, const std::string& object) {
+  require_positive(cloud.resolution, of("point cloud resolution", object));
+  if (cloud.points.empty()) throw InvalidArgument(of("point cloud", object) + " is empty; it needs at least one point");
+  constexpr double octree_reach = 32766;  // voxels from the middle to the edge of an octree 16 levels deep
+  const double reach = octree_reach * cloud.resolution;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!cloud.points[i].allFinite())
+      throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) +
+                            " has a component that is NaN or infinite; only finite numbers are allowed");
+    if (cloud.points[i].cwiseAbs().maxCoeff() > reach)
+      throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) + " is more than " +
+                            to_text(reach) + " m from the origin, the octree's reach at resolution " +
+                            to_text(cloud.resolution) + "; use a coarser resolution");
+  }
+  return octree_of(cloud);
+}
+
+}  // namespace
+
+Mesh Mesh::from_file(const std::string& path, const Eigen::Vector3d& scale, bool convex) {
+  for (double factor : scale)
+    if (!std::isfinite(factor) || factor == 0.0)
+      throw InvalidArgument("scale of mesh file '" + path + "' has a component " + to_text(factor) +
+                            "; each must be finite and not 0");
+  TriangleSoup soup = read_mesh_file(path, scale);
+  return {std::move(soup.vertices), std::move(soup.triangles), convex};
+}
+
+std::string shape_kind(const Shape& shape) {
+  return std::visit(Overloaded{[](const Box&) { return "box"; }, [](const Sphere&) { return "sphere"; },
+                               [](const Cylinder&) { return "cylinder"; }, [](const Capsule&) { return "capsule"; },
+                               [](const Cone&) { return "cone"; }, [](const Mesh&) { return "mesh"; },
+                               [](const PointCloud&) { return "point cloud"; }},
+                    shape);
+}
+
+std::shared_ptr<const coal::CollisionGeometry> make_geometry(const Shape& shape, const std::string& object) {
+  if (const auto* mesh = std::get_if<Mesh>(&shape)) return build_mesh(*mesh, object);
+  const Geometry geometry =
+      std::visit(Overloaded{[&](const Cylinder& s) { return build_round<coal::Cylinder>(s, "cylinder", object); },
+                            [&](const Capsule& s) { return build_round<coal::Capsule>(s, "capsule", object); },
+                            [&](const Cone& s) { return build_round<coal::Cone>(s, "cone", object); },
+                            [&](const Mesh&) { return Geometry(); }, [&](const auto& s) { return build(s, object); }},
+                 shape);
+  geometry->computeLocalAABB();
+  return geometry;
+}
+
+GeometryParts parts_of(const std::shared_ptr<const coal::CollisionGeometry>& geometry) {
+  return {outer_hull(geometry), make_primitive_bvh(*geometry)};
+}
+
+std::shared_ptr<const coal::CollisionGeometry> outer_hull(std::shared_ptr<const coal::CollisionGeometry> geometry) {
+  const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(geometry.get());
+  if (!mesh) return geometry;
+  auto points =
+      std::make_shared<std::vector<coal::Vec3s>>(mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices);
+  if (!spans_volume(*points)) return geometry;
+  try {
+    const std::shared_ptr<coal::ConvexBase> hull(coal::ConvexBase::convexHull(points, mesh->num_vertices, true));
+    hull->computeLocalAABB();
+    return hull;
+  } catch (const std::exception&) {  // qhull gave up
+    return geometry;
+  }
+}
+
+}  // namespace srmp

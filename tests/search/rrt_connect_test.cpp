@@ -1,0 +1,159 @@
+#include "srmp/search/rrt_connect.hpp"
+
+#include <algorithm>
+#include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "srmp/core/error.hpp"
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+using srmp::search::RandomSequence;
+using srmp::search::RrtConnect;
+using srmp::search::RrtSpace;
+
+namespace {
+
+constexpr std::uint64_t many = 100'000;
+
+/// A unit square with walls from both sides, each with a narrow gap at one end.
+bool is_free(const VectorXd& q) {
+  const double x = q[0], y = q[1];
+  const bool first = std::abs(x - 0.35) < 0.05 && y < 0.92;
+  const bool second = std::abs(x - 0.65) < 0.05 && y > 0.08;
+  return !first && !second;
+}
+
+bool is_motion_free(const VectorXd& a, const VectorXd& b) {
+  for (int i = 0; i <= 1000; ++i)
+    if (!is_free(a + (b - a) * (i / 1000.0))) return false;
+  return true;
+}
+
+RrtSpace maze() {
+  RrtSpace space;
+  space.starts = {Vector2d(0.1, 0.1)};
+  space.goals = {Vector2d(0.9, 0.9), Vector2d(0.95, 0.5)};
+  space.longest_step = 0.3;
+  space.sample = [](RandomSequence& random) -> VectorXd {
+    const double x = random.next();
+    return Vector2d(x, random.next());
+  };
+  space.is_motion_free = is_motion_free;
+  return space;
+}
+
+void check(const std::vector<VectorXd>& way, const RrtSpace& space) {
+  BOOST_TEST((way.front() == space.starts.front()));
+  BOOST_TEST((std::find(space.goals.begin(), space.goals.end(), way.back()) != space.goals.end()));
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    BOOST_TEST(space.is_motion_free(way[i - 1], way[i]));
+    BOOST_TEST((way[i] - way[i - 1]).norm() <= space.longest_step * (1 + 1e-12));
+  }
+}
+
+std::string refusal(const RrtSpace& space) {
+  try {
+    RrtConnect trees(space);
+  } catch (const srmp::InvalidArgument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(rrt_connect)
+
+BOOST_AUTO_TEST_CASE(trees_find_a_free_way_through_a_maze) {
+  const RrtSpace space = maze();
+  for (std::uint64_t sequence = 0; sequence < 50; ++sequence) {
+    RrtConnect trees(space, sequence);
+    const auto way = trees.grow(many, {});
+    BOOST_REQUIRE(way.has_value());
+    check(*way, space);
+    BOOST_TEST(trees.memory() > 0u);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(the_straight_way_is_taken_where_it_is_free) {
+  RrtSpace space = maze();
+  space.goals = {Vector2d(0.9, 0.9), Vector2d(0.1, 0.8)};
+  RrtConnect trees(space);
+  const auto way = trees.grow(1, {});
+  BOOST_REQUIRE(way.has_value());
+  check(*way, space);
+  BOOST_TEST((way->back() == space.goals[1]));
+  BOOST_TEST(way->size() == 4u);
+  for (const VectorXd& q : *way) BOOST_TEST(q[0] == 0.1);
+  space.goals = space.starts;
+  BOOST_TEST(RrtConnect(space).grow(1, {}).value().size() == 2u);
+}
+
+BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_another) {
+  const auto grown = [](std::uint64_t sequence) { return *RrtConnect(maze(), sequence).grow(many, {}); };
+  const auto first = grown(0);
+  BOOST_TEST((grown(0) == first));
+  BOOST_TEST((grown(1) != first));
+  RrtConnect in_parts(maze());
+  std::optional<std::vector<VectorXd>> found;
+  for (std::uint64_t attempts = 1; !found; ++attempts) found = in_parts.grow(attempts, {});
+  BOOST_TEST((*found == first));
+}
+
+BOOST_AUTO_TEST_CASE(numbers_of_a_sequence_are_spread_over_the_unit_interval) {
+  RandomSequence random(7);
+  std::vector<int> tenths(10);
+  for (int i = 0; i < 10'000; ++i) ++tenths[static_cast<std::size_t>(10 * random.next())];  // throws outside [0, 1)
+  for (const int count : tenths) BOOST_TEST(std::abs(count - 1000) < 150);
+}
+
+BOOST_AUTO_TEST_CASE(an_angle_may_go_round) {
+  RrtSpace space = maze();
+  space.starts = {Vector2d(3.0, 0.0)};
+  space.goals = {Vector2d(-3.0, 0.0)};
+  space.turns = {1, 0};
+  // What is in between by the long way is not free.
+  space.is_motion_free = [](const VectorXd& a, const VectorXd& b) {
+    const double way = std::remainder(b[0] - a[0], 2 * std::numbers::pi);
+    for (int i = 0; i <= 100; ++i)
+      if (std::abs(std::remainder(a[0] + way * i / 100, 2 * std::numbers::pi)) < 2.5) return false;
+    return true;
+  };
+  space.sample = [](RandomSequence& random) -> VectorXd {
+    const double x = -std::numbers::pi + 2 * std::numbers::pi * random.next();
+    return Vector2d(x, random.next());
+  };
+  BOOST_TEST(RrtConnect(space).grow(many, {}).has_value());
+  space.turns = {};
+  BOOST_TEST(!RrtConnect(space).grow(2'000, {}).has_value());
+}
+
+BOOST_AUTO_TEST_CASE(trees_stop_when_they_are_told_to) {
+  RrtSpace closed = maze();
+  closed.is_motion_free = [](const VectorXd&, const VectorXd&) { return false; };
+  RrtConnect stuck(closed);
+  BOOST_TEST(!stuck.grow(1'000, {}).has_value());
+  BOOST_TEST(stuck.attempts() == 1'000u);
+  RrtConnect late(maze());
+  BOOST_TEST(!late.grow(many, srmp::Deadline(1e-9)).has_value());
+  BOOST_TEST(late.attempts() == 0u);
+  RrtSpace nowhere = maze();
+  nowhere.goals.clear();
+  BOOST_TEST(!RrtConnect(nowhere).grow(many, {}).has_value());
+}
+
+BOOST_AUTO_TEST_CASE(nonsense_is_refused) {
+  RrtSpace space = maze();
+  space.longest_step = 0.0;
+  BOOST_TEST(refusal(space) == "longest_step is 0, it must be finite and more than 0");
+  space = maze();
+  space.goals.push_back(VectorXd::Zero(3));
+  BOOST_TEST(refusal(space) == "starts and goals of trees have 2 and 3 components, they must have equally many");
+  space = maze();
+  space.turns = {1};
+  BOOST_TEST(refusal(space) == "turns has 1 entries, it must have 2 or none");
+}
+
+BOOST_AUTO_TEST_SUITE_END()
