@@ -27,6 +27,7 @@ using OnSolution = std::function<bool(const Solution&, ConstRows waypoints)>;
 struct PlanStatistics {
   Status status{Status::exhausted};
   std::string reason;     ///< why there is no trajectory; "" when solved
+  std::string found_by;   ///< the strategy that found the path, as "RRT-Connect" or a lattice as in `graph`
   std::string note;       ///< what was changed on the way in (a start clamped onto a limit, or escaped from); mostly ""
   double plan_time_s{};   ///< checks of start and goal, IK, heuristics, search, shortcut: until the path is ready
   double total_time_s{};  ///< call to return, timing and re-check included

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "srmp/core/jobs.hpp"
+#include "srmp/planning/pipeline.hpp"
 
 namespace srmp {
 
@@ -23,7 +24,7 @@ auto name_request(std::size_t number, Call&& call) {
   }
 }
 
-PlanResult answer(const SingleRobotProblem& problem, const Deadline& until) {
+PlanResult solve(const PlanProblem& problem, const Deadline& until) {
   PlanStatistics statistics;
   if (until.cancelled()) {
     statistics.status = Status::cancelled;
@@ -32,8 +33,8 @@ PlanResult answer(const SingleRobotProblem& problem, const Deadline& until) {
   }
   const Deadline deadline(common_options(problem.options).time_limit, [&] { return until.cancelled(); });
   try {
-    Trajectory trajectory = plan_single_robot(problem, deadline, statistics);
-    return PlanResult(statistics, std::move(trajectory));
+    MultiTrajectory motions = run_pipeline(problem, deadline, statistics);
+    return PlanResult(statistics, std::move(motions.robots.begin()->second));
   } catch (const PlanningError&) {
     return PlanResult(statistics);
   }
@@ -41,12 +42,12 @@ PlanResult answer(const SingleRobotProblem& problem, const Deadline& until) {
 
 }  // namespace
 
-std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, const PoseProblem& pose,
+std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, const MakeProblem& make_problem,
                                   std::size_t threads, const Deadline::Interrupt& interrupt,
                                   const PlanProgress& progress) {
-  std::vector<SingleRobotProblem> problems;
+  std::vector<OwnedProblem> problems;
   for (std::size_t i = 0; i < requests.size(); ++i)
-    problems.push_back(name_request(i, [&] { return pose(requests[i]); }));
+    problems.push_back(name_request(i, [&] { return make_problem(requests[i]); }));
   std::vector<PlanResult> results(problems.size());
   const Deadline no_limit(std::numeric_limits<double>::infinity(), interrupt);
   const auto told = [&](std::size_t done) {
@@ -55,7 +56,7 @@ std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, cons
   Jobs(threads).run(
       problems.size(), no_limit,
       [&](std::size_t i, const Deadline& until) {
-        results[i] = name_request(i, [&] { return answer(problems[i], until); });
+        results[i] = name_request(i, [&] { return solve(*problems[i].problem, until); });
       },
       told);
   return results;

@@ -11,10 +11,9 @@
 #include "srmp/io/moveit.hpp"
 #include "srmp/io/scene_file.hpp"
 #include "srmp/planning/certificates/verify_together.hpp"
-#include "srmp/planning/holding.hpp"
-#include "srmp/planning/multi_robot.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
-#include "srmp/planning/single_robot.hpp"
+#include "srmp/planning/pipeline.hpp"
+#include "srmp/planning/stationary_robots.hpp"
 
 namespace srmp {
 
@@ -26,12 +25,6 @@ std::vector<std::string> names_of(const MultiPlanRequest& request) {
   return names;
 }
 
-std::vector<std::string> names_of(const std::vector<MultiRobotPart>& parts) {
-  std::vector<std::string> names;
-  for (const MultiRobotPart& part : parts) names.push_back(part.robot);
-  return names;
-}
-
 bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
   const auto named = [&](const auto& entry) { return is_one(entry.first); };
   return std::any_of(request.starts.begin(), request.starts.end(), named) ||
@@ -39,6 +32,19 @@ bool names_any(const MultiPlanRequest& request, const std::function<bool(const s
 }
 bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
   return is_one(request.robot);
+}
+
+const PlannerInfo& info_of(const PlannerOptions& options) {
+  const auto& known = available_planners();
+  return *std::find_if(known.begin(), known.end(),
+                       [id = planner_id(options)](const PlannerInfo& info) { return info.id == id; });
+}
+
+void require_planner_for_one(const PlannerOptions& options) {
+  if (info_of(options).one_robot) return;
+  throw NotSupported(planner_id(options) +
+                     " plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for "
+                     "plan");
 }
 
 /// One robot may have been given a planner that knows no others.
@@ -112,22 +118,26 @@ struct PlannerInterface::Impl {
     return std::make_shared<const PlacedRobot>(PlacedRobot{instance.model, instance.base, instance.other_positions});
   }
 
-  /// A question about the scene as it is now, looked over; all that it names must outlive it.
-  SingleRobotProblem pose_problem(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
-                                  const PlannerOptions& options, const OnSolution& on_solution = {}) const {
+  RobotProblem robot_problem(const std::string& robot, ConstVector start, std::vector<GoalConstraint> goals) const {
+    return {robot, start, std::move(goals), limits_of(robot), placed(robot)};
+  }
+
+  /// The problem of one robot in the scene as it is now, checked; the scene and the heuristics must outlive it.
+  OwnedProblem problem_of(const PlanRequest& request, const PlannerOptions& options,
+                          const OnSolution& on_solution = {}) const {
     require_heuristics(options, heuristic_names());
-    require_robots(options, {robot});
-    require_question(scene, robot, start, goals);
-    return {scene,
-            robot,
-            checkers.of(scene, robot, CheckMode::exact),
-            start,
-            goals,
-            options,
-            heuristics,
-            limits_of(robot),
-            on_solution,
-            placed(robot)};
+    require_robots(options, {request.robot});
+    require_planner_for_one(options);
+    require_request(scene, request.robot, request.start, request.goals);
+    OwnedProblem owned{checkers.of_one(scene, request.robot), std::make_unique<const PlannerOptions>(options), {}};
+    owned.problem =
+        std::make_unique<const PlanProblem>(PlanProblem{scene,
+                                                        {robot_problem(request.robot, request.start, request.goals)},
+                                                        *owned.checkers,
+                                                        *owned.options,
+                                                        heuristics,
+                                                        on_solution});
+    return owned;
   }
 
   /// One robot's of many.
@@ -147,40 +157,33 @@ struct PlannerInterface::Impl {
       return own;
     }
     if (!goal->second.targets.empty()) own.goals = {goal->second};
-    if (!own.goals.empty()) require_question(scene, robot, own.start.value_or(scene.robot(robot).q), own.goals);
+    if (!own.goals.empty()) require_request(scene, robot, own.start.value_or(scene.robot(robot).q), own.goals);
     return own;
   }
 
-  /// The robots of a question to many: those that move, or those that hold.
-  std::vector<MultiRobotPart> parts(const MultiPlanRequest& request, bool holding) const {
-    std::vector<MultiRobotPart> found;
+  /// The robots of a request for many: those that move, or those that are stationary.
+  std::vector<RobotProblem> robots_of(const MultiPlanRequest& request, bool stationary) const {
+    std::vector<RobotProblem> found;
     for (const auto& [name, start] : request.starts) {
       const auto goal = request.goals.find(name);
-      const GoalConstraint& wanted = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
-      if ((wanted.type == GoalType::hold) != holding) continue;
-      found.push_back({name, start, wanted, limits_of(name), placed(name)});
+      const GoalConstraint& asked = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
+      if ((asked.type == GoalType::hold) == stationary) found.push_back(robot_problem(name, start, {asked}));
     }
     return found;
   }
 
-  /// The answer to a request in a scene where robots with obstacles stand at their ends; fills the statistics.
-  MultiTrajectory answer(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
-                         const Interrupt& interrupt) {
+  /// The result of a request in a scene where robots with obstacles stand at their ends; fills the statistics.
+  MultiTrajectory solve(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
+                        const Interrupt& interrupt) {
     const Deadline deadline(common_options(options).time_limit, interrupt);
-    std::vector<MultiRobotPart> moving = parts(request, false);
-    std::vector<std::string> who_moves = names_of(moving);
-    for (const auto& [name, motion] : request.obstacles) who_moves.push_back(name);
-    const HoldingRobots holding(now, parts(request, true), who_moves);
-    const SceneCheckers::Together& judges =
-        checkers.of(now, names_of(moving), static_cast<std::size_t>(num_threads(options)));
-    holding.require_starts(deadline, statistics);
-    const MultiRobotProblem problem{now, std::move(moving), *judges.plan, *judges.judge, options, heuristics};
-    MultiTrajectory result = request.obstacles.empty()
-                                 ? plan_multi_robot(problem, deadline, statistics)
-                                 : plan_around(problem, request.starts, request.obstacles,
-                                               checkers.options(CheckMode::exact), deadline, statistics);
-    holding.join(result, request.obstacles, common_options(options), deadline, statistics);
-    return result;
+    std::vector<RobotProblem> stationary = robots_of(request, true), moving = robots_of(request, false);
+    stand_at_starts(now, stationary);
+    std::vector<std::string> names;
+    for (const RobotProblem& robot : moving) names.push_back(robot.robot);
+    const auto group = checkers.of(now, names, static_cast<std::size_t>(num_threads(options)));
+    const PlanProblem problem{now, std::move(moving),     *group,           options, heuristics,
+                              {},  std::move(stationary), request.obstacles};
+    return run_pipeline(problem, deadline, statistics);
   }
 };
 
@@ -471,7 +474,7 @@ Certificate PlannerInterface::verify(const std::string& robot, const Trajectory&
                                      const VerifyOptions& options) const {
   const Checker& checker = impl_->checker(robot);
   if (!options.goals.empty())
-    require_question(impl_->scene, robot, options.start.value_or(impl_->scene.robot(robot).q), options.goals);
+    require_request(impl_->scene, robot, options.start.value_or(impl_->scene.robot(robot).q), options.goals);
   return srmp::verify(trajectory, checker, impl_->limits_of(robot), options);
 }
 
@@ -523,13 +526,13 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   impl_->checkers.cover_robots(impl_->scene);  // once for a robot, and no part of the plan
   const Deadline deadline(common_options(options).time_limit, interrupt);
   const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
-  const SingleRobotProblem problem =
-      impl_->pose_problem(request.robot, request.start, request.goals, options, on_solution);
+  const OwnedProblem owned = impl_->problem_of(request, options, on_solution);
   impl_->request = request;
   impl_->result.reset();
   impl_->statistics = {};
   try {
-    Trajectory trajectory = plan_single_robot(problem, deadline, impl_->statistics);
+    MultiTrajectory motions = run_pipeline(*owned.problem, deadline, impl_->statistics);
+    Trajectory trajectory = std::move(motions.robots.begin()->second);
     impl_->result = PlanResult(impl_->statistics, trajectory);
     return trajectory;
   } catch (const PlanningError&) {
@@ -548,14 +551,13 @@ std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanReques
                                                     const Progress& progress) {
   if (threads.value_or(1) < 1)
     throw InvalidArgument("threads is " + std::to_string(*threads) + "; it must be at least 1");
-  const auto pose = [this](const PlanRequest& request) {
+  const auto make_problem = [this](const PlanRequest& request) {
     if (request.options) validate(*request.options);
-    const PlannerOptions& options = request.options ? *request.options : planner_options({request.robot});
-    return impl_->pose_problem(request.robot, request.start, request.goals, options);
+    return impl_->problem_of(request, request.options ? *request.options : planner_options({request.robot}));
   };
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  return srmp::plan_many(requests, pose, static_cast<std::size_t>(threads.value_or(static_cast<int>(cores))), interrupt,
-                         progress);
+  return srmp::plan_many(requests, make_problem, static_cast<std::size_t>(threads.value_or(static_cast<int>(cores))),
+                         interrupt, progress);
 }
 
 MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
@@ -563,7 +565,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
                                              const std::map<std::string, Trajectory>& obstacles,
                                              const Interrupt& interrupt) {
   const MultiPlanRequest request{starts, goals, obstacles};  // a copy: the caller's may be last_request
-  require_multi_question(impl_->scene, request);
+  require_multi_request(impl_->scene, request);
   const PlannerOptions& options = planner_options(names_of(request));
   require_for_many(options);
   require_heuristics(options, impl_->heuristic_names());
@@ -573,9 +575,10 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   impl_->request = request;
   impl_->result.reset();
   impl_->statistics = {};
-  for (const MultiRobotPart& part : impl_->parts(request, false)) impl_->statistics.robot_cost_rad[part.robot] = 0.0;
+  for (const RobotProblem& robot : impl_->robots_of(request, false))
+    impl_->statistics.robot_cost_rad[robot.robot] = 0.0;
   try {
-    MultiTrajectory result = impl_->answer(request, scene, options, interrupt);
+    MultiTrajectory result = impl_->solve(request, scene, options, interrupt);
     impl_->result = MultiPlanResult(impl_->statistics, result);
     return result;
   } catch (const PlanningError&) {

@@ -67,8 +67,8 @@ void require_planner_for(const std::vector<std::string>& robots, const PlannerOp
                           " were named; use 'xECBS' for many");
 }
 
-void require_question(const Scene& scene, const std::string& robot, ConstVector start,
-                      const std::vector<GoalConstraint>& goals) {
+void require_request(const Scene& scene, const std::string& robot, ConstVector start,
+                     const std::vector<GoalConstraint>& goals) {
   const RobotModel& model = *scene.robot(robot).model;
   if (goals.empty()) throw InvalidArgument("plan needs at least one goal");
   for (const GoalConstraint& goal : goals) {
@@ -81,7 +81,7 @@ void require_question(const Scene& scene, const std::string& robot, ConstVector 
   model.require_configuration(start, "start of '" + robot + "'");
 }
 
-void require_multi_question(const Scene& scene, const MultiPlanRequest& request) {
+void require_multi_request(const Scene& scene, const MultiPlanRequest& request) {
   for (const auto& [name, start] : request.starts) scene.robot(name);  // throws with the nearest name
   for (const auto& [name, goal] : request.goals) {
     scene.robot(name);
@@ -214,7 +214,7 @@ void read_limits(io::JsonReader& root, Problem& problem) {
 PlanRequest read_single_request(io::JsonReader& reader, const Scene& scene) {
   PlanRequest request;
   describe(reader, request);
-  reader.guarded([&] { require_question(scene, request.robot, request.start, request.goals); });
+  reader.guarded([&] { require_request(scene, request.robot, request.start, request.goals); });
   return request;
 }
 
@@ -222,7 +222,7 @@ MultiPlanRequest read_multi_request(io::JsonReader& reader, const Scene& scene) 
   MultiPlanRequest request;
   describe(reader, request);
   reader.guarded([&] {
-    require_multi_question(scene, request);
+    require_multi_request(scene, request);
     Scene settled = scene;
     stand_at_ends(settled, request.starts, request.obstacles, {});
   });

@@ -19,11 +19,11 @@ std::vector<std::string> planner_key(const Scene& scene, std::vector<std::string
 /// Throws InvalidArgument for several robots and a planner that is for one.
 void require_planner_for(const std::vector<std::string>& robots, const PlannerOptions& options);
 /// Throws InvalidArgument unless start and goals suit the robot.
-void require_question(const Scene& scene, const std::string& robot, ConstVector start,
-                      const std::vector<GoalConstraint>& goals);
+void require_request(const Scene& scene, const std::string& robot, ConstVector start,
+                     const std::vector<GoalConstraint>& goals);
 /// The same of many robots: throws InvalidArgument unless starts and goals suit them, and one is to move. Of obstacles
 /// only the names are looked at; the rest is stand_at_ends'.
-void require_multi_question(const Scene& scene, const MultiPlanRequest& request);
+void require_multi_request(const Scene& scene, const MultiPlanRequest& request);
 
 /// What a problem file holds: a world, how its robots plan, and the last question with its answer.
 struct Problem {

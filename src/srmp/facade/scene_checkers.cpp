@@ -13,22 +13,27 @@ SceneCheckers::SceneCheckers()
 const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, CheckMode mode) {
   scene.robot(robot);  // throws with the nearest name
   std::unique_ptr<const Checker>& slot = alone_[{robot, mode}];
-  if (!slot) slot = std::make_unique<const Checker>(scene, robot, options(mode));
+  if (!slot) slot = make_checker(scene, robot, options(mode));
   return *slot;
 }
 
-const SceneCheckers::Together& SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots,
-                                                 std::size_t threads) {
+std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots,
+                                                         std::size_t threads) {
   std::vector<Eigen::VectorXd> others;
   for (const auto& [name, robot] : scene.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
-  if (together_.plan && together_.plan->names() == robots && others_ == others) return together_;
-  // Both or none: a checker that cannot be made throws.
-  Together now{std::make_unique<const GroupCheckers>(scene, robots, options(CheckMode::exact), threads),
-               std::make_unique<const GroupCheckers>(scene, robots, CheckerOptions{.mode = CheckMode::coal}, threads)};
-  together_ = std::move(now);
+  if (together_ && together_->planning.names() == robots && others_ == others) return together_;
+  auto made = std::make_shared<const ProblemCheckers>(scene, robots, options(CheckMode::exact), threads);
+  together_ = std::move(made);
   others_ = std::move(others);
   return together_;
+}
+
+std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene, const std::string& robot) {
+  scene.robot(robot);  // throws with the nearest name
+  auto& slot = single_[robot];
+  if (!slot) slot = std::make_shared<const ProblemCheckers>(scene, std::vector{robot}, options(CheckMode::exact));
+  return slot;
 }
 
 void SceneCheckers::cover_robots(const Scene& scene) const {
@@ -40,7 +45,8 @@ void SceneCheckers::cover_robots(const Scene& scene) const {
 
 void SceneCheckers::clear() {
   alone_.clear();
-  together_ = {};
+  single_.clear();
+  together_.reset();
 }
 
 }  // namespace srmp

@@ -23,11 +23,11 @@ class SceneCheckers {
     return {.mode = mode, .covers = covers_, .pair_tables = pair_tables_};
   }
 
-  struct Together {
-    std::unique_ptr<const GroupCheckers> plan, judge;  ///< judge: by Coal alone
-  };
-  /// Of robots that move together while the others stand as in `scene`; the last ones asked for are kept.
-  const Together& of(const Scene& scene, const std::vector<std::string>& robots, std::size_t threads);
+  /// Of one robot that moves while the others stand as in `scene`, whose state this must be. Throws as `of`.
+  std::shared_ptr<const ProblemCheckers> of_one(const Scene& scene, const std::string& robot);
+  /// Of robots that move together while the others stand as in `scene`; the last ones are kept.
+  std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const std::vector<std::string>& robots,
+                                            std::size_t threads);
 
   /// Slow for a robot seen for the first time, nothing otherwise.
   void cover_robots(const Scene& scene) const;
@@ -38,7 +38,8 @@ class SceneCheckers {
   std::shared_ptr<CoverStore> covers_;
   std::shared_ptr<PairTableStore> pair_tables_;
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;
-  Together together_;
+  std::map<std::string, std::shared_ptr<const ProblemCheckers>> single_;  // by robot
+  std::shared_ptr<const ProblemCheckers> together_;                       // of the last robots that moved together
   std::vector<Eigen::VectorXd> others_;  // where the robots that stand still did for `together_`
 };
 

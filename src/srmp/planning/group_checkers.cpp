@@ -4,9 +4,9 @@
 
 namespace srmp {
 
-RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_first) {
-  RowMatrix both(arm.rows(), arm.cols() + other.cols());
-  both << (other_first ? other : arm), (other_first ? arm : other);
+RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool other_first) {
+  RowMatrix both(robot.rows(), robot.cols() + other.cols());
+  both << (other_first ? other : robot), (other_first ? robot : other);
   return both;
 }
 
@@ -18,8 +18,9 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
     CheckerOptions alone = options;
     for (const std::string& other : names_)
       if (other != names_[i]) alone.excluded_robots.push_back(other);
-    alone_[i] = std::make_unique<const Checker>(scene, names_[i], alone);
+    alone_[i] = make_checker(scene, names_[i], alone);
   });
+  if (size() == 1) return;
   std::vector<PlacedSphere> ranges;
   for (const auto& checker : alone_) ranges.push_back(checker->range());
   for (std::size_t i = 0; i < size(); ++i)
@@ -32,8 +33,16 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
     CheckerOptions both = options;
     both.other_robots = {names_[numbers.second]};
     both.other_robots_only = true;
-    checker = std::make_unique<const Checker>(scene, names_[numbers.first], both);
+    checker = make_checker(scene, names_[numbers.first], both);
   });
+}
+
+const GroupCheckers& ProblemCheckers::verification() const {
+  std::call_once(made_, [this] {
+    verification_ = std::make_unique<const GroupCheckers>(scene_, planning.names(),
+                                                          CheckerOptions{.mode = CheckMode::coal}, threads_);
+  });
+  return *verification_;
 }
 
 }  // namespace srmp

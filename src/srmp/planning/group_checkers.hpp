@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -9,21 +10,18 @@
 
 namespace srmp {
 
-/// Rows of an arm and of another robot, as many, as a checker of both has them: the other's joints stand first or last.
-RowMatrix side_by_side(const RowMatrix& arm, const RowMatrix& other, bool other_first);
-
-/// Checkers for robots that move together: each alone in the scene, the others left out; and each two that can reach
-/// each other, by themselves. Where all of these say free, nothing touches.
+/// Checkers of robots that move together: of each robot alone in the scene, the others left out; and of each two that
+/// can reach each other, by themselves. Where all of these say free, nothing collides.
 class GroupCheckers {
  public:
-  /// Robots of the scene that are not named stand still. `threads`: checkers made at the same time.
+  /// Robots of the scene that are not named stand still. `threads`: checkers that are made at the same time.
   GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
                 std::size_t threads = 1);
 
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }
   const Checker& alone(std::size_t i) const { return *alone_[i]; }
-  /// i < j: what i and j do to each other; a configuration is i's, then j's. Null: they never meet.
+  /// i < j: collisions between i and j; a configuration is i's, then j's. Null: they cannot reach each other.
   const Checker* pair(std::size_t i, std::size_t j) const {
     const auto found = pairs_.find({i, j});
     return found == pairs_.end() ? nullptr : found->second.get();
@@ -35,5 +33,28 @@ class GroupCheckers {
   std::vector<std::unique_ptr<const Checker>> alone_;
   std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<const Checker>> pairs_;
 };
+
+/// The checkers of one problem: those that plan, and those that verify what was planned, by Coal alone, which are made
+/// when they are first asked for. Threads share it.
+class ProblemCheckers {
+ public:
+  ProblemCheckers(const Scene& scene, const std::vector<std::string>& robots, const CheckerOptions& options,
+                  std::size_t threads = 1)
+      : options(options), planning(scene, robots, options, threads), scene_(scene), threads_(threads) {}
+
+  const CheckerOptions options;  ///< of those that plan
+  const GroupCheckers planning;
+  const GroupCheckers& verification() const;
+
+ private:
+  const Scene scene_;
+  std::size_t threads_;
+  mutable std::once_flag made_;
+  mutable std::unique_ptr<const GroupCheckers> verification_;
+};
+
+/// Configurations of two robots as their pair's checker has them, one below the other: rows of `robot` and as many of
+/// `other`, whose joints stand first or last.
+RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool other_first);
 
 }  // namespace srmp

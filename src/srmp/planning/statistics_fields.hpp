@@ -10,6 +10,7 @@ template <class Statistics, class F>
 void for_each_field(Statistics& s, F&& f) {
   f("status", s.status);
   f("reason", s.reason);
+  f("found_by", s.found_by);
   f("note", s.note);
   f("plan_time_s", s.plan_time_s);
   f("total_time_s", s.total_time_s);

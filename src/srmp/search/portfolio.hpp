@@ -23,8 +23,6 @@ struct PortfolioOptions {
   std::uint64_t turn{8};  ///< > 0: expansions of one search before it is the next one's turn
   /// > 0; of one search; when all that are not exhausted have had as many, the answer is timed_out.
   std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};
-  /// Called before each may have its next turn; true: what is asked is known from elsewhere, stop as at the deadline.
-  std::function<bool()> before_round{};
 };
 
 template <Graph G, Heuristic H>
@@ -41,57 +39,85 @@ struct PortfolioResult {
   std::vector<char> exhausted;  ///< by member: its graph holds no path
 };
 
-/// `make(i)` is called when member i of `count` has its first turn; graph and heuristic must outlive the call. Throws
-/// InvalidArgument for no members and as AlternatingSearch does.
-template <Graph G, Heuristic H, class Make>
-PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions& options, const Deadline& deadline) {
-  require_weight(options.weight, "weight");
-  if (count == 0) throw InvalidArgument("a portfolio needs at least one search");
-  if (options.turn == 0) throw InvalidArgument("a portfolio's turn must be at least one expansion");
-  using Search = AlternatingSearch<G, H>;
-  std::vector<std::unique_ptr<Search>> searches(count);
-  const auto finish = [&](std::size_t winner, std::optional<Status> stop) {
-    for (std::size_t i = 0; i < count; ++i)  // stopped before the proof: the cheapest path
-      if (stop && searches[i] && searches[i]->cost() < searches[winner]->cost()) winner = i;
-    PortfolioResult answer{{}, winner, std::vector<char>(count, 0)};
-    if (searches[winner])
-      answer.result = searches[winner]->result(stop);
-    else
-      answer.result.status = *stop;
-    answer.result.statistics = {};
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!searches[i]) continue;
-      const Statistics s = searches[i]->statistics();
-      answer.result.statistics.expansions += s.expansions;
-      answer.result.statistics.generated += s.generated;
-      answer.result.statistics.evaluations += s.evaluations;
-      answer.result.statistics.memory += s.memory;
-      answer.exhausted[i] = searches[i]->finished() && !searches[i]->solved();
-    }
-    return answer;
-  };
-  bool gave_up = false;
-  for (bool working = true; working;) {
-    if (options.before_round && options.before_round()) return finish(0, Status::timed_out);
-    working = gave_up = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!searches[i]) {
-        PortfolioMember<G, H> member = make(i);
-        searches[i] =
-            std::make_unique<Search>(*member.graph, *member.heuristic, member.inadmissible_heuristics, options.weight);
-        searches[i]->add_starts(member.starts);
-      }
-      if (searches[i]->finished()) continue;
-      if (searches[i]->expansions() >= options.max_expansions) {
+/// The searches of a portfolio, which go on round after round.
+template <Graph G, Heuristic H>
+class Portfolio {
+ public:
+  using Make = std::function<PortfolioMember<G, H>(std::size_t)>;
+
+  /// `make(i)` is called when member i of `count` has its first slice; graph and heuristic must outlive this. Throws
+  /// InvalidArgument for no members.
+  Portfolio(std::size_t count, Make make, const PortfolioOptions& options)
+      : make_(std::move(make)), options_(options), searches_(count) {
+    require_weight(options.weight, "weight");
+    if (count == 0) throw InvalidArgument("a portfolio needs at least one search");
+    if (options.turn == 0) throw InvalidArgument("a portfolio's turn must be at least one expansion");
+  }
+
+  /// A slice of every search that has not finished. Nothing: another round may help. Throws as AlternatingSearch does.
+  std::optional<PortfolioResult> round(const Deadline& deadline) {
+    bool working = false, gave_up = false;
+    for (std::size_t i = 0; i < searches_.size(); ++i) {
+      if (!searches_[i]) begin(i);
+      if (searches_[i]->finished()) continue;
+      if (searches_[i]->expansions() >= options_.max_expansions) {
         gave_up = true;
         continue;
       }
-      if (const auto stop = searches[i]->improve(deadline, options.turn)) return finish(i, stop);
-      if (searches[i]->finished() && searches[i]->solved()) return finish(i, std::nullopt);
+      if (const auto stop = searches_[i]->improve(deadline, options_.turn)) return result(i, stop);
+      if (searches_[i]->finished() && searches_[i]->solved()) return result(i, std::nullopt);
       working = true;
     }
+    if (working) return std::nullopt;
+    return result(0, gave_up ? std::optional(Status::timed_out) : std::nullopt);
   }
-  return finish(0, gave_up ? std::optional(Status::timed_out) : std::nullopt);
+
+  /// Of all searches together.
+  Statistics statistics() const {
+    Statistics sum;
+    for (const auto& search : searches_) {
+      if (!search) continue;
+      const Statistics s = search->statistics();
+      sum.expansions += s.expansions;
+      sum.generated += s.generated;
+      sum.evaluations += s.evaluations;
+      sum.memory += s.memory;
+    }
+    return sum;
+  }
+
+ private:
+  using Search = AlternatingSearch<G, H>;
+
+  void begin(std::size_t i) {
+    PortfolioMember<G, H> member = make_(i);
+    searches_[i] =
+        std::make_unique<Search>(*member.graph, *member.heuristic, member.inadmissible_heuristics, options_.weight);
+    searches_[i]->add_starts(member.starts);
+  }
+
+  PortfolioResult result(std::size_t winner, std::optional<Status> stop) {
+    for (std::size_t i = 0; i < searches_.size(); ++i)  // stopped before the proof: the cheapest path
+      if (stop && searches_[i] && searches_[i]->cost() < searches_[winner]->cost()) winner = i;
+    PortfolioResult found{{}, winner, std::vector<char>(searches_.size(), 0)};
+    found.result = searches_[winner]->result(stop);
+    found.result.statistics = statistics();
+    for (std::size_t i = 0; i < searches_.size(); ++i)
+      found.exhausted[i] = searches_[i] && searches_[i]->finished() && !searches_[i]->solved();
+    return found;
+  }
+
+  Make make_;
+  PortfolioOptions options_;
+  std::vector<std::unique_ptr<Search>> searches_;
+};
+
+/// Rounds of a portfolio until it has a result. Throws as Portfolio does.
+template <Graph G, Heuristic H, class Make>
+PortfolioResult portfolio(std::size_t count, Make&& make, const PortfolioOptions& options, const Deadline& deadline) {
+  Portfolio<G, H> searches(count, std::forward<Make>(make), options);
+  while (true)
+    if (auto result = searches.round(deadline)) return *std::move(result);
 }
 
 }  // namespace srmp::search

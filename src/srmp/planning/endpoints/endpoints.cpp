@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "srmp/core/error.hpp"
 #include "srmp/planning/endpoints/ik_goal_connection.hpp"
 #include "srmp/planning/endpoints/start_recovery.hpp"
 #include "srmp/planning/phase_timer.hpp"
@@ -11,43 +12,43 @@ namespace srmp {
 
 namespace {
 
-/// From a start in collision, for the reason `why`, to a free one, from which the plan is made.
-void escape(PlanContext& context, Endpoints& ends, const std::string& why) {
-  ends.escape = find_start_recovery(context.checks.checker(), ends.start, context.checks.workspace(),
-                                    [&] { context.stop_if_late("the escape from the start"); });
-  if (ends.escape.empty())
+/// From a start in collision, for the reason `why`, to a free one, from which the path is searched.
+void recover_start(RobotContext& context, RobotEndpoints& endpoints, const std::string& why) {
+  endpoints.recovery = find_start_recovery(context.checks.checker(), endpoints.start, context.checks.workspace(),
+                                           [&] { context.stop_if_late("the recovery of the start"); });
+  if (endpoints.recovery.empty())
     throw PlanningError(Status::start_invalid,
                         "the start is invalid: " + why +
                             ", and no way out was found along which no pair gets deeper into contact and no other "
                             "comes into contact");
-  ends.start = ends.escape.back();
+  endpoints.start = endpoints.recovery.back();
   PlanStatistics& statistics = context.statistics;
-  statistics.recovery_waypoints = static_cast<int>(ends.escape.size()) - 1;
-  statistics.recovery_cost_rad = context.length(ends.escape);
+  statistics.recovery_waypoints = static_cast<int>(endpoints.recovery_segments());
+  statistics.recovery_cost_rad = context.length(endpoints.recovery);
   statistics.note += (statistics.note.empty() ? "" : "; ") +
                      ("the start was in collision (" + why + "): the trajectory begins with the way out of it");
 }
 
-void find_start(PlanContext& context, Endpoints& ends) {
-  const SingleRobotProblem& problem = context.problem;
-  context.robot.require_configuration(problem.start, "start of '" + problem.robot + "'");
-  ends.start = context.robot.clamped(problem.start, limit_tolerance);
-  if (ends.start != problem.start)
+void find_start(RobotContext& context, RobotEndpoints& endpoints) {
+  const RobotProblem& task = context.task;
+  context.robot.require_configuration(task.start, "start of '" + task.robot + "'");
+  endpoints.start = context.robot.clamped(task.start, limit_tolerance);
+  if (endpoints.start != task.start)
     context.statistics.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
-  const std::string why = invalidity(context.checks.checker(), ends.start, context.checks.workspace());
+  const std::string why = invalidity(context.checks.checker(), endpoints.start, context.checks.workspace());
   if (why.empty()) return;
-  if (!context.common.recover_start || context.robot.limit_violation(ends.start))
+  if (!context.common.recover_start || context.robot.limit_violation(endpoints.start))
     throw PlanningError(Status::start_invalid, "the start is invalid: " + why);
-  escape(context, ends, why);
+  recover_start(context, endpoints, why);
 }
 
-/// That meet a target, free or not; `why` says why there are none.
-std::vector<Eigen::VectorXd> configurations(const PlanContext& context, const Eigen::VectorXd& start,
+/// Configurations that meet the target, free or not; `why` says why there are none.
+std::vector<Eigen::VectorXd> configurations(const RobotContext& context, const Eigen::VectorXd& start,
                                             const GoalConstraint& goal, const Eigen::VectorXd& target,
                                             std::string& why) {
   const RobotModel& robot = context.robot;
   if (goal.type == GoalType::joints) return {robot.clamped(target, limit_tolerance)};
-  auto [in_base, options] = ik_goal(goal, target, *context.problem.placed);
+  auto [in_base, options] = ik_goal(goal, target, *context.task.placed);
   options.max_solutions = context.common.ik_solutions;
   auto found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
   if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
@@ -62,18 +63,18 @@ std::vector<Eigen::VectorXd> configurations(const PlanContext& context, const Ei
   return found;
 }
 
-void find_targets(PlanContext& context, Endpoints& ends) {
+void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
   int index = 0;
   std::string first_reason;
-  for (const GoalConstraint& goal : context.problem.goals)
+  for (const GoalConstraint& goal : context.task.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
-      for (Eigen::VectorXd& q : configurations(context, ends.start, goal, target, why)) {
+      for (Eigen::VectorXd& q : configurations(context, endpoints.start, goal, target, why)) {
         const std::string invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
         if (invalid.empty()) {
-          ends.targets.push_back(std::move(q));
-          ends.goal_indices.push_back(index);
+          endpoints.targets.push_back(std::move(q));
+          endpoints.goal_indices.push_back(index);
         } else if (why.empty()) {
           why = invalid;
         }
@@ -83,7 +84,7 @@ void find_targets(PlanContext& context, Endpoints& ends) {
       ++index;
       context.stop_if_late("the search for goal configurations");
     }
-  if (ends.targets.empty())
+  if (endpoints.targets.empty())
     throw PlanningError(
         Status::goal_invalid,
         (index == 1 ? "the goal is invalid: " : "all goals are invalid, the first because ") + first_reason);
@@ -91,24 +92,24 @@ void find_targets(PlanContext& context, Endpoints& ends) {
 
 }  // namespace
 
-int Endpoints::goal_index_of(const Eigen::VectorXd& target) const {
+int RobotEndpoints::goal_index_of(const Eigen::VectorXd& target) const {
   return goal_indices[static_cast<std::size_t>(std::find(targets.begin(), targets.end(), target) - targets.begin())];
 }
 
-Endpoints find_endpoints(PlanContext& context) {
-  Endpoints ends;
-  find_start(context, ends);
-  find_targets(context, ends);
-  return ends;
+RobotEndpoints find_endpoints(RobotContext& context) {
+  RobotEndpoints endpoints;
+  find_start(context, endpoints);
+  if (!context.task.may_end_anywhere()) find_targets(context, endpoints);
+  return endpoints;
 }
 
-void verify_recovery(const PlanContext& context, const Endpoints& ends) {
-  if (ends.escape.empty()) return;
+void verify_recovery(const RobotContext& context, const RobotEndpoints& endpoints) {
+  if (endpoints.recovery.empty()) return;
   const PhaseTimer timer(context.deadline, context.statistics.verification_time_s);
   const Checker& checker = context.checks.checker();
-  const std::string why = recovery_violation(checker, ends.escape, *checker.make_workspace());
+  const std::string why = recovery_violation(checker, endpoints.recovery, *checker.make_workspace());
   if (!why.empty())
-    throw Error("internal error: the way out of the start does not lead out (" + why +
+    throw Error("internal error: the recovery of the start does not end in free space (" + why +
                 "); nothing is returned. Please report this");
 }
 

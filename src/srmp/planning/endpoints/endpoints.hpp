@@ -2,26 +2,29 @@
 
 #include <vector>
 
-#include "srmp/planning/plan_context.hpp"
+#include "srmp/planning/robot_context.hpp"
 
 namespace srmp {
 
-/// Where the path of a plan may begin and end; all free and within limits.
-struct Endpoints {
-  Eigen::VectorXd start;                 ///< the end of `escape`, if there is one
-  std::vector<Eigen::VectorXd> escape;   ///< from a start in collision; empty: the start is free
-  std::vector<Eigen::VectorXd> targets;  ///< configurations that meet a goal, at least one
-  std::vector<int> goal_indices;         ///< of the targets: PlanStatistics::goal_index
+/// Where a robot's path may begin and end; all free and within limits.
+struct RobotEndpoints {
+  Eigen::VectorXd start;                  ///< where `recovery` ends, if there is one
+  std::vector<Eigen::VectorXd> recovery;  ///< path out of a start in collision; empty: the start is free
+  std::vector<Eigen::VectorXd> targets;   ///< configurations that meet a goal; none: the robot may end anywhere
+  std::vector<int> goal_indices;          ///< one a target: PlanStatistics::goal_index
 
   /// Of one of the targets.
   int goal_index_of(const Eigen::VectorXd& target) const;
+  /// Segments of `recovery`.
+  std::size_t recovery_segments() const { return recovery.empty() ? 0 : recovery.size() - 1; }
 };
 
-/// Checks start and goals, with a way out of a start in collision where the options ask for one, and inverse kinematics
-/// for poses and positions. Throws PlanningError.
-Endpoints find_endpoints(PlanContext& context);
+/// Checks the start, recovers it from collision where the options ask for that (start_recovery.hpp), and finds the
+/// configurations that meet the goals, by inverse kinematics for poses and positions. Of a robot that may end anywhere
+/// the start alone. Throws PlanningError: start_invalid, goal_invalid, timed_out or cancelled.
+RobotEndpoints find_endpoints(RobotContext& context);
 
-/// Looks at the way out of the start again, as a certificate looks at a trajectory; throws Error when it is wrong.
-void verify_recovery(const PlanContext& context, const Endpoints& ends);
+/// Checks the recovery from the start again, as a certificate checks a trajectory; throws Error when it is wrong.
+void verify_recovery(const RobotContext& context, const RobotEndpoints& endpoints);
 
 }  // namespace srmp

@@ -6,7 +6,7 @@ namespace srmp {
 
 namespace {
 
-/// What two robots touch with at two configurations; "" = nothing.
+/// The collision of two robots at two configurations, as a sentence; "" = there is none.
 std::string contact(const GroupCheckers& checkers, std::size_t i, const Eigen::VectorXd& a, std::size_t j,
                     const Eigen::VectorXd& b) {
   const Checker* checker = checkers.pair(i, j);
@@ -20,7 +20,7 @@ std::string contact(const GroupCheckers& checkers, std::size_t i, const Eigen::V
          (contacts.empty() ? "" : ": " + contacts.front().describe());
 }
 
-/// Of the first two targets; "" = some go together, or there are none.
+/// The collision at the first two targets; "" = some targets are free of collisions with each other, or there are none.
 std::string goal_contact(const GroupCheckers& checkers, std::size_t i, const RobotEndpoints& a, std::size_t j,
                          const RobotEndpoints& b) {
   std::string first;
@@ -35,14 +35,14 @@ std::string goal_contact(const GroupCheckers& checkers, std::size_t i, const Rob
 
 }  // namespace
 
-void require_joint_endpoints(const GroupCheckers& checkers, const std::vector<RobotEndpoints>& ends) {
-  for (std::size_t i = 0; i < ends.size(); ++i)
-    for (std::size_t j = i + 1; j < ends.size(); ++j)
-      if (const std::string why = contact(checkers, i, ends[i].start, j, ends[j].start); !why.empty())
+void require_joint_endpoints(const GroupCheckers& checkers, const std::vector<const RobotEndpoints*>& endpoints) {
+  for (std::size_t i = 0; i < endpoints.size(); ++i)
+    for (std::size_t j = i + 1; j < endpoints.size(); ++j)
+      if (const std::string why = contact(checkers, i, endpoints[i]->start, j, endpoints[j]->start); !why.empty())
         throw PlanningError(Status::start_invalid, "the starts are invalid: " + why);
-  for (std::size_t i = 0; i < ends.size(); ++i)
-    for (std::size_t j = i + 1; j < ends.size(); ++j)
-      if (const std::string why = goal_contact(checkers, i, ends[i], j, ends[j]); !why.empty())
+  for (std::size_t i = 0; i < endpoints.size(); ++i)
+    for (std::size_t j = i + 1; j < endpoints.size(); ++j)
+      if (const std::string why = goal_contact(checkers, i, *endpoints[i], j, *endpoints[j]); !why.empty())
         throw PlanningError(Status::goal_invalid, "the goals cannot be reached together: at them " + why);
 }
 

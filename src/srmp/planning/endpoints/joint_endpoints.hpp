@@ -2,18 +2,13 @@
 
 #include <vector>
 
-#include "srmp/planning/group_checkers.hpp"
+#include "srmp/planning/endpoints/endpoints.hpp"
 
 namespace srmp {
 
-/// Where a robot starts, and where it may end; no targets: anywhere.
-struct RobotEndpoints {
-  const Eigen::VectorXd& start;
-  const std::vector<Eigen::VectorXd>& targets;
-};
-
-/// Of the first robots of the checkers, one entry each. Throws PlanningError, which names what touches: start_invalid
-/// where two are in each other at their starts, then goal_invalid where no targets of two go together.
-void require_joint_endpoints(const GroupCheckers& checkers, const std::vector<RobotEndpoints>& ends);
+/// Do the robots' starts go together, and do some of their targets? `endpoints`: one a robot, of the first robots of
+/// the checkers. Throws PlanningError, which names the bodies in collision: start_invalid for two starts, then
+/// goal_invalid where every target of one robot collides with every target of another.
+void require_joint_endpoints(const GroupCheckers& checkers, const std::vector<const RobotEndpoints*>& endpoints);
 
 }  // namespace srmp

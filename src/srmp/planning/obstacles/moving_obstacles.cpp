@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "srmp/planning/certificates/certify_together.hpp"
+#include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/obstacles/prioritised_in_time.hpp"
 #include "srmp/planning/obstacles/timed_motion.hpp"
 #include "srmp/planning/phase_timer.hpp"
-#include "srmp/planning/post_process.hpp"
 #include "srmp/search/graph.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/path.hpp"
@@ -29,19 +29,17 @@ Trajectory rest_at(const Trajectory& motion, Eigen::Index row) {
 
 class PlanAround {
  public:
-  PlanAround(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
-             const CommittedMotions& committed, const CheckerOptions& quick, const Deadline& deadline,
+  PlanAround(const PlanProblem& problem, const PlanTogether& plan_together, const Deadline& deadline,
              PlanStatistics& statistics)
       : problem_(problem),
         common_(common_options(problem.options)),
-        committed_(committed),
-        quick_(quick),
+        committed_(problem.obstacles),
+        plan_together_(plan_together),
         deadline_(deadline),
         statistics_(statistics) {
-    for (const auto& [name, start] : starts) {
-      const auto& joints = problem.scene.robot(name).model->joint_names();
-      waiting_.emplace(name, rest(joints, start.transpose(), 0.0));
-    }
+    for (const auto* robots : {&problem.robots, &problem.stationary})
+      for (const RobotProblem& robot : *robots)
+        waiting_.emplace(robot.robot, rest(robot.placed->model->joint_names(), robot.start.transpose(), 0.0));
   }
 
   MultiTrajectory run() {
@@ -81,7 +79,7 @@ class PlanAround {
 
   void find_pairs() {
     std::vector<std::string> moving, holding;
-    for (const MultiRobotPart& part : problem_.moving) moving.push_back(part.robot);
+    for (const RobotProblem& part : problem_.robots) moving.push_back(part.robot);
     for (const auto& [name, motion] : waiting_)
       if (std::find(moving.begin(), moving.end(), name) == moving.end()) holding.push_back(name);
     team_ = add_pairs(moving);
@@ -123,8 +121,8 @@ class PlanAround {
   }
 
   bool moves(const std::string& robot) const {
-    return std::any_of(problem_.moving.begin(), problem_.moving.end(),
-                       [&](const MultiRobotPart& part) { return part.robot == robot; });
+    return std::any_of(problem_.robots.begin(), problem_.robots.end(),
+                       [&](const RobotProblem& part) { return part.robot == robot; });
   }
 
   /// Of a link of the robot, or an object that it holds.
@@ -161,7 +159,7 @@ class PlanAround {
   /// Leaves why not in `refused_`.
   void begin_together() {
     try {
-      planned_ = plan_multi_robot(problem_, deadline_, statistics_);
+      planned_ = plan_together_();
       undelayed_ = planned_.robots;
       const PhaseTimer timer(deadline_, statistics_.verification_time_s);
       const double delay = first_delay();
@@ -244,8 +242,7 @@ class PlanAround {
   }
 
   PrioritisedInTime& one_by_one() {
-    if (!one_by_one_)
-      one_by_one_ = std::make_unique<PrioritisedInTime>(problem_, committed_, *team_, quick_, deadline_, statistics_);
+    if (!one_by_one_) one_by_one_ = std::make_unique<PrioritisedInTime>(problem_, *team_, deadline_, statistics_);
     return *one_by_one_;
   }
 
@@ -300,29 +297,28 @@ class PlanAround {
     if (!common_.certify) return;
     const double start = deadline_.elapsed();
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    const Deadline until(std::max(deadline_.remaining(), 0.0) + post::grace_period,
-                         [this] { return deadline_.cancelled(); });
-    const std::size_t count = problem_.moving.size();
-    std::vector<MovingPart> moving;
+    const Deadline until = with_grace_period(deadline_);
+    const std::size_t count = problem_.robots.size();
+    std::vector<RobotMotion> moving;
     for (std::size_t i = 0; i < team_->size(); ++i) {
       const std::string& name = team_->names()[i];
       if (i < count)
-        moving.push_back({i, &problem_.moving[i], planned_.at(name)});
+        moving.push_back({i, &problem_.robots[i], planned_.at(name)});
       else
         moving.push_back({i, nullptr, committed_.at(name)});
     }
-    std::vector<Certificate> certificates = certify_together(*team_, moving, common_, until);
+    std::vector<Certificate> certificates = joint_certificates(*team_, moving, common_, until);
     for (std::size_t i = 0; i < count; ++i) {
       const std::string& name = team_->names()[i];
-      seal(planned_.robots.at(name), std::move(certificates[i]), name, statistics_);
+      attach_certificate(planned_.robots.at(name), std::move(certificates[i]), name, statistics_);
     }
     proving_s_ = deadline_.elapsed() - start;
   }
 
-  const MultiRobotProblem& problem_;
+  const PlanProblem& problem_;
   const CommonOptions& common_;
-  const CommittedMotions& committed_;
-  const CheckerOptions& quick_;
+  const std::map<std::string, Trajectory>& committed_;
+  const PlanTogether& plan_together_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::map<std::string, Trajectory> waiting_;  // at the starts
@@ -335,7 +331,8 @@ class PlanAround {
   std::unique_ptr<PrioritisedInTime> one_by_one_;  // if it comes to that
 };
 
-/// Costs of motions that were found, but are not returned.
+}  // namespace
+
 void forget_motions(PlanStatistics& statistics) {
   statistics.path_cost_rad = statistics.search_cost_rad = statistics.bound = 0.0;
   statistics.makespan_s = statistics.flow_time_s = 0.0;
@@ -344,10 +341,8 @@ void forget_motions(PlanStatistics& statistics) {
   for (auto& [robot, cost] : statistics.robot_cost_rad) cost = 0.0;
 }
 
-}  // namespace
-
 void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& starts,
-                   const CommittedMotions& committed, const CommonOptions& options) {
+                   const std::map<std::string, Trajectory>& committed, const CommonOptions& options) {
   if (!committed.empty() && options.timing == "none")
     throw InvalidArgument(
         "obstacles ask for motions in time, but the planner's timing is 'none'; use 'toppra' or 'ruckig'");
@@ -367,9 +362,9 @@ void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& s
     require(motion.timed(), "the trajectory has no times; a committed motion must say where it is when");
     require(motion.times[0] == 0.0,
             "the trajectory begins at " + to_text(motion.times[0]) + " s; all motions begin together at time 0");
-    const Checker checker(scene, name, {.mode = CheckMode::coal});
+    const auto checker = make_checker(scene, name, {.mode = CheckMode::coal});
     const Certificate certificate =
-        certify(motion, checker, default_limits(model), {.limits = false, .collisions = false, .at_rest = false});
+        certify(motion, *checker, default_limits(model), {.limits = false, .collisions = false, .at_rest = false});
     if (!certificate.holds()) require(false, certificate.faults.front().text);
   }
   for (const auto& [name, motion] : committed) {
@@ -378,18 +373,9 @@ void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& s
   }
 }
 
-MultiTrajectory plan_around(const MultiRobotProblem& problem, const std::map<std::string, Eigen::VectorXd>& starts,
-                            const CommittedMotions& committed, const CheckerOptions& quick, const Deadline& deadline,
-                            PlanStatistics& statistics) {
-  try {
-    MultiTrajectory result = PlanAround(problem, starts, committed, quick, deadline, statistics).run();
-    statistics.total_time_s = deadline.elapsed();
-    return result;
-  } catch (const PlanningError& error) {
-    forget_motions(statistics);
-    note_failure(error, deadline, statistics);
-    throw;
-  }
+MultiTrajectory plan_among_obstacles(const PlanProblem& problem, const PlanTogether& plan_together,
+                                     const Deadline& deadline, PlanStatistics& statistics) {
+  return PlanAround(problem, plan_together, deadline, statistics).run();
 }
 
 }  // namespace srmp

@@ -5,11 +5,13 @@
 #include <numeric>
 #include <set>
 
+#include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/endpoints/joint_endpoints.hpp"
 #include "srmp/planning/phase_timer.hpp"
-#include "srmp/planning/post_process.hpp"
-#include "srmp/planning/single_robot_path.hpp"
+#include "srmp/planning/strategies/path_alone.hpp"
 #include "srmp/planning/validity.hpp"
+#include "srmp/trajectory/path.hpp"
 
 namespace srmp {
 
@@ -22,42 +24,40 @@ constexpr double share_to_prove = 0.2;               // of the time that is left
 
 }  // namespace
 
-PrioritisedInTime::PrioritisedInTime(const MultiRobotProblem& problem, const CommittedMotions& committed,
-                                     const GroupCheckers& team, const CheckerOptions& quick, const Deadline& deadline,
+PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& team, const Deadline& deadline,
                                      PlanStatistics& statistics)
     : problem_(problem),
       common_(common_options(problem.options)),
-      committed_(committed),
       team_(team),
-      quick_(problem.scene, team.names(), quick),
+      quick_(problem.scene, team.names(), problem.checkers.options),
       deadline_(deadline),
       statistics_(statistics) {
-  for (std::size_t i = 0; i < problem.moving.size(); ++i) workspaces_.push_back(quick_.alone(i).make_workspace());
+  for (std::size_t i = 0; i < problem.robots.size(); ++i) workspaces_.push_back(quick_.alone(i).make_workspace());
 }
 
 // --- starts and goals
 
 void PrioritisedInTime::require_ends() {
-  std::vector<RobotEndpoints> ends;
-  for (std::size_t i = 0; i < problem_.moving.size(); ++i) ends.push_back({way(i).start, way(i).targets});
-  require_joint_endpoints(team_, ends);
+  std::vector<const RobotEndpoints*> endpoints;
+  for (std::size_t i = 0; i < problem_.robots.size(); ++i) endpoints.push_back(&way(i).endpoints);
+  require_joint_endpoints(team_, endpoints);
 }
 
 /// Among what stands still: of the robots that move none stands anywhere. Its targets are free of the committed robots
 /// where those rest at last.
 const RobotPath& PrioritisedInTime::way(std::size_t i) {
   if (const auto known = ways_.find(i); known != ways_.end()) return known->second;
-  const MultiRobotPart& part = problem_.moving[i];
-  RobotPath path = find_way_alone(problem_, part, quick_.alone(i), deadline_, statistics_);
-  const Checker& at_last = problem_.checkers.alone(i);
+  const RobotProblem& part = problem_.robots[i];
+  RobotPath path = find_path_alone(problem_, part, quick_.alone(i), deadline_, statistics_);
+  const Checker& at_last = problem_.checkers.planning.alone(i);
   const auto workspace = at_last.make_workspace();
   std::string why;
-  std::erase_if(path.targets, [&](const Eigen::VectorXd& target) {
+  std::erase_if(path.endpoints.targets, [&](const Eigen::VectorXd& target) {
     const std::string wrong = invalidity(at_last, target, *workspace);
     if (why.empty()) why = wrong;
     return !wrong.empty();
   });
-  if (path.targets.empty() && !why.empty())
+  if (path.endpoints.targets.empty() && !why.empty())
     throw PlanningError(Status::goal_invalid, "robot '" + part.robot + "': the goal is invalid: " + why);
   return ways_.emplace(i, std::move(path)).first->second;
 }
@@ -68,7 +68,7 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
   const double left = deadline_.remaining(),
                to_prove = std::max(statistics_.verification_time_s, share_to_prove * left);
   const Deadline improve_until(std::max(left - to_prove, 0.0), [&] { return deadline_.cancelled(); });
-  std::vector<std::size_t> order(problem_.moving.size());
+  std::vector<std::size_t> order(problem_.robots.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::set<std::vector<std::size_t>> tried;
   while (tried.insert(order).second && !deadline_.stop_requested()) {
@@ -89,7 +89,7 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_sooner(const M
   std::uint64_t looks = looks_for_sooner;
   Motions found;
   try {
-    for (std::size_t i = 0; i < problem_.moving.size(); ++i)
+    for (std::size_t i = 0; i < problem_.robots.size(); ++i)
       if (!plan_one(i, at_once, {before, 1, looks, until, until}, found)) return std::nullopt;
   } catch (const PlanningError&) {
     return std::nullopt;  // no way of a robot alone was found, or not in time
@@ -99,7 +99,7 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_sooner(const M
 
 /// Adds the robot's motion to `done`; false: none was found.
 bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const TimedEffort& effort, Motions& done) {
-  const MultiRobotPart& part = problem_.moving[i];
+  const RobotProblem& part = problem_.robots[i];
   const std::vector<MovingRobot> others = others_of(i, done);
   if (const auto known = at_once.find(part.robot); known != at_once.end() && end_of(known->second) < effort.before) {
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
@@ -128,7 +128,7 @@ std::vector<MovingRobot> PrioritisedInTime::others_of(std::size_t i, const Motio
   for (std::size_t j = 0; j < team_.size(); ++j) {
     const std::string& name = team_.names()[j];
     const Trajectory* motion = nullptr;
-    if (const auto committed = committed_.find(name); committed != committed_.end())
+    if (const auto committed = problem_.obstacles.find(name); committed != problem_.obstacles.end())
       motion = &committed->second;
     else if (const auto planned = done.find(name); planned != done.end())
       motion = &planned->second;
@@ -141,12 +141,18 @@ std::vector<MovingRobot> PrioritisedInTime::others_of(std::size_t i, const Motio
 
 /// Its way among what stands still leads the search; where it arrives at once is a target too.
 TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others) {
-  const MultiRobotPart& part = problem_.moving[i];
+  const RobotProblem& part = problem_.robots[i];
   const Checker& checker = quick_.alone(i);
   const RobotPath& path = way(i);
-  TimedTask task{
-      checker, team_.alone(i), others, path.start, path.targets, path.waypoints, scaled(part.limits, common_), {}};
-  if (const auto known = at_once.find(part.robot); known != at_once.end() && part.goal.type != GoalType::any) {
+  TimedTask task{checker,
+                 team_.alone(i),
+                 others,
+                 path.endpoints.start,
+                 path.endpoints.targets,
+                 unstack_waypoints(path.waypoints),
+                 scaled(part.limits, common_),
+                 {}};
+  if (const auto known = at_once.find(part.robot); known != at_once.end() && !part.may_end_anywhere()) {
     const Eigen::VectorXd end = known->second.positions.bottomRows(1).transpose();
     if (std::find(task.targets.begin(), task.targets.end(), end) == task.targets.end()) task.targets.push_back(end);
   }

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "srmp/planning/obstacles/moving_obstacles.hpp"
 #include "srmp/planning/obstacles/plan_in_time.hpp"
-#include "srmp/planning/single_robot.hpp"
+#include "srmp/planning/strategies/robot_path.hpp"
 
 namespace srmp {
 
@@ -20,8 +19,8 @@ class PrioritisedInTime {
 
   /// `team`: judges of the problem's robots, in their order, and after them the committed ones. References outlive
   /// this.
-  PrioritisedInTime(const MultiRobotProblem& problem, const CommittedMotions& committed, const GroupCheckers& team,
-                    const CheckerOptions& quick, const Deadline& deadline, PlanStatistics& statistics);
+  PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& team, const Deadline& deadline,
+                    PlanStatistics& statistics);
 
   /// What plan_multi_robot asks of starts and goals, but that a start may be where a committed motion ends. Throws
   /// PlanningError.
@@ -39,9 +38,8 @@ class PrioritisedInTime {
   TimedTask task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others);
   const RobotPath& way(std::size_t i);
 
-  const MultiRobotProblem& problem_;
+  const PlanProblem& problem_;
   const CommonOptions& common_;
-  const CommittedMotions& committed_;
   const GroupCheckers& team_;
   const GroupCheckers quick_;  // the team by quick checkers
   std::vector<Checker::WorkspacePtr> workspaces_;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/planning/smoothing/joint_path.hpp"
+#include "srmp/planning/world_paths.hpp"
 
 namespace srmp {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "srmp/core/status.hpp"
-#include "srmp/planning/smoothing/joint_path.hpp"
+#include "srmp/planning/world_paths.hpp"
 #include "srmp/search/graph.hpp"
 
 namespace srmp {

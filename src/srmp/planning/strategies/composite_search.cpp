@@ -3,53 +3,59 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srmp/lattice/lattice.hpp"
-#include "srmp/search/portfolio.hpp"
+#include "srmp/planning/strategies/lattice_portfolio.hpp"
 
 namespace srmp {
 
 namespace {
 
-using search::AnyHeuristic;
 using search::StateId;
 
-constexpr double scales[] = {3.0, 1.5, 0.75};  // of the resolution asked for
-constexpr std::uint64_t fine_from = 1024;      // expansions: before, lattices finer than asked for are left out
-
-class CompositeSearch {
+/// Lattices of all robots' joints.
+class CompositeLattices : public LatticeFamily {
  public:
-  CompositeSearch(const CompositeSpace& space, const CompositeOptions& options) : space_(space), options_(options) {
+  explicit CompositeLattices(const CompositeSpace& space) : space_(space) {
     for (std::size_t i = 0; i < space_.size(); ++i)
       for (const auto& [j, k] : parallel_pairs(space_.robot(i)))
         pairs_.emplace_back(j + space_.first(i), k + space_.first(i));
     make_weights();
   }
 
-  CompositeResult run(const Deadline& deadline) {
-    CompositeResult answer;
-    if (space_.targets().empty()) return answer;
-    for (const double scale : scales)
-      if (scale >= 1.0 || options_.max_expansions >= fine_from)
-        for (const bool backward : {true, false}) members_.push_back({nullptr, {}, backward, scale});
-    const auto make = [this](std::size_t i) { return make_member(members_[i]); };
-    const auto found = search::portfolio<Lattice, AnyHeuristic>(
-        members_.size(), make, {.weight = options_.weight, .max_expansions = options_.max_expansions}, deadline);
-    answer.status = found.result.status;
-    answer.statistics = found.result.statistics;
-    for (const Member& member : members_)
-      if (member.lattice) answer.statistics.memory += member.lattice->memory();
-    if (answer.status == Status::solved) answer.path = path_of(found);
-    return answer;
+  Lattice lattice(bool backward, double scale) override {
+    std::vector<Eigen::VectorXd> roots{space_.start()}, targets = space_.targets();
+    if (backward) roots.swap(targets);
+    return Lattice(space_.joints(), std::move(roots), std::move(targets), {.primitives = primitives(scale)},
+                   [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+                     return space_.is_motion_free(a, b);
+                   });
+  }
+
+  search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice) override {
+    const auto count = static_cast<std::size_t>(weights_.rows()) + 1;
+    return {count, [&lattice, count, this](std::span<const StateId> states, std::span<double> out) {
+              for (std::size_t i = 0; i < states.size(); ++i)
+                lattice.measure_to_targets(states[i], weights_, out.subspan(i * count, count));
+            }};
+  }
+
+  FoundPath path_of(const search::Result& result, const Lattice& lattice, bool backward, double scale) const override {
+    std::vector<Eigen::VectorXd> rows = lattice.configurations(result.path);
+    if (backward) std::reverse(rows.begin(), rows.end());
+    rows.front() = space_.start();  // unwrapped from the start on
+    FoundPath found{.path = space_.path(rows), .graph = describe(backward, scale), .found_by = "composite lattice"};
+    found.cost = found.path.length();
+    return found;
+  }
+
+  std::string describe(bool backward, double scale) const override {
+    return "the composite lattice of " + to_text(scale) + " times the resolution from " +
+           (backward ? "the goals" : "the start");
+  }
+  std::string no_path_sentence(const search::Result& result, const std::string& no_path) const override {
+    return no_path + " path (" + std::string(to_string(result.status)) + ")";
   }
 
  private:
-  struct Member {
-    std::unique_ptr<Lattice> lattice;  // it cannot move
-    AnyHeuristic anchor;
-    bool backward;
-    double scale;
-  };
-
   PrimitiveSet primitives(double scale) const {
     const MultiRobotWorld::Options& lattice = space_.world().options();
     const Eigen::VectorXd step = lattice_step(space_.joints(), scale * std::min(lattice.resolution, M_PI / 2 / scale),
@@ -65,25 +71,6 @@ class CompositeSearch {
     return set;
   }
 
-  search::PortfolioMember<Lattice, AnyHeuristic> make_member(Member& member) {
-    std::vector<Eigen::VectorXd> roots{space_.start()}, targets = space_.targets();
-    if (member.backward) roots.swap(targets);
-    member.lattice = std::make_unique<Lattice>(space_.joints(), std::move(roots), std::move(targets),
-                                               Lattice::Options{.primitives = primitives(member.scale)},
-                                               [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-                                                 return space_.is_motion_free(a, b);
-                                               });
-    Lattice& lattice = *member.lattice;
-    member.anchor = [&lattice](StateId s) { return lattice.distance_to_targets(s); };
-    const auto count = static_cast<std::size_t>(weights_.rows()) + 1;
-    const search::InadmissibleHeuristics inadmissible_heuristics{
-        count, [&lattice, count, this](std::span<const StateId> states, std::span<double> out) {
-          for (std::size_t i = 0; i < states.size(); ++i)
-            lattice.measure_to_targets(states[i], weights_, out.subspan(i * count, count));
-        }};
-    return {&lattice, lattice.starts(), &member.anchor, inadmissible_heuristics};
-  }
-
   /// All joints alike; those near the bases counting for more; those near the hands; and one arm after the other.
   void make_weights() {
     const std::size_t arms = space_.size();
@@ -95,26 +82,23 @@ class CompositeSearch {
     }
   }
 
-  JointPath path_of(const search::PortfolioResult& found) const {
-    const Member& winner = members_[found.winner];
-    std::vector<Eigen::VectorXd> rows = winner.lattice->configurations(found.result.path);
-    if (winner.backward) std::reverse(rows.begin(), rows.end());
-    rows.front() = space_.start();  // unwrapped from the start on
-    return space_.path(rows);
-  }
-
   const CompositeSpace& space_;
-  const CompositeOptions& options_;
   std::vector<JointPair> pairs_;
   RowMatrix weights_;
-  std::vector<Member> members_;
 };
 
 }  // namespace
 
 CompositeResult composite_search(const CompositeSpace& space, const CompositeOptions& options,
                                  const Deadline& deadline) {
-  return CompositeSearch(space, options).run(deadline);
+  if (space.targets().empty()) return {};
+  LatticePortfolioOptions portfolio{.weight = options.weight, .scales = {}, .max_expansions = options.max_expansions};
+  for (const double scale : options.scales)
+    if (scale >= 1.0 || options.max_expansions >= options.fine_from) portfolio.scales.push_back(scale);
+  CompositeLattices lattices(space);
+  LatticePortfolio searches(lattices, portfolio);
+  Attempt attempt = searches.run(deadline);
+  return {attempt.status, std::move(attempt.found.path), searches.statistics()};
 }
 
 }  // namespace srmp

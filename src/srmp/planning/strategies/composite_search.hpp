@@ -10,8 +10,10 @@
 namespace srmp {
 
 struct CompositeOptions {
-  double weight{50.0};             ///< as Auto::weight
-  std::uint64_t max_expansions{};  ///< of one search of the portfolio
+  double weight{50.0};                         ///< of each search, as Auto::weight
+  std::uint64_t max_expansions{};              ///< of each search
+  std::vector<double> scales{3.0, 1.5, 0.75};  ///< of the lattices' steps, as multiples of the world's resolution
+  std::uint64_t fine_from{1024};  ///< with fewer expansions, lattices finer than the world's resolution are left out
 };
 
 struct CompositeResult {
@@ -20,9 +22,9 @@ struct CompositeResult {
   search::Statistics statistics;
 };
 
-/// Arms as one robot with all their joints: guided searches in turns from both ends, at several resolutions, as `auto`
-/// makes them for one arm, also with guides that lead one arm before the others. Finds ways that arms can only go
-/// together; gets harder with every arm. Arms whose goal is anywhere end where they start.
+/// Robots as one robot with all their joints: lattices at several resolutions, searched side by side from both ends
+/// (lattice_portfolio.hpp), also by heuristics that move one robot before the others. Finds paths on which robots must
+/// move jointly; gets harder with every robot. Robots that may end anywhere end where they start.
 CompositeResult composite_search(const CompositeSpace& space, const CompositeOptions& options,
                                  const Deadline& deadline);
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "srmp/planning/smoothing/joint_path.hpp"
+#include "srmp/planning/world_paths.hpp"
 
 namespace srmp {
 

@@ -1,0 +1,300 @@
+#include "srmp/planning/certified_timing.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <optional>
+
+#include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/obstacles/timed_motion.hpp"
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/smoothing/joint_shortcut.hpp"
+
+namespace srmp {
+
+namespace {
+
+const CertifiedTimingOptions tuning;
+
+class CertifiedTiming {
+ public:
+  CertifiedTiming(const PlanProblem& problem, JointPaths paths, std::size_t recovery_segments, ParallelWork& work,
+                  const Deadline& deadline, PlanStatistics& statistics)
+      : problem_(problem),
+        common_(common_options(problem.options)),
+        raw_(std::move(paths.raw)),
+        world_(std::move(paths.world)),
+        lower_(paths.lower),
+        recovery_segments_(recovery_segments),
+        work_(work),
+        deadline_(deadline),
+        statistics_(statistics) {
+    for (JointPath& path : paths.smoothed) groups_.push_back({std::move(path)});
+    if (!world_) workspace_ = checker(0).make_workspace();
+  }
+
+  MultiTrajectory run() {
+    const Deadline until = with_grace_period(deadline_);
+    // Groups that are timed apart must be proved to stay clear of each other.
+    if (common_.timing == "none" || !common_.certify)
+      while (groups_.size() > 1) merge_groups(0, 1);
+    do {
+      work_.run(groups_.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
+        if (groups_[k].deviation < 0.0) time_and_certify(groups_[k], deadline, statistics);
+      });
+    } while (common_.certify && !all_proved_clear(until));
+    add_proofs();
+    if (merged_) record_merged_costs();
+    MultiTrajectory result;
+    for (Group& group : groups_)
+      for (std::size_t i = 0; i < group.path.arms.size(); ++i) {
+        Trajectory& trajectory = group.trajectories[i];
+        if (common_.certify)
+          attach_certificate(trajectory, std::move(group.certificates[i]), name(group.path.arms[i]), statistics_);
+        result.robots.emplace(name(group.path.arms[i]), std::move(trajectory));
+      }
+    set_times(result);
+    return result;
+  }
+
+ private:
+  /// Robots that are timed together.
+  struct Group {
+    JointPath path;
+    double deviation{-1.0};  // at the corners; below 0: not timed yet
+    std::vector<Trajectory> trajectories{};
+    std::vector<Certificate> certificates{};
+  };
+
+  /// The paths that were found for both, which do not collide, shortened together.
+  void merge_groups(std::size_t i, std::size_t j) {
+    const JointPath raw = side_by_side(raw_path(groups_[i].path.arms), raw_path(groups_[j].path.arms));
+    groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(j));
+    const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
+    groups_[i] = {common_.shortcut ? shortened(raw, *world_, deadline_) : raw};
+    merged_ = true;
+    std::erase_if(proofs_, [&](const auto& known) {
+      const std::vector<std::size_t>& arms = groups_[i].path.arms;
+      return std::binary_search(arms.begin(), arms.end(), known.first.first) ||
+             std::binary_search(arms.begin(), arms.end(), known.first.second);
+    });
+  }
+
+  /// As the search found it.
+  JointPath raw_path(const std::vector<std::size_t>& arms) const {
+    std::optional<JointPath> raw;
+    for (const JointPath& path : raw_)
+      if (std::binary_search(arms.begin(), arms.end(), path.arms.front())) raw = raw ? side_by_side(*raw, path) : path;
+    return *raw;
+  }
+
+  /// Corners that cannot be proved free shrink.
+  void time_and_certify(Group& group, const Deadline& until, PlanStatistics& statistics) {
+    for (double deviation = common_.blend_deviation;; deviation *= tuning.shrink) {
+      if (deviation < tuning.min_deviation) deviation = 0.0;
+      group.deviation = deviation;
+      {
+        const PhaseTimer timer(until, statistics.timing_time_s);
+        group.trajectories = in_time(group.path, deviation);
+      }
+      if (!common_.certify) return;
+      {
+        const PhaseTimer timer(until, statistics.verification_time_s);
+        group.certificates = joint_certificates(checkers(), motions_of(group), common_, until);
+      }
+      const bool proved = std::all_of(group.certificates.begin(), group.certificates.end(),
+                                      [](const Certificate& c) { return c.proved_free(); });
+      if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
+    }
+  }
+
+  const GroupCheckers& checkers() const { return problem_.checkers.verification(); }
+
+  RobotMotion motion_of(const Group& group, std::size_t i) const {
+    const std::size_t robot = group.path.arms[i];
+    return {robot, &problem_.robots[robot], group.trajectories[i], recovery_segments_};
+  }
+  std::vector<RobotMotion> motions_of(const Group& group) const {
+    std::vector<RobotMotion> motions;
+    for (std::size_t i = 0; i < group.path.arms.size(); ++i) motions.push_back(motion_of(group, i));
+    return motions;
+  }
+
+  /// A robot of a group.
+  struct Member {
+    std::size_t group, index;
+  };
+  struct MemberPair {
+    Member a, b;  // a's number is the smaller one
+  };
+
+  /// Robots of different groups that can reach each other and are not proved to stay clear of each other yet.
+  std::vector<MemberPair> open_pairs() const {
+    std::vector<MemberPair> open;
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+      for (std::size_t j = i + 1; j < groups_.size(); ++j)
+        for (std::size_t k = 0; k < groups_[i].path.arms.size(); ++k)
+          for (std::size_t l = 0; l < groups_[j].path.arms.size(); ++l) {
+            MemberPair pair{{i, k}, {j, l}};
+            if (number(pair.a) > number(pair.b)) std::swap(pair.a, pair.b);
+            if (checkers().may_conflict(number(pair.a), number(pair.b)) &&
+                !proofs_.contains({number(pair.a), number(pair.b)}))
+              open.push_back(pair);
+          }
+    return open;
+  }
+  std::size_t number(const Member& robot) const { return groups_[robot.group].path.arms[robot.index]; }
+  RobotMotion motion_of(const Member& robot) const { return motion_of(groups_[robot.group], robot.index); }
+
+  /// Proves that robots of different groups stay clear of each other; false: the groups of the first two of which that
+  /// cannot be proved have become one.
+  bool all_proved_clear(const Deadline& until) {
+    const std::vector<MemberPair> open = open_pairs();
+    std::vector<MotionProof> found(open.size());
+    std::atomic<std::size_t> first{open.size()};  // that is not proved
+    work_.run(open.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
+      if (k > first) return;
+      const PhaseTimer timer(deadline, statistics.verification_time_s);
+      found[k] = *prove_pair(checkers(), motion_of(open[k].a), motion_of(open[k].b), deadline);
+      if (found[k].free && found[k].unproved.empty()) return;
+      for (std::size_t known = first; k < known && !first.compare_exchange_weak(known, k);) {
+      }
+    });
+    for (std::size_t k = 0; k < first; ++k)
+      proofs_.emplace(std::pair(number(open[k].a), number(open[k].b)), std::move(found[k]));
+    if (first == open.size()) return true;
+    const auto [i, j] = std::minmax(open[first].a.group, open[first].b.group);
+    merge_groups(i, j);
+    return false;
+  }
+
+  void add_proofs() {
+    std::map<std::size_t, Member> members;
+    for (std::size_t i = 0; i < groups_.size(); ++i)
+      for (std::size_t k = 0; k < groups_[i].path.arms.size(); ++k) members[groups_[i].path.arms[k]] = {i, k};
+    for (const auto& [numbers, proof] : proofs_) {
+      const Member a = members.at(numbers.first), b = members.at(numbers.second);
+      add_pair_proof(checkers(), proof, motion_of(a), groups_[a.group].certificates[a.index], motion_of(b),
+                     groups_[b.group].certificates[b.index]);
+    }
+  }
+
+  std::vector<Trajectory> in_time(const JointPath& path, double deviation) {
+    std::vector<std::string> names;
+    MotionLimits limits;
+    Eigen::VectorXd reach;
+    for (const std::size_t i : path.arms) {
+      const MotionLimits own = scaled(problem_.robots[i].limits, common_);
+      for (const std::string& joint : model(i).joint_names()) names.push_back(world_ ? name(i) + "/" + joint : joint);
+      append(limits.velocity, own.velocity);
+      append(limits.acceleration, own.acceleration);
+      append(limits.jerk, own.jerk);
+      append(reach, checker(i).reach());
+      limits.continuous.insert(limits.continuous.end(), own.continuous.begin(), own.continuous.end());
+    }
+    RowMatrix waypoints(static_cast<Eigen::Index>(path.size()), limits.velocity.size());
+    Eigen::Index first = 0;
+    for (const RowMatrix& q : path.positions) {
+      waypoints.middleCols(first, q.cols()) = q;
+      first += q.cols();
+    }
+    if (common_.timing == "none") {
+      const RowMatrix none(0, waypoints.cols());
+      return parts({names, waypoints, none, none, {}, waypoints}, path);
+    }
+    TimingOptions options = timing_options(common_, deviation);
+    options.reach = reach;
+    options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
+    return parts(time_parameterize(waypoints, names, limits, options), path);
+  }
+
+  static void append(Eigen::VectorXd& to, const Eigen::VectorXd& more) {
+    to.conservativeResize(to.size() + more.size());
+    to.tail(more.size()) = more;
+  }
+
+  /// The straight motion of all robots of a path.
+  bool is_motion_free(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    if (!world_) return checker(0).is_motion_free(a, b, *workspace_);
+    Eigen::Index first = 0;
+    std::vector<Eigen::VectorXd> from, to;
+    for (const RowMatrix& q : path.positions) {
+      from.emplace_back(a.segment(first, q.cols()));
+      to.emplace_back(b.segment(first, q.cols()));
+      first += q.cols();
+    }
+    for (std::size_t i = 0; i < path.arms.size(); ++i)
+      if (!world_->is_free_for_one(path.arms[i], from[i]) || !world_->is_free_for_one(path.arms[i], from[i], to[i]))
+        return false;
+    for (std::size_t i = 0; i < path.arms.size(); ++i)
+      for (std::size_t j = i + 1; j < path.arms.size(); ++j)
+        if (!world_->are_collision_free(path.arms[i], from[i], to[i], path.arms[j], from[j], to[j])) return false;
+    return true;
+  }
+
+  /// The motion of each robot.
+  std::vector<Trajectory> parts(const Trajectory& all, const JointPath& path) const {
+    std::vector<Trajectory> result;
+    Eigen::Index first = 0;
+    for (std::size_t i = 0; i < path.arms.size(); ++i) {
+      const Eigen::Index columns = path.positions[i].cols();
+      const auto part = [&](const RowMatrix& of) -> RowMatrix { return of.middleCols(first, columns); };
+      Trajectory one{model(path.arms[i]).joint_names(), part(all.positions), part(all.velocities),
+                     part(all.accelerations),           all.times,           part(all.waypoints)};
+      one.robot = problem_.robots[path.arms[i]].placed;
+      result.push_back(std::move(one));
+      first += columns;
+    }
+    return result;
+  }
+
+  void set_times(const MultiTrajectory& result) {
+    statistics_.makespan_s = result.duration();
+    statistics_.flow_time_s = 0.0;
+    for (const auto& [robot, trajectory] : result.robots) statistics_.flow_time_s += arrival(trajectory);
+  }
+
+  const std::string& name(std::size_t i) const { return problem_.robots[i].robot; }
+  const Checker& checker(std::size_t i) const { return problem_.checkers.planning.alone(i); }
+  const RobotModel& model(std::size_t i) const { return checker(i).robot(); }
+
+  void record_merged_costs() {
+    std::vector<JointPath> paths;
+    for (const Group& group : groups_) paths.push_back(group.path);
+    record_costs(problem_, paths, lower_, deadline_, statistics_);
+  }
+
+  const PlanProblem& problem_;
+  const CommonOptions& common_;
+  const std::vector<JointPath> raw_;
+  const std::unique_ptr<MultiRobotWorld> world_;  // null: one robot
+  const double lower_;
+  const std::size_t recovery_segments_;
+  ParallelWork& work_;
+  const Deadline& deadline_;
+  PlanStatistics& statistics_;
+  Checker::WorkspacePtr workspace_;  // of one robot
+  std::vector<Group> groups_;
+  bool merged_{false};
+  std::map<std::pair<std::size_t, std::size_t>, MotionProof> proofs_;  // of robots of different groups, by index
+};
+
+}  // namespace
+
+MultiTrajectory certified_timing(const PlanProblem& problem, JointPaths paths, std::size_t recovery_segments,
+                                 ParallelWork& work, const Deadline& deadline, PlanStatistics& statistics) {
+  return CertifiedTiming(problem, std::move(paths), recovery_segments, work, deadline, statistics).run();
+}
+
+Deadline with_grace_period(const Deadline& deadline) {
+  return Deadline(std::max(deadline.remaining(), 0.0) + tuning.grace_period,
+                  [&deadline] { return deadline.cancelled(); });
+}
+
+TimingOptions timing_options(const CommonOptions& options, double deviation) {
+  return {.method = options.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
+          .sample_period = options.sample_period,
+          .blend_deviation = deviation};
+}
+
+}  // namespace srmp

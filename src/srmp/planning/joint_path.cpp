@@ -1,0 +1,58 @@
+#include "srmp/planning/joint_path.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "srmp/trajectory/path.hpp"
+
+namespace srmp {
+
+double JointPath::length(std::size_t i) const { return path_length(positions[i]); }
+
+double JointPath::length() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < positions.size(); ++i) sum += length(i);
+  return sum;
+}
+
+JointPath path_of_one(RowMatrix positions) {
+  JointPath path{{0}, {}, {}};
+  for (Eigen::Index row = 0; row < positions.rows(); ++row) path.steps.push_back(static_cast<double>(row));
+  path.positions.push_back(std::move(positions));
+  return path;
+}
+
+Eigen::VectorXd position_at(const JointPath& path, std::size_t i, double step) {
+  const RowMatrix& q = path.positions[i];
+  const auto next = std::upper_bound(path.steps.begin(), path.steps.end(), step);
+  if (next == path.steps.end()) return q.bottomRows(1).transpose();
+  const auto row = static_cast<Eigen::Index>(next - path.steps.begin());
+  const double from = path.steps[static_cast<std::size_t>(row - 1)];
+  return (q.row(row - 1) + (step - from) / (*next - from) * (q.row(row) - q.row(row - 1))).transpose();
+}
+
+std::vector<double> all_steps(const JointPath& a, const JointPath& b) {
+  std::vector<double> steps = a.steps;
+  steps.insert(steps.end(), b.steps.begin(), b.steps.end());
+  std::sort(steps.begin(), steps.end());
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  return steps;
+}
+
+JointPath side_by_side(const JointPath& a, const JointPath& b) {
+  JointPath both{{}, all_steps(a, b), {}};
+  std::vector<std::tuple<std::size_t, const JointPath*, std::size_t>> arms;
+  for (const JointPath* path : {&a, &b})
+    for (std::size_t i = 0; i < path->arms.size(); ++i) arms.emplace_back(path->arms[i], path, i);
+  std::sort(arms.begin(), arms.end());
+  for (const auto& [arm, path, i] : arms) {
+    RowMatrix q(static_cast<Eigen::Index>(both.size()), path->positions[i].cols());
+    for (std::size_t row = 0; row < both.size(); ++row)
+      q.row(static_cast<Eigen::Index>(row)) = position_at(*path, i, both.steps[row]).transpose();
+    both.arms.push_back(arm);
+    both.positions.push_back(std::move(q));
+  }
+  return both;
+}
+
+}  // namespace srmp

@@ -1,0 +1,85 @@
+#include "srmp/planning/strategies/anytime.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/strategies/lattice_portfolio.hpp"
+
+namespace srmp {
+
+namespace {
+
+class Anytime {
+ public:
+  Anytime(RobotContext& context, RobotLattices& lattices, BestPath& best, double direct, const AnytimeOptions& options)
+      : context_(context),
+        lattices_(lattices),
+        best_(best),
+        direct_(direct),
+        options_(options),
+        improvement_(improvement(context.options)),
+        until_(improvement_.time_of(context.deadline.remaining()),
+               [&context] { return context.deadline.cancelled(); }) {}
+
+  void run(FoundPath first) {
+    if (!best_.take(std::move(first), until_)) return;  // now with all the care that shortening can take
+    std::uint64_t expansions = options_.first_expansions;
+    double finer = 1.0;
+    for (int round = 0; improvement_.goes_on_after(round); ++round) {
+      if (!run_round(expansions, finer)) return;
+      expansions = std::min(options_.growth * expansions, options_.max_expansions);
+      finer = std::max(options_.refinement * finer, options_.min_scale);
+    }
+  }
+
+ private:
+  /// False: no better path is wanted, or none can be found.
+  bool run_round(std::uint64_t expansions, double finer) {
+    for (const double fraction : options_.fractions)
+      while (true) {
+        if (good_enough() || until_.stop_requested()) return false;
+        const double before = best_cost(), limit = direct_ + fraction * (before - direct_);
+        LatticePortfolio searches(lattices_, lattices_.portfolio_options(1.0, finer, limit, expansions));
+        Attempt found = search(searches);
+        for (const std::string& graph : searches.exhausted_graphs())
+          if (!best_.prove(limit, graph)) return false;
+        if (found.status == Status::solved && !best_.take(std::move(found.found), until_)) return false;
+        const bool can_be_finer = !lattices_.own_primitives() && finer > options_.min_scale;
+        if (!can_be_finer && fraction == 1.0 && searches.all_exhausted()) return false;
+        if (best_cost() >= before) break;
+      }
+    return true;
+  }
+
+  Attempt search(LatticePortfolio& searches) {
+    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    Attempt result = searches.run(until_);
+    lattices_.count(searches);
+    return result;
+  }
+
+  double best_cost() const { return context_.statistics.path_cost_rad; }
+
+  /// A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
+  bool good_enough() const {
+    if (improvement_.final_weight > 1.0 && context_.statistics.bound <= improvement_.final_weight) return true;
+    return best_cost() <= direct_ * (1.0 + 1e-9);
+  }
+
+  RobotContext& context_;
+  RobotLattices& lattices_;
+  BestPath& best_;
+  const double direct_;
+  const AnytimeOptions& options_;
+  const Improvement improvement_;
+  const Deadline until_;
+};
+
+}  // namespace
+
+void improve_path(RobotContext& context, RobotLattices& lattices, BestPath& best, FoundPath first, double direct,
+                  const AnytimeOptions& options) {
+  Anytime(context, lattices, best, direct, options).run(std::move(first));
+}
+
+}  // namespace srmp

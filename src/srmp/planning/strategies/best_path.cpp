@@ -1,0 +1,59 @@
+#include "srmp/planning/strategies/best_path.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/solution_record.hpp"
+
+namespace srmp {
+
+void BestPath::bound(double lower, const std::string& graph) {
+  if (!context_.statistics.bound_graph.empty() && lower <= lower_ * (1.0 + 1e-9)) return;
+  lower_ = lower;
+  context_.statistics.bound_graph = graph;
+}
+
+bool BestPath::take(FoundPath found, const Deadline& until, const ShortcutOptions& options) {
+  RowMatrix& path = found.path.positions.front();
+  if (context_.common.shortcut) path = shortened(path, until, options);
+  const double cost = length(path);
+  PlanStatistics& statistics = context_.statistics;
+  statistics.search_cost_rad = empty() ? found.cost : std::min(statistics.search_cost_rad, found.cost);
+  if (empty() || cost < statistics.path_cost_rad) {
+    waypoints_ = std::move(path);
+    statistics.path_cost_rad = cost;
+    statistics.goal_index = found.goal_index;
+    statistics.found_by = found.found_by;
+  }
+  return prove(found.lower, found.graph);
+}
+
+bool BestPath::prove(double lower, const std::string& graph) {
+  bound(lower, graph);
+  PlanStatistics& statistics = context_.statistics;
+  const bool news = record_solution(statistics, lower_, context_.deadline);
+  const OnSolution& tell = context_.problem.on_solution;
+  return !news || !tell || tell(statistics.solutions.back(), waypoints_);
+}
+
+RowMatrix BestPath::shortened(const RowMatrix& path, const Deadline& until, ShortcutOptions options) {
+  const PhaseTimer timer(context_.deadline, context_.statistics.shortcut_time_s);
+  const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return context_.checks.is_motion_free(a, b);
+  };
+  options.continuous = context_.task.limits.continuous;
+  try {
+    return shortcut(path, is_free, until, options).waypoints;
+  } catch (const MotionCheckStopped&) {
+    return path;
+  }
+}
+
+double BestPath::length(const RowMatrix& path) const {
+  double sum = 0.0;
+  for (Eigen::Index i = 1; i < path.rows(); ++i)
+    sum += context_.robot.difference(path.row(i - 1).transpose(), path.row(i).transpose()).norm();
+  return sum;
+}
+
+}  // namespace srmp

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include "srmp/planning/robot_context.hpp"
+#include "srmp/planning/strategies/strategy.hpp"
+#include "srmp/trajectory/shortcut.hpp"
+
+namespace srmp {
+
+/// The shortest path of one robot so far and what is proven about it. Writes both into the plan's statistics and tells
+/// the user.
+class BestPath {
+ public:
+  explicit BestPath(RobotContext& context) : context_(context) {}
+
+  bool empty() const { return waypoints_.rows() == 0; }
+  const RowMatrix& waypoints() const { return waypoints_; }
+
+  /// No path of `graph` costs less than `lower`.
+  void bound(double lower, const std::string& graph);
+  /// Shortens a path, as the options say and no longer than `until`, and keeps it when it is the shortest so far.
+  /// False: the user wants no better one.
+  bool take(FoundPath found, const Deadline& until, const ShortcutOptions& options = {});
+  /// As `bound`, once there is a path: tells the user if its bound is better now. False: the user wants no better one.
+  bool prove(double lower, const std::string& graph);
+
+ private:
+  RowMatrix shortened(const RowMatrix& path, const Deadline& until, ShortcutOptions options);
+  double length(const RowMatrix& path) const;
+
+  RobotContext& context_;
+  RowMatrix waypoints_;
+  double lower_{0.0};  // no path of statistics.bound_graph costs less
+};
+
+}  // namespace srmp

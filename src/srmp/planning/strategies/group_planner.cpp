@@ -1,0 +1,65 @@
+#include "srmp/planning/strategies/group_planner.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/smoothing/joint_shortcut.hpp"
+#include "srmp/planning/smoothing/large_neighbourhood_search.hpp"
+#include "srmp/planning/strategies/composite_sampling.hpp"
+#include "srmp/planning/strategies/group_strategies.hpp"
+
+namespace srmp {
+
+FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadline& deadline,
+                             PlanStatistics& statistics) {
+  const PhaseTimer timer(deadline, statistics.search_time_s);
+  const bool portfolio = std::holds_alternative<Auto>(options_) || std::holds_alternative<XECBS>(options_);
+  std::optional<CompositeSpace> space;
+  Strategies strategies;
+  if (portfolio) {
+    space.emplace(world_, robots);
+    strategies.push_back(std::make_unique<CompositeRoadmapStrategy>(world_, robots, roadmaps_, statistics));
+    strategies.push_back(
+        std::make_unique<CompositeRrtStrategy>(world_, *space, common_options(options_).shortcut, statistics));
+  }
+  strategies.push_back(std::make_unique<ConflictSearchStrategy>(world_, robots, options_, !portfolio, statistics));
+  if (portfolio) strategies.push_back(std::make_unique<CompositeLatticeStrategy>(*space, statistics));
+  return attempt_in_rounds(strategies, direct(robots), conflict_search_options(options_).bound(), deadline);
+}
+
+/// No paths of these robots are shorter together.
+double GroupPlanner::direct(const std::vector<std::size_t>& robots) const {
+  double sum = 0.0;
+  for (const std::size_t i : robots) sum += world_.direct(i);
+  return sum;
+}
+
+JointPath GroupPlanner::reroute_each(JointPath path, const Deadline& deadline) {
+  const auto retreats = roadmaps_.retreats(path.arms);
+  for (double before = search::infinity; path.length() < 0.99 * before;) {
+    before = path.length();
+    JointPath better = reroute_one_robot(path, world_, deadline, retreats);
+    if (better.length() < before) path = shortened(std::move(better), world_, deadline);
+  }
+  return tightened(std::move(path), world_, deadline);
+}
+
+bool GroupPlanner::may_change(const JointPath& known) const {
+  return replan_.worth_a_change * known.length() > direct(known.arms);
+}
+
+JointPath GroupPlanner::replan(const JointPath& known, std::uint64_t seed, const Deadline& deadline,
+                               PlanStatistics& statistics) {
+  const CompositeSpace space(world_, known.arms);
+  search::RrtConnect trees(rrt_space(space), seed);
+  const auto rows = trees.grow(replan_.attempts, deadline);
+  statistics.expansions += trees.attempts();
+  statistics.memory_bytes = std::max<std::uint64_t>(statistics.memory_bytes, trees.memory());
+  if (!rows) return known;
+  JointPath path = shortened(space.path(*rows), world_, deadline);
+  if (path.length() >= replan_.worth_smoothing * known.length()) return known;
+  path = reroute_each(std::move(path), deadline);
+  return path.length() < replan_.worth_a_change * known.length() ? path : known;
+}
+
+}  // namespace srmp

@@ -1,0 +1,179 @@
+#include "srmp/planning/strategies/group_strategies.hpp"
+
+#include <algorithm>
+
+#include "srmp/core/error.hpp"
+#include "srmp/planning/smoothing/joint_shortcut.hpp"
+#include "srmp/planning/strategies/composite_sampling.hpp"
+#include "srmp/planning/strategies/composite_search.hpp"
+#include "srmp/planning/world_paths.hpp"
+#include "srmp/planning/world_subset.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// Work of the first round; it grows fourfold from round to round.
+struct GroupBudget {
+  std::uint64_t roadmap_expansions{16'000};       ///< the same in every round
+  std::uint64_t roadmap_checks{2'000};            ///< of motions of two robots, until there is a path
+  std::uint64_t shorter_checks{8'000};            ///< for each search after it; the same in every round
+  std::vector<double> shorter_weights{3.0, 1.5};  ///< of those searches
+  double worth_shortening{1.05};  ///< only if the path is longer by this factor than the robots' paths alone
+  std::uint64_t rrt_attempts{2'048};
+  std::uint64_t conflict_evaluations{128};  ///< of lattice edges
+  std::uint64_t lattice_expansions{16};     ///< of each search of the composite lattices
+};
+const GroupBudget budgets;
+
+std::uint64_t growth(const AttemptBudget& budget) { return std::uint64_t{1} << 2 * budget.round; }
+
+void note_memory(PlanStatistics& statistics, std::uint64_t held) {
+  statistics.memory_bytes = std::max(statistics.memory_bytes, held);
+}
+
+Attempt accepted(JointPath path, const std::string& found_by) {
+  Attempt attempt{.status = Status::solved};
+  attempt.found.cost = path.length();
+  attempt.found.path = std::move(path);
+  attempt.found.found_by = found_by;
+  return attempt;
+}
+
+}  // namespace
+
+// --- roadmaps
+
+Attempt CompositeRoadmapStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
+  const auto last = static_cast<std::size_t>(budget.round) + 1;
+  for (; next_level_ < RoadmapLevels::count && next_level_ <= last; ++next_level_)
+    if (auto path = find(next_level_, budget, deadline)) return accepted(std::move(*path), "composite roadmap");
+  return {};
+}
+
+std::optional<JointPath> CompositeRoadmapStrategy::find(std::size_t level, const AttemptBudget& budget,
+                                                        const Deadline& deadline) {
+  const auto run = [&](const RoadmapSearch::Effort& effort) {
+    RoadmapSearch::Result found = roadmaps_.at(level).run(robots_, effort, deadline);
+    statistics_.expansions += found.expansions;
+    note_memory(statistics_, found.memory);
+    return found;
+  };
+  RoadmapSearch::Result best = run({budgets.roadmap_expansions, budgets.roadmap_checks * growth(budget)});
+  if (best.status != Status::solved || best.path.length() > budget.max_cost) return std::nullopt;
+  for (const std::size_t last = std::min(level + 1, RoadmapLevels::count - 1); level <= last; ++level)
+    for (const double weight : budgets.shorter_weights) {
+      if (!may_be_shorter(best.path) || deadline.stop_requested()) return std::move(best.path);
+      const double below = std::min(best.cost, budget.max_cost);
+      RoadmapSearch::Result found = run({budgets.roadmap_expansions, budgets.shorter_checks, weight, below});
+      if (found.status == Status::solved) best = std::move(found);
+    }
+  return std::move(best.path);
+}
+
+/// Is there more than a little to gain on roadmaps, which are made of the robots' paths alone?
+bool CompositeRoadmapStrategy::may_be_shorter(const JointPath& path) const {
+  double alone = 0.0;
+  for (const std::size_t i : path.arms) alone += world_.alone(i);
+  return path.length() > budgets.worth_shortening * alone;
+}
+
+// --- RRT-Connect
+
+Attempt CompositeRrtStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
+  const std::uint64_t seed = (growth(budget) - 1) << 16;  // none of those that GroupPlanner::replan takes
+  search::RrtConnect trees(rrt_space(space_), seed);
+  const auto rows = trees.grow(budgets.rrt_attempts * growth(budget), deadline);
+  statistics_.expansions += trees.attempts();
+  note_memory(statistics_, trees.memory());
+  if (!rows) return {};
+  JointPath path = space_.path(*rows);
+  if (shorten_) path = shortened(std::move(path), world_, deadline);  // random paths make large detours
+  return path.length() <= budget.max_cost ? accepted(std::move(path), "composite RRT-Connect") : Attempt{};
+}
+
+// --- conflict-based search
+
+ConflictSearchStrategy::ConflictSearchStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                                               const PlannerOptions& options, bool alone, PlanStatistics& statistics)
+    : world_(world),
+      robots_(robots),
+      options_(options),
+      search_options_(conflict_search_options(options)),
+      alone_(alone),
+      statistics_(statistics) {}
+
+Attempt ConflictSearchStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
+  if (!alone_) search_options_.max_evaluations = budgets.conflict_evaluations * growth(budget);
+  WorldSubset subset(world_, robots_);
+  const multi::ConflictSearchResult found = multi::conflict_search(subset, search_options_, deadline);
+  statistics_.expansions += found.statistics.low.expansions;
+  statistics_.generated += found.statistics.low.generated;
+  statistics_.tree_nodes += found.statistics.tree_nodes;
+  statistics_.edge_checks += found.statistics.low.evaluations;
+  note_memory(statistics_, found.statistics.memory);
+  Attempt attempt{.status = found.status};
+  if (found.status == Status::solved)
+    attempt = accepted(joint_path(world_, robots_, found.paths), "conflict-based search");
+  else
+    attempt.reason = reason(found);
+  attempt.lower = found.lower;
+  return attempt;
+}
+
+std::string ConflictSearchStrategy::reason(const multi::ConflictSearchResult& found) const {
+  const std::string work = std::to_string(found.statistics.tree_nodes) + " nodes of the constraint tree, " +
+                           std::to_string(found.statistics.low.expansions) + " states expanded";
+  switch (found.status) {
+    case Status::cancelled: return "the plan was cancelled during the search (" + work + ")";
+    case Status::exhausted:
+      return "the robots' " + describe_lattices(world_, options_) + " hold no paths without collisions (" + work +
+             "); a finer resolution, or other primitives, may hold some";
+    default:
+      return "no paths within the time limit of " + to_text(common_options(options_).time_limit) + " s (" + work + ")";
+  }
+}
+
+multi::ConflictSearchOptions conflict_search_options(const PlannerOptions& options) {
+  multi::ConflictSearchOptions search;
+  const auto take_weights = [&](const auto& o) {
+    search.low_level_weight = o.weight_low_level_heuristic;
+    search.low_focal = o.low_level_focal_suboptimality;
+    search.high_focal = o.high_level_focal_suboptimality;
+  };
+  if (const auto* ecbs = std::get_if<ECBS>(&options)) take_weights(*ecbs);
+  if (const auto* xecbs = std::get_if<XECBS>(&options)) {
+    take_weights(*xecbs);
+    search.experience = search.priorities = true;
+  }
+  if (const auto* prioritised = std::get_if<Prioritised>(&options)) {
+    search.low_level_weight = prioritised->weight_low_level_heuristic;
+    search.experience = search.priorities_only = true;
+  }
+  if (const auto* any = std::get_if<Auto>(&options)) {
+    search.low_level_weight = any->weight;
+    search.low_focal = search.high_focal = 1.3;
+    search.experience = search.priorities = true;
+  }
+  return search;
+}
+
+std::string describe_lattices(const MultiRobotWorld& world, const PlannerOptions& options) {
+  return "lattices of " + to_text(common_options(options).resolution) + " degrees" +
+         (world.has_own_primitives() ? " or of their own primitives" : "");
+}
+
+// --- the composite lattice
+
+Attempt CompositeLatticeStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
+  CompositeResult found =
+      composite_search(space_, {.max_expansions = budgets.lattice_expansions * growth(budget)}, deadline);
+  statistics_.expansions += found.statistics.expansions;
+  statistics_.generated += found.statistics.generated;
+  note_memory(statistics_, found.statistics.memory);
+  if (found.status == Status::solved && found.path.length() <= budget.max_cost)
+    return accepted(std::move(found.path), "composite lattice");
+  return {.status = found.status == Status::solved ? Status::timed_out : found.status};
+}
+
+}  // namespace srmp

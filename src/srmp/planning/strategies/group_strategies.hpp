@@ -1,0 +1,99 @@
+#pragma once
+
+#include "srmp/multi/conflict_search.hpp"
+#include "srmp/planning/options.hpp"
+#include "srmp/planning/statistics.hpp"
+#include "srmp/planning/strategies/composite_roadmap.hpp"
+#include "srmp/planning/strategies/composite_space.hpp"
+#include "srmp/planning/strategies/roadmap_levels.hpp"
+#include "srmp/planning/strategies/strategy.hpp"
+
+// The strategies that plan several robots of a world jointly. What they do in a round grows fourfold from one round to
+// the next. References outlive them; they add their work to the statistics.
+namespace srmp {
+
+/// Roadmaps of the robots, searched jointly (composite_roadmap.hpp): quick where robots need only wait or retreat. Each
+/// round goes to richer roadmaps. After the first path the same product is searched again less greedily, there and on
+/// the next richer roadmaps: where robots may pass each other in many ways, similar problems get similar paths only if
+/// these are near the best.
+class CompositeRoadmapStrategy : public Strategy {
+ public:
+  CompositeRoadmapStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots, RoadmapLevels& roadmaps,
+                           PlanStatistics& statistics)
+      : world_(world), robots_(robots), roadmaps_(roadmaps), statistics_(statistics) {}
+
+  Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
+  bool can_exhaust() const override { return false; }
+
+ private:
+  std::optional<JointPath> find(std::size_t level, const AttemptBudget& budget, const Deadline& deadline);
+  bool may_be_shorter(const JointPath& path) const;
+
+  MultiRobotWorld& world_;
+  const std::vector<std::size_t>& robots_;
+  RoadmapLevels& roadmaps_;
+  PlanStatistics& statistics_;
+  std::size_t next_level_{0};
+};
+
+/// RRT-Connect in the joint space of all robots: quick where robots block each other from start to goal, of which no
+/// lattice of so many joints holds a path that is found soon. Each round takes other samples, for some take a hundred
+/// times as long as others (Wedge, Branicky 2008, "On Heavy-tailed Runtimes and Restarts in RRTs").
+class CompositeRrtStrategy : public Strategy {
+ public:
+  CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space, bool shorten, PlanStatistics& statistics)
+      : world_(world), space_(space), shorten_(shorten), statistics_(statistics) {}
+
+  Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
+  bool can_exhaust() const override { return false; }
+
+ private:
+  MultiRobotWorld& world_;
+  const CompositeSpace& space_;
+  const bool shorten_;  // before the path is compared with the budget
+  PlanStatistics& statistics_;
+};
+
+/// Conflict-based search on the robots' lattices in discrete time (multi/conflict_search.hpp): CBS, ECBS, xECBS,
+/// prioritised.
+class ConflictSearchStrategy : public Strategy {
+ public:
+  /// `alone`: nothing else searches, so a round has no limit but the deadline.
+  ConflictSearchStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots, const PlannerOptions& options,
+                         bool alone, PlanStatistics& statistics);
+
+  Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
+  bool can_exhaust() const override { return true; }
+
+ private:
+  std::string reason(const multi::ConflictSearchResult& found) const;
+
+  MultiRobotWorld& world_;
+  const std::vector<std::size_t>& robots_;
+  const PlannerOptions& options_;
+  multi::ConflictSearchOptions search_options_;
+  const bool alone_;
+  PlanStatistics& statistics_;
+};
+
+/// One lattice search over all robots' joints (composite_search.hpp).
+class CompositeLatticeStrategy : public Strategy {
+ public:
+  CompositeLatticeStrategy(const CompositeSpace& space, PlanStatistics& statistics)
+      : space_(space), statistics_(statistics) {}
+
+  Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
+  bool can_exhaust() const override { return true; }
+
+ private:
+  const CompositeSpace& space_;
+  PlanStatistics& statistics_;
+};
+
+/// Of conflict-based search, as the planner's options have them.
+multi::ConflictSearchOptions conflict_search_options(const PlannerOptions& options);
+
+/// "lattices of 15 degrees".
+std::string describe_lattices(const MultiRobotWorld& world, const PlannerOptions& options);
+
+}  // namespace srmp

@@ -1,0 +1,31 @@
+#include "srmp/planning/strategies/path_alone.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/parallel_work.hpp"
+
+namespace srmp {
+
+RobotPath find_path_alone(const PlanProblem& problem, const RobotProblem& task, const Checker& checker,
+                          const Deadline& deadline, PlanStatistics& statistics) {
+  Auto alone{.common = common_options(problem.options, task.robot)};
+  alone.common.recover_start = false;
+  const PlannerOptions options = alone;
+  PlanStatistics own;
+  const Deadline left(std::max(deadline.remaining(), 1e-6), [&] { return deadline.cancelled(); });
+  RobotContext context(problem, task, options, checker, left, own);
+  const auto add = [&] {
+    if (!own.note.empty()) own.note = "robot '" + task.robot + "': " + own.note;
+    add_work(statistics, own);
+  };
+  try {
+    RobotPath path = find_robot_path(context);
+    add();
+    return path;
+  } catch (const PlanningError& error) {
+    add();
+    throw PlanningError(error.status(), "robot '" + task.robot + "': " + error.what());
+  }
+}
+
+}  // namespace srmp

@@ -1,0 +1,103 @@
+#include "srmp/planning/strategies/robot_lattices.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "srmp/io/primitives.hpp"
+#include "srmp/planning/endpoints/ik_goal_connection.hpp"
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/trajectory/path.hpp"
+
+namespace srmp {
+
+RobotLattices::RobotLattices(RobotContext& context, const RobotEndpoints& endpoints)
+    : context_(context), endpoints_(endpoints), heuristics_(context, endpoints.start) {
+  const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
+  if (context.common.ik_goal_connection)
+    goal_connection_ = make_ik_goal_connection(*context.task.placed, context.task.goals, step());
+}
+
+Lattice RobotLattices::plain(bool backward) {
+  const std::vector<Joint>& joints = context_.robot.joints();
+  return make(backward, own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
+}
+
+Lattice RobotLattices::lattice(bool backward, double scale) {
+  const std::vector<Joint>& joints = context_.robot.joints();
+  return make(backward, own_primitives() ? read_primitives() : rich_primitives(joints, step(scale), pairs()));
+}
+
+std::string RobotLattices::describe(bool backward, double scale) const {
+  const std::string end = backward ? "the goals" : "the start";
+  if (own_primitives()) return "the lattice of '" + context_.common.mprim_path + "' from " + end;
+  return "the lattice of " + to_text(resolution(scale)) + " degrees from " + end;
+}
+
+FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& lattice, bool backward,
+                                 double scale) const {
+  std::vector<Eigen::VectorXd> waypoints = lattice.configurations(result.path);
+  const search::StateId goal = backward ? result.path.front() : result.path.back();
+  const ConnectedGoal* connected = lattice.connected_goal(goal);
+  if (backward) std::reverse(waypoints.begin(), waypoints.end());
+  RowMatrix rows = stack_waypoints(waypoints);
+  if (backward) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
+  const std::string graph = describe(backward, scale);
+  return {.path = path_of_one(std::move(rows)),
+          .goal_index =
+              connected ? connected->goal : endpoints_.goal_indices[backward ? goal : goal - lattice.root_count()],
+          .cost = result.cost,
+          .lower = result.cost / result.bound,
+          .graph = graph,
+          .found_by = graph};
+}
+
+LatticePortfolioOptions RobotLattices::portfolio_options(double weight, double finer, double max_length,
+                                                         std::uint64_t max_expansions) const {
+  LatticePortfolioOptions options{.weight = weight, .max_length = max_length, .max_expansions = max_expansions};
+  if (own_primitives()) options.scales = {1.0};
+  for (double& scale : options.scales) scale = finer * scale;
+  const std::string& direction = context_.common.direction;
+  if (direction != "auto") options.directions = {direction == "backward"};
+  return options;
+}
+
+void RobotLattices::count(const LatticePortfolio& searches) {
+  const search::Statistics work = searches.statistics();
+  context_.count(work);
+  context_.statistics.states += searches.states();
+  context_.statistics.memory_bytes = std::max(context_.statistics.memory_bytes, work.memory);
+}
+
+Lattice RobotLattices::make(bool backward, PrimitiveSet primitives) {
+  std::vector<Eigen::VectorXd> roots{endpoints_.start}, goals = endpoints_.targets;
+  if (backward) roots.swap(goals);
+  return Lattice(
+      context_.robot, std::move(roots), std::move(goals),
+      {.primitives = std::move(primitives), .goal_connection = backward ? GoalConnection{} : goal_connection_},
+      [&checks = context_.checks](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+        return checks.is_motion_free(a, b, worker);
+      },
+      context_.checks.workers());
+}
+
+PrimitiveSet RobotLattices::read_primitives() const {
+  return io::read_primitives(context_.common.mprim_path, context_.robot.joints());
+}
+
+const std::vector<JointPair>& RobotLattices::pairs() {
+  if (!pairs_) pairs_ = parallel_pairs(context_.robot);
+  return *pairs_;
+}
+
+Eigen::VectorXd RobotLattices::step(double scale) const {
+  return lattice_step(context_.robot.joints(), resolution(scale) * M_PI / 180.0,
+                      scale * context_.common.prismatic_resolution);
+}
+
+/// [degrees]; coarser than asked for, but no more than a quarter turn: no step may take the other way round.
+double RobotLattices::resolution(double scale) const {
+  const double asked = context_.common.resolution;
+  return std::min(scale * asked, std::max(asked, 90.0));
+}
+
+}  // namespace srmp

@@ -1,0 +1,97 @@
+#include "srmp/planning/strategies/robot_path.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/strategies/anytime.hpp"
+#include "srmp/planning/strategies/lattice_portfolio.hpp"
+#include "srmp/planning/strategies/lattice_search.hpp"
+#include "srmp/planning/strategies/rrt_connect.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// A first path is wanted soon: a tenth of the checks save most of what can be saved.
+const ShortcutOptions quick_shortcut{
+    .min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
+
+/// Adds its work to the statistics when it is done, found or not.
+class CountedPortfolio : public LatticePortfolio {
+ public:
+  CountedPortfolio(RobotLattices& lattices, double weight)
+      : LatticePortfolio(lattices, lattices.portfolio_options(weight)), lattices_(lattices) {}
+  ~CountedPortfolio() override { lattices_.count(*this); }
+
+ private:
+  RobotLattices& lattices_;
+};
+
+class PathSearch {
+ public:
+  PathSearch(RobotContext& context, const RobotEndpoints& endpoints)
+      : context_(context), endpoints_(endpoints), best_(context), lattices_(context, endpoints) {
+    for (const Eigen::VectorXd& target : endpoints.targets)
+      direct_ = std::min(direct_, context.robot.difference(endpoints.start, target).norm());
+  }
+
+  RowMatrix run() {
+    try {
+      if (const auto* options = std::get_if<Auto>(&context_.options))
+        run_auto(*options);
+      else
+        run_lattice_search();
+    } catch (const MotionCheckStopped&) {
+      if (best_.empty()) context_.stop_if_late("a check of a motion");
+    }
+    return best_.waypoints();
+  }
+
+ private:
+  void run_auto(const Auto& options) {
+    best_.bound(direct_, "every path");
+    FoundPath first = find_first(options.weight);
+    if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).wanted())
+      improve_path(context_, lattices_, best_, std::move(first), direct_);
+  }
+
+  FoundPath find_first(double weight) {
+    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    Strategies strategies;
+    if (wants_rrt_connect())
+      strategies.push_back(
+          std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{.alone = false}));
+    strategies.push_back(std::make_unique<CountedPortfolio>(lattices_, weight));
+    return attempt_in_rounds(strategies, direct_, weight, context_.deadline);
+  }
+
+  void run_lattice_search() {
+    Strategies strategies;
+    strategies.push_back(std::make_unique<LatticeSearch>(context_, endpoints_, lattices_, best_));
+    FoundPath found = attempt_in_rounds(strategies, direct_, 1.0, context_.deadline);
+    if (best_.empty()) best_.take(std::move(found), context_.deadline);  // ARA* has handed in its own
+  }
+
+  /// Options that ask for a certain search get lattices alone.
+  bool wants_rrt_connect() const {
+    const CommonOptions& common = context_.common;
+    return common.direction == "auto" && common.heuristic == CommonOptions().heuristic && !lattices_.own_primitives();
+  }
+
+  RobotContext& context_;
+  const RobotEndpoints& endpoints_;
+  BestPath best_;
+  RobotLattices lattices_;
+  double direct_{search::infinity};  // straight to the nearest goal: no path at all is shorter
+};
+
+}  // namespace
+
+RobotPath find_robot_path(RobotContext& context) {
+  RobotPath path{find_endpoints(context), {}};
+  if (!path.endpoints.targets.empty()) path.waypoints = PathSearch(context, path.endpoints).run();
+  context.checks.write(context.statistics);
+  return path;
+}
+
+}  // namespace srmp

@@ -1,0 +1,66 @@
+#include "srmp/planning/strategies/rrt_connect.hpp"
+
+#include <algorithm>
+
+#include "srmp/planning/strategies/robot_sampling.hpp"
+#include "srmp/trajectory/path.hpp"
+
+namespace srmp {
+
+RrtConnectStrategy::RrtConnectStrategy(RobotContext& context, const RobotEndpoints& endpoints, double direct,
+                                       const RrtConnectBudget& budget)
+    : context_(context),
+      endpoints_(endpoints),
+      direct_(direct),
+      budget_(budget),
+      checked_before_(context.checks.motions()),
+      trees_(space()) {}
+
+RrtConnectStrategy::~RrtConnectStrategy() {
+  context_.statistics.expansions += trees_.attempts();
+  context_.statistics.memory_bytes += trees_.memory();
+}
+
+Attempt RrtConnectStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
+  std::optional<std::vector<Eigen::VectorXd>> path;
+  while (!done_ && !path && !deadline.stop_requested() && has_budget()) {
+    const std::uint64_t before = context_.checks.motions();
+    path = trees_.grow(trees_.attempts() + budget_.attempts_per_check, deadline);
+    checked_ += std::max(budget_.attempts_per_check, context_.checks.motions() - before);  // an attempt may check none
+  }
+  if (!path) return not_found(deadline);
+  done_ = true;
+  Attempt result{.status = Status::solved};
+  const RowMatrix rows = unwrap_waypoints(stack_waypoints(*path), context_.task.limits.continuous);
+  result.found = {path_of_one(rows),      endpoints_.goal_index_of(path->back()),
+                  context_.length(*path), direct_,
+                  "every path",           "RRT-Connect"};
+  return result.found.cost <= budget.max_cost ? result : not_found(deadline);
+}
+
+bool RrtConnectStrategy::has_budget() const {
+  if (budget_.alone) return true;
+  const auto all = static_cast<double>(context_.checks.motions() - checked_before_);
+  return static_cast<double>(checked_) < static_cast<double>(budget_.first_checks) + budget_.fraction * all;
+}
+
+Attempt RrtConnectStrategy::not_found(const Deadline& deadline) const {
+  Attempt result{.status = deadline.cancelled() ? Status::cancelled : Status::timed_out, .lower = direct_};
+  if (budget_.alone && deadline.stop_requested())
+    result.reason = context_.no_path_sentence({.status = result.status, .statistics = work()}, "");
+  return result;
+}
+
+search::Statistics RrtConnectStrategy::work() const {
+  return {.expansions = trees_.attempts(), .evaluations = context_.checks.motions() - checked_before_};
+}
+
+search::RrtSpace RrtConnectStrategy::space() const {
+  search::RrtSpace space = rrt_space(context_.robot, endpoints_.start, endpoints_.targets);
+  space.is_motion_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return context_.checks.is_motion_free(a, b);
+  };
+  return space;
+}
+
+}  // namespace srmp

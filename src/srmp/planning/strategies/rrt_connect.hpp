@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "srmp/planning/endpoints/endpoints.hpp"
+#include "srmp/planning/robot_context.hpp"
+#include "srmp/planning/strategies/strategy.hpp"
+#include "srmp/search/rrt_connect.hpp"
+
+namespace srmp {
+
+/// How the work is divided between RRT-Connect and the strategies beside it.
+struct RrtConnectBudget {
+  bool alone{true};  ///< nothing else searches: no limit but the deadline; the rest does not matter
+  /// Beside others, a round ends when this fraction of all motions checked since the beginning, and the first ones,
+  /// were checked by the trees: more finds paths in narrow places earlier, less leaves easy lattices more time.
+  double fraction{7.0 / 8.0};
+  std::uint64_t first_checks{128};       ///< motions
+  std::uint64_t attempts_per_check{16};  ///< attempts between two looks at the budget
+};
+
+/// Two trees that grow towards each other through one robot's joint space (Kuffner, LaValle 2000), by samples that are
+/// the same every time (robot_sampling.hpp). Proves nothing but that no path is shorter than the straight line.
+class RrtConnectStrategy : public Strategy {
+ public:
+  /// References outlive this. `direct`: joint-space distance from the start to the nearest goal.
+  RrtConnectStrategy(RobotContext& context, const RobotEndpoints& endpoints, double direct,
+                     const RrtConnectBudget& budget);
+  ~RrtConnectStrategy() override;  ///< adds its work to the statistics
+
+  Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
+  bool can_exhaust() const override { return false; }
+
+ private:
+  search::RrtSpace space() const;
+  bool has_budget() const;
+  search::Statistics work() const;
+  Attempt not_found(const Deadline& deadline) const;
+
+  RobotContext& context_;
+  const RobotEndpoints& endpoints_;
+  const double direct_;
+  const RrtConnectBudget budget_;
+  const std::uint64_t checked_before_;
+  std::uint64_t checked_{};
+  search::RrtConnect trees_;
+  bool done_{};  // a path was found
+};
+
+}  // namespace srmp
