@@ -1,6 +1,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "srmp/planner_interface.hpp"
+#include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/smoothing/large_neighbourhood_search.hpp"
 #include "srmp/planning/strategies/composite_roadmap.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
