@@ -25,7 +25,7 @@ from srmp._files import write_json
 from srmp.bench import mbm
 
 BACKENDS = ("portable", "avx2", "avx512")
-TIME_LIMIT = 120.0  # [s], never reached: a limit that cuts a plan short may change its answer
+TIME_LIMIT = 120.0  # [s], never reached: a limit that cuts a plan short may change its result
 WPASE_PROBLEMS = ("bookshelf_thin/0001", "cage/0001", "table_under_pick/0001")
 
 
