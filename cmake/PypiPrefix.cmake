@@ -1,9 +1,9 @@
-# Finds the C++ packages that were installed with pip.
+# Finds C++ packages that were installed with pip.
 #
-# PyPI packages made with cmeel put headers, libraries and CMake configs under <site-packages>/cmeel.prefix; others
-# (ruckig) straight under <site-packages>. Both go to the front of CMAKE_PREFIX_PATH, for the Python that CMake finds
-# first: the active virtual environment, or pip's own build environment, whose directories only sys.path knows.
-# After include: SRMP_CMEEL_PREFIX holds the directory of cmeel packages.
+# PyPI packages built with cmeel have their headers, libraries and CMake configs in <site-packages>/cmeel.prefix; others
+# (ruckig) have them in <site-packages>. Both directories are put first in CMAKE_PREFIX_PATH, for the Python that CMake
+# finds: that of the active virtual environment, or of pip's build environment, whose directories are known from sys.path
+# only. Sets SRMP_CMEEL_PREFIX, the directory of cmeel packages.
 
 set(Python_FIND_VIRTUALENV FIRST)
 find_package(Python 3.10 REQUIRED COMPONENTS Interpreter OPTIONAL_COMPONENTS Development.Module)
@@ -23,7 +23,7 @@ if(NOT SRMP_CMEEL_PREFIX)
                       "build requirements there first: pip install --group build")
 endif()
 
-# Straight in site-packages, in lib or lib64 as the package's own build machine had it.
+# Packages without cmeel use lib or lib64, depending on the machine on which they were built.
 set(SRMP_PYPI_PREFIXES ${SRMP_CMEEL_PREFIX})
 foreach(site IN LISTS SRMP_SYS_PATH)
   if(EXISTS ${site}/lib64/cmake OR EXISTS ${site}/lib/cmake)
@@ -32,4 +32,4 @@ foreach(site IN LISTS SRMP_SYS_PATH)
 endforeach()
 list(PREPEND CMAKE_PREFIX_PATH ${SRMP_PYPI_PREFIXES})
 
-set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # Boost's own CMake package, also where Pinocchio and Coal ask for it
+set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # use Boost's own CMake package, also for Pinocchio and Coal

@@ -1,4 +1,4 @@
-# Compiler settings shared by every target of this project. Only the standard is public.
+# Compiler settings of every target of this project. Only the C++ standard is passed on to users of the library.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -15,8 +15,8 @@ target_compile_options(
                        -ffp-contract=off  # the same bits whether or not the CPU has fma
 )
 if(SKBUILD)
-  # Assertions name their source files; in a wheel without the directories of the machine that built it. Of several
-  # that match the last counts, and the innermost is wanted.
+  # Assertions contain the names of their source files. A wheel must not contain directories of the machine that built
+  # it, so their prefixes are removed. The compiler applies the last prefix that matches, so the longest ones come last.
   set(prefixes ${SRMP_PYPI_PREFIXES} ${PROJECT_SOURCE_DIR})
   list(REVERSE prefixes)
   foreach(prefix IN LISTS prefixes)
@@ -26,7 +26,7 @@ endif()
 if(SRMP_SANITIZE)
   add_compile_options(-fsanitize=${SRMP_SANITIZE} -fno-omit-frame-pointer -g)
   add_link_options(-fsanitize=${SRMP_SANITIZE})
-  # Pinocchio and Coal come without sanitizers. Under ASan Eigen would pad its blocks by hand in our code and not in
-  # theirs, and whoever frees the other's memory crashes; malloc aligns to 16 bytes anyway.
+  # Pinocchio and Coal are compiled without sanitizers. With ASan, Eigen would align its blocks by hand in this project's
+  # code but not in theirs, so freeing a block across that boundary would crash; malloc aligns to 16 bytes anyway.
   add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()

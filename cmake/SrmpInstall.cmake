@@ -1,7 +1,7 @@
 # Installs the library, its headers and the CMake package `srmp`.
 #
-# In a wheel everything lies under <site-packages>/srmp, and the libraries of other wheels are found relative to that:
-# no path of the build machine is left. In a plain `cmake --install` the run path is where the libraries were linked from.
+# In a wheel, everything is installed under <site-packages>/srmp, and libraries of other wheels are found by relative paths,
+# so no path of the build machine remains. A plain `cmake --install` keeps the paths of the linked libraries as run path.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -19,13 +19,13 @@ else()
 endif()
 set(SRMP_CMAKE_DIR ${SRMP_LIB_DIR}/cmake/srmp)
 
-# A symbol that no library has is an error now, not in the user's process.
+# An undefined symbol is reported when linking, not when a user loads the library.
 if(NOT SRMP_SANITIZE)
   target_link_options(srmp PRIVATE $<$<PLATFORM_ID:Linux>:LINKER:-z,defs>)
 endif()
-# Symbols of the static libraries inside (ruckig) stay inside: another copy may live in the same process.
+# Symbols of static libraries (ruckig) are not exported, because the process may contain another copy of them.
 target_link_options(srmp PRIVATE $<$<PLATFORM_ID:Linux>:LINKER:--exclude-libs,ALL>)
-# Wheels cannot hold the symbolic links of a versioned soname.
+# Wheels cannot contain symbolic links, which a versioned soname needs.
 if(NOT SKBUILD)
   set_target_properties(srmp PROPERTIES VERSION ${PROJECT_VERSION}
                                         SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
@@ -36,7 +36,7 @@ set_source_files_properties(${PROJECT_SOURCE_DIR}/src/srmp/core/version.cpp TARG
 install(TARGETS srmp EXPORT srmpTargets
         LIBRARY DESTINATION ${SRMP_LIB_DIR}
         FILE_SET HEADERS DESTINATION ${SRMP_INCLUDE_DIR})
-if(NOT SKBUILD)  # a wheel has them as part of the Python package
+if(NOT SKBUILD)  # in a wheel the data is part of the Python package
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/srmp/data/ DESTINATION ${SRMP_DATA_DIR})
 endif()
 install(EXPORT srmpTargets NAMESPACE srmp:: DESTINATION ${SRMP_CMAKE_DIR})

@@ -1,6 +1,6 @@
-// Kinds of goals, tolerances, several goals at once, and what one is told when there is no trajectory.
+// Goal types, tolerances, several goals at once, and the errors when no trajectory is found.
 //
-// The Python program 02_goals.py is the same and prints the same numbers.
+// The Python program 02_goals.py does the same and prints the same numbers.
 
 #include <cstdio>
 #include <numbers>
@@ -55,25 +55,24 @@ int main() {
   report(planner, "pose", {GoalConstraint::pose(down)});
   report(planner, "position", {GoalConstraint::position({0.3, -0.4, 0.3})});
 
-  // Used when inverse kinematics cannot meet the pose exactly: 1 cm and 5 degrees will do.
+  // Where inverse kinematics cannot reach the pose exactly, 1 cm and 5 degrees are accepted.
   GoalConstraint roughly = GoalConstraint::pose(down);
   roughly.position_tolerance = 0.01;
   roughly.rotation_tolerance = 5 * pi / 180;
   report(planner, "with tolerances", {roughly});
 
-  // Any one of several: targets of one type in one goal, or a list of goals. Targets that cannot be met are passed
-  // over.
+  // Any one of several: targets of one type in one goal, or a list of goals. Targets out of reach are ignored.
   GoalConstraint either = GoalConstraint::pose(far);
   either.targets.push_back(GoalConstraint::pose(down).targets[0]);
   report(planner, "one of two poses", {either});
   report(planner, "a pose or a configuration", {GoalConstraint::pose(far), GoalConstraint::joints(home)});
 
-  // No trajectory: an error with a status and a sentence.
+  // When no trajectory is found, the error has a status and a sentence that says why.
   report(planner, "out of reach", {GoalConstraint::pose(far)});
   report(planner, "inside the post", {GoalConstraint::pose(inside)});
   report(planner, "bad start", {GoalConstraint::pose(down)}, joints({0, 0.6, 0, 1.5, 0, 1, 0}));
 
-  // A wrong question is another kind of error, and changes nothing.
+  // An invalid argument raises another type of error and changes nothing.
   try {
     planner.plan("arm", start.head(6), GoalConstraint::pose(down));
   } catch (const srmp::InvalidArgument& error) {

@@ -1,6 +1,6 @@
-"""Kinds of goals, tolerances, several goals at once, and what one is told when there is no trajectory.
+"""Goal types, tolerances, several goals at once, and the errors when no trajectory is found.
 
-The C++ program 02_goals.cpp is the same and prints the same numbers.
+The C++ program 02_goals.cpp does the same and prints the same numbers.
 """
 
 from math import pi
@@ -40,22 +40,22 @@ report("joints", GoalConstraint(GoalType.JOINTS, home))
 report("pose", GoalConstraint(GoalType.POSE, down))
 report("position", GoalConstraint(GoalType.POSITION, [0.3, -0.4, 0.3]))
 
-# Used when inverse kinematics cannot meet the pose exactly: 1 cm and 5 degrees will do.
+# Where inverse kinematics cannot reach the pose exactly, 1 cm and 5 degrees are accepted.
 report(
     "with tolerances",
     GoalConstraint(GoalType.POSE, down, position_tolerance=0.01, rotation_tolerance=5 * pi / 180),
 )
 
-# Any one of several: targets of one type in one goal, or a list of goals. Targets that cannot be met are passed over.
+# Any one of several: targets of one type in one goal, or a list of goals. Targets out of reach are ignored.
 report("one of two poses", GoalConstraint(GoalType.POSE, [far, down]))
 report("a pose or a configuration", [GoalConstraint(GoalType.POSE, far), GoalConstraint(GoalType.JOINTS, home)])
 
-# No trajectory: an error with a status and a sentence.
+# When no trajectory is found, the error has a status and a sentence that says why.
 report("out of reach", GoalConstraint(GoalType.POSE, far))
 report("inside the post", GoalConstraint(GoalType.POSE, inside))
 report("bad start", GoalConstraint(GoalType.POSE, down), q=[0, 0.6, 0, 1.5, 0, 1, 0])
 
-# A wrong question is another kind of error, and changes nothing.
+# An invalid argument raises another type of error and changes nothing.
 try:
     planner.plan("arm", start[:6], GoalConstraint(GoalType.POSE, down))
 except srmp.InvalidArgument as error:

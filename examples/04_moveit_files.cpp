@@ -1,7 +1,7 @@
-// MoveIt's own files: a planning scene and a motion request, both YAML.
+// Plans from MoveIt's files: a planning scene and a motion plan request, both in YAML.
 //
-// The Python program 04_moveit_files.py is the same and prints the same numbers. `srmp plan` does this without a
-// program.
+// The Python program 04_moveit_files.py does the same and prints the same numbers. On the command line, `srmp plan`
+// does it.
 
 #include <cstdio>
 #include <string>

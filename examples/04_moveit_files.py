@@ -1,6 +1,6 @@
-"""MoveIt's own files: a planning scene and a motion request, both YAML.
+"""Plans from MoveIt's files: a planning scene and a motion plan request, both in YAML.
 
-The C++ program 04_moveit_files.cpp is the same and prints the same numbers. `srmp plan` does this without a program.
+The C++ program 04_moveit_files.cpp does the same and prints the same numbers. On the command line, `srmp plan` does it.
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
-// Two arms face to face swap places: each hand goes over the tray that the other one leaves.
+// Two robots face to face swap places: each end effector moves over the tray that the other one leaves.
 //
-// The Python program 05_two_arms_swap.py is the same and prints the same numbers.
+// The Python program 05_two_arms_swap.py does the same and prints the same numbers.
 
 #include <cstdio>
 #include <numbers>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// What each arm does; all begin at the same time.
+/// Prints the motion of each robot; all of them start at the same time.
 void show(const srmp::MultiTrajectory& trajectory) {
   for (const auto& [name, motion] : trajectory.robots) {
     std::printf("%s: %.17g s, %.17g m clear\n", name.c_str(), motion.duration(), motion.certificate->clearance);
@@ -48,10 +48,10 @@ int main() {
 
   show(planner.plan_multi(starts, {{"left", to_b}, {"right", to_a}}));
 
-  // Only one of them has something to do; the other stands over its tray, and may move aside.
+  // Only the left robot has a goal; the right one is in its way, and may move to any configuration.
   show(planner.plan_multi(starts, {{"left", to_b}, {"right", GoalConstraint::any()}}));
 
-  // Where it must not move, there is no room.
+  // If the right robot must not move, no motion of the left one is collision-free.
   try {
     planner.plan_multi(starts, {{"left", to_b}, {"right", GoalConstraint::hold()}});
   } catch (const srmp::PlanningError& error) {

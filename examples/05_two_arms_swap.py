@@ -1,6 +1,6 @@
-"""Two arms face to face swap places: each hand goes over the tray that the other one leaves.
+"""Two robots face to face swap places: each end effector moves over the tray that the other one leaves.
 
-The C++ program 05_two_arms_swap.cpp is the same and prints the same numbers; pictures.py draws it.
+The C++ program 05_two_arms_swap.cpp does the same and prints the same numbers; figures.py draws it.
 """
 
 from math import pi
@@ -32,7 +32,7 @@ goals = {"left": GoalConstraint(GoalType.POSE, over_b), "right": GoalConstraint(
 
 
 def show(trajectory):
-    """What each arm does; all begin at the same time."""
+    """Prints the motion of each robot; all of them start at the same time."""
     for name, motion in trajectory.items():
         print(f"{name}: {motion.duration:.17g} s, {motion.certificate.clearance:.17g} m clear")
         for q in motion.waypoints:
@@ -42,10 +42,10 @@ def show(trajectory):
 trajectory = planner.plan_multi(starts, goals)
 show(trajectory)
 
-# Only one of them has something to do; the other stands over its tray, and may move aside.
-show(planner.plan_multi(starts, {"left": goals["left"], "right": GoalConstraint.aside()}))
+# Only the left robot has a goal; the right one is in its way, and may move to any configuration.
+show(planner.plan_multi(starts, {"left": goals["left"], "right": GoalConstraint.any()}))
 
-# Where it must not move, there is no room.
+# If the right robot must not move, no motion of the left one is collision-free.
 try:
     planner.plan_multi(starts, {"left": goals["left"], "right": GoalConstraint.hold()})
 except srmp.PlanningError as error:

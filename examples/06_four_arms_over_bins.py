@@ -1,6 +1,6 @@
-"""Four arms stand around four bins. Each hand goes on to the next bin, which another one is leaving, and back.
+"""Four robots around four bins: each end effector moves to the next bin, which another one is leaving, and back.
 
-The C++ program 06_four_arms_over_bins.cpp is the same and prints the same numbers; pictures.py draws it.
+The C++ program 06_four_arms_over_bins.cpp does the same and prints the same numbers; figures.py draws it.
 """
 
 from math import pi
@@ -8,11 +8,11 @@ from math import pi
 import srmp
 from srmp import GoalConstraint, GoalType, Pose
 
-ARMS = {"east": (0.5, 0, pi), "north": (0, 0.5, -pi / 2), "west": (-0.5, 0, 0), "south": (0, -0.5, pi / 2)}
+ROBOTS = {"east": (0.5, 0, pi), "north": (0, 0.5, -pi / 2), "west": (-0.5, 0, 0), "south": (0, -0.5, pi / 2)}
 BINS = ((0.18, 0.18), (-0.18, 0.18), (-0.18, -0.18), (0.18, -0.18))
 
 planner = srmp.PlannerInterface()
-for name, (x, y, yaw) in ARMS.items():
+for name, (x, y, yaw) in ROBOTS.items():
     planner.add_articulation(
         urdf_path=srmp.data_path("arm7.urdf"),
         srdf_path=srmp.data_path("arm7.srdf"),
@@ -23,12 +23,12 @@ for name, (x, y, yaw) in ARMS.items():
 planner.add_box("table", size=[1.6, 1.6, 0.1], pose=Pose(p=[0, 0, -0.051]))
 for i, (x, y) in enumerate(BINS):
     planner.add_box(f"bin{i}", size=[0.16, 0.16, 0.14], pose=Pose(p=[x, y, 0.07]))
-planner.make_planner(list(ARMS), {"planner_id": "xECBS", "time_limit": 30})
+planner.make_planner(list(ROBOTS), {"planner_id": "xECBS", "time_limit": 30})
 
 over = [Pose.from_rpy([x, y, 0.25], [pi, 0, 0]) for x, y in BINS]  # fingers down
 ready = planner.get_group_states("east")["ready"]
-at = {name: planner.compute_ik(name, over[i], reference=ready)[0] for i, name in enumerate(ARMS)}
-next_bins = {name: GoalConstraint(GoalType.POSE, over[(i + 3) % 4]) for i, name in enumerate(ARMS)}
+at = {name: planner.compute_ik(name, over[i], reference=ready)[0] for i, name in enumerate(ROBOTS)}
+next_bins = {name: GoalConstraint(GoalType.POSE, over[(i + 3) % 4]) for i, name in enumerate(ROBOTS)}
 own_bins = {name: GoalConstraint(GoalType.JOINTS, q) for name, q in at.items()}
 
 for goals in (next_bins, own_bins):
@@ -39,4 +39,4 @@ for goals in (next_bins, own_bins):
             print(*(f"{x:.17g}" for x in q))
         at[name] = motion.positions[-1]
     statistics = planner.get_planning_stats()
-    print(f"{statistics['path_cost_rad']:.17g} rad, at most {statistics['bound']:.17g} times the least")
+    print(f"{statistics['path_cost_rad']:.17g} rad, at most {statistics['bound']:.17g} times the optimum")

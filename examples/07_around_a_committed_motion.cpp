@@ -1,6 +1,6 @@
-// One arm is planned around a motion that another one is committed to.
+// Plans one robot around a motion to which another robot is committed.
 //
-// The Python program 07_around_a_committed_motion.py is the same and prints the same numbers.
+// The Python program 07_around_a_committed_motion.py does the same and prints the same numbers.
 
 #include <cstdio>
 #include <numbers>
@@ -23,19 +23,19 @@ int main() {
   }
   planner.add_box("table", {3, 3, 0.1}, {.p = {0.3, 0, -0.051}});
 
-  // The hand in front of the arm, which is turned about its base.
+  // The group state "ready" with the base joint at this angle.
   const auto turned = [&](double angle) {
     Eigen::VectorXd q = planner.robot("left").group_states().at("ready");
     q[0] = angle;
     return q;
   };
 
-  // The right arm's motion may come from anywhere: another planner, another computer. Here it is planned first.
+  // The right robot's motion may come from anywhere: another planner, another computer. Here it is planned first.
   planner.set_qpos("left", turned(-pi / 2));
   planner.make_planner({"right"}, srmp::WAStar{.common = {.time_limit = 30}});
   const srmp::Trajectory committed = planner.plan("right", turned(-0.9), GoalConstraint::joints(turned(0.9)));
 
-  // The left arm crosses the same place in the other direction. It waits, makes way or goes round.
+  // The left robot crosses the same region in the other direction. It waits, moves away or takes another path.
   planner.make_planner({"left"}, srmp::XECBS{.common = {.time_limit = 30}});
   const srmp::MultiTrajectory planned = planner.plan_multi(
       {{"left", turned(-0.9)}}, {{"left", GoalConstraint::joints(turned(0.9))}}, {{"right", committed}});

@@ -1,7 +1,7 @@
-"""One arm is planned around a motion that another one is committed to.
+"""Plans one robot around a motion to which another robot is committed.
 
-The C++ program 07_around_a_committed_motion.cpp is the same and prints the same numbers. With the name of a picture as
-its argument, this one draws both arms from above (docs/committed-motion.png).
+The C++ program 07_around_a_committed_motion.cpp does the same and prints the same numbers. With the name of an image
+file as its argument, this one draws both robots from above (docs/committed-motion.png).
 """
 
 import sys
@@ -25,18 +25,18 @@ planner.add_box("table", size=[3, 3, 0.1], pose=Pose(p=[0.3, 0, -0.051]))
 
 
 def turned(angle):
-    """The hand in front of the arm, which is turned about its base."""
+    """The group state "ready" with the base joint at this angle."""
     q = np.array(planner.get_group_states("left")["ready"])
     q[0] = angle
     return q
 
 
-# The right arm's motion may come from anywhere: another planner, another computer. Here it is planned first.
+# The right robot's motion may come from anywhere: another planner, another computer. Here it is planned first.
 planner.set_qpos("left", turned(-pi / 2))
 planner.make_planner("right", srmp.WAStar(time_limit=30))
 committed = planner.plan("right", turned(-0.9), GoalConstraint(GoalType.JOINTS, turned(0.9)))
 
-# The left arm crosses the same place in the other direction. It waits, makes way or goes round.
+# The left robot crosses the same region in the other direction. It waits, moves away or takes another path.
 planner.make_planner("left", {"planner_id": "xECBS", "time_limit": 30})
 goals = {"left": GoalConstraint(GoalType.JOINTS, turned(0.9))}
 trajectory = planner.plan_multi({"left": turned(-0.9)}, goals, obstacles={"right": committed})["left"]
@@ -49,19 +49,19 @@ for q in trajectory.waypoints:
 
 
 def draw(path):
-    """Both arms from above at six moments, and where their hands went."""
+    """Both robots from above at six instants, with the paths of their end effectors."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(12, 3), dpi=110, layout="constrained")
-    moments = np.linspace(0, max(trajectory.duration, committed.duration), 6)
-    for axes, time in zip(figure.subplots(1, 6, sharey=True), moments, strict=True):
+    instants = np.linspace(0, max(trajectory.duration, committed.duration), 6)
+    for axes, time in zip(figure.subplots(1, 6, sharey=True), instants, strict=True):
         for name, motion, colour in (("left", trajectory, "#1f6fb4"), ("right", committed, "#d0621b")):
             links = [link for link in planner.get_link_names(name) if "finger" not in link]
-            arm = np.array([planner.compute_fk(name, motion.sample(time), link).p for link in links])
-            hand = np.array([planner.compute_fk(name, q).p for q in motion.positions])
-            axes.plot(hand[:, 0], hand[:, 1], color=colour, linewidth=1, alpha=0.4)
-            axes.plot(arm[:, 0], arm[:, 1], color=colour, linewidth=5, solid_capstyle="round", label=name)
-            axes.plot(*arm[0, :2], "o", color=colour, markersize=11)
+            chain = np.array([planner.compute_fk(name, motion.sample(time), link).p for link in links])
+            end_effector = np.array([planner.compute_fk(name, q).p for q in motion.positions])
+            axes.plot(end_effector[:, 0], end_effector[:, 1], color=colour, linewidth=1, alpha=0.4)
+            axes.plot(chain[:, 0], chain[:, 1], color=colour, linewidth=5, solid_capstyle="round", label=name)
+            axes.plot(*chain[0, :2], "o", color=colour, markersize=11)
         axes.set_title(f"{time:.1f} s", fontsize=10)
         axes.margins(0.15)
         axes.set_aspect("equal")

@@ -1,10 +1,11 @@
-"""The same scene as boxes and as a point cloud: how long until the cloud is in, and how much slower are motions then?
+"""Compares a scene as boxes with the same scene as a point cloud: time to insert the cloud, time to check motions.
 
     python bench/micro/cloud.py --data DIR --out cloud.json
 
-Points are drawn evenly from the surfaces of each scene's objects, --points in all, and inserted with --resolution.
-Motions start at random configurations that are free among the cloud and move every joint by up to --size, in scenes
-numbered --problems. CPU time of one thread, best of --repeats; the two checkers take turns. Needs PyYAML.
+Draws --points points uniformly from the surfaces of each scene's objects and inserts them with --resolution. Motions
+start at random configurations that are free in the cloud and move every joint by up to --size, in the scenes with the
+numbers --problems. Times are CPU times of one thread, the best of --repeats; the two checkers are run alternately.
+Needs PyYAML.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def area(kind: str, size: list[float]) -> float:
         return 2 * np.pi * size[1] * (size[1] + size[0])
     if kind == "sphere":
         return 4 * np.pi * size[0] ** 2
-    raise ValueError(f"primitive {kind} is not known here")
+    raise ValueError(f"primitive {kind} is not supported here")
 
 
 def on_box(size: list[float], count: int, rng: np.random.Generator) -> np.ndarray:
@@ -79,7 +80,7 @@ SAMPLERS = {"box": on_box, "cylinder": on_cylinder, "sphere": on_sphere}
 
 
 def surface_points(scene: Path, count: int) -> np.ndarray:
-    """About `count` points (n, 3), as many an object as its surface deserves."""
+    """About `count` points (n, 3), for each object in proportion to its surface."""
     primitives = []
     for item in yaml.safe_load(scene.read_text())["world"]["collision_objects"]:
         outer = transform(item.get("pose", {"position": [0, 0, 0], "orientation": [0, 0, 0, 1]}))
@@ -88,8 +89,8 @@ def surface_points(scene: Path, count: int) -> np.ndarray:
     rng = np.random.default_rng(0)
     areas = np.array([area(kind, size) for kind, size, _, _ in primitives])
     clouds = []
-    for (kind, size, outer, inner), share in zip(primitives, areas / areas.sum(), strict=True):
-        points = SAMPLERS[kind](size, max(1, round(count * share)), rng)
+    for (kind, size, outer, inner), fraction in zip(primitives, areas / areas.sum(), strict=True):
+        points = SAMPLERS[kind](size, max(1, round(count * fraction)), rng)
         for rotation, translation in (inner, outer):
             points = points @ rotation.T + translation
         clouds.append(points)
@@ -106,7 +107,7 @@ def cpu_seconds(work: Callable[..., object], *arguments: object) -> float:
 
 
 def motions(planner: srmp.PlannerInterface, checker: srmp.CollisionChecker, name: str, count: int, size: float):
-    """Starts, free of collision, and ends."""
+    """Collision-free starts (count, dof) and ends (count, dof) of motions."""
     rng = np.random.default_rng(1)
     limits = np.clip(planner.get_joint_limits(name)[:, :2], -np.pi, np.pi)
     starts = np.empty((0, len(limits)))
@@ -175,16 +176,18 @@ def main() -> None:
     parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
+        "--table", type=Path, metavar="RESULTS", help="print the table of these results and measure nothing"
     )
     parser.add_argument("--robot", choices=list(mbm.GROUPS), default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--problems", default="1", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument("--points", type=int, default=100_000)
     parser.add_argument("--resolution", type=float, default=0.02, help="of the cloud [m] (default: %(default)s)")
-    parser.add_argument("--motions", type=int, default=300, help="in each scene (default: %(default)s)")
+    parser.add_argument("--motions", type=int, default=300, help="number in each scene (default: %(default)s)")
     parser.add_argument("--size", type=float, default=0.13, help="of the fastest joint [rad] (default: %(default)s)")
-    parser.add_argument("--repeats", type=int, default=3, help="the best counts (default: %(default)s)")
+    parser.add_argument(
+        "--repeats", type=int, default=3, help="runs, of which the best is reported (default: %(default)s)"
+    )
     arguments = parser.parse_args()
     if arguments.table:
         print(table(json.loads(arguments.table.read_text())))

@@ -1,17 +1,17 @@
-"""Does the exact checker give Coal's answers, and every instruction set the same bits?
+"""Compares the collision checker's modes with Coal, and its instruction sets with each other.
 
     python bench/suites/agreement.py --data DIR --out agreement.json [--configurations 1000000]
 
-Random configurations and motions of Panda, UR5 and Fetch in seven MotionBenchMaker scenarios, a quarter as many motions
-as configurations. Counts, and ends with 1 unless all are 0:
-- exact: `exact` says something else than Coal alone
-- conservative: `conservative` says free where Coal does not
-- simd: an instruction set answers, or settles by another layer, otherwise than the first (a process for each)
-- independent: with Pinocchio's and Coal's own Python packages (--recheck of the configurations) a free one touches
-  something. The other way round is `stricter`, which is no fault: closed convex meshes are solids here and surfaces
-  there, and a mesh of several materials is both ways of reading it.
-A motion whose clearance is below 22 µm may be refused (Checker::motion_floor); cut in other places, it may be proved.
-Such motions count as `grazing`, not as faults.
+Checks random configurations and motions of Panda, UR5 and Fetch in seven MotionBenchMaker scenarios, a quarter as many
+motions as configurations. It counts four types of faults, and the exit code is 1 unless all counts are 0:
+- exact: the mode `exact` gives another result than Coal alone
+- conservative: the mode `conservative` reports free where Coal does not
+- simd: an instruction set gives another result than the first one, or another layer resolves it (a process for each)
+- independent: Pinocchio's and Coal's own Python packages find a free configuration in collision (for a fraction
+  --recheck of the configurations). The reverse case is counted as `stricter` and is not a fault: closed convex meshes
+  are solids in srmp and surfaces there, and a mesh with several materials is read in two ways.
+The proof may fail for a motion whose clearance is below 22 µm (Checker::motion_floor), while another subdivision of the
+same motion proves it. Such motions are counted as `grazing` and are not faults.
 
 Needs PyYAML, and pin and coal for --recheck (pip install pin coal pyyaml).
 """
@@ -42,10 +42,10 @@ SCENARIOS = ["bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage
 FAULTS = ("exact", "conservative", "simd", "independent")
 BACKENDS = ("portable", "avx2", "avx512")
 FLOOR = 2.2e-5  # [m]
-CHUNK = 4000  # configurations asked for at a time
+CHUNK = 4000  # configurations checked at a time
 
 
-# --- what the tests use too -------------------------------------------------------------------------------------------
+# --- also used by the tests -------------------------------------------------------------------------------------------
 
 
 def random_states(planner: srmp.PlannerInterface, name: str, count: int, seed: int = 0) -> np.ndarray:
@@ -54,25 +54,25 @@ def random_states(planner: srmp.PlannerInterface, name: str, count: int, seed: i
 
 
 def random_motions(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """From a quarter of the configurations towards the next quarter."""
+    """Motions from the first quarter of the configurations towards the second quarter."""
     quarter = len(q) // 4
     return q[:quarter], q[:quarter] + 0.05 * (q[quarter : 2 * quarter] - q[:quarter])
 
 
-def answers(checker: srmp.CollisionChecker, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of each configuration and each motion: is it free?"""
+def check_all(checker: srmp.CollisionChecker, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whether each configuration (n,) and each motion (n / 4,) is free."""
     return checker.are_free(q), checker.motions_free(*random_motions(q))
 
 
 def compare_modes(planner: srmp.PlannerInterface, name: str, q: np.ndarray) -> tuple[Counter, np.ndarray]:
-    """What `exact` and `conservative` say against Coal; and which configurations are free."""
+    """Compares `exact` and `conservative` with Coal. Returns the counts, and which configurations are free."""
     coal = planner.collision_checker(name, "coal")
-    truth, moves = answers(coal, q), random_motions(q)
+    truth, moves = check_all(coal, q), random_motions(q)
     counts = Counter(dict.fromkeys(("exact", "conservative", "grazing"), 0))
     counts.update(configurations=len(truth[0]), motions=len(truth[1]))
     counts.update({"free": int(truth[0].sum()), "motions free": int(truth[1].sum())})
     for mode in ("exact", "conservative"):
-        states, motions = answers(planner.collision_checker(name, mode), q)
+        states, motions = check_all(planner.collision_checker(name, mode), q)
         wrong, differing = states != truth[0], motions != truth[1]
         if mode == "conservative":
             wrong, differing = wrong & states, differing & motions
@@ -83,7 +83,7 @@ def compare_modes(planner: srmp.PlannerInterface, name: str, q: np.ndarray) -> t
 
 
 def smallest_clearance(checker: srmp.CollisionChecker, a: np.ndarray, b: np.ndarray) -> float:
-    """On the motion [m], at 201 samples, then as many around the nearest, twice."""
+    """The smallest clearance of the motion [m], from 201 samples, refined twice around the smallest one."""
     low, high = 0.0, 1.0
     for _ in range(3):
         t = np.linspace(low, high, 201)
@@ -107,7 +107,7 @@ def load_scene(planner: srmp.PlannerInterface, scene: str) -> None:
 
 
 class Backend:
-    """A process in which SRMP_SIMD is set; it keeps one robot."""
+    """A process with SRMP_SIMD set, which holds one robot."""
 
     def __init__(self, name: str, data: Path, robot: str) -> None:
         self.name = name
@@ -129,7 +129,7 @@ def _start_worker(backend: str, data: Path, robot: str) -> None:
 
 
 def _digest(scene: str, seed: int, count: int) -> str:
-    """Of all answers, and of how many questions each layer settled."""
+    """A hash of all results, and of the number of queries that each layer resolved."""
     if _worker["scene"] != scene:
         load_scene(_worker["planner"], scene)
         _worker["scene"] = scene
@@ -138,14 +138,14 @@ def _digest(scene: str, seed: int, count: int) -> str:
     text = hashlib.sha256()
     for mode in ("exact", "conservative"):
         checker = planner.collision_checker(robot, mode)
-        for free in answers(checker, q):
+        for free in check_all(checker, q):
             text.update(free.tobytes())
         text.update(json.dumps(checker.stats(), sort_keys=True).encode())
     return text.hexdigest()
 
 
 def available(backend: str) -> bool:
-    """Does this CPU have it?"""
+    """Whether this CPU has the instruction set."""
     before = os.environ.get("SRMP_SIMD")
     os.environ["SRMP_SIMD"] = backend
     try:
@@ -165,21 +165,21 @@ def available(backend: str) -> bool:
 
 
 def recheck(data: Path, robot: str, problem: str, names: list[str], q: np.ndarray, free: np.ndarray) -> Counter:
-    """The same configurations, judged without srmp."""
+    """Checks the same configurations without srmp."""
     sys.path.insert(0, str(Path(__file__).parent))
     from recheck_mbm import World  # needs pin and coal
 
     world = World(data / robot, robot, data / robot / f"{robot}.urdf", problem)
     counts = Counter(rechecked=len(q), independent=0, stricter=0)
-    for row, said in zip(q, free, strict=True):
+    for row, reported_free in zip(q, free, strict=True):
         touching = bool(world.touching(names, row))
-        counts["independent"] += bool(said) and touching
-        counts["stricter"] += not said and not touching
+        counts["independent"] += bool(reported_free) and touching
+        counts["stricter"] += not reported_free and not touching
     return counts
 
 
 def run_robot(data: Path, robot: str, arguments: argparse.Namespace, bar: tqdm) -> Iterator[dict]:
-    """One row a scene."""
+    """Yields one row per scene."""
     planner = load_robot(data, robot)
     backends = [Backend(name, data, robot) for name in BACKENDS if available(name)]
     names = list(planner.get_joint_names(robot))
@@ -198,9 +198,9 @@ def run_robot(data: Path, robot: str, arguments: argparse.Namespace, bar: tqdm) 
                 found, free = compare_modes(planner, robot, q)
                 digests = [backend.digest(str(problem.scene), seed, count) for backend in backends]
                 found["simd"] = len(set(digests)) - 1
-                share = round(count * arguments.recheck)
-                if share:
-                    found.update(recheck(data, robot, problem.name, names, q[:share], free[:share]))
+                rechecked = round(count * arguments.recheck)
+                if rechecked:
+                    found.update(recheck(data, robot, problem.name, names, q[:rechecked], free[:rechecked]))
                 counts.update(found)
                 bar.update(count)
             yield {"robot": robot, "problem": problem.name, "backends": [b.name for b in backends], **counts}
@@ -232,11 +232,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
     parser.add_argument("--data", type=Path, required=True, help="MotionBenchMaker's robots and problems")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
-    parser.add_argument("--configurations", type=int, default=1_000_000, help="in all (default: %(default)s)")
+    parser.add_argument("--configurations", type=int, default=1_000_000, help="total number (default: %(default)s)")
     parser.add_argument("--robots", nargs="+", choices=list(mbm.GROUPS), default=list(mbm.GROUPS))
     parser.add_argument("--problems", default="1-4", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument(
-        "--recheck", type=float, default=0.01, help="share asked of pin and coal (default: %(default)s)"
+        "--recheck", type=float, default=0.01, help="fraction checked with pin and coal too (default: %(default)s)"
     )
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()

@@ -1,10 +1,11 @@
-"""How soon is a path how short?
+"""Path length over time for several planners.
 
     python bench/suites/anytime.py --data DIR [--out anytime.json] [--figure time_against_cost.png]
 
-Plans MotionBenchMaker's first problems with several planners and takes down every path that they found (the statistics'
-`solutions`). A planner's curve is the mean over the problems, at each time, of its best path's length so far, divided
-by the shortest that any planner found for that problem; it begins when nine problems in ten have a path.
+Plans MotionBenchMaker's first problems with several planners and records every path that they find (`solutions` in the
+statistics). A planner's curve shows, at each time, the length of its best path so far, divided by the length of the
+shortest path that any planner found for that problem, as a mean over the problems. The curve begins when nine problems
+in ten have a path.
 """
 
 from __future__ import annotations
@@ -32,10 +33,12 @@ SETTINGS: dict[str, dict[str, Any]] = {
 TIMES = np.logspace(-4, 1, 151)  # [s]
 
 
-def solutions_of(planner: srmp.PlannerInterface, robot: str, posed: srmp.MoveItProblem) -> list[tuple[float, float]]:
-    """(time [s], length [rad]) of every path; empty: none was found."""
+def solutions_of(
+    planner: srmp.PlannerInterface, robot: str, moveit_problem: srmp.MoveItProblem
+) -> list[tuple[float, float]]:
+    """(time [s], length [rad]) of every path; empty if none was found."""
     try:
-        planner.plan(robot, posed.start, posed.goals)
+        planner.plan(robot, moveit_problem.start, moveit_problem.goals)
     except srmp.PlanningError:
         return []
     return [(each["time_s"], each["cost_rad"]) for each in planner.get_planning_stats()["solutions"]]
@@ -47,18 +50,18 @@ def run(data: str, robot: str, geometry: str, problems: str, time_limit: float) 
     rows: list[dict[str, Any]] = []
     with mbm.open_problems(files.directory, robot, (), mbm.parse_numbers(problems)) as chosen:
         for problem in tqdm(chosen, disable=None):
-            planner, posed = runner.pose(problem)
+            planner, moveit_problem = runner.pose(problem)
             row: dict[str, Any] = {"problem": problem.name}
             for name, options in SETTINGS.items():
                 extra = {"improve_time": time_limit} if options["planner_id"] == "auto" else {}
                 planner.make_planner(robot, {**options, **extra, "time_limit": time_limit, "certify": False})
-                row[name] = solutions_of(planner, robot, posed)
+                row[name] = solutions_of(planner, robot, moveit_problem)
             rows.append(row)
     return {"header": mbm.header("time against cost", robot=robot, geometry=geometry, problems=problems), "rows": rows}
 
 
 def curve(rows: list[dict[str, Any]], name: str) -> np.ndarray:
-    """Of TIMES: mean relative length, NaN while fewer than nine problems in ten are solved."""
+    """Mean relative length at each of TIMES; NaN while fewer than nine problems in ten are solved."""
     best = [min((cost for each in SETTINGS for _, cost in row[each]), default=np.nan) for row in rows]
     costs = np.full((len(rows), len(TIMES)), np.nan)
     for i, row in enumerate(rows):
@@ -83,7 +86,7 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 
 def draw(rows: list[dict[str, Any]], path: str) -> None:
-    """Left: the share of problems that have a path; right: the curves."""
+    """Draws the fraction of problems with a path (left) and the curves (right)."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -109,9 +112,9 @@ def main() -> None:
     parser.add_argument("--robot", default="panda")
     parser.add_argument("--geometry", default="spheres", choices=["urdf", "spheres"])
     parser.add_argument("--problems", default="1-10", help="numbers in each scenario")
-    parser.add_argument("--time-limit", type=float, default=1.0, help="[s] a plan")
+    parser.add_argument("--time-limit", type=float, default=1.0, help="of each plan [s]")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
-    parser.add_argument("--figure", help="picture of all curves (PNG, SVG)")
+    parser.add_argument("--figure", help="figure of all curves (PNG, SVG)")
     arguments = parser.parse_args()
     result = run(arguments.data, arguments.robot, arguments.geometry, arguments.problems, arguments.time_limit)
     print(table(result["rows"]))

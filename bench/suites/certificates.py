@@ -1,11 +1,11 @@
-"""Do the certificates of plans hold, and does somebody else find the same?
+"""Checks that certificates of plans hold, and that independent code agrees with them.
 
     python bench/suites/certificates.py --data DIR [--problems 1-10] [--geometry spheres] [--out certificates.json]
 
-Plans MotionBenchMaker's problems with default options and judges every trajectory again at 1 kHz with Pinocchio's and
-Coal's own Python packages, where none of srmp's code runs: the cubics between the rows are evaluated here, held against
-position, velocity and acceleration limits (those of the URDF; accelerations of 2/s times the velocity), and their
-configurations are asked for collisions. Exit code 1 when a certificate does not hold or is contradicted. Needs pin,
+Plans MotionBenchMaker's problems with default options and checks every trajectory again at 1 kHz with Pinocchio's and
+Coal's own Python packages and without any code of srmp: it evaluates the cubics between the rows, compares them with
+the position, velocity and acceleration limits (those of the URDF; accelerations of 2/s times the velocity), and checks
+their configurations for collisions. The exit code is 1 when a certificate does not hold or is contradicted. Needs pin,
 coal, PyYAML (pip install pin coal pyyaml).
 """
 
@@ -47,9 +47,9 @@ def broken_limits(world: recheck_mbm.World, trajectory: srmp.Trajectory) -> list
         fastest = float(model.velocityLimit[joint.idx_v])
         q, lower, upper = position[:, j], *(limit[joint.idx_q] for limit in limits_of(model))
         for what, values, limit in (("velocity", velocity, fastest), ("acceleration", acceleration, 2 * fastest)):
-            most = float(np.abs(values[:, j]).max())
-            if most > limit * (1 + TOLERANCE):
-                found.append(f"{name}: {what} {most:.6g} is above {limit:.6g}")
+            largest = float(np.abs(values[:, j]).max())
+            if largest > limit * (1 + TOLERANCE):
+                found.append(f"{name}: {what} {largest:.6g} is above {limit:.6g}")
         if joint.nq == 1 and (q.min() < lower - TOLERANCE or q.max() > upper + TOLERANCE):
             found.append(f"{name}: position from {q.min():.6g} to {q.max():.6g} leaves [{lower:.6g}, {upper:.6g}]")
     return found
@@ -60,7 +60,7 @@ def limits_of(model: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def contradictions(world: recheck_mbm.World, trajectory: srmp.Trajectory) -> list[str]:
-    """What the others find wrong at 1 kHz."""
+    """Violated limits and the first collision, at 1 kHz."""
     found = broken_limits(world, trajectory)
     for q in states(trajectory)[0]:
         if pair := world.touching(trajectory.joint_names, q):
@@ -68,10 +68,10 @@ def contradictions(world: recheck_mbm.World, trajectory: srmp.Trajectory) -> lis
     return found
 
 
-def judge(runner: mbm.Runner, problem: mbm.Problem, files: mbm.RobotFiles) -> dict[str, Any]:
-    planner, posed = runner.pose(problem)
+def check(runner: mbm.Runner, problem: mbm.Problem, files: mbm.RobotFiles) -> dict[str, Any]:
+    planner, moveit_problem = runner.pose(problem)
     try:
-        trajectory = planner.plan(files.name, posed.start, posed.goals)
+        trajectory = planner.plan(files.name, moveit_problem.start, moveit_problem.goals)
     except srmp.PlanningError as error:
         return {"problem": problem.name, "status": mbm.status_name(error.status)}
     world = recheck_mbm.World(files.directory, files.name, files.urdf, problem.name)
@@ -95,7 +95,7 @@ def run(data: str, robot: str, geometry: str, problems: str, scenarios: list[str
     runner = mbm.Runner(files, "auto", {}, 10.0)
     numbers = mbm.parse_numbers(problems) if problems else None
     with mbm.open_problems(files.directory, robot, scenarios or (), numbers) as chosen:
-        rows = [judge(runner, problem, files) for problem in chosen]
+        rows = [check(runner, problem, files) for problem in chosen]
     options = {"robot": robot, "geometry": geometry, "problems": problems or "all", "rate_hz": RATE}
     return {"header": mbm.header("certificates", options=options), "rows": rows}
 

@@ -1,11 +1,11 @@
-"""Do similar questions have similar answers?
+"""Measures whether similar problems have similar solutions.
 
     python bench/suites/consistency.py --data DIR [--out consistency.json]
 
-For MotionBenchMaker's first problems of each scenario, the goal is moved ten times by up to 2 degrees in one joint (to
-where it is still within limits and free; the moves are the same on every run). Reported are the plans that failed, the
-coefficient of variation (standard deviation / mean) of the end effector's path length over a problem's ten goals, and
-the change of that length, the mean relative difference to the path to the problem's own goal; both as means over
+For MotionBenchMaker's first problems of each scenario, the goal is moved ten times by up to 2 degrees in one joint, to
+a configuration that is free and within limits; the moves are the same on every run. Reported are the plans that failed,
+the coefficient of variation (standard deviation / mean) of the end effector's path length over a problem's ten goals,
+and the change of that length (the mean relative difference to the path to the problem's own goal), both as means over
 problems.
 """
 
@@ -31,7 +31,7 @@ PLANNERS = ("auto", "wAstar")
 
 
 def moved_goals(planner: srmp.PlannerInterface, robot: str, goal: np.ndarray, seed: list[int]) -> list[np.ndarray]:
-    """GOALS free configurations, each a move of one joint away from `goal`."""
+    """GOALS free configurations, each of which differs from `goal` in one joint."""
     random = np.random.default_rng(seed)
     limits = planner.get_joint_limits(robot)
     goals: list[np.ndarray] = []
@@ -42,7 +42,7 @@ def moved_goals(planner: srmp.PlannerInterface, robot: str, goal: np.ndarray, se
         q[random.integers(len(q))] += random.uniform(-LARGEST_MOVE, LARGEST_MOVE)
         if (limits[:, 0] <= q).all() and (q <= limits[:, 1]).all() and not planner.is_state_colliding(robot, q):
             goals.append(q)
-    raise RuntimeError("a goal has hardly any free configuration around it")
+    raise RuntimeError("too few configurations near a goal are free")
 
 
 def row_of(
@@ -53,7 +53,7 @@ def row_of(
     goals: list[np.ndarray],
     threads: int,
 ) -> dict[str, Any]:
-    """Lengths of the paths to the first goal, the problem's own, and to the moved ones; None where there is none."""
+    """Lengths of the paths to the problem's own goal (the first) and to the moved goals; None without a path."""
     requests = [srmp.PlanRequest(robot, start, srmp.GoalConstraint(srmp.GoalType.JOINTS, q)) for q in goals]
     results = planner.plan_many(requests, threads)
     own, *moved = [
@@ -86,14 +86,14 @@ def run(
     rows: dict[str, list[dict[str, Any]]] = {planner_id: [] for planner_id in planners}
     with mbm.open_problems(files.directory, robot, (), mbm.parse_numbers(problems)) as chosen:
         for at, problem in enumerate(chosen):
-            planner, posed = runner.pose(problem)
-            own = posed.goals[0].targets[0]
+            planner, moveit_problem = runner.pose(problem)
+            own = moveit_problem.goals[0].targets[0]
             goals = [own, *moved_goals(planner, robot, own, [at, problem.number])]
             for planner_id in planners:
                 planner.make_planner(robot, {"planner_id": planner_id, "time_limit": time_limit, **options})
-                rows[planner_id].append(row_of(planner, robot, problem, posed.start, goals, threads))
-    asked = {"robot": robot, "geometry": geometry, "problems": problems, "time_limit": time_limit, **options}
-    header = mbm.header("consistency", options=asked)
+                rows[planner_id].append(row_of(planner, robot, problem, moveit_problem.start, goals, threads))
+    settings = {"robot": robot, "geometry": geometry, "problems": problems, "time_limit": time_limit, **options}
+    header = mbm.header("consistency", options=settings)
     return {"header": header, "planners": {name: {**summary(r), "rows": r} for name, r in rows.items()}}
 
 
@@ -113,8 +113,10 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
 def table(result: dict[str, Any]) -> str:
     lines = []
     for name, found in result["planners"].items():
-        shares = [found[f"{which}_variation"] for which in ("mean", "median", "largest")] + [found["mean_change"]]
-        lines.append([name, f"{found['failed']}/{found['plans']}", *(f"{100 * share:.1f} %" for share in shares)])
+        fractions = [found[f"{which}_variation"] for which in ("mean", "median", "largest")] + [found["mean_change"]]
+        lines.append(
+            [name, f"{found['failed']}/{found['plans']}", *(f"{100 * fraction:.1f} %" for fraction in fractions)]
+        )
     return format_table(["planner", "failed", "variation (mean)", "median", "largest", "change (mean)"], lines)
 
 

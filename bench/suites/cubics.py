@@ -1,4 +1,4 @@
-"""Timed trajectories between their rows, evaluated without srmp: the cubics through positions and velocities."""
+"""Evaluates timed trajectories between their rows without srmp: the cubics through positions and velocities."""
 
 from __future__ import annotations
 
@@ -21,5 +21,5 @@ def states(times: np.ndarray, q: np.ndarray, v: np.ndarray, at: np.ndarray) -> t
 
 
 def instants(first: float, last: float, rate: float) -> np.ndarray:
-    """`rate` a second, and the end."""
+    """Instants from `first` to `last` [s], `rate` per second, with `last` itself."""
     return np.append(np.arange(first, last, 1 / rate), last)

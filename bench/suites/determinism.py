@@ -1,11 +1,11 @@
-"""Is the answer the same, bit for bit, on every run, for every number of threads and every instruction set?
+"""Checks that results are the same, bit for bit, on every run, for every number of threads and every instruction set.
 
     python bench/suites/determinism.py --data DIR [--geometry spheres] [--out determinism.json]
 
-Plans MotionBenchMaker's first problems of each scenario again and again: `auto` with plan_many on 1, 2 and 4 threads,
-and wPASE on some of them with as many threads inside one plan; each in a process of its own with SRMP_SIMD set to every
-instruction set that the CPU has. A question's answer is hashed: waypoints, samples and times of its trajectory, or
-status and reason. Exit code 1 when any question has two hashes.
+Plans MotionBenchMaker's first problems of each scenario repeatedly: with `auto` by plan_many on 1, 2 and 4 threads, and
+some of them with wPASE with as many threads inside one plan. Each instruction set that the CPU has is tested in a
+process of its own (SRMP_SIMD). A result is hashed: waypoints, samples and times of the trajectory, or status and
+reason. The exit code is 1 when any problem has two different hashes.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from srmp._files import write_json
 from srmp.bench import mbm
 
 BACKENDS = ("portable", "avx2", "avx512")
-TIME_LIMIT = 120.0  # [s], never reached: a limit that cuts a plan short may change its answer
+TIME_LIMIT = 120.0  # [s], never reached: a limit that cuts a plan short may change its result
 WPASE_PROBLEMS = ("bookshelf_thin/0001", "cage/0001", "table_under_pick/0001")
 
 
-def answer_hash(result: srmp.PlanResult) -> str:
+def result_hash(result: srmp.PlanResult) -> str:
     digest = hashlib.sha256()
     if result.status == srmp.Status.timed_out:
-        raise RuntimeError(f"{result.reason}: such an answer tells nothing")
+        raise RuntimeError(f"{result.reason}: results of plans that timed out cannot be compared")
     if result.solved:
         trajectory = result.trajectory
         for array in (trajectory.waypoints, trajectory.positions, trajectory.times):
@@ -45,7 +45,7 @@ def answer_hash(result: srmp.PlanResult) -> str:
 def hashes_of(
     data: str, robot: str, geometry: str, scenarios: str, problems: str, repeats: int, threads: list[int]
 ) -> dict[str, list[str]]:
-    """The different answers to each question, with this process's instruction set."""
+    """The different hashes of each problem, with this process's instruction set."""
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "auto", {}, TIME_LIMIT)
     found: dict[str, list[str]] = {}
@@ -53,20 +53,22 @@ def hashes_of(
     named = scenarios.split(",") if scenarios else ()
     with mbm.open_problems(files.directory, robot, named, mbm.parse_numbers(problems)) as chosen:
         for problem in chosen:
-            planner, posed = runner.pose(problem)
-            auto = srmp.PlanRequest(robot, posed.start, posed.goals)
-            answers = [answer_hash(r) for count in threads for r in planner.plan_many([auto] * repeats, count)]
-            found[f"auto {problem.name}"] = sorted(set(answers))
+            planner, moveit_problem = runner.pose(problem)
+            auto = srmp.PlanRequest(robot, moveit_problem.start, moveit_problem.goals)
+            hashes = [result_hash(r) for count in threads for r in planner.plan_many([auto] * repeats, count)]
+            found[f"auto {problem.name}"] = sorted(set(hashes))
             if problem.name in WPASE_PROBLEMS:
                 options = [srmp.WPASE(num_threads=count, time_limit=TIME_LIMIT) for count in threads]
-                parallel = [srmp.PlanRequest(robot, posed.start, posed.goals, option) for option in options]
-                answers = [answer_hash(r) for r in planner.plan_many(parallel * repeats, 1)]
-                found[f"wPASE {problem.name}"] = sorted(set(answers))
+                parallel = [
+                    srmp.PlanRequest(robot, moveit_problem.start, moveit_problem.goals, option) for option in options
+                ]
+                hashes = [result_hash(r) for r in planner.plan_many(parallel * repeats, 1)]
+                found[f"wPASE {problem.name}"] = sorted(set(hashes))
     return found
 
 
 def run_in_process(backend: str, arguments: list[str]) -> dict[str, list[str]] | None:
-    """hashes_of with an instruction set; None when the CPU does not have it."""
+    """hashes_of with an instruction set; None if the CPU does not have it."""
     command = [sys.executable, __file__, "--here", *arguments]
     done = subprocess.run(command, env={**os.environ, "SRMP_SIMD": backend}, capture_output=True, text=True)
     if "which this CPU does not have" in done.stderr:
@@ -77,9 +79,9 @@ def run_in_process(backend: str, arguments: list[str]) -> dict[str, list[str]] |
 
 
 def merge(by_backend: dict[str, dict[str, list[str]]]) -> dict[str, list[str]]:
-    """The different answers to each question over all instruction sets."""
-    questions = dict.fromkeys(question for found in by_backend.values() for question in found)
-    return {q: sorted({h for found in by_backend.values() for h in found.get(q, ["missing"])}) for q in questions}
+    """The different hashes of each problem over all instruction sets."""
+    problems = dict.fromkeys(problem for found in by_backend.values() for problem in found)
+    return {p: sorted({h for found in by_backend.values() for h in found.get(p, ["missing"])}) for p in problems}
 
 
 def run(
@@ -91,7 +93,7 @@ def run(
     repeats: int = 20,
     threads: str = "1,2,4",
 ) -> dict[str, Any]:
-    """Header, the different hashes of each question, and the questions that have more than one."""
+    """The header, the different hashes of each problem, and the problems that have more than one."""
     arguments = [f"--data={data}", f"--robot={robot}", f"--geometry={geometry}", f"--scenarios={scenarios}"]
     arguments += [f"--problems={problems}", f"--repeats={repeats}", f"--threads={threads}"]
     by_backend = {}
@@ -111,7 +113,11 @@ def run(
             "threads": threads,
         },
     )
-    return {"header": header, "hashes": hashes, "differing": [q for q, found in hashes.items() if len(found) != 1]}
+    return {
+        "header": header,
+        "hashes": hashes,
+        "differing": [problem for problem, found in hashes.items() if len(found) != 1],
+    }
 
 
 def main() -> int:
@@ -125,7 +131,7 @@ def main() -> int:
     parser.add_argument("--threads", default="1,2,4")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     parser.add_argument(
-        "--here", action="store_true", help="in this process, with its own SRMP_SIMD; prints the hashes"
+        "--here", action="store_true", help="run in this process, with its SRMP_SIMD, and print the hashes"
     )
     options = vars(parser.parse_args())
     here, out = options.pop("here"), options.pop("out")
@@ -137,8 +143,8 @@ def main() -> int:
     if out:
         write_json(out, result)
     sets = ", ".join(result["header"]["instruction_sets"])
-    print("\n".join([*result["differing"], f"{len(result['hashes'])} questions on {sets}:"]))
-    print(f"{len(result['differing'])} have more than one answer")
+    print("\n".join([*result["differing"], f"{len(result['hashes'])} problems on {sets}:"]))
+    print(f"{len(result['differing'])} have more than one result")
     return 1 if result["differing"] else 0
 
 

@@ -1,12 +1,12 @@
-"""How far do plans overshoot their time limit?
+"""Measures by how much plans overshoot their time limit.
 
     python bench/suites/overshoot.py --data DIR [--plans 1000] [--out overshoot.json]
 
-Plans hard problems of MotionBenchMaker (cage, table_under_pick) with limits from 1 ms to 1 s, evenly spread over their
-logarithm, with every planner in turn, and as many plans around motions of another arm that is committed to them (of
-the package's two arms across a table), and prints percentiles of total_time_s - time_limit; a plan that returns in time
-counts as 0. On a machine that others use, the scheduler's pauses count too: plans that overshoot by more than --doubt
-are run again, up to --reruns times, and count with their least overshoot; the file holds all of them.
+Plans hard problems of MotionBenchMaker (cage, table_under_pick) with limits from 1 ms to 1 s, spaced evenly on a
+logarithmic scale, with each planner alternately, and as many plans around committed motions of another robot (two arms
+across a table). Prints percentiles of total_time_s - time_limit; a plan that returns in time counts as 0. On a shared
+machine the scheduler's pauses count too. Therefore plans that overshoot by more than --doubt are run again, up to
+--reruns times, and count with their smallest overshoot; the result file holds all of them.
 """
 
 from __future__ import annotations
@@ -39,8 +39,9 @@ PLANNERS: dict[str, dict[str, Any]] = {
     "auto, pose goal": {"planner_id": "auto"},
 }
 COMMITTED = "xECBS, obstacles"
-# Times [s] and angles of the other arm's base [rad]; where this one starts and ends. It waits or goes round; makes way;
-# comes after its goal was swept; cannot leave in time; and the same among one that is on its way for minutes.
+# Times [s] and base-joint angles [rad] of the committed robot; base-joint angles at the planned robot's start and goal.
+# The planned robot waits or takes another path; moves away and returns; arrives after its goal was swept; cannot leave
+# its start in time; and twice the same beside a motion of several minutes.
 AMONG_COMMITTED = (
     ((0, 10), (-0.3, 0.3), -0.9, 0.9),
     ((0, 1, 3, 4, 6), (-1.5, -1.5, 1.5, 1.5, -1.5), -0.3, 0.0),
@@ -67,35 +68,35 @@ def overshoot(planner: srmp.PlannerInterface, plan: Callable[[], object], limit:
     }
 
 
-def least_overshoot(
+def smallest_overshoot(
     planner: srmp.PlannerInterface, plan: Callable[[], object], limit: float, doubt: float, reruns: int
 ) -> dict[str, Any]:
     tries = [overshoot(planner, plan, limit)]
     while tries[-1]["overshoot_s"] > doubt and len(tries) <= reruns:
         tries.append(overshoot(planner, plan, limit))
-    least = min(tries, key=lambda row: row["overshoot_s"])
-    return {"limit_s": limit, **least, "tries_s": [row["overshoot_s"] for row in tries]}
+    smallest = min(tries, key=lambda row: row["overshoot_s"])
+    return {"limit_s": limit, **smallest, "tries_s": [row["overshoot_s"] for row in tries]}
 
 
 def measure(
     data: str, robot: str, geometry: str, plans: int, problems: str, doubt: float, reruns: int
 ) -> Iterator[dict[str, Any]]:
-    """One row a plan. Consecutive plans have the same scene and neighbouring limits, each planner in turn."""
+    """Yields one row per plan. Consecutive plans have the same scene and similar limits, and alternate the planners."""
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "wAstar", {}, 1.0)
     with mbm.open_problems(files.directory, robot, SCENARIOS, mbm.parse_numbers(problems)) as chosen:
         limits = np.geomspace(1e-3, 1.0, plans).tolist()
         names = list(PLANNERS)
         for at, problem in enumerate(chosen):
-            planner, posed = runner.pose(problem)
-            target = planner.compute_fk(robot, posed.goals[0].targets[0])
+            planner, moveit_problem = runner.pose(problem)
+            target = planner.compute_fk(robot, moveit_problem.goals[0].targets[0])
             pose = srmp.GoalConstraint(srmp.GoalType.POSE, target)
             for i in range(at, plans, len(chosen)):
                 name = names[(i // len(chosen)) % len(names)]
                 planner.make_planner(robot, {**PLANNERS[name], "time_limit": limits[i]})
-                goals = [pose] if name.endswith("pose goal") else posed.goals
-                plan = functools.partial(planner.plan, robot, posed.start, goals)
-                row = least_overshoot(planner, plan, limits[i], doubt, reruns)
+                goals = [pose] if name.endswith("pose goal") else moveit_problem.goals
+                plan = functools.partial(planner.plan, robot, moveit_problem.start, goals)
+                row = smallest_overshoot(planner, plan, limits[i], doubt, reruns)
                 yield {"problem": problem.name, "planner": name, **row}
 
 
@@ -114,7 +115,7 @@ def two_arms() -> srmp.PlannerInterface:
 
 
 def turned(angle: float) -> np.ndarray:
-    """The hand in front of the arm, which is turned about its base."""
+    """The end effector in front of the arm, with the base joint at this angle."""
     return np.array([angle, 0, 0, pi / 2, 0, pi / 2, 0])
 
 
@@ -129,7 +130,7 @@ def measure_among_committed(plans: int, doubt: float, reruns: int) -> Iterator[d
         planner.make_planner("left", {"planner_id": "xECBS", "time_limit": limit})
         goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, turned(end))
         plan = functools.partial(planner.plan_multi, {"left": turned(start)}, {"left": goal}, {"right": obstacle})
-        row = least_overshoot(planner, plan, limit, doubt, reruns)
+        row = smallest_overshoot(planner, plan, limit, doubt, reruns)
         yield {"problem": f"committed {number + 1}", "planner": COMMITTED, **row}
 
 

@@ -1,10 +1,10 @@
-"""Re-checks the paths of `srmp bench mbm` with Pinocchio's and Coal's own Python packages: none of srmp's code runs.
+"""Re-checks the paths of `srmp bench mbm` with Pinocchio's and Coal's own Python packages, without any code of srmp.
 
     python bench/suites/recheck_mbm.py results.json --data DIR [--same-as other.json]
 
-Walks every returned path, and the positions of its timed trajectory, in steps of 0.01 rad (largest joint move) on the
-robot's collision meshes and says which pair touches. Exit code 1 when any does, or when a path differs from the other
-file's in a single bit. Needs pin, coal, PyYAML (pip install pin coal pyyaml).
+Samples every returned path, and the positions of its timed trajectory, in steps of 0.01 rad (largest joint difference),
+checks the robot's collision meshes and names the pair in contact. The exit code is 1 when there is any contact, or when
+a path differs from the other file's in a single bit. Needs pin, coal, PyYAML (pip install pin coal pyyaml).
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def to_shape(primitive: dict) -> coal.CollisionGeometry:
         return coal.Cylinder(size[1], size[0])
     if primitive["type"] == "sphere":
         return coal.Sphere(size[0])
-    raise ValueError(f"primitive {primitive['type']} is not known here")
+    raise ValueError(f"primitive {primitive['type']} is not supported here")
 
 
 def to_se3(pose: dict) -> pin.SE3:
@@ -62,7 +62,7 @@ def to_se3(pose: dict) -> pin.SE3:
 
 
 class World:
-    """The robot's collision meshes among one problem's objects."""
+    """The robot's collision meshes and one problem's objects."""
 
     def __init__(self, directory: Path, robot: str, urdf: Path, problem: str) -> None:
         self.model = pin.buildModelFromUrdf(str(urdf))
@@ -73,19 +73,19 @@ class World:
         pin.removeCollisionPairs(self.model, self.geometry, str(directory / f"{robot}.srdf"))
         parts = self.geometry.ngeoms
         for item in read_problem(directory, robot, problem, "scene")["world"]["collision_objects"]:
-            place = to_se3(item["pose"]) if "pose" in item else pin.SE3.Identity()
+            placement = to_se3(item["pose"]) if "pose" in item else pin.SE3.Identity()
             for primitive, pose in zip(item["primitives"], item["primitive_poses"], strict=True):
-                placed = pin.GeometryObject(item["id"], 0, 0, place * to_se3(pose), to_shape(primitive))
+                placed = pin.GeometryObject(item["id"], 0, 0, placement * to_se3(pose), to_shape(primitive))
                 index = self.geometry.addGeometryObject(placed)
                 for part in range(parts):
-                    # A base standing on something that never moves relative to it is not the plan's affair.
+                    # A fixed base never moves relative to the objects, so no plan can cause a collision of it.
                     if self.geometry.geometryObjects[part].parentJoint != 0:
                         self.geometry.addCollisionPair(pin.CollisionPair(part, index))
         self.data, self.geometry_data = self.model.createData(), self.geometry.createData()
         state = read_problem(directory, robot, problem, "request")["start_state"]["joint_state"]
-        self.rest = pin.neutral(self.model)
+        self.default_q = pin.neutral(self.model)
         for name, value in zip(state["name"], state["position"], strict=True):
-            self.set_joint(self.rest, name, value)
+            self.set_joint(self.default_q, name, value)
 
     def set_joint(self, q: np.ndarray, name: str, value: float) -> None:
         if not self.model.existJointName(name):
@@ -94,7 +94,7 @@ class World:
         q[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
 
     def touching(self, names: list[str], values: np.ndarray) -> str:
-        q = self.rest.copy()
+        q = self.default_q.copy()
         for name, value in zip(names, values, strict=True):
             self.set_joint(q, name, value)
         if not pin.computeCollisions(self.model, self.data, self.geometry, self.geometry_data, q, True):
@@ -114,7 +114,7 @@ def samples(waypoints: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def recheck(results: dict, data: Path) -> list[str]:
-    """One sentence for each path that touches something."""
+    """One sentence for each path that is in collision."""
     options = results["header"]["options"]
     directory = data / options["robot"]
     suffix = "" if options["geometry"] == "urdf" else "_spherized"
@@ -133,7 +133,7 @@ def recheck(results: dict, data: Path) -> list[str]:
 
 
 def differing(results: dict, other: dict) -> list[str]:
-    """Problems whose paths are not the same bit for bit (JSON holds the shortest text that gives back each double)."""
+    """Problems whose paths are not the same bit for bit (JSON holds the shortest text that restores each double)."""
     paths = {row["problem"]: row["path"] for row in other["rows"]}
     return [row["problem"] for row in results["rows"] if row["path"] != paths.get(row["problem"])]
 
@@ -147,7 +147,7 @@ def main() -> int:
     results = json.loads(arguments.results.read_text())
     solved = sum(row["status"] == "solved" for row in results["rows"])
     faults = recheck(results, arguments.data)
-    print("\n".join([*faults, f"{solved} paths, {len(faults)} of them touch something"]))
+    print("\n".join([*faults, f"{solved} paths, {len(faults)} of them in collision"]))
     if arguments.same_as:
         different = differing(results, json.loads(arguments.same_as.read_text()))
         print(

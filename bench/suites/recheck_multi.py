@@ -1,13 +1,13 @@
-"""Re-checks the results of `srmp bench multi` with Pinocchio's and Coal's own Python packages: none of srmp runs.
+"""Re-checks the results of `srmp bench multi` with Pinocchio's and Coal's own Python packages, without srmp.
 
     python bench/suites/recheck_multi.py results.json [--rate 1000] [--out recheck.json]
 
-Builds the scenario that the result file's header describes, moves all robots on their common clock through the cubics
-of their timed trajectories, 1000 times a second, and says which pair touches: links of one robot, of two robots, links
-and objects, held objects and all of these; and which robot does not begin at its start or end at its goal. Links of one
-robot may touch where its SRDF says so; without one, those with one joint between them and those that the header lists.
-What stands fast on a base is not compared with objects or other bases: these never move. Exit code 1 when anything
-touches. Needs pin, coal (pip install pin coal).
+Builds the scenario that the result file's header describes, evaluates the cubics of all timed trajectories on the
+common clock 1000 times a second, and names the pair in contact: among links of one robot and of different robots,
+objects and attached objects. It also names robots that do not begin at their start or end at their goal. Links of one
+robot may touch where its SRDF allows it; without an SRDF, links with one joint between them may touch, and those that
+the header lists. Fixed bases, objects and other bases never move and are not compared with each other. The exit code is
+1 when a fault is found. Needs pin, coal (pip install pin coal).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ GOAL_TOLERANCE = 1e-6  # [rad or m]
 def to_shape(item: Mapping[str, Any]) -> coal.CollisionGeometry:
     shapes = {"box": coal.Box, "cylinder": coal.Cylinder}
     if item["type"] not in shapes:
-        raise ValueError(f"{item['name']} is a {item['type']}, which is not known here")
+        raise ValueError(f"{item['name']} is a {item['type']}, which is not supported here")
     return shapes[item["type"]](*item["size"])
 
 
@@ -43,7 +43,7 @@ def to_se3(pose: Sequence[float]) -> pin.SE3:
 
 
 def prefixed(urdf: Path, prefix: str) -> str:
-    """The URDF with the prefix before every name of a link or a joint."""
+    """The URDF, with the prefix added to every name of a link or a joint."""
     root = ElementTree.parse(urdf).getroot()
     named = [*root.findall("link"), *root.findall("joint")]
     for element in named:
@@ -55,7 +55,7 @@ def prefixed(urdf: Path, prefix: str) -> str:
 
 
 def mimicked(urdf: str, values: Mapping[str, float]) -> dict[str, float]:
-    """Joints that follow one of `values`."""
+    """Values of the joints that mimic one of `values`."""
     found = {}
     for joint in ElementTree.fromstring(urdf).findall("joint"):
         mimic = joint.find("mimic")
@@ -66,7 +66,7 @@ def mimicked(urdf: str, values: Mapping[str, float]) -> dict[str, float]:
 
 
 def pairs_allowed(name: str, robot: Mapping[str, Any]) -> Iterator[frozenset[str]]:
-    """Of links of this robot, by its SRDF and by the header."""
+    """Pairs of this robot's links that may touch, from its SRDF and from the header."""
     if robot.get("srdf"):
         for pair in ElementTree.parse(robot["srdf"]).getroot().iter("disable_collisions"):
             yield frozenset((f"{name}/{pair.get('link1')}", f"{name}/{pair.get('link2')}"))
@@ -75,12 +75,12 @@ def pairs_allowed(name: str, robot: Mapping[str, Any]) -> Iterator[frozenset[str
 
 
 class World:
-    """All robots, with what they hold, among the objects."""
+    """All robots with their attached objects, and the objects of the scene."""
 
     def __init__(self, scenario: Mapping[str, Any]) -> None:
         self.model, self.geometry = pin.Model(), pin.GeometryModel()
         self._allowed: set[frozenset[str]] = set()
-        self._rest: dict[str, float] = {}
+        self._fixed_joints: dict[str, float] = {}
         loader = coal.CachedMeshLoader(coal.NODE_TYPE.BV_OBBRSS)
         for name, robot in scenario["robots"].items():
             self._add_robot(name, robot, loader)
@@ -95,9 +95,9 @@ class World:
         self.manager = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
             self.model, self.geometry, self.geometry_data
         )
-        self.rest = pin.neutral(self.model)
-        for joint, value in self._rest.items():
-            self.set_joint(self.rest, joint, value)
+        self.default_q = pin.neutral(self.model)
+        for joint, value in self._fixed_joints.items():
+            self.set_joint(self.default_q, joint, value)
 
     def _add_robot(self, name: str, robot: Mapping[str, Any], loader: coal.MeshLoader) -> None:
         text = prefixed(Path(robot["urdf"]), f"{name}/")
@@ -112,13 +112,13 @@ class World:
         )
         self._allowed.update(pairs_allowed(name, robot))
         if not robot["srdf"]:
-            self._allowed.update(self._side_by_side(name))
+            self._allowed.update(self._neighbours(name))
         fixed = {f"{name}/{joint}": float(value) for joint, value in robot["fixed_joints"].items()}
-        self._rest.update(fixed)
-        self._rest.update(mimicked(text, fixed))
+        self._fixed_joints.update(fixed)
+        self._fixed_joints.update(mimicked(text, fixed))
 
-    def _side_by_side(self, robot: str) -> Iterator[frozenset[str]]:
-        """Links with one joint between them."""
+    def _neighbours(self, robot: str) -> Iterator[frozenset[str]]:
+        """Pairs of links with one joint between them."""
         parts = [part for part in self.geometry.geometryObjects if self.body(part).startswith(f"{robot}/")]
         for a, b in itertools.permutations(parts, 2):
             if self.model.parents[b.parentJoint] == a.parentJoint:
@@ -126,19 +126,19 @@ class World:
 
     def _add_held(self, item: Mapping[str, Any]) -> None:
         frame = self.model.frames[self.model.getFrameId(f"{item['robot']}/{item['link']}")]
-        place = frame.placement * to_se3(item["pose"])
-        held = pin.GeometryObject(item["name"], frame.parentJoint, 0, place, to_shape(item))
+        placement = frame.placement * to_se3(item["pose"])
+        held = pin.GeometryObject(item["name"], frame.parentJoint, 0, placement, to_shape(item))
         self.geometry.addGeometryObject(held)
         touched = {item["link"], *item["may_touch"]}
         self._allowed.update(frozenset((item["name"], f"{item['robot']}/{link}")) for link in touched)
 
     def body(self, geometry: pin.GeometryObject) -> str:
-        """The link "robot/link", or the object, held or not."""
+        """The name of the link, "robot/link", or of the object, attached or not."""
         frame = self.model.frames[geometry.parentFrame].name
         return geometry.name if geometry.parentFrame == 0 else frame
 
     def _choose_pairs(self) -> None:
-        """All but those allowed, and those of bodies that stand still or are one piece."""
+        """Chooses all pairs but allowed ones, and those of bodies that never move relative to each other."""
         bodies = [(self.body(item), item.parentJoint) for item in self.geometry.geometryObjects]
         chosen = np.zeros((len(bodies), len(bodies)), dtype=bool)
         for (i, (a, joint_a)), (j, (b, joint_b)) in itertools.combinations(enumerate(bodies), 2):
@@ -152,7 +152,7 @@ class World:
         q[joint.idx_q : joint.idx_q + joint.nq] = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
 
     def touching(self, q: np.ndarray) -> str:
-        """The first pair found, or nothing."""
+        """The first pair in contact that is found, or an empty text."""
         callback = pin.CollisionCallBackDefault(self.geometry, self.geometry_data, True)
         pin.updateGeometryPlacements(self.model, self.data, self.geometry, self.geometry_data, q)
         self.manager.update(True)
@@ -163,11 +163,11 @@ class World:
 
 
 def motion(world: World, robots: Mapping[str, Any], rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times (k,) [s] and configurations (k, nq) of the whole world: each robot rests before and after its own times."""
+    """Times (k,) [s] and configurations (k, nq) of all robots; each is stationary before and after its own times."""
     tables = {name: {key: np.array(robot[key]) for key in _TABLES} for name, robot in robots.items()}
     first, last = min(t["times"][0] for t in tables.values()), max(t["times"][-1] for t in tables.values())
     at = cubics.instants(first, last, rate)
-    q = np.tile(world.rest, (len(at), 1))
+    q = np.tile(world.default_q, (len(at), 1))
     for name, robot in robots.items():
         times, positions, velocities = (tables[name][key] for key in _TABLES)
         own = np.clip(at, times[0], times[-1])
@@ -175,21 +175,21 @@ def motion(world: World, robots: Mapping[str, Any], rate: float) -> tuple[np.nda
         for joint, values in zip(
             robot["joint_names"], np.broadcast_to(moved, (len(at), moved.shape[1])).T, strict=True
         ):
-            place(world, q, f"{name}/{joint}", values)
+            set_column(world, q, f"{name}/{joint}", values)
     return at, q
 
 
 _TABLES = ("times", "positions", "velocities")
 
 
-def place(world: World, q: np.ndarray, joint_name: str, values: np.ndarray) -> None:
+def set_column(world: World, q: np.ndarray, joint_name: str, values: np.ndarray) -> None:
     joint = world.model.joints[world.model.getJointId(joint_name)]
     columns = [values] if joint.nq == 1 else [np.cos(values), np.sin(values)]
     q[:, joint.idx_q : joint.idx_q + joint.nq] = np.array(columns).T
 
 
 def faults_of(world: World, row: Mapping[str, Any], rate: float) -> list[str]:
-    """One sentence for a contact (the first), one for each start or goal that is missed."""
+    """One sentence for the first contact, and one for each start or goal that is missed."""
     found = []
     for name, robot in row["robots"].items():
         for what, end in (("start", 0), ("goal", -1)):
@@ -212,11 +212,11 @@ def recheck(results: Mapping[str, Any], rate: float = 1000.0) -> dict[str, Any]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
     parser.add_argument("results", type=Path)
-    parser.add_argument("--rate", type=float, default=1000.0, help="configurations a second")
+    parser.add_argument("--rate", type=float, default=1000.0, help="configurations per second")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     arguments = parser.parse_args()
     outcome = recheck(json.loads(arguments.results.read_text()), arguments.rate)
-    print("\n".join([*outcome["faults"], f"{outcome['checked']} answers, {len(outcome['faults'])} faults"]))
+    print("\n".join([*outcome["faults"], f"{outcome['checked']} results, {len(outcome['faults'])} faults"]))
     if arguments.out:
         arguments.out.write_text(json.dumps(outcome, indent=2) + "\n")
     return 1 if outcome["faults"] else 0

@@ -1,11 +1,11 @@
-"""How much longer do timed paths take than the fastest motion along them that the `toppra` Python package finds?
+"""Compares the durations of timed paths with those of the `toppra` Python package on the same paths.
 
     python bench/suites/timing.py [--paths 200] [--seed 1] [--out timing.json]
 
 Random paths (2 to 12 waypoints, 1 to 8 joints, limits of all sizes) are timed by srmp.time_parameterize and, with the
-corners rounded in the same way, by toppra (Pham, Pham 2018), which is given a finer grid. Prints the ratio of durations
-and how far either exceeds a limit at 1 kHz: toppra keeps them at grid points only. Exit code 1 when a ratio is above
-1.05. Needs toppra (pip install ".[bench]").
+same rounded corners, by toppra (Pham, Pham 2018) on a finer grid. Prints the ratio of durations and the largest use of
+a limit at 1 kHz, which may exceed 100 % for toppra, because toppra enforces limits at grid points only. The exit code
+is 1 when a ratio is above 1.05. Needs toppra (pip install ".[bench]").
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from srmp._table import format_table
 from srmp.bench import mbm
 
 ALLOWED = 1.05
-PER_STRAIGHT, PER_CORNER = 100, 20  # grid intervals of toppra's
+PER_STRAIGHT, PER_CORNER = 100, 20  # intervals of toppra's grid for a straight segment, for a corner
 
 
 class RoundedPath(AbstractGeometricPath):
-    """Straight segments and parabolas from stop to stop; s is the time that it takes at full speed."""
+    """Straight segments and parabolas between two stops; s is the time at full speed."""
 
-    def __init__(self, pieces: list[tuple[np.ndarray, ...]]) -> None:
-        self.lengths, self.starts, self.ways, self.bends = map(np.array, zip(*pieces, strict=True))
-        self.begins = np.concatenate([[0.0], np.cumsum(self.lengths)])
+    def __init__(self, segments: list[tuple[np.ndarray, ...]]) -> None:
+        self.lengths, self.starts, self.directions, self.curvatures = map(np.array, zip(*segments, strict=True))
+        self.knots = np.concatenate([[0.0], np.cumsum(self.lengths)])
 
     @property
     def dof(self) -> int:
@@ -44,50 +44,50 @@ class RoundedPath(AbstractGeometricPath):
 
     @property
     def path_interval(self) -> np.ndarray:
-        return self.begins[[0, -1]]
+        return self.knots[[0, -1]]
 
     @property
     def waypoints(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.begins, self(self.begins)
+        return self.knots, self(self.knots)
 
     def __call__(self, s: Any, order: int = 0) -> np.ndarray:
-        i = np.clip(np.searchsorted(self.begins, s, side="right") - 1, 0, len(self.lengths) - 1)
-        u = np.expand_dims(np.asarray(s) - self.begins[i], -1)
+        i = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.lengths) - 1)
+        u = np.expand_dims(np.asarray(s) - self.knots[i], -1)
         if order == 0:
-            return self.starts[i] + u * self.ways[i] + 0.5 * u**2 * self.bends[i]
-        return self.ways[i] + u * self.bends[i] if order == 1 else self.bends[i]
+            return self.starts[i] + u * self.directions[i] + 0.5 * u**2 * self.curvatures[i]
+        return self.directions[i] + u * self.curvatures[i] if order == 1 else self.curvatures[i]
 
     def grid(self) -> np.ndarray:
-        counts = np.where(self.bends.any(axis=1), PER_CORNER, PER_STRAIGHT)
-        inner = [np.linspace(*self.begins[i : i + 2], n, endpoint=False) for i, n in enumerate(counts)]
-        return np.append(np.concatenate(inner), self.begins[-1])
+        counts = np.where(self.curvatures.any(axis=1), PER_CORNER, PER_STRAIGHT)
+        inner = [np.linspace(*self.knots[i : i + 2], n, endpoint=False) for i, n in enumerate(counts)]
+        return np.append(np.concatenate(inner), self.knots[-1])
 
 
 def rounded(waypoints: np.ndarray, velocity: np.ndarray, deviation: float) -> list[RoundedPath]:
-    """As src/srmp/trajectory/rounded_path.cpp says, where all is free and each joint reaches 1 m/rad."""
+    """Rounds corners as srmp does (trajectory/rounded_path.cpp) where everything is free and joints reach 1 m/rad."""
     steps = np.diff(waypoints, axis=0)
     lengths = np.abs(steps / velocity).max(axis=1)
-    ways = steps / lengths[:, None]
+    directions = steps / lengths[:, None]
     paths: list[list[tuple[np.ndarray, ...]]] = []
     before = 0.0
-    for i, (length, way) in enumerate(zip(lengths, ways, strict=True)):
+    for i, (length, direction) in enumerate(zip(lengths, directions, strict=True)):
         after = 0.0
         if i + 1 < len(lengths):
-            off, most = np.abs(ways[i + 1] - way).sum(), 0.5 * min(length, lengths[i + 1])
-            after = min(most, 4.0 * deviation / off) if off > 0 else most
+            change, longest = np.abs(directions[i + 1] - direction).sum(), 0.5 * min(length, lengths[i + 1])
+            after = min(longest, 4.0 * deviation / change) if change > 0 else longest
         if before == 0.0:
             paths.append([])
         if length - before - after > 1e-6 * length:
-            paths[-1].append((length - before - after, waypoints[i] + before * way, way, 0 * way))
+            paths[-1].append((length - before - after, waypoints[i] + before * direction, direction, 0 * direction))
         if after > 0.0:
-            corner = waypoints[i + 1] - after * way
-            paths[-1].append((2 * after, corner, way, (ways[i + 1] - way) / (2 * after)))
+            corner = waypoints[i + 1] - after * direction
+            paths[-1].append((2 * after, corner, direction, (directions[i + 1] - direction) / (2 * after)))
         before = after
-    return [RoundedPath(pieces) for pieces in paths]
+    return [RoundedPath(segments) for segments in paths]
 
 
 def fastest(path: RoundedPath, velocity: np.ndarray, acceleration: np.ndarray) -> tuple[float, float]:
-    """Toppra's duration [s], and the largest share of an acceleration limit that its pieces need at their ends."""
+    """Toppra's duration [s], and the largest fraction of an acceleration limit used at the ends of its intervals."""
     limits = [
         constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
         constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
@@ -98,13 +98,13 @@ def fastest(path: RoundedPath, velocity: np.ndarray, acceleration: np.ndarray) -
     if speed is None:
         return float("nan"), float("nan")
     rate = np.diff(speed**2) / (2 * np.diff(grid))
-    share = 0.0
-    bend = path(grid[:-1], 2)  # of the piece after each point
+    limit_use = 0.0
+    curvature = path(grid[:-1], 2)  # of the interval after each grid point
     for end in (0, 1):
-        tangent = path(grid[:-1], 1) + end * np.diff(grid)[:, None] * bend
-        needed = tangent * rate[:, None] + bend * (speed[end : len(rate) + end, None] ** 2)
-        share = max(share, float(np.abs(needed / acceleration).max()))
-    return float(np.sum(2 * np.diff(grid) / (speed[:-1] + speed[1:]))), share
+        tangent = path(grid[:-1], 1) + end * np.diff(grid)[:, None] * curvature
+        required = tangent * rate[:, None] + curvature * (speed[end : len(rate) + end, None] ** 2)
+        limit_use = max(limit_use, float(np.abs(required / acceleration).max()))
+    return float(np.sum(2 * np.diff(grid) / (speed[:-1] + speed[1:]))), limit_use
 
 
 def random_path(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -115,7 +115,7 @@ def random_path(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.nd
     return np.cumsum(steps, axis=0), velocity, acceleration
 
 
-def largest_share(trajectory: srmp.Trajectory, velocity: np.ndarray, acceleration: np.ndarray) -> float:
+def largest_limit_use(trajectory: srmp.Trajectory, velocity: np.ndarray, acceleration: np.ndarray) -> float:
     _, v, a, _ = trajectory.state(np.arange(trajectory.times[0], trajectory.times[-1], 1e-3))
     return float(max(np.abs(v / velocity).max(), np.abs(a / acceleration).max()))
 
@@ -124,18 +124,18 @@ def compare(rng: np.random.Generator, deviation: float) -> dict[str, Any]:
     waypoints, velocity, acceleration = random_path(rng)
     names = [f"joint{j}" for j in range(waypoints.shape[1])]
     limits = srmp.MotionLimits(velocity, acceleration, 100 * acceleration)
-    mine = srmp.time_parameterize(waypoints, names, limits, blend_deviation=deviation)
+    trajectory = srmp.time_parameterize(waypoints, names, limits, blend_deviation=deviation)
     found = [fastest(path, velocity, acceleration) for path in rounded(waypoints, velocity, deviation)]
-    theirs = sum(duration for duration, _ in found)
+    toppra_duration = sum(duration for duration, _ in found)
     return {
         "waypoints": len(waypoints),
         "dof": len(names),
         "deviation_m": deviation,
-        "duration_s": mine.duration,
-        "toppra_s": theirs,
-        "ratio": mine.duration / theirs,
-        "share": largest_share(mine, velocity, acceleration),
-        "toppra_share": max(share for _, share in found),
+        "duration_s": trajectory.duration,
+        "toppra_s": toppra_duration,
+        "ratio": trajectory.duration / toppra_duration,
+        "limit_use": largest_limit_use(trajectory, velocity, acceleration),
+        "toppra_limit_use": max(limit_use for _, limit_use in found),
     }
 
 
@@ -150,14 +150,14 @@ def run(paths: int, seed: int) -> dict[str, Any]:
 def table(result: dict[str, Any]) -> str:
     def line(name: str, rows: list[dict[str, Any]]) -> list[str]:
         ratios = [row["ratio"] for row in rows if np.isfinite(row["ratio"])]
-        shares = [f"{100 * max(row[key] for row in rows):.3f} %" for key in ("share", "toppra_share")]
+        uses = [f"{100 * max(row[key] for row in rows):.3f} %" for key in ("limit_use", "toppra_limit_use")]
         quantiles = [f"{np.percentile(ratios, p):.4f}" for p in (0, 50, 95, 100)]
-        return [name, f"{len(ratios)}/{len(rows)}", *quantiles, *shares]
+        return [name, f"{len(ratios)}/{len(rows)}", *quantiles, *uses]
 
     rows = result["rows"]
     by_deviation = {deviation: [row for row in rows if row["deviation_m"] == deviation] for deviation in (0.005, 0.05)}
     lines = [line(f"{1e3 * deviation:.0f} mm", group) for deviation, group in by_deviation.items() if group]
-    header = ["blend", "timed by both", "least ratio", "median", "95 %", "largest", "limits used", "by toppra"]
+    header = ["blend", "timed by both", "smallest ratio", "median", "95 %", "largest", "limits used", "by toppra"]
     return format_table(header, [*lines, line("all", rows)])
 
 

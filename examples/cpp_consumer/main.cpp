@@ -1,4 +1,4 @@
-// Plans one motion with the installed library: from the arm's pose "ready" to the other side of a post.
+// Plans one motion with the installed library: from the group state "ready" to the other side of a post.
 
 #include <iostream>
 

@@ -1,8 +1,8 @@
-"""PyBullet: the arm picks a cube, carries it over a wall and puts it down.
+"""PyBullet: the robot picks up a cube, carries it over a wall and puts it down.
 
-    python examples/simulators/pick_in_pybullet.py [PICTURE.png]
+    python examples/simulators/pick_in_pybullet.py [IMAGE.png]
 
-Needs pybullet (pip install "srmp[pybullet]"), which draws the picture without a screen or a GPU.
+Needs pybullet (pip install "srmp[pybullet]"), which renders the image without a screen or a GPU.
 """
 
 import sys
@@ -15,17 +15,17 @@ import srmp
 from srmp import GoalConstraint, GoalType, Pose
 
 
-def box(name, half, place, color, mass=0.0):
-    """A body that the planner knows by this name."""
+def box(name, half, position, color, mass=0.0):
+    """Adds a box. The planner uses the name given here."""
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half)
-    seen = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=half, rgbaColor=color)
-    body = pybullet.createMultiBody(mass, shape, seen, place)
+    visual = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=half, rgbaColor=color)
+    body = pybullet.createMultiBody(mass, shape, visual, position)
     pybullet.addUserData(body, "name", name)
     return body
 
 
 def build():
-    """The arm from its URDF, a floor, two stands, a wall between them and a cube. Returns the arm and the cube."""
+    """The robot from its URDF, a floor, two stands, a wall between them and a cube. Returns the robot and the cube."""
     pybullet.setGravity(0, 0, -9.81)
     arm = pybullet.loadURDF(srmp.data_path("arm7.urdf"), useFixedBase=True)
     pybullet.addUserData(arm, "name", "arm")
@@ -39,13 +39,13 @@ def build():
 
 
 def grip(arm, cube):
-    """Holds the cube where it is in the hand."""
+    """Fixes the cube to the end effector at its current relative pose."""
     link = pybullet.getNumJoints(arm) - 1
     state = pybullet.getLinkState(arm, link)
-    hand, there = Pose(p=state[0], q=state[1]), Pose(*pybullet.getBasePositionAndOrientation(cube))
-    in_hand = hand.inverse() @ there
+    end_effector, body = Pose(p=state[0], q=state[1]), Pose(*pybullet.getBasePositionAndOrientation(cube))
+    relative = end_effector.inverse() @ body
     fixed = pybullet.JOINT_FIXED
-    return pybullet.createConstraint(arm, link, cube, -1, fixed, [0, 0, 0], in_hand.p, [0, 0, 0], in_hand.q)
+    return pybullet.createConstraint(arm, link, cube, -1, fixed, [0, 0, 0], relative.p, [0, 0, 0], relative.q)
 
 
 def draw(path):
@@ -70,7 +70,7 @@ planner.make_planner("arm", srmp.Auto(time_limit=10))
 
 
 def move_to(what, goal):
-    """Plans in the world as it is now in the simulator, and moves the simulated arm."""
+    """Plans from the current state of the simulation and executes the trajectory there."""
     world.refresh()
     trajectory = planner.plan("arm", planner.get_qpos("arm"), goal)
     execution = world.execute(trajectory)
@@ -79,28 +79,28 @@ def move_to(what, goal):
         raise SystemExit(f"{what}: {contact}")
 
 
-def hand(p):
-    """Hand at p, its z axis forward, fingers left and right."""
+def end_effector_at(p):
+    """End effector at p, its z axis forward, fingers left and right."""
     return GoalConstraint(GoalType.POSE, Pose.from_rpy(p, [0, pi / 2, 0]))
 
 
 ready = planner.get_group_states("arm")["ready"]
 move_to("to ready", GoalConstraint(GoalType.JOINTS, ready))
-move_to("approach", hand([0.42, 0.3, 0.345]))
-move_to("reach", hand([0.55, 0.3, 0.345]))
+move_to("approach", end_effector_at([0.42, 0.3, 0.345]))
+move_to("reach", end_effector_at([0.55, 0.3, 0.345]))
 
 grasp = grip(arm, cube)
 world.grasp(cube, "arm", touch_links=["arm7_palm"])
-planner.set_allowed_collision("cube", "stand_left")  # it stands on it
-move_to("lift", hand([0.55, 0.3, 0.4]))
+planner.set_allowed_collision("cube", "stand_left")  # the cube stands on it
+move_to("lift", end_effector_at([0.55, 0.3, 0.4]))
 planner.set_allowed_collision("cube", "stand_left", False)
-move_to("carry", hand([0.55, -0.3, 0.45]))
+move_to("carry", end_effector_at([0.55, -0.3, 0.45]))
 if len(sys.argv) > 1:
     draw(sys.argv[1])
 
 pybullet.removeConstraint(grasp)
 world.release(cube)
-move_to("retreat", hand([0.42, -0.3, 0.45]))
-place = pybullet.getBasePositionAndOrientation(cube)[0]
-assert np.abs(np.subtract(place, [0.55, -0.3, 0.43])).max() < 0.02, place
-print("the cube lies at", np.round(place, 3))
+move_to("retreat", end_effector_at([0.42, -0.3, 0.45]))
+position = pybullet.getBasePositionAndOrientation(cube)[0]
+assert np.abs(np.subtract(position, [0.55, -0.3, 0.43])).max() < 0.02, position
+print("the cube lies at", np.round(position, 3))

@@ -1,8 +1,9 @@
-"""MuJoCo: two arms face to face swap places, each hand over the tray that the other one leaves.
+"""MuJoCo: two robots face to face swap places, each end effector over the tray that the other one leaves.
 
-    python examples/simulators/two_arms_in_mujoco.py [PICTURE.png]
+    python examples/simulators/two_arms_in_mujoco.py [IMAGE.png]
 
-Needs mujoco (pip install "srmp[mujoco]"); the picture, an OpenGL that draws without a screen (MUJOCO_GL=egl or osmesa).
+Needs mujoco (pip install "srmp[mujoco]"). The image needs an OpenGL that renders without a screen (MUJOCO_GL=egl or
+osmesa).
 """
 
 import sys
@@ -22,8 +23,8 @@ spec.worldbody.add_geom(name="table", type=box, size=[0.7, 0.5, 0.05], pos=[0.4,
 for name, y in (("tray_a", 0.2), ("tray_b", -0.2)):
     tray = spec.worldbody.add_body(name=name, pos=[0.4, y, 0.05])
     tray.add_geom(type=box, size=[0.1, 0.1, 0.05], rgba=[0.6, 0.7, 0.8, 1])
-for name, x, turn in (("left", 0.0, [1, 0, 0, 0]), ("right", 0.8, [0, 0, 0, 1])):
-    frame = spec.worldbody.add_frame(pos=[x, 0, 0], quat=turn)
+for name, x, rotation in (("left", 0.0, [1, 0, 0, 0]), ("right", 0.8, [0, 0, 0, 1])):
+    frame = spec.worldbody.add_frame(pos=[x, 0, 0], quat=rotation)
     spec.attach(mujoco.MjSpec.from_string(urdf), prefix=f"{name}/", frame=frame)
 model = spec.compile()
 data = mujoco.MjData(model)
@@ -39,7 +40,7 @@ planner.make_planner(["left", "right"], {"planner_id": "xECBS", "time_limit": 30
 
 
 def move_to(what, goals):
-    """Plans from where the arms are now in the simulator, and moves them there."""
+    """Plans from the current state of the simulation and executes the trajectories there."""
     world.refresh()
     trajectory = planner.plan_multi({name: planner.get_qpos(name) for name in goals}, goals)
     execution = world.execute(trajectory)
@@ -61,6 +62,6 @@ if len(sys.argv) > 1:
         renderer.update_scene(data, camera)
         matplotlib.image.imsave(sys.argv[1], renderer.render())
 
-for name, place in (("left", over_b.p), ("right", over_a.p)):
-    assert abs(data.body(f"{name}/arm7_hand").xpos - place).max() < 0.01, name
-print("both hands are where the other one was")
+for name, position in (("left", over_b.p), ("right", over_a.p)):
+    assert abs(data.body(f"{name}/arm7_hand").xpos - position).max() < 0.01, name
+print("both end effectors are where the other one was")

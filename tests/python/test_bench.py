@@ -98,7 +98,7 @@ def test_covers_are_built_once_and_loaded(tmp_path):
     shape = '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
     urdf = tmp_path / "cube.urdf"
     urdf.write_text(f'<robot name="cube"><link name="base">{shape}</link></robot>')
-    row = covers.measure_apart(urdf, [])
+    row = covers.measure_in_process(urdf, [])
     assert row["built_s"] > row["loaded_s"] > 0
     assert 1 <= row["coarse"]["spheres"] <= 160
     assert f"| cube | {row['coarse']['spheres']} (" in covers.table({"rows": [{"robot": "cube", **row}]})

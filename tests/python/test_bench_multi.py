@@ -353,7 +353,7 @@ def test_the_recheck_agrees_with_every_pair_asked_for(recheck, motions):
     random = np.random.default_rng(0)
     answers = set()
     for _ in range(200):
-        q = world.rest.copy()
+        q = world.default_q.copy()
         for name, robot in results["rows"][0]["robots"].items():
             for joint, value in zip(robot["joint_names"], robot["start"], strict=True):
                 world.set_joint(q, f"{name}/{joint}", value + random.uniform(-0.4, 0.4))

@@ -42,7 +42,7 @@ def test_exact_is_coal_and_conservative_is_never_free_wrongly(arm):
 
 def test_statistics_say_which_layer_decided(arm):
     checker = arm.collision_checker("arm")
-    agreement.answers(checker, random_states(arm, "arm", 4000))
+    agreement.check_all(checker, random_states(arm, "arm", 4000))
     stats = checker.stats()
     assert stats["states"] == 4000
     assert stats["motions"] == 1000
