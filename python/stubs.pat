@@ -1,6 +1,9 @@
-# What the stub generator cannot see: the exceptions (made with PyErr_NewException) and the version.
+# What the stub generator leaves out: the exceptions (made with PyErr_NewException), the version, and private functions
+# that the package uses itself.
 _srmp.__suffix__:
     __version__: str
+
+    def _did_you_mean(name: str, known: Sequence[str]) -> str: ...
 
     class Error(Exception):
         """Base of everything that srmp raises."""

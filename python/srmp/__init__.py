@@ -15,18 +15,9 @@ from srmp._srmp import *  # noqa: F403
 from srmp._verify import verify as verify
 
 if TYPE_CHECKING:
-    from srmp.options import CBS as CBS  # "as": for others to import from here
-    from srmp.options import ECBS as ECBS
-    from srmp.options import WPASE as WPASE
-    from srmp.options import XECBS as XECBS
-    from srmp.options import ARAStar as ARAStar
-    from srmp.options import AStar as AStar
-    from srmp.options import Auto as Auto
-    from srmp.options import MHAStar as MHAStar
-    from srmp.options import Prioritised as Prioritised
-    from srmp.options import WAStar as WAStar
+    from srmp.options import *  # noqa: F403
 
-_OPTIONS = ("ARAStar", "AStar", "Auto", "CBS", "ECBS", "MHAStar", "Prioritised", "WAStar", "WPASE", "XECBS")
+_OPTIONS = tuple(_srmp.planner_info(planner_id).class_name for planner_id in _srmp.available_planners())
 
 __version__: str = _srmp.__version__
 

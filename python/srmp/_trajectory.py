@@ -16,7 +16,7 @@ import numpy as np
 
 import srmp
 from srmp._files import write_text
-from srmp._words import did_you_mean
+from srmp._names import did_you_mean
 
 _REQUIRED = ("joint_names", "positions")
 _OPTIONAL = ("times", "velocities", "accelerations", "waypoints")

@@ -1,6 +1,9 @@
 """Planner options with types: `planner.make_planner("panda", srmp.WAStar(weight=10))`.
 
-Each class is a planner of the paper's dictionary; its fields are that planner's options, with the library's defaults.
+Each class holds the options of one planner, with the library's defaults; units and ranges stand in brackets.
+
+docs/generate_options.py writes this file from the registry of options in the library: change the registry, not the
+file.
 """
 
 from __future__ import annotations
@@ -18,44 +21,48 @@ class _Options:
     planner_id: ClassVar[str]
 
     time_limit: float = 5.0
-    """[s] over all phases of a plan, > 0."""
+    """All phases of a plan together take at most this time [s, > 0]."""
     heuristic: str = "joint_euclidean"
-    """joint_euclidean | joint_base | joint_hand | joint_sum | bfs | bfs(0.1), in cells of 0.1 m | one of your own."""
+    """This heuristic guides the search: joint_euclidean, joint_proximal, joint_distal, joint_sum, bfs, bfs(0.1) for
+    cells of 0.1 m, or the name of a user's heuristic."""
     resolution: float = 15.0
-    """Lattice step of revolute joints [degrees], > 0."""
+    """A lattice has this step in revolute joints [degrees, > 0]."""
     prismatic_resolution: float = 0.05
-    """Lattice step of prismatic joints [m], > 0."""
+    """A lattice has this step in prismatic joints [m, > 0]."""
     mprim_path: str = ""
-    """Motion primitives (YAML); "" = built in: joints alone, in pairs, and all at once towards the other end."""
+    """This YAML file defines the motion primitives; an empty path selects the built-in ones."""
     direction: str = "auto"
-    """Search from: forward = the start | backward = the goals | auto = the end with less clearance."""
+    """The search begins at the start (forward), at the goals (backward), or at the end with less clearance (auto)
+    [auto | forward | backward]."""
     bfs_resolution: float = 0.05
-    """Cell of the bfs heuristic's grid [m], > 0."""
+    """The grid of the bfs heuristic has cells of this size [m, > 0]."""
     bfs_radius: float = 0.05
-    """Obstacles are inflated by this in that grid [m], >= 0."""
+    """The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0]."""
     ik_solutions: int = 16
-    """Configurations tried for a pose or position goal, > 0."""
+    """Inverse kinematics turns a pose or position goal into at most this many goal configurations [> 0]."""
     ik_goal_connection: bool = True
     """A search from the start may also end by inverse kinematics from a state near a pose or position target."""
     recover_start: bool = False
-    """Leave a start in collision: on the way out no pair gets deeper and no other comes into contact."""
+    """A start in collision is recovered first, by a motion on which no pair penetrates deeper and no other pair comes
+    into contact."""
     shortcut: bool = True
-    """Shorten the path before timing it."""
+    """The path is shortened before it is timed."""
     sample_period: float = 0.02
-    """Of the returned trajectory [s], > 0."""
+    """The returned trajectory has a sample after each such period [s, > 0]."""
     velocity_scaling: float = 1.0
-    """Share of the velocity limits that may be used, in (0, 1]."""
+    """The trajectory may use this fraction of the velocity limits [> 0 and <= 1]."""
     acceleration_scaling: float = 1.0
-    """Share of the acceleration and jerk limits, in (0, 1]."""
+    """The trajectory may use this fraction of the acceleration and jerk limits [> 0 and <= 1]."""
     timing: str = "toppra"
-    """toppra: time-optimal, corners rounded | ruckig: jerk-limited, a stop at each corner | none: no times."""
+    """The trajectory is time-optimal with rounded corners (toppra), jerk-limited with a stop at each corner (ruckig),
+    or a path without times (none) [toppra | ruckig | none]."""
     blend_deviation: float = 0.005
-    """No point of the robot leaves the checked path by more at a corner [m], >= 0."""
+    """No point of the robot leaves the checked path by more than this distance at a rounded corner [m, >= 0]."""
     certify: bool = True
-    """Prove the trajectory by other code (Trajectory.certificate)."""
+    """Code that is independent of the planner verifies the trajectory and attaches a certificate."""
 
     def to_dict(self) -> dict[str, Any]:
-        """The paper's dictionary."""
+        """The dictionary with the same options."""
         options = dataclasses.asdict(self)
         for robot, own in options.pop("robots", {}).items():
             options |= {f"{key}_{robot}": value for key, value in own.items()}
@@ -63,136 +70,195 @@ class _Options:
 
 
 @dataclasses.dataclass(kw_only=True)
+class Auto(_Options):
+    """The quickest: RRT-Connect and guided searches from both ends; anytime if requested.
+
+    Literature: RRT-Connect with a deterministic sequence: Kuffner, LaValle 2000; beside it a portfolio of searches with
+    several heuristics: Huberman, Lukose, Hogg 1997; Röger, Helmert 2010; Aine et al. 2016.
+
+    Guarantee: cost <= `weight` * optimum of the lattice in which the path was found, or <= `weight` * length of the
+    straight line; anytime if requested.
+    """
+
+    planner_id: ClassVar[str] = "auto"
+    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
+    """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
+    weight: float = 50.0
+    """The first path costs at most this factor times the optimum of its lattice, or the straight line [>= 1]."""
+    improve_rounds: int = 0
+    """After the first path, this many rounds search for better ones; the result is the same on every machine [>= 0]."""
+    improve_time: float = 0.0
+    """After the first path, the search for better ones takes this time within `time_limit`; 0 gives it the time that
+    `improve_rounds` take [s, >= 0]."""
+    final_weight: float = 1.0
+    """The search for better paths ends early once this bound is proven; with 1 it uses all its rounds or time [>= 1].
+    """
+    num_threads: int = 1
+    """At most this many threads plan parts for many robots at the same time; the result does not depend on it
+    [> 0 and <= 1024]."""
+
+
+@dataclasses.dataclass(kw_only=True)
 class AStar(_Options):
-    """A* (Hart, Nilsson, Raphael 1968): the shortest path on the lattice."""
+    """A*: the shortest path in the lattice.
+
+    Literature: A*: Hart, Nilsson, Raphael 1968.
+
+    Guarantee: cost = optimum.
+    """
 
     planner_id: ClassVar[str] = "Astar"
 
 
 @dataclasses.dataclass(kw_only=True)
 class WAStar(_Options):
-    """Weighted A* with lazy edges (Pohl 1970; Cohen, Phillips, Likhachev 2014): cost <= weight * optimal."""
+    """Weighted A*: a path of at most weight times the least cost, quickly.
+
+    Literature: weighted A*: Pohl 1970; lazy edges: Cohen, Phillips, Likhachev 2014.
+
+    Guarantee: cost <= `weight` * optimum.
+    """
 
     planner_id: ClassVar[str] = "wAstar"
     weight: float = 50.0
-    """>= 1."""
+    """This weight inflates the heuristic [>= 1]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class ARAStar(_Options):
-    """ARA* (Likhachev, Gordon, Thrun 2003): anytime; a first path quickly, then better ones until the time limit."""
+    """ARA*: a first path quickly, then better ones until the time limit.
+
+    Literature: ARA*: Likhachev, Gordon, Thrun 2003.
+
+    Guarantee: anytime; cost <= last proven bound * optimum.
+    """
 
     planner_id: ClassVar[str] = "ARAstar"
     weight: float = 50.0
-    """First weight, >= 1."""
+    """The first round inflates the heuristic by this weight [>= 1]."""
     weight_delta: float = 10.0
-    """Taken off after every round, > 0."""
+    """The weight decreases by this much after each round [> 0]."""
     final_weight: float = 1.0
-    """Stop at this bound, >= 1."""
+    """The search ends once this bound is proven [>= 1]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class MHAStar(_Options):
-    """MHA* (Aine et al. 2016) with shared expansions: cost <= w1 * w2 * optimal."""
+    """MHA*: several heuristics share one search.
+
+    Literature: MHA* with shared expansions: Aine, Swaminathan, Narayanan, Hwang, Likhachev 2016.
+
+    Guarantee: cost <= `w1` * `w2` * optimum.
+    """
 
     planner_id: ClassVar[str] = "MHAstar"
     inadmissible_heuristics: list[str] = dataclasses.field(
-        default_factory=lambda: ["bfs", "joint_base", "joint_hand", "joint_sum"]
+        default_factory=lambda: ["bfs", "joint_proximal", "joint_distal", "joint_sum"]
     )
-    """Beside the anchor, which is `heuristic`."""
+    """These heuristics guide searches beside the anchor search, which has the option `heuristic`."""
     w1: float = 20.0
-    """Inflation of every heuristic, >= 1."""
+    """This weight inflates every heuristic [>= 1]."""
     w2: float = 5.0
-    """How far the others may run ahead of the anchor, >= 1."""
+    """The keys of the inadmissible searches may exceed the anchor search's by this factor [>= 1]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class WPASE(_Options):
-    """Parallel weighted search on edges (ePA*SE; Mukherjee, Aine, Likhachev 2022): cost <= weight * optimal."""
+    """Parallel weighted search; the same path for every number of threads.
+
+    Literature: ePA*SE: Mukherjee, Aine, Likhachev 2022; PA*SE: Phillips, Likhachev, Koenig 2014.
+
+    Guarantee: cost <= `weight` * optimum.
+    """
 
     planner_id: ClassVar[str] = "wPASE"
     weight: float = 50.0
-    """>= 1."""
+    """This weight inflates the heuristic [>= 1]."""
     num_threads: int = 4
-    """1 to 1024; the path does not depend on it."""
+    """This many threads evaluate edges; the path does not depend on it [> 0 and <= 1024]."""
     batch_size: int = 16
-    """Edges evaluated together, > 0; another batch may find another path."""
-
-
-@dataclasses.dataclass(kw_only=True)
-class Auto(_Options):
-    """Guided searches in turns (Huberman, Lukose, Hogg 1997): two directions, four resolutions; anytime if asked."""
-
-    planner_id: ClassVar[str] = "auto"
-    robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
-    """For many robots: of single ones, by name, `heuristic` and `mprim_path` in place of those for all."""
-    weight: float = 50.0
-    """Of the first path, >= 1."""
-    improve_rounds: int = 0
-    """Of better paths after the first, >= 0: the same answer on every machine."""
-    improve_time: float = 0.0
-    """[s] for better paths, within the time limit; 0 = as long as the rounds take."""
-    final_weight: float = 1.0
-    """Stop improving once this bound is proven, >= 1; 1 = go on as long as asked."""
-    num_threads: int = 1
-    """For many robots: of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
+    """This many edges are evaluated together; another size may find another path [> 0]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class CBS(_Options):
-    """CBS (Sharon, Stern, Felner, Sturtevant 2015), many robots: the least sum of costs on their lattices."""
+    """Many robots: the least sum of costs on their lattices.
+
+    Literature: CBS: Sharon, Stern, Felner, Sturtevant 2015.
+
+    Guarantee: sum of costs = optimum.
+    """
 
     planner_id: ClassVar[str] = "CBS"
     robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
-    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
+    """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
+    """At most this many threads plan parts for many robots at the same time; the result does not depend on it
+    [> 0 and <= 1024]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class ECBS(_Options):
-    """ECBS (Barer, Sharon, Stern, Felner 2014), many robots: cost <= the product of its factors * optimal."""
+    """Many robots: sum of costs within a bound.
+
+    Literature: ECBS: Barer, Sharon, Stern, Felner 2014.
+
+    Guarantee: sum of costs <= product of its three factors * optimum.
+    """
 
     planner_id: ClassVar[str] = "ECBS"
     robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
-    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
+    """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
     weight_low_level_heuristic: float = 50.0
-    """>= 1."""
+    """This weight inflates the heuristic of each robot's low-level search [>= 1]."""
     high_level_focal_suboptimality: float = 1.3
-    """>= 1."""
+    """The focal list of the constraint tree holds the nodes within this factor of the lower bound [>= 1]."""
     low_level_focal_suboptimality: float = 1.3
-    """>= 1."""
+    """The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1]."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
+    """At most this many threads plan parts for many robots at the same time; the result does not depend on it
+    [> 0 and <= 1024]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class XECBS(_Options):
-    """xECBS (Shaoul, Mishani, Likhachev, Li 2024), many robots: ECBS that begins with what it knows; the same bound."""
+    """Many robots: ECBS that reuses its previous searches; quick.
+
+    Literature: xECBS: Shaoul, Mishani, Likhachev, Li 2024.
+
+    Guarantee: sum of costs <= product of its three factors * optimum.
+    """
 
     planner_id: ClassVar[str] = "xECBS"
     robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
-    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
+    """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
     weight_low_level_heuristic: float = 50.0
-    """>= 1."""
+    """This weight inflates the heuristic of each robot's low-level search [>= 1]."""
     high_level_focal_suboptimality: float = 1.3
-    """>= 1."""
+    """The focal list of the constraint tree holds the nodes within this factor of the lower bound [>= 1]."""
     low_level_focal_suboptimality: float = 1.3
-    """>= 1."""
-    improve_rounds: int = 0
-    """Of better paths after the first, >= 0."""
+    """The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1]."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
+    """At most this many threads plan parts for many robots at the same time; the result does not depend on it
+    [> 0 and <= 1024]."""
+    improve_rounds: int = 0
+    """After the first path, this many rounds search for better ones; the result is the same on every machine [>= 0]."""
 
 
 @dataclasses.dataclass(kw_only=True)
 class Prioritised(_Options):
-    """Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: quick; nothing is proved."""
+    """Many robots: robots of lower priority give way; quick, nothing is proven.
+
+    Literature: priority-based search: Ma, Harabor, Stuckey, Li, Koenig 2019.
+
+    Guarantee: none; it may find no path where there is one.
+    """
 
     planner_id: ClassVar[str] = "prioritised"
     robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
-    """Of single robots, by name: `heuristic` and `mprim_path` in place of those for all."""
+    """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
     weight_low_level_heuristic: float = 50.0
-    """>= 1."""
+    """This weight inflates the heuristic of each robot's low-level search [>= 1]."""
     num_threads: int = 1
-    """Of parts that are planned at the same time, 1 to 1024; the same answer for every number."""
+    """At most this many threads plan parts for many robots at the same time; the result does not depend on it
+    [> 0 and <= 1024]."""

@@ -220,7 +220,7 @@ BOOST_AUTO_TEST_CASE(wrong_problems_are_refused_with_the_place) {
   check("\"MHAstar\"", "\"MHBstar\"", "planners[0]: there is no planner 'MHBstar'");
   check("\"w1\"", "\"w7\"", "planners[0]: planner 'MHAstar' has no option 'w7'");
   check("\"time_limit\": 5", "\"time_limit\": -5", "planners[0]: option 'time_limit' is -5");
-  check("\"joint_base\"", "\"mine\"", "planners[0]: option 'inadmissible_heuristics' is 'mine'");
+  check("\"joint_proximal\"", "\"mine\"", "planners[0]: option 'inadmissible_heuristics' is 'mine'");
   check("\"robots\": [\"planar\"]", "\"robots\": [\"plan\"]", "planners[0]: unknown robot 'plan'");
   check("\"robots\": [\"planar\"]", "\"robots\": []", "planners[0]: make_planner needs");
   check("\"robot\": \"planar\"", "\"robot\": \"planer\"", "request: unknown robot 'planer'");

@@ -27,6 +27,7 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
     planner.add_point_cloud("cloud", points=np.zeros((3, 3)), resolution=0.01)
     planner.make_planner(["arm"], {"planner_id": "wAstar", "time_limit": "5", "weight": 10})
     planner.make_planner("arm", srmp.WAStar(weight=10, heuristic="bfs"))
+    ranges: dict[str, str] = {option.name: option.range for option in srmp.planner_info("wAstar").options}
     planner.add_heuristic("mine", lambda configurations, goals: configurations[:, 0] * goals[0, 0], consistent=True)
     goal = srmp.GoalConstraint(srmp.GoalType.POSE, list(srmp.Pose([0.6, 0, 0.5])))
     try:
@@ -53,7 +54,7 @@ def plan(q: NDArray[np.float64]) -> srmp.Trajectory | str:
         print(unused, certificate.to_dict()["clearance"])
     solutions: NDArray[np.float64] = planner.compute_ik("arm", planner.compute_fk("arm", positions[-1]))
     numbers: list[float] = [x for x in srmp.Pose() @ srmp.Pose()]
-    assert len(solutions) + len(numbers) + planner.get_planning_stats()["expansions"]
+    assert len(solutions) + len(numbers) + len(ranges) + planner.get_planning_stats()["expansions"]
     for result in planner.plan_many([srmp.PlanRequest("arm", q, goal, srmp.Auto())], threads=2, progress=print):
         length: float = result.trajectory.length if result.solved else result.statistics["search_time_s"]
         print(length, result.status.name, result.reason)
@@ -86,7 +87,8 @@ def test_every_public_method_has_a_docstring():
     named = ("Pose", "GoalConstraint", "Trajectory", "PlannerInterface", "Contact", "PlanRequest", "PlanResult")
     many = ("MultiTrajectory", "MultiPlanRequest", "MultiPlanResult")
     parts = ("Certificate", "Fault", "LimitUse", "MotionLimits", "SampledInterval")
-    for cls in (getattr(srmp, name) for name in (*named, *many, *parts)):
+    registry = ("PlannerInfo", "OptionInfo")
+    for cls in (getattr(srmp, name) for name in (*named, *many, *parts, *registry)):
         assert cls.__doc__
         for name, member in vars(cls).items():
             if not name.startswith("_"):

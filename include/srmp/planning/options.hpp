@@ -8,186 +8,291 @@
 #include <variant>
 #include <vector>
 
+// A struct below defines the type and the default of each option of a planner; the registry
+// (src/srmp/planning/options/registry.cpp) adds its unit, its range and its meaning. The comments of these structs are
+// generated from the registry by docs/generate_options.py.
+
 namespace srmp {
 
 /// Options that every planner has.
 struct CommonOptions {
-  double time_limit{5.0};                    ///< [s] over all phases of a plan, > 0
-  std::string heuristic{"joint_euclidean"};  ///< one of built_in_heuristics(), or the user's
-  double resolution{15.0};                   ///< lattice step of revolute joints [degrees], > 0
-  double prismatic_resolution{0.05};         ///< lattice step of prismatic joints [m], > 0
-  std::string mprim_path{};  ///< motion primitives (YAML); "" = default_primitives, for Auto rich_primitives
-  std::string direction{
-      "auto"};  ///< search from: forward = the start | backward = the goals | auto = the end with less clearance
-  double bfs_resolution{0.05};  ///< cell of the bfs heuristic's grid [m], > 0
-  double bfs_radius{0.05};      ///< obstacles are inflated by this in that grid [m], >= 0
-  int ik_solutions{16};         ///< configurations tried for a pose or position goal, > 0
-  bool ik_goal_connection{
-      true};  ///< a search from the start may also end by inverse kinematics from a state near a pose target
-  bool recover_start{false};         ///< leave a start in collision, if no pair gets deeper on the way (escape.hpp)
-  bool shortcut{true};               ///< shorten the path before timing it
-  double sample_period{0.02};        ///< of the returned trajectory [s], > 0
-  double velocity_scaling{1.0};      ///< share of the velocity limits that may be used, in (0, 1]
-  double acceleration_scaling{1.0};  ///< share of the acceleration and jerk limits, in (0, 1]
-  /// toppra: time-optimal with rounded corners | ruckig: jerk-limited with a stop at each corner | none: a path
-  /// without times.
+  /// All phases of a plan together take at most this time [s, > 0].
+  double time_limit{5.0};
+  /// This heuristic guides the search: joint_euclidean, joint_proximal, joint_distal, joint_sum, bfs, bfs(0.1) for
+  /// cells of 0.1 m, or the name of a user's heuristic.
+  std::string heuristic{"joint_euclidean"};
+  /// A lattice has this step in revolute joints [degrees, > 0].
+  double resolution{15.0};
+  /// A lattice has this step in prismatic joints [m, > 0].
+  double prismatic_resolution{0.05};
+  /// This YAML file defines the motion primitives; an empty path selects the built-in ones.
+  std::string mprim_path{};
+  /// The search begins at the start (forward), at the goals (backward), or at the end with less clearance (auto)
+  /// [auto | forward | backward].
+  std::string direction{"auto"};
+  /// The grid of the bfs heuristic has cells of this size [m, > 0].
+  double bfs_resolution{0.05};
+  /// The grid of the bfs heuristic inflates obstacles by this radius [m, >= 0].
+  double bfs_radius{0.05};
+  /// Inverse kinematics turns a pose or position goal into at most this many goal configurations [> 0].
+  int ik_solutions{16};
+  /// A search from the start may also end by inverse kinematics from a state near a pose or position target.
+  bool ik_goal_connection{true};
+  /// A start in collision is recovered first, by a motion on which no pair penetrates deeper and no other pair comes
+  /// into contact.
+  bool recover_start{false};
+  /// The path is shortened before it is timed.
+  bool shortcut{true};
+  /// The returned trajectory has a sample after each such period [s, > 0].
+  double sample_period{0.02};
+  /// The trajectory may use this fraction of the velocity limits [> 0 and <= 1].
+  double velocity_scaling{1.0};
+  /// The trajectory may use this fraction of the acceleration and jerk limits [> 0 and <= 1].
+  double acceleration_scaling{1.0};
+  /// The trajectory is time-optimal with rounded corners (toppra), jerk-limited with a stop at each corner (ruckig), or
+  /// a path without times (none) [toppra | ruckig | none].
   std::string timing{"toppra"};
-  double blend_deviation{0.005};  ///< no point of the robot leaves the checked path by more at a corner [m], >= 0
-  bool certify{true};             ///< prove the trajectory by other code (Trajectory::certificate)
+  /// No point of the robot leaves the checked path by more than this distance at a rounded corner [m, >= 0].
+  double blend_deviation{0.005};
+  /// Code that is independent of the planner verifies the trajectory and attaches a certificate.
+  bool certify{true};
 };
 
-/// A* (Hart, Nilsson, Raphael 1968): cost <= optimal on the lattice.
-struct AStar {
-  CommonOptions common{};
-};
-
-/// Weighted A* with lazy edges (Pohl 1970; Cohen, Phillips, Likhachev 2014): cost <= weight * optimal.
-struct WAStar {
-  CommonOptions common{};
-  double weight{50.0};  ///< >= 1
-};
-
-/// ARA* (Likhachev, Gordon, Thrun 2003): anytime, from weight down to final_weight in steps of weight_delta.
-struct ARAStar {
-  CommonOptions common{};
-  double weight{50.0};        ///< first weight, >= 1
-  double weight_delta{10.0};  ///< taken off after every round, > 0
-  double final_weight{1.0};   ///< stop at this bound, >= 1
-};
-
-/// MHA* (Aine et al. 2016) with shared expansions: cost <= w1 * w2 * optimal.
-struct MHAStar {
-  CommonOptions common{};
-  /// Beside the anchor (common.heuristic).
-  std::vector<std::string> inadmissible_heuristics{"bfs", "joint_base", "joint_hand", "joint_sum"};
-  double w1{20.0};  ///< inflation of every heuristic, >= 1
-  double w2{5.0};   ///< how far the others may run ahead of the anchor, >= 1
-};
-
-/// Parallel weighted search on edges (ePA*SE; Mukherjee, Aine, Likhachev 2022): cost <= weight * optimal; the same path
-/// for every num_threads.
-struct WPASE {
-  CommonOptions common{};
-  double weight{50.0};  ///< >= 1
-  int num_threads{4};   ///< 1 to 1024
-  int batch_size{16};   ///< edges evaluated together, > 0; part of the question: another batch may find another path
-};
-
-/// Options of one robot among many that stand in place of those for all: in the paper's dictionary `heuristic_panda`
-/// and `mprim_path_panda`, for the robot 'panda'.
+/// Options of one robot among many, which replace those of all robots. In a dictionary their keys end in the robot's
+/// name: `heuristic_panda` and `mprim_path_panda` for the robot 'panda'.
 struct RobotOptions {
   std::optional<std::string> heuristic{};
   std::optional<std::string> mprim_path{};
 };
+/// By robot name.
 using RobotOptionMap = std::map<std::string, RobotOptions>;
 
-/// CBS (Sharon, Stern, Felner, Sturtevant 2015), many robots: sum of costs optimal on their lattices in discrete time.
+/// A*: the shortest path in the lattice.
+/// Literature: A*: Hart, Nilsson, Raphael 1968.
+/// Guarantee: cost = optimum.
+struct AStar {
+  CommonOptions common{};
+};
+
+/// Weighted A*: a path of at most weight times the least cost, quickly.
+/// Literature: weighted A*: Pohl 1970; lazy edges: Cohen, Phillips, Likhachev 2014.
+/// Guarantee: cost <= `weight` * optimum.
+struct WAStar {
+  CommonOptions common{};
+  /// This weight inflates the heuristic [>= 1].
+  double weight{50.0};
+};
+
+/// ARA*: a first path quickly, then better ones until the time limit.
+/// Literature: ARA*: Likhachev, Gordon, Thrun 2003.
+/// Guarantee: anytime; cost <= last proven bound * optimum.
+struct ARAStar {
+  CommonOptions common{};
+  /// The first round inflates the heuristic by this weight [>= 1].
+  double weight{50.0};
+  /// The weight decreases by this much after each round [> 0].
+  double weight_delta{10.0};
+  /// The search ends once this bound is proven [>= 1].
+  double final_weight{1.0};
+};
+
+/// MHA*: several heuristics share one search.
+/// Literature: MHA* with shared expansions: Aine, Swaminathan, Narayanan, Hwang, Likhachev 2016.
+/// Guarantee: cost <= `w1` * `w2` * optimum.
+struct MHAStar {
+  CommonOptions common{};
+  /// These heuristics guide searches beside the anchor search, which has the option `heuristic`.
+  std::vector<std::string> inadmissible_heuristics{"bfs", "joint_proximal", "joint_distal", "joint_sum"};
+  /// This weight inflates every heuristic [>= 1].
+  double w1{20.0};
+  /// The keys of the inadmissible searches may exceed the anchor search's by this factor [>= 1].
+  double w2{5.0};
+};
+
+/// Parallel weighted search; the same path for every number of threads.
+/// Literature: ePA*SE: Mukherjee, Aine, Likhachev 2022; PA*SE: Phillips, Likhachev, Koenig 2014.
+/// Guarantee: cost <= `weight` * optimum.
+struct WPASE {
+  CommonOptions common{};
+  /// This weight inflates the heuristic [>= 1].
+  double weight{50.0};
+  /// This many threads evaluate edges; the path does not depend on it [> 0 and <= 1024].
+  int num_threads{4};
+  /// This many edges are evaluated together; another size may find another path [> 0].
+  int batch_size{16};
+};
+
+/// Many robots: the least sum of costs on their lattices.
+/// Literature: CBS: Sharon, Stern, Felner, Sturtevant 2015.
+/// Guarantee: sum of costs = optimum.
 struct CBS {
   CommonOptions common{};
   RobotOptionMap robots{};
-  int num_threads{1};  ///< of parts that are planned at the same time, 1 to 1024; the same answer for every number
+  /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
+  /// [> 0 and <= 1024].
+  int num_threads{1};
 };
 
-/// ECBS (Barer, Sharon, Stern, Felner 2014), many robots: sum of costs <= the product of its three factors * optimal.
+/// Many robots: sum of costs within a bound.
+/// Literature: ECBS: Barer, Sharon, Stern, Felner 2014.
+/// Guarantee: sum of costs <= product of its three factors * optimum.
 struct ECBS {
   CommonOptions common{};
   RobotOptionMap robots{};
-  double weight_low_level_heuristic{50.0};     ///< >= 1
-  double high_level_focal_suboptimality{1.3};  ///< >= 1
-  double low_level_focal_suboptimality{1.3};   ///< >= 1
-  int num_threads{1};                          ///< as CBS::num_threads
+  /// This weight inflates the heuristic of each robot's low-level search [>= 1].
+  double weight_low_level_heuristic{50.0};
+  /// The focal list of the constraint tree holds the nodes within this factor of the lower bound [>= 1].
+  double high_level_focal_suboptimality{1.3};
+  /// The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1].
+  double low_level_focal_suboptimality{1.3};
+  /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
+  /// [> 0 and <= 1024].
+  int num_threads{1};
 };
 
-/// xECBS (Shaoul, Mishani, Likhachev, Li 2024): ECBS whose searches begin with what still holds of the last one, with
-/// further branches in which one robot gives way to another (multi::ConflictSearchOptions). The same bound.
+/// Many robots: ECBS that reuses its previous searches; quick.
+/// Literature: xECBS: Shaoul, Mishani, Likhachev, Li 2024.
+/// Guarantee: sum of costs <= product of its three factors * optimum.
 struct XECBS {
   CommonOptions common{};
   RobotOptionMap robots{};
-  double weight_low_level_heuristic{50.0};     ///< >= 1
-  double high_level_focal_suboptimality{1.3};  ///< >= 1
-  double low_level_focal_suboptimality{1.3};   ///< >= 1
-  int improve_rounds{0};                       ///< of better paths after the first, >= 0
-  int num_threads{1};                          ///< as CBS::num_threads
+  /// This weight inflates the heuristic of each robot's low-level search [>= 1].
+  double weight_low_level_heuristic{50.0};
+  /// The focal list of the constraint tree holds the nodes within this factor of the lower bound [>= 1].
+  double high_level_focal_suboptimality{1.3};
+  /// The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1].
+  double low_level_focal_suboptimality{1.3};
+  /// After the first path, this many rounds search for better ones; the result is the same on every machine [>= 0].
+  int improve_rounds{0};
+  /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
+  /// [> 0 and <= 1024].
+  int num_threads{1};
 };
 
-/// Priority-based search (Ma, Harabor, Stuckey, Li, Koenig 2019), many robots: fast; incomplete, and nothing is proved.
+/// Many robots: robots of lower priority give way; quick, nothing is proven.
+/// Literature: priority-based search: Ma, Harabor, Stuckey, Li, Koenig 2019.
+/// Guarantee: none; it may find no path where there is one.
 struct Prioritised {
   CommonOptions common{};
   RobotOptionMap robots{};
-  double weight_low_level_heuristic{50.0};  ///< >= 1
-  int num_threads{1};                       ///< as CBS::num_threads
+  /// This weight inflates the heuristic of each robot's low-level search [>= 1].
+  double weight_low_level_heuristic{50.0};
+  /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
+  /// [> 0 and <= 1024].
+  int num_threads{1};
 };
 
-/// Two trees that grow towards each other (robot_trees.hpp) and, beside them, eight greedy searches in turns (a
-/// portfolio: Huberman, Lukose, Hogg 1997): from the start and from the goals, at 3, 1.5, 0.75 and 0.4 times
-/// `resolution`, each guided by several heuristics. cost <= weight * optimal on the lattice of the one that finishes
-/// first, or weight * the straight line; then anytime, for as long as asked. No trees where `heuristic`, `direction` or
-/// `mprim_path` asks for another search.
+/// The quickest: RRT-Connect and guided searches from both ends; anytime if requested.
+/// Literature: RRT-Connect with a deterministic sequence: Kuffner, LaValle 2000; beside it a portfolio of searches with
+/// several heuristics: Huberman, Lukose, Hogg 1997; Röger, Helmert 2010; Aine et al. 2016.
+/// Guarantee: cost <= `weight` * optimum of the lattice in which the path was found, or <= `weight` * length of the
+/// straight line; anytime if requested.
 struct Auto {
   CommonOptions common{};
-  RobotOptionMap robots{};   ///< for many robots
-  double weight{50.0};       ///< of the first path, >= 1
-  int improve_rounds{0};     ///< of better paths after the first, >= 0: the same answer on every machine
-  double improve_time{0.0};  ///< [s] for better paths, within the time limit; 0 = as long as the rounds take
-  double final_weight{1.0};  ///< stop improving once this bound is proven, >= 1; 1 = go on as long as asked
-  int num_threads{1};        ///< for many robots, as CBS::num_threads; one robot takes one thread
+  RobotOptionMap robots{};
+  /// The first path costs at most this factor times the optimum of its lattice, or the straight line [>= 1].
+  double weight{50.0};
+  /// After the first path, this many rounds search for better ones; the result is the same on every machine [>= 0].
+  int improve_rounds{0};
+  /// After the first path, the search for better ones takes this time within `time_limit`; 0 gives it the time that
+  /// `improve_rounds` take [s, >= 0].
+  double improve_time{0.0};
+  /// The search for better paths ends early once this bound is proven; with 1 it uses all its rounds or time [>= 1].
+  double final_weight{1.0};
+  /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
+  /// [> 0 and <= 1024].
+  int num_threads{1};
 };
 
 using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised>;
 
-/// A value as dictionaries bring it; strings hold numbers too ("5", "true").
+/// A value of a dictionary. A string may also hold a number or a truth value ("5", "true"), or names with commas or
+/// spaces between them for an option that is a list of names.
 using OptionValue = std::variant<bool, double, std::string, std::vector<std::string>>;
 using OptionMap = std::map<std::string, OptionValue>;
 
-/// Reads the paper's dictionary: "planner_id" chooses (default: auto), every other key must be an option of that
-/// planner. Throws InvalidArgument with the nearest known id, key or the allowed range.
+/// Reads a dictionary: "planner_id" selects the planner (default: auto), every other key must be an option of it, and
+/// options without a key have their defaults.
+/// Throws InvalidArgument for an unknown planner or key (with the nearest known one), for a value of another type, and
+/// for a value out of its range (with the range). The names of heuristics are not checked: see require_heuristics.
 PlannerOptions parse_options(const OptionMap& options);
-/// Throws InvalidArgument when a value is out of its range. Names of heuristics may be any: see require_heuristics.
+/// Throws InvalidArgument when a value is out of its range. The names of heuristics are not checked: see
+/// require_heuristics.
 void validate(const PlannerOptions& options);
-
-/// joint_euclidean: straight joint-space distance, consistent. joint_base, joint_hand: the same with the joints near
-/// the base, or near the hand, counting for more; joint_sum: the sum over the joints; bfs: way of the end effector on a
-/// grid, round the objects, in cells of bfs_resolution, or, as "bfs(0.1)", of 0.1 m; all of these inadmissible.
-const std::vector<std::string>& built_in_heuristics();
-/// The cell of "bfs(0.1)" [m]; nothing for other names. Throws InvalidArgument for what is no number above 0.
-std::optional<double> bfs_cell(const std::string& heuristic);
-/// Names of all heuristics that the options ask for.
-std::vector<std::string> named_heuristics(const PlannerOptions& options);
-/// Throws InvalidArgument unless each heuristic named is built in or one of the `users`.
-void require_heuristics(const PlannerOptions& options, std::span<const std::string> users);
 /// Every option with its value, "planner_id" included: parse_options(to_map(o)) == o.
 OptionMap to_map(const PlannerOptions& options);
 
+/// The names of the built-in heuristics. Each estimates the cost from a configuration to the nearest goal:
+/// joint_euclidean by the Euclidean distance in joint space, which is consistent; the others are inadmissible:
+/// joint_proximal and joint_distal by the same distance with larger weights on the joints near the base, or near the
+/// end effector; joint_sum by the sum of the joints' distances; bfs by the length of the end effector's path around the
+/// objects, from a breadth-first search on a grid (Cohen, Chitta, Likhachev 2010) with cells of
+/// CommonOptions::bfs_resolution or, as "bfs(0.1)", of 0.1 m.
+const std::vector<std::string>& built_in_heuristics();
+/// The size of the cells that a name such as "bfs(0.1)" gives [m]; nothing for other names. Throws InvalidArgument when
+/// there is no number above 0 between the brackets.
+std::optional<double> bfs_cell(const std::string& heuristic);
+/// The names of all heuristics that the options refer to, those of single robots included.
+std::vector<std::string> named_heuristics(const PlannerOptions& options);
+/// Throws InvalidArgument unless each heuristic that the options refer to is built in or one of `user_heuristics`.
+void require_heuristics(const PlannerOptions& options, std::span<const std::string> user_heuristics);
+
+/// The options that every planner has, with the values that hold for all robots.
 const CommonOptions& common_options(const PlannerOptions& options);
-/// Those of one robot of many.
+/// The same with the values that hold for this robot (RobotOptions).
 CommonOptions common_options(const PlannerOptions& options, const std::string& robot);
-/// Throws InvalidArgument for options of single robots that are none of `robots`, or the only one.
+/// Throws InvalidArgument when there are options of single robots for a robot that is not one of `robots`, or when
+/// `robots` holds one robot only.
 void require_robots(const PlannerOptions& options, const std::vector<std::string>& robots);
 
-/// What is asked for after the first path.
+/// How long a planner goes on after its first path.
 struct Improvement {
-  int rounds{0};     ///< 0, with a time: as many as it allows
-  double time{0.0};  ///< [s]; 0, with rounds: what they take
+  int rounds{0};     ///< 0 with a time: as many rounds as the time allows.
+  double time{0.0};  ///< [s]; 0 with rounds: as long as the rounds take.
   double final_weight{1.0};
 
   bool wanted() const { return rounds > 0 || time > 0.0; }
   bool goes_on_after(int round) const { return rounds > 0 ? round < rounds : time > 0.0; }
   double time_of(double remaining) const { return time > 0.0 ? std::min(time, remaining) : remaining; }
 };
+/// No rounds and no time for planners without such options.
 Improvement improvement(const PlannerOptions& options);
 
 /// 1 for planners without that option.
 int num_threads(const PlannerOptions& options);
 
+/// PlannerInfo::id of the planner that these options are for.
 std::string planner_id(const PlannerOptions& options);
 
-struct PlannerInfo {
-  std::string id;
-  std::string summary;
-  bool one_robot{};
-  bool many_robots{};
+enum class OptionType { boolean, integer, number, text, text_list };
+
+/// What the registry knows of an option.
+struct OptionInfo {
+  std::string name;  ///< the key in a dictionary, and the field of the C++ struct and of the Python class
+  OptionType type{};
+  OptionValue default_value;
+  std::string unit;                  ///< "s", "m", "degrees"; "" for a number without unit, and for other types
+  std::string range;                 ///< of numbers, such as ">= 1" or "> 0 and <= 1"; "" otherwise
+  std::vector<std::string> choices;  ///< all allowed words; empty when any text is allowed
+  std::string description;           ///< one sentence
+  bool common{};                     ///< a field of CommonOptions
+  bool per_robot{};                  ///< may also be given for one robot among many (RobotOptions)
 };
-/// What make_planner knows.
+
+/// What the registry knows of a planner.
+struct PlannerInfo {
+  std::string id;                     ///< "planner_id" in a dictionary
+  std::string class_name;             ///< of the C++ struct and of the Python class that hold its options
+  std::string summary;                ///< one line
+  std::string papers;                 ///< what the planner is called in the literature, and where
+  std::string guarantee;              ///< on the cost of the path, relative to the optimum
+  bool one_robot{};                   ///< serves plan
+  bool many_robots{};                 ///< serves plan_multi
+  std::vector<OptionInfo> options{};  ///< common options first
+};
+/// All planners; the first is the default.
 const std::vector<PlannerInfo>& available_planners();
+/// One of them by its id or one of its other spellings, such as "wA*". Throws InvalidArgument, with the nearest id.
+const PlannerInfo& planner_info(const std::string& id);
 
 }  // namespace srmp

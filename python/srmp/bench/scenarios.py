@@ -21,7 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 import srmp
-from srmp._words import did_you_mean
+from srmp._names import did_you_mean
 from srmp.bench.mbm import GROUPS, robot_files
 
 Configurations = dict[str, np.ndarray]

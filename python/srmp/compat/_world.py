@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 import srmp
 from srmp._urdf import UrdfJoint, chain_links, joints_of
+from srmp.compat._names import nearest, refuses_unknown, require_known
 from srmp.compat._pose import Array, Pose, to_pose
-from srmp.compat._words import nearest, refuses_unknown, require_known
 
 
 # What update_attached_object and add_object take; MPLib's own (mplib.collision_detection.fcl) will do too.

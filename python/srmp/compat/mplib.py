@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import srmp
+from srmp.compat._names import nearest, refuses_unknown, require_positive
 from srmp.compat._pose import Array, Pose, screw
-from srmp.compat._words import nearest, refuses_unknown, require_positive
 from srmp.compat._world import Box, Capsule, CollisionObject, Cone, Cylinder, Sphere, World, WorldCollisionResult
 
 __all__ = ["Box", "Capsule", "CollisionObject", "Cone", "Cylinder", "Planner", "Pose", "Sphere", "WorldCollisionResult"]

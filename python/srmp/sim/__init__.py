@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
-from srmp._words import did_you_mean
+from srmp._names import did_you_mean
 from srmp.sim.execution import Execution as Execution
 from srmp.sim.parity import ParityReport as ParityReport
 from srmp.sim.parity import check_parity as check_parity

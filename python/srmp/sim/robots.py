@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from srmp import InvalidArgument, PlannerInterface
-from srmp._words import did_you_mean
+from srmp._names import did_you_mean
 from srmp.sim.simulator import Articulation
 
 

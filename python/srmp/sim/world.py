@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
-from srmp._words import did_you_mean
+from srmp._names import did_you_mean
 from srmp.sim.execution import Execution, by_robot, play
 from srmp.sim.robots import Robot, match_robot, only_tip, require_known, short_names
 from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, require_readable, same_shape

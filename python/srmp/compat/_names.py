@@ -1,4 +1,4 @@
-"""Refusals in one sentence, with the nearest name."""
+"""Errors for unknown names and bad numbers, in one sentence with the nearest known name."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import srmp
-from srmp._words import did_you_mean
+from srmp._names import did_you_mean
 
 _T = TypeVar("_T")
 
@@ -40,7 +40,7 @@ def refuses_unknown(cls: type[_T]) -> type[_T]:
 def nearest(name: str, known: Iterable[str]) -> str:
     """The end of a sentence about an unknown name."""
     known = list(known)
-    return did_you_mean(name, known, cutoff=0.5) or f"; there are {', '.join(known) or 'none'}"
+    return did_you_mean(name, known) or f"; there are {', '.join(known) or 'none'}"
 
 
 def require_known(argument: str, names: Sequence[str], known: Iterable[str]) -> None:

@@ -1,0 +1,10 @@
+"""Suggestions for sentences about unknown names."""
+
+from collections.abc import Iterable
+
+from srmp import _srmp
+
+
+def did_you_mean(name: object, known: Iterable[str], before: str = ", ") -> str:
+    """The end of such a sentence, with the nearest known name; "" when none is near."""
+    return _srmp._did_you_mean(str(name), list(known)).replace(", ", before, 1)
