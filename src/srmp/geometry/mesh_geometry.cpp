@@ -14,7 +14,7 @@ namespace srmp {
 namespace {
 
 using Hull = coal::Convex<coal::Triangle>;
-constexpr double kThin = 1e-9;  // of its size: points this near to a plane span no volume
+constexpr double kThin = 1e-9;  // relative to the size: points this near to a plane span no volume
 constexpr double kFlat = 1e-6;  // [m] how far a surface may be from its hull and still count as convex
 
 struct Plane {
@@ -23,7 +23,8 @@ struct Plane {
   double distance(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p) - offset); }
 };
 
-/// nullptr when the points span no volume (asked first, for qhull prints its complaint).
+/// The convex hull; nullptr when the points span no volume. That is checked first, because qhull prints an error
+/// message.
 std::shared_ptr<Hull> coal_hull(const std::vector<Eigen::Vector3d>& vertices) {
   if (!spans_volume(vertices)) return nullptr;
   auto points = std::make_shared<std::vector<coal::Vec3s>>(vertices.begin(), vertices.end());
@@ -44,7 +45,7 @@ std::shared_ptr<Hull> require_hull(const std::vector<Eigen::Vector3d>& vertices)
                         " points has no volume; it needs four points that are not in one plane");
 }
 
-/// Every edge is walked once in each direction.
+/// Is every edge used exactly once in each direction?
 bool is_closed(const TriangleSoup& mesh) {
   std::vector<std::pair<int, int>> edges;
   edges.reserve(3 * mesh.triangles.size());
