@@ -4,7 +4,7 @@
 
 #include "bind.hpp"
 #include "srmp/cover/cover_file.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp::python {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/robot_model.hpp"
 #include "support/files.hpp"
 #include "support/throws.hpp"

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/throws.hpp"

@@ -94,7 +94,8 @@ class Scene {
 
   /// Sets whether contact between two bodies is allowed, in either order; this overrides all other rules. A setting for
   /// a whole robot replaces the earlier ones of its links. If a setting for a pair of robot and link contradicts one
-  /// for the corresponding pair of link and robot, contact is not allowed. Throws InvalidArgument for one body twice.
+  /// for the corresponding pair of link and robot, contact is not allowed. The name of a robot twice stands for all
+  /// pairs of its links. Throws InvalidArgument for an object or link twice.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
   /// Is contact between the two bodies ignored? Decided by set_allowed_collision, otherwise by the robot's
   /// self-collision rules and the touch links. For the name of a robot: is it ignored for all links?
@@ -112,9 +113,10 @@ class Scene {
   const Object& object(const std::string& name) const;        ///< throws InvalidArgument with the nearest name
   std::vector<std::string> robot_names() const;               ///< in alphabetical order
   std::vector<std::string> object_names() const;              ///< in alphabetical order
-  Pose link_pose(const std::string& robot,
-                 const std::string& link) const;      ///< in the world, with the robot at its set_qpos
-  Pose object_pose(const std::string& object) const;  ///< in the world, attached or not
+  /// The pose of a link in the world, with the robot at its set_qpos.
+  Pose link_pose(const std::string& robot, const std::string& link) const;
+  /// The pose of an object in the world, attached or not.
+  Pose object_pose(const std::string& object) const;
 
   void reset();  ///< removes everything
 

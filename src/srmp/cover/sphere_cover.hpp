@@ -11,15 +11,15 @@ namespace srmp {
 
 /// What is required of a cover.
 struct CoverOptions {
-  double max_inflation{0.004};  ///< [m], > 0: no sphere sticks out of the solid farther than this
+  double max_inflation{0.004};  ///< [m], > 0: no sphere extends beyond the solid by more than this
   std::size_t max_spheres{0};   ///< 0: no limit; otherwise max_inflation grows until this many spheres suffice
 };
 
 /// Spheres that together contain a solid.
 struct SphereCover {
   std::vector<PlacedSphere> spheres;
-  double max_inflation{};   ///< [m] how far the worst sphere sticks out
-  double mean_inflation{};  ///< [m] mean over spheres
+  double max_inflation{};   ///< [m] largest inflation of a sphere
+  double mean_inflation{};  ///< [m] mean inflation of the spheres
 };
 
 /// Covers the solid, deterministically. Every sphere is an inscribed sphere of the solid, grown by at most

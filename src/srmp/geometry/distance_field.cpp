@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 
 namespace srmp {
 

@@ -3,6 +3,8 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <coal/BVH/BVH_model.h>
+#include <coal/mesh_loader/loader.h>
 
 #include <assimp/Importer.hpp>
 #include <filesystem>
@@ -91,6 +93,17 @@ TriangleSoup read_mesh_file(const std::string& path, const Eigen::Vector3d& scal
     if (!v.allFinite()) throw FileError("mesh file '" + path + "' contains a vertex that is not finite");
   drop_unused_vertices(collector.mesh);
   return std::move(collector.mesh);
+}
+
+void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh) {
+  const coal::BVHModelPtr_t model = coal::MeshLoader(coal::BV_OBBRSS).load(path, scale);
+  const int first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), model->vertices->begin(), model->vertices->end());
+  for (const coal::Triangle& t : *model->tri_indices) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    mesh.triangles.push_back(
+        {first + static_cast<int>(t[0]), first + static_cast<int>(t[1]), first + static_cast<int>(t[2])});
+  }
 }
 
 }  // namespace srmp

@@ -1,13 +1,13 @@
+#include "srmp/geometry/mesh_geometry.hpp"
+
 #include <coal/BVH/BVH_model.h>
-#include <coal/mesh_loader/loader.h>
 #include <coal/shape/convex.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <string>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
 
 namespace srmp {
 
@@ -151,17 +151,6 @@ TriangleSoup convex_hull(const std::vector<Eigen::Vector3d>& points) {
     surface.triangles.push_back(triangle);
   }
   return surface;
-}
-
-void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh) {
-  const coal::BVHModelPtr_t model = coal::MeshLoader(coal::BV_OBBRSS).load(path, scale);
-  const int first = static_cast<int>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), model->vertices->begin(), model->vertices->end());
-  for (const coal::Triangle& t : *model->tri_indices) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    mesh.triangles.push_back(
-        {first + static_cast<int>(t[0]), first + static_cast<int>(t[1]), first + static_cast<int>(t[2])});
-  }
 }
 
 bool is_convex(const TriangleSoup& mesh) {

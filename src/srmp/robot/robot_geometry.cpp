@@ -7,7 +7,7 @@
 #include <map>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/mesh_path.hpp"
 #include "srmp/robot/robot_impl.hpp"
 

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/geometry/morton.hpp"
 
 namespace srmp {
