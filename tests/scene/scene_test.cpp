@@ -100,7 +100,7 @@ const std::vector<BadInput> bad_inputs{
     {"object twice", [](Scene& s) { s.add_object("cup", Sphere{1}, {}); }, "'cup' is taken by an object"},
     {"object named as a robot", [](Scene& s) { s.add_object("left", Sphere{1}, {}); }, "'left' is taken by a robot"},
     {"object named as a link", [](Scene& s) { s.add_object("left/tip", Sphere{1}, {}); },
-     "how a link of robot 'left' is called"},
+     "is the name of a link of robot 'left'"},
     {"object without name", [](Scene& s) { s.add_object("", Sphere{1}, {}); }, "name is empty"},
     {"object pose NaN", [](Scene& s) { s.add_object("x", Sphere{1}, broken_pose(nan_value, 1)); },
      "pose of object 'x'"},
