@@ -4,14 +4,14 @@
 
 #include "bind.hpp"
 #include "srmp/cover/cover_file.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp::python {
 
 namespace {
 
-/// The covers of a link's geometries in one, in the link's frame.
+/// The covers of all geometries of a link, merged, in the link's frame.
 struct LinkCover {
   std::string link;
   std::vector<PlacedSphere> coarse, fine, inner;
@@ -22,7 +22,7 @@ struct LinkCover {
   void add(const RobotCover::Part& part) {
     const GeometryCover& cover = *part.cover;
     const auto first_fine = static_cast<std::uint32_t>(fine.size());
-    // A sphere that is the geometry is all levels at once.
+    // An exact sphere belongs to all levels.
     const std::vector<PlacedSphere>& finest = cover.exact ? cover.coarse : cover.fine;
     mean_coarse_inflation =
         mean(coarse.size(), mean_coarse_inflation, cover.coarse.size(), cover.coarse_inflation.mean);
@@ -76,7 +76,7 @@ PyRobotCover by_links(const RobotCover& cover) {
   return result;
 }
 
-CoverProgress ask_python(const std::optional<nb::callable>& progress) {
+CoverProgress report_to_python(const std::optional<nb::callable>& progress) {
   return [&progress](std::size_t done, std::size_t total) {
     const nb::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
@@ -91,7 +91,7 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
   options.levels.fine = accuracy;
   options.levels.coarse = coarse_accuracy;
   options.max_coarse = static_cast<std::size_t>(max_coarse);
-  const CoverProgress report = ask_python(progress);
+  const CoverProgress report = report_to_python(progress);
   const nb::gil_scoped_release no_gil;
   CoverStore store(cache ? default_cover_directory() : std::filesystem::path(), options.levels);
   return by_links(cover_urdf(urdf_path, package_dirs, store, options, report));
@@ -102,8 +102,8 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
 void bind_cover(nb::module_& m) {
   m.def(
       "cover_directory", [] { return default_cover_directory().string(); },
-      "Where covers are kept between runs: $SRMP_CACHE_DIR/covers, else $XDG_CACHE_HOME/srmp/covers, else\n"
-      "~/.cache/srmp/covers; \"\" = nowhere (docs/covers.md).");
+      "The directory that keeps covers between runs: $SRMP_CACHE_DIR/covers, else $XDG_CACHE_HOME/srmp/covers, else\n"
+      "~/.cache/srmp/covers; \"\" when no files are kept (docs/covers.md).");
   m.def(
       "convex_hull",
       [](const ArrayLike& points) {
@@ -115,45 +115,47 @@ void bind_cover(nb::module_& m) {
         return std::pair(to_numpy_rows(vertices, 3), hull.triangles);
       },
       nb::arg("points"),
-      "The solid convex hull of points (n, 3): its corners (k, 3) and triangles, three numbers of corners each, that "
-      "face outwards.\n\n"
-      "Raises InvalidArgument for fewer than four points, all in one plane, or NaN.");
+      "The convex hull of points of shape (n, 3): its corners, shape (k, 3), and its triangles, three indices of "
+      "corners\n"
+      "each, which face outwards.\n\n"
+      "Raises InvalidArgument for fewer than four points, points in one plane, and NaN.");
   nb::class_<LinkCover>(m, "LinkCover",
                         "The spheres of one link, in its frame: arrays of shape (n, 4) with rows x, y, z, radius [m].")
       .def_ro("link", &LinkCover::link)
       .def_prop_ro(
-          "coarse", [](const LinkCover& c) { return rows(c.coarse); }, "Together hold the link's collision geometry.")
+          "coarse", [](const LinkCover& c) { return rows(c.coarse); },
+          "Together they contain the link's collision geometry.")
       .def_prop_ro(
-          "fine", [](const LinkCover& c) { return rows(c.fine); }, "The same, more closely.")
+          "fine", [](const LinkCover& c) { return rows(c.fine); }, "Together they contain it too, more closely.")
       .def_prop_ro(
-          "inner", [](const LinkCover& c) { return rows(c.inner); }, "Inside the collision geometry.")
-      .def_ro("children", &LinkCover::children, "For each coarse sphere, the rows of `fine` to look at when it is hit.")
-      .def_ro("coarse_inflation", &LinkCover::coarse_inflation, "How far the worst sphere sticks out [m].")
-      .def_ro("mean_coarse_inflation", &LinkCover::mean_coarse_inflation, "Mean over spheres [m].")
-      .def_ro("fine_inflation", &LinkCover::fine_inflation, "How far the worst sphere sticks out [m].")
-      .def_ro("mean_fine_inflation", &LinkCover::mean_fine_inflation, "Mean over spheres [m].")
+          "inner", [](const LinkCover& c) { return rows(c.inner); }, "Spheres inside the collision geometry.")
+      .def_ro("children", &LinkCover::children, "For each coarse sphere, the rows of `fine` to check when it collides.")
+      .def_ro("coarse_inflation", &LinkCover::coarse_inflation,
+              "How far the worst sphere extends beyond the geometry [m].")
+      .def_ro("mean_coarse_inflation", &LinkCover::mean_coarse_inflation, "The mean of that over the spheres [m].")
+      .def_ro("fine_inflation", &LinkCover::fine_inflation, "How far the worst sphere extends beyond the geometry [m].")
+      .def_ro("mean_fine_inflation", &LinkCover::mean_fine_inflation, "The mean of that over the spheres [m].")
       .def("__repr__", [](const LinkCover& c) {
         return "LinkCover('" + c.link + "': " + std::to_string(c.coarse.size()) + " coarse, " +
                std::to_string(c.fine.size()) + " fine, " + std::to_string(c.inner.size()) + " inner spheres)";
       });
-  nb::class_<PyRobotCover>(m, "RobotCover", "What srmp.cover returns.")
+  nb::class_<PyRobotCover>(m, "RobotCover", "The spheres of a robot, as srmp.cover returns them.")
       .def_ro("links", &PyRobotCover::links, "Links with collision geometry, in the order of the URDF.")
-      .def_ro("from_cache", &PyRobotCover::from_cache, "Was it read from the user's cache directory?")
-      .def_ro("seconds", &PyRobotCover::seconds, "Time to build or load the spheres [s]; reading meshes not counted.")
+      .def_ro("from_cache", &PyRobotCover::from_cache, "Was the cover loaded from the cache directory?")
+      .def_ro("seconds", &PyRobotCover::seconds, "Time to compute or load the spheres [s], without reading meshes.")
       .def("__repr__",
            [](const PyRobotCover& c) { return "RobotCover(" + std::to_string(c.links.size()) + " links)"; });
-  m.def("cover", &cover, nb::arg("urdf_path"), nb::kw_only(), nb::arg("package_dirs") = std::vector<std::string>(),
-        nb::arg("accuracy") = 0.004, nb::arg("coarse_accuracy") = 0.015, nb::arg("max_coarse") = 160,
-        nb::arg("cache") = true, nb::arg("progress") = nb::none(),
-        "Spheres that provably contain each link of a robot, in two levels, and spheres inside each link.\n\n"
-        "No fine sphere sticks out of the geometry by more than `accuracy` [m], no coarse one by more than\n"
-        "`coarse_accuracy`, unless that takes more than `max_coarse` spheres for the robot (0: no limit); then coarse\n"
-        "spheres grow. Cavities that a sphere of 15 mm radius cannot enter count as filled. The result is the same on\n"
-        "every run. With `cache`, it is kept in the directory srmp/covers of the user's cache directory "
-        "($SRMP_CACHE_DIR,\n"
-        "$XDG_CACHE_HOME or ~/.cache; SRMP_CACHE_DIR set but empty: nowhere). `progress` is called with (steps done,\n"
-        "steps in all) while spheres are built.\n\n"
-        "Raises FileError for a missing or wrong file, InvalidArgument for numbers out of range.");
+  m.def(
+      "cover", &cover, nb::arg("urdf_path"), nb::kw_only(), nb::arg("package_dirs") = std::vector<std::string>(),
+      nb::arg("accuracy") = 0.004, nb::arg("coarse_accuracy") = 0.015, nb::arg("max_coarse") = 160,
+      nb::arg("cache") = true, nb::arg("progress") = nb::none(),
+      "Spheres that provably contain each link of a robot, in two levels, and spheres inside each link.\n\n"
+      "No fine sphere extends beyond the geometry by more than `accuracy` [m] and no coarse sphere by more than\n"
+      "`coarse_accuracy` [m], unless that needs more than `max_coarse` coarse spheres for the robot (0: no limit); in\n"
+      "that case coarse spheres grow. Cavities that a sphere of 15 mm radius cannot enter count as filled. The result\n"
+      "is the same on every run. With `cache`, it is kept in cover_directory() for later runs. `progress` is called\n"
+      "with (steps done, all steps) while spheres are computed; what it raises ends the computation.\n\n"
+      "Raises FileError for missing or wrong files, InvalidArgument for numbers out of range.");
 }
 
 }  // namespace srmp::python

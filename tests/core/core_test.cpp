@@ -9,7 +9,7 @@
 
 using namespace srmp;
 
-BOOST_AUTO_TEST_CASE(pose_round_trips_through_its_seven_numbers) {
+BOOST_AUTO_TEST_CASE(pose_round_trips_through_a_list) {
   const Pose pose = Pose::from_rpy({1, 2, 3}, {0.1, -0.2, 0.3});
   const Pose again = Pose::from_list(pose.to_list());
   BOOST_TEST((again.matrix() - pose.matrix()).norm() < 1e-12);
@@ -17,21 +17,21 @@ BOOST_AUTO_TEST_CASE(pose_round_trips_through_its_seven_numbers) {
   BOOST_TEST(((pose * pose.inverse()).matrix() - Eigen::Matrix4d::Identity()).norm() < 1e-12);
 }
 
-BOOST_AUTO_TEST_CASE(pose_takes_both_quaternion_orders) {
+BOOST_AUTO_TEST_CASE(pose_accepts_both_quaternion_orders) {
   const double s = std::sqrt(0.5);
   const Pose a = Pose::from_xyzw({0, 0, 0}, {0, 0, s, s}), b = Pose::from_wxyz({0, 0, 0}, {s, 0, 0, s});
   BOOST_TEST((a.matrix() - b.matrix()).norm() == 0.0);
   BOOST_TEST((a * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, 1, 0)).norm() < 1e-12);
 }
 
-BOOST_AUTO_TEST_CASE(pose_refuses_nonsense) {
+BOOST_AUTO_TEST_CASE(pose_rejects_invalid_input) {
   check_throws<InvalidArgument>([] { Pose::from_xyzw({0, 0, 0}, {0, 0, 0, 0}); }, "quaternion is zero");
   check_throws<InvalidArgument>([] { Pose::from_xyzw({NAN, 0, 0}, {0, 0, 0, 1}); }, "NaN");
   check_throws<InvalidArgument>([] { Pose::from_list(std::array{1.0, 2.0}); }, "7 numbers");
   check_throws<InvalidArgument>([] { Pose::from_matrix(2 * Eigen::Matrix4d::Identity()); }, "not a rigid transform");
 }
 
-BOOST_AUTO_TEST_CASE(suggestions_name_the_nearest_word_only) {
+BOOST_AUTO_TEST_CASE(suggestions_give_the_nearest_name_only) {
   const std::vector<std::string> known{"panda_link7", "panda_hand", "shelf"};
   BOOST_TEST(did_you_mean("panda_hnad", known) == ", did you mean 'panda_hand'?");
   BOOST_TEST(did_you_mean("zzzzzzz", known) == "");

@@ -13,7 +13,7 @@ using srmp::Jobs;
 
 BOOST_AUTO_TEST_SUITE(jobs)
 
-BOOST_AUTO_TEST_CASE(each_is_done_once_on_any_number_of_threads) {
+BOOST_AUTO_TEST_CASE(each_job_runs_once_on_any_number_of_threads) {
   for (const std::size_t threads : {0, 1, 2, 3, 8})
     for (const std::size_t count : {0, 1, 2, 100}) {
       std::vector<int> done(count, 0);
@@ -23,19 +23,19 @@ BOOST_AUTO_TEST_CASE(each_is_done_once_on_any_number_of_threads) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(the_same_threads_take_more_jobs) {
+BOOST_AUTO_TEST_CASE(threads_are_reused) {
   Jobs jobs(2);
   std::atomic<int> done{0};
   for (int round = 0; round < 50; ++round) jobs.run(5, Deadline(), [&](std::size_t, const Deadline&) { ++done; });
   BOOST_CHECK_EQUAL(done, 250);
 }
 
-BOOST_AUTO_TEST_CASE(of_those_that_throw_the_first_in_order_is_told) {
+BOOST_AUTO_TEST_CASE(the_exception_of_the_first_job_in_order_is_rethrown) {
   for (const std::size_t threads : {1, 2, 4})
     for (int repeat = 0; repeat < 20; ++repeat) {
       const auto run = [&] {
         Jobs(threads).run(20, Deadline(), [](std::size_t i, const Deadline&) {
-          if (i == 3) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // later than those after it
+          if (i == 3) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // throws later than the jobs after it
           if (i >= 3) throw std::runtime_error(std::to_string(i));
         });
       };
@@ -44,7 +44,7 @@ BOOST_AUTO_TEST_CASE(of_those_that_throw_the_first_in_order_is_told) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(only_the_caller_is_asked_whether_to_stop) {
+BOOST_AUTO_TEST_CASE(only_the_calling_thread_checks_the_deadline) {
   const std::thread::id caller = std::this_thread::get_id();
   std::atomic<bool> elsewhere{false};
   for (const std::size_t threads : {1, 2, 4}) {
@@ -63,7 +63,7 @@ BOOST_AUTO_TEST_CASE(only_the_caller_is_asked_whether_to_stop) {
   BOOST_CHECK(!elsewhere);
 }
 
-BOOST_AUTO_TEST_CASE(jobs_have_the_time_that_is_left) {
+BOOST_AUTO_TEST_CASE(jobs_get_the_remaining_time) {
   for (const std::size_t threads : {1, 3}) {
     const Deadline deadline(0.02);
     std::atomic<int> expired{0};
@@ -75,7 +75,7 @@ BOOST_AUTO_TEST_CASE(jobs_have_the_time_that_is_left) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_caller_hears_of_progress_and_may_end_it) {
+BOOST_AUTO_TEST_CASE(the_calling_thread_reports_progress_which_may_stop_the_run) {
   for (const std::size_t threads : {1, 2}) {
     std::vector<std::size_t> told;
     Jobs(threads).run(

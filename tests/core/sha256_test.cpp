@@ -22,7 +22,7 @@ BOOST_AUTO_TEST_CASE(sha256_gives_the_published_digests) {
   BOOST_TEST(sha256(std::string(1'000'000, 'a')) == "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-BOOST_AUTO_TEST_CASE(sha256_does_not_mind_how_the_data_come) {
+BOOST_AUTO_TEST_CASE(sha256_does_not_depend_on_how_the_data_are_divided) {
   const std::string text(200, 'x');
   for (const std::size_t at_once : {1, 3, 55, 56, 63, 64, 65, 128}) BOOST_TEST(sha256(text, at_once) == sha256(text));
 }

@@ -23,7 +23,7 @@ std::size_t files_in(const std::string& directory) {
 
 BOOST_AUTO_TEST_SUITE(write_file)
 
-BOOST_AUTO_TEST_CASE(a_file_is_replaced_and_nothing_else_is_left) {
+BOOST_AUTO_TEST_CASE(a_file_is_replaced_and_no_temporary_file_remains) {
   const TemporaryDirectory directory;
   const std::string path = directory.path("a.json");
   srmp::write_file(path, "first");
@@ -32,7 +32,7 @@ BOOST_AUTO_TEST_CASE(a_file_is_replaced_and_nothing_else_is_left) {
   BOOST_CHECK_EQUAL(files_in(directory.path()), 1u);
 }
 
-BOOST_AUTO_TEST_CASE(others_may_read_it_as_any_file_of_this_user) {
+BOOST_AUTO_TEST_CASE(the_file_has_the_default_permissions) {
   const TemporaryDirectory directory;
   std::ofstream(directory.path("plain")) << "x";
   srmp::write_file(directory.path("ours"), "x");
@@ -42,7 +42,7 @@ BOOST_AUTO_TEST_CASE(others_may_read_it_as_any_file_of_this_user) {
   BOOST_CHECK_EQUAL(plain.st_mode, ours.st_mode);
 }
 
-BOOST_AUTO_TEST_CASE(what_cannot_be_written_is_refused_and_leaves_nothing) {
+BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_written_is_an_error_and_leaves_no_file) {
   const TemporaryDirectory directory;
   check_throws<srmp::FileError>([&] { srmp::write_file(directory.path("nowhere/a"), "x"); },
                                 "nowhere/a: the file cannot be written: No such file or directory");

@@ -29,7 +29,7 @@ Eigen::Vector3d random_direction(std::mt19937& random) {
   }
 }
 
-/// How far the sphere's own points are outside the solid, by samples: the inflation, seen from below.
+/// A lower bound on the inflation: how far sampled points of the sphere are outside of the solid.
 double sampled_inflation(const CoverSolid& solid, const PlacedSphere& sphere, std::mt19937& random) {
   double worst = 0;
   for (int i = 0; i < 200; ++i)
@@ -37,7 +37,7 @@ double sampled_inflation(const CoverSolid& solid, const PlacedSphere& sphere, st
   return worst;
 }
 
-/// Points of the solid in its box, found by trial.
+/// Random points of the solid, by rejection sampling in its box.
 void check_solid(const CoverSolid& solid, double inflation, const std::function<bool(const Eigen::Vector3d&)>& inside) {
   std::mt19937 random(7);
   const SphereCover cover = cover_solid(solid, {.max_inflation = inflation});
@@ -92,7 +92,7 @@ BOOST_AUTO_TEST_CASE(covers_of_primitives_contain_them) {
   check_convex(CoverSolid::cone(0.06, 0.15), 0.008);
 }
 
-BOOST_AUTO_TEST_CASE(covers_of_round_solids_are_computed_not_searched) {
+BOOST_AUTO_TEST_CASE(covers_of_spheres_and_capsules_are_formulas) {
   const SphereCover sphere = cover_solid(CoverSolid::sphere(0.1));
   BOOST_TEST(sphere.spheres.size() == 1u);
   BOOST_TEST(sphere.max_inflation < 1e-8);
@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(covers_of_round_solids_are_computed_not_searched) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(cover_of_a_concave_mesh_follows_it) {
+BOOST_AUTO_TEST_CASE(cover_of_a_concave_mesh_does_not_fill_the_hull) {
   const TriangleSoup mesh = ell();
   const CoverSolid solid = CoverSolid::mesh(mesh.vertices, mesh.triangles);
   BOOST_TEST(!solid.is_convex());
@@ -117,10 +117,10 @@ BOOST_AUTO_TEST_CASE(cover_of_a_concave_mesh_follows_it) {
   BOOST_TEST(!covered(cover.spheres, {0.12, 0.12, 0.03}));  // the corner that the hull would fill
 }
 
-BOOST_AUTO_TEST_CASE(a_gap_is_found_by_the_proof) {
+BOOST_AUTO_TEST_CASE(the_proof_finds_uncovered_parts) {
   const CoverSolid box = CoverSolid::box({0.1, 0.1, 0.1});
   std::vector<PlacedSphere> spheres = cover_solid(box, {.max_inflation = 0.01}).spheres;
-  spheres.erase(spheres.begin());  // the first choice holds the most
+  spheres.erase(spheres.begin());  // the first sphere of the selection contains the most
   BOOST_TEST(!contains_solid(spheres, box));
   BOOST_TEST(!contains_solid({}, box));
   BOOST_TEST(contains_solid({{{0, 0, 0}, 0.0867}}, box));
@@ -133,7 +133,7 @@ BOOST_AUTO_TEST_CASE(a_gap_is_found_by_the_proof) {
   BOOST_TEST(!contains_solid(shell, box));
 }
 
-BOOST_AUTO_TEST_CASE(covers_are_deterministic_and_keep_to_a_budget) {
+BOOST_AUTO_TEST_CASE(covers_are_deterministic_and_respect_the_largest_number_of_spheres) {
   const TriangleSoup mesh = ell();
   const CoverSolid solid = CoverSolid::mesh(mesh.vertices, mesh.triangles);
   const SphereCover a = cover_solid(solid), b = cover_solid(solid);
@@ -146,7 +146,7 @@ BOOST_AUTO_TEST_CASE(covers_are_deterministic_and_keep_to_a_budget) {
   BOOST_TEST(contains_solid(few.spheres, solid));
 }
 
-BOOST_AUTO_TEST_CASE(children_of_a_coarse_sphere_cover_its_share) {
+BOOST_AUTO_TEST_CASE(children_cover_the_part_of_the_solid_in_their_coarse_sphere) {
   const TriangleSoup mesh = ell();
   const CoverSolid solid = CoverSolid::mesh(mesh.vertices, mesh.triangles);
   const std::vector<PlacedSphere> coarse = cover_solid(solid, {.max_inflation = 0.015}).spheres;
@@ -166,7 +166,7 @@ BOOST_AUTO_TEST_CASE(children_of_a_coarse_sphere_cover_its_share) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(covers_refuse_nonsense) {
+BOOST_AUTO_TEST_CASE(covers_reject_invalid_input) {
   check_throws<InvalidArgument>([] { CoverSolid::box({0.1, 0, 0.1}); }, "box size");
   check_throws<InvalidArgument>([] { CoverSolid::sphere(NAN); }, "sphere radius");
   check_throws<InvalidArgument>([] { CoverSolid::mesh({}, {}); }, "no triangles");

@@ -10,14 +10,14 @@ using namespace srmp;
 using namespace worlds;
 using Eigen::Vector3d;
 
-BOOST_AUTO_TEST_CASE(a_field_bounds_the_distance_from_below_and_above) {
+BOOST_AUTO_TEST_CASE(a_distance_field_bounds_the_distance_from_below_and_above) {
   const auto sphere = make_geometry(Sphere{1e-7}, "point");
   const Pose here;
   Dice dice(1);
   for (const auto& [name, shape] : every_kind()) {
     const auto geometry = make_geometry(shape, name);
-    const auto pieces = make_primitive_bvh(*geometry);
-    const auto field = make_distance_field(*geometry, pieces.get());
+    const auto bvh = make_primitive_bvh(*geometry);
+    const auto field = make_distance_field(*geometry, bvh.get());
     BOOST_TEST((field == nullptr) == (name == "box" || name == "sphere" || name == "cylinder" || name == "capsule"));
     if (!field) continue;
     double lost = 0;
@@ -29,7 +29,7 @@ BOOST_AUTO_TEST_CASE(a_field_bounds_the_distance_from_below_and_above) {
       const detail::Bounds bounds = detail::bounds_of(*geometry), tiny = detail::bounds_of(*sphere);
       const Eigen::Isometry3d pose = here.isometry(), place = there.isometry();
       const double truth =
-          std::max(0.0, detail::NarrowPhase::distance({geometry.get(), pieces.get(), bounds, pose, bounds.center},
+          std::max(0.0, detail::NarrowPhase::distance({geometry.get(), bvh.get(), bounds, pose, bounds.center},
                                                       {sphere.get(), nullptr, tiny, place, point})
                             .distance);
       const DistanceField::Bounds range = field->distance(point);
@@ -44,7 +44,7 @@ BOOST_AUTO_TEST_CASE(a_field_bounds_the_distance_from_below_and_above) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(pieces_of_a_cloud_are_its_cells_once_each) {
+BOOST_AUTO_TEST_CASE(primitives_of_a_point_cloud_are_its_distinct_cells) {
   const PrimitiveBvh tree({{0, 0, 0}, {5, -3, 2}, {0, 0, 0}, {-1, -1, -1}, {100, 0, 0}, {7, 7, 7}}, 0.5);
   BOOST_TEST(tree.cubes().size() == 5u);
   BOOST_TEST(tree.edge() == 0.5);
@@ -54,7 +54,7 @@ BOOST_AUTO_TEST_CASE(pieces_of_a_cloud_are_its_cells_once_each) {
     BOOST_TEST((std::find(found.begin(), found.end(), expected) != found.end()));
 }
 
-BOOST_AUTO_TEST_CASE(every_box_of_a_tree_holds_its_pieces) {
+BOOST_AUTO_TEST_CASE(every_box_of_a_bvh_contains_its_primitives) {
   Dice dice(2);
   Mesh mesh;
   std::vector<std::array<std::int32_t, 3>> cells;
@@ -67,7 +67,7 @@ BOOST_AUTO_TEST_CASE(every_box_of_a_tree_holds_its_pieces) {
   const auto geometry = make_geometry(mesh, "mesh");
   for (const PrimitiveBvh& tree : {*make_primitive_bvh(*geometry), PrimitiveBvh(cells, 0.1)}) {
     std::vector<int> seen(tree.of_cubes() ? tree.cubes().size() : tree.triangles().size());
-    // Calls visit(corner) for the corners of all pieces below a node.
+    // Calls visit(corner) for the corners of all primitives below a node.
     const std::function<void(std::uint32_t, const std::function<void(const Vector3d&)>&)> corners =
         [&](std::uint32_t i, const auto& visit) {
           const PrimitiveBvh::Node& node = tree.nodes()[i];

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/robot_model.hpp"
 #include "support/files.hpp"
 #include "support/throws.hpp"
@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(mesh_files_are_read_without_their_degenerate_faces) {
   BOOST_TEST(high == Eigen::Vector3d(1, 2, 3));
 }
 
-BOOST_AUTO_TEST_CASE(a_link_of_several_materials_is_what_the_file_says_and_what_coal_reads) {
+BOOST_AUTO_TEST_CASE(a_link_of_several_materials_is_the_union_of_the_file_and_what_coal_reads) {
   const TemporaryDirectory directory;
   const std::string path =
       directory.write("two.obj",
@@ -83,7 +83,7 @@ BOOST_AUTO_TEST_CASE(a_link_of_several_materials_is_what_the_file_says_and_what_
     BOOST_TEST(ours.count(t) == 1);
 }
 
-BOOST_AUTO_TEST_CASE(unreadable_meshes_say_why) {
+BOOST_AUTO_TEST_CASE(unreadable_meshes_are_errors_with_a_reason) {
   const TemporaryDirectory directory;
   check_throws<FileError>([] { read_mesh_file("/no/such.obj"); }, "mesh file '/no/such.obj' does not exist");
   check_throws<FileError>([&] { read_mesh_file(directory.path()); }, "is not a file");
@@ -111,7 +111,7 @@ BOOST_AUTO_TEST_CASE(convex_meshes_become_solids_and_others_stay_surfaces) {
   BOOST_TEST(make_mesh_geometry(dented, MeshModel::hull)->getObjectType() == coal::OT_GEOM);
 }
 
-BOOST_AUTO_TEST_CASE(a_hull_has_its_corners_alone_and_faces_outwards) {
+BOOST_AUTO_TEST_CASE(a_hull_has_only_its_corners_and_faces_outwards) {
   std::vector<Eigen::Vector3d> points{{0.5, 0.5, 0.5}};  // inside
   for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
   const TriangleSoup hull = convex_hull(points);
@@ -137,7 +137,7 @@ BOOST_AUTO_TEST_CASE(hulls_need_a_volume) {
   BOOST_TEST(make_mesh_geometry(flat, MeshModel::hull_if_convex)->getObjectType() == coal::OT_BVH);
 }
 
-BOOST_AUTO_TEST_CASE(bounding_spheres_hold_their_mesh) {
+BOOST_AUTO_TEST_CASE(bounding_spheres_contain_their_mesh) {
   const TemporaryDirectory directory;
   directory.write("cube.obj", kCube);
   const auto robot = RobotModel::load(from_file(urdf_file(directory, "r.urdf", "cube.obj")));
@@ -147,7 +147,7 @@ BOOST_AUTO_TEST_CASE(bounding_spheres_hold_their_mesh) {
   BOOST_TEST(geometry.radius < std::sqrt(0.75) + 1e-9);
 }
 
-BOOST_AUTO_TEST_CASE(meshes_are_found_in_every_place_they_may_be) {
+BOOST_AUTO_TEST_CASE(meshes_are_found_in_every_directory_that_is_searched) {
   const TemporaryDirectory directory;
   directory.write("work/meshes/cube.obj", kCube);
   directory.write("some_package/meshes/cube.obj", kCube);
@@ -177,7 +177,7 @@ BOOST_AUTO_TEST_CASE(packages_on_the_ros_path_are_found) {
   BOOST_TEST(robot->geometries().size() == 1);
 }
 
-BOOST_AUTO_TEST_CASE(a_missing_mesh_lists_every_place_tried) {
+BOOST_AUTO_TEST_CASE(the_error_for_a_missing_mesh_lists_every_path_tried) {
   const TemporaryDirectory directory;
   RobotDescription description = from_file(urdf_file(directory, "work/r.urdf", "package://pack/cube.obj"));
   description.package_dirs = {"/my/packages"};
@@ -189,7 +189,7 @@ BOOST_AUTO_TEST_CASE(a_missing_mesh_lists_every_place_tried) {
   check_throws<FileError>([] { RobotModel::load(with_mesh("cube.obj")); }, "give package_dirs");
 }
 
-BOOST_AUTO_TEST_CASE(a_broken_mesh_names_the_urdf_line_and_visuals_do_not_matter) {
+BOOST_AUTO_TEST_CASE(the_error_for_a_broken_mesh_gives_the_urdf_line_and_visuals_are_not_read) {
   const TemporaryDirectory directory;
   directory.write("broken.stl", "");
   check_throws<FileError>([&] { RobotModel::load(from_file(urdf_file(directory, "r.urdf", "broken.stl"))); },

@@ -12,7 +12,7 @@ from srmp._urdf import link_poses_at_zero
 from srmp.cli import main
 
 ARM = srmp.data_path("arm7.urdf")
-ROUGH = {"accuracy": 0.04, "coarse_accuracy": 0.06}  # quick to make
+ROUGH = {"accuracy": 0.04, "coarse_accuracy": 0.06}  # quick to compute
 
 
 @pytest.fixture
@@ -35,8 +35,8 @@ def test_every_link_with_geometry_is_covered(cache):
         assert link.coarse_inflation <= 0.06 * 1.0001
 
 
-def test_primitives_lie_within(cache):
-    """Points of the URDF's own spheres and boxes are in coarse and fine spheres of their link."""
+def test_spheres_contain_primitives(cache):
+    """Points of the boxes of the URDF are in coarse and in fine spheres of their link."""
     random = np.random.default_rng(1)
     cover = {link.link: link for link in srmp.cover(ARM, **ROUGH).links}
     checked = 0
@@ -55,25 +55,25 @@ def test_primitives_lie_within(cache):
     assert checked > 0
 
 
-def test_the_cache_gives_the_same_bits(cache):
-    built, loaded = srmp.cover(ARM, **ROUGH), srmp.cover(ARM, **ROUGH)
-    assert not built.from_cache
+def test_loaded_covers_are_equal_bit_for_bit(cache):
+    computed, loaded = srmp.cover(ARM, **ROUGH), srmp.cover(ARM, **ROUGH)
+    assert not computed.from_cache
     assert loaded.from_cache
     assert not srmp.cover(ARM, **ROUGH, cache=False).from_cache
-    for a, b in zip(built.links, loaded.links, strict=True):
+    for a, b in zip(computed.links, loaded.links, strict=True):
         assert np.array_equal(a.coarse, b.coarse)
         assert np.array_equal(a.fine, b.fine)
         assert np.array_equal(a.inner, b.inner)
         assert a.children == b.children
 
 
-def test_an_empty_cache_variable_turns_the_cache_off(monkeypatch):
+def test_an_empty_cache_variable_disables_the_cache(monkeypatch):
     monkeypatch.setenv("SRMP_CACHE_DIR", "")
     for _ in range(2):
         assert not srmp.cover(ARM, **ROUGH).from_cache
 
 
-def test_progress_is_told_and_may_stop(cache):
+def test_progress_is_reported_and_may_stop_the_computation(cache):
     seen = []
     srmp.cover(ARM, **ROUGH, progress=lambda done, total: seen.append((done, total)))
     assert seen == sorted(seen)
@@ -96,12 +96,12 @@ def test_progress_is_told_and_may_stop(cache):
         ({"max_coarse": -1}, "max_coarse must not be negative"),
     ],
 )
-def test_nonsense_is_refused(arguments, text):
+def test_invalid_arguments_are_rejected(arguments, text):
     with pytest.raises(srmp.InvalidArgument, match=text):
         srmp.cover(ARM, **arguments)
 
 
-def test_missing_meshes_are_named(tmp_path):
+def test_errors_name_missing_meshes(tmp_path):
     urdf = tmp_path / "robot.urdf"
     urdf.write_text(
         "<robot name='r'><link name='a'><collision><geometry><mesh filename='package://x/nothing.stl'/></geometry>"
@@ -111,7 +111,7 @@ def test_missing_meshes_are_named(tmp_path):
         srmp.cover(str(urdf))
 
 
-def test_the_command_reports_writes_and_draws(cache, tmp_path):
+def test_the_command_prints_writes_and_plots(cache, tmp_path):
     pytest.importorskip("matplotlib")
     output, picture = tmp_path / "cover.json", tmp_path / "cover.png"
     arguments = ["cover", ARM, "--accuracy", "40", "--coarse", "60", "-o", str(output), "--picture", str(picture)]
@@ -131,5 +131,5 @@ def test_the_command_reports_writes_and_draws(cache, tmp_path):
 def test_link_poses_agree_with_the_library(arm):
     poses = link_poses_at_zero(ARM)
     names = arm.get_joint_names("arm")
-    hand = np.asarray(arm.compute_fk("arm", [0.0] * len(names)).matrix())
-    assert np.allclose(poses["arm7_hand"], hand, atol=1e-9)
+    end_effector = np.asarray(arm.compute_fk("arm", [0.0] * len(names)).matrix())
+    assert np.allclose(poses["arm7_hand"], end_effector, atol=1e-9)

@@ -20,7 +20,7 @@ double rotation_error(const Pose& a, const Pose& b) { return a.q.angularDistance
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(a_hundred_poses_of_the_arm_come_back) {
+BOOST_AUTO_TEST_CASE(a_hundred_poses_are_reached) {
   const auto robot = RobotModel::load(arm7());
   const Eigen::VectorXd reference = robot->group_states().at("ready");
   int found = 0;
@@ -42,7 +42,7 @@ BOOST_AUTO_TEST_CASE(a_hundred_poses_of_the_arm_come_back) {
   BOOST_TEST(found >= 99);
 }
 
-BOOST_AUTO_TEST_CASE(both_elbows_of_the_planar_arm_are_found) {
+BOOST_AUTO_TEST_CASE(both_elbow_solutions_of_the_planar_robot_are_found) {
   const auto robot = robots::planar();
   IkOptions options;
   options.rotation_tolerance = std::numeric_limits<double>::infinity();
@@ -87,7 +87,7 @@ BOOST_AUTO_TEST_CASE(free_axes_are_those_of_the_target) {
   for (int count : found) BOOST_TEST(count >= 59);
 }
 
-BOOST_AUTO_TEST_CASE(tolerances_hold_axis_by_axis) {
+BOOST_AUTO_TEST_CASE(tolerances_apply_to_each_axis) {
   const auto robot = robots::planar();  // it cannot leave the plane z = 0
   const Pose above{{1, 1, 0.02}, Eigen::Quaterniond::Identity()};
   IkOptions options;
@@ -121,7 +121,7 @@ BOOST_AUTO_TEST_CASE(continuous_joints_stay_near_the_reference) {
   for (const auto& q : solutions) BOOST_TEST(std::abs(q[0] - 20.0) <= std::numbers::pi + 1e-9);
 }
 
-BOOST_AUTO_TEST_CASE(joints_behind_the_link_keep_still) {
+BOOST_AUTO_TEST_CASE(joints_that_do_not_move_the_link_keep_their_value) {
   const auto robot = RobotModel::load(arm7());
   const Eigen::VectorXd reference = Eigen::VectorXd::Constant(7, 0.2);
   const Pose target = robot->compute_fk(Eigen::VectorXd::Constant(7, 0.4), "arm7_forearm");
@@ -139,7 +139,7 @@ BOOST_AUTO_TEST_CASE(a_passed_deadline_stops_the_search) {
              })).empty());
 }
 
-BOOST_AUTO_TEST_CASE(bad_questions_are_refused) {
+BOOST_AUTO_TEST_CASE(invalid_arguments_are_rejected) {
   const auto robot = robots::planar();
   const auto refuses = [&](const IkOptions& options, const std::string& fragment) {
     check_throws<InvalidArgument>([&] { inverse_kinematics(*robot, {}, Eigen::Vector2d(0, 0), options); }, fragment);

@@ -57,18 +57,18 @@ void check_jacobian(const RobotModel& robot, const Eigen::VectorXd& q, const std
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(planar_arm_follows_the_textbook) {
+BOOST_AUTO_TEST_CASE(planar_robot_matches_the_closed_form) {
   const auto robot = robots::planar();
   for (std::size_t i = 0; i < 20; ++i) {
     const Eigen::VectorXd q = sample_configuration(*robot, i);
-    const Pose tip = robot->compute_fk(q);
-    BOOST_TEST(std::abs(tip.p.x() - (std::cos(q[0]) + std::cos(q[0] + q[1]))) < 1e-12);
-    BOOST_TEST(std::abs(tip.p.y() - (std::sin(q[0]) + std::sin(q[0] + q[1]))) < 1e-12);
+    const Pose end_effector = robot->compute_fk(q);
+    BOOST_TEST(std::abs(end_effector.p.x() - (std::cos(q[0]) + std::cos(q[0] + q[1]))) < 1e-12);
+    BOOST_TEST(std::abs(end_effector.p.y() - (std::sin(q[0]) + std::sin(q[0] + q[1]))) < 1e-12);
     check_jacobian(*robot, q, "tip");
   }
 }
 
-BOOST_AUTO_TEST_CASE(arm7_stands_where_its_drawing_says) {
+BOOST_AUTO_TEST_CASE(arm7_has_its_documented_pose) {
   const auto robot = RobotModel::load(arm7());
   BOOST_TEST(robot->dof() == 7);
   BOOST_TEST(robot->end_effector() == "arm7_hand");
@@ -93,7 +93,7 @@ BOOST_AUTO_TEST_CASE(prismatic_continuous_and_mimic_joints_move_as_they_should) 
   check_jacobian(*robot, q, "lamp");
 }
 
-BOOST_AUTO_TEST_CASE(drives_and_movers_tell_what_moves_what) {
+BOOST_AUTO_TEST_CASE(actuated_joints_and_supports_say_which_joint_moves_what) {
   const auto robot = cart();
   // Depth first: rail, wheel, finger, mast.
   BOOST_TEST(robot->actuated_joints().size() == 4);
@@ -128,7 +128,7 @@ BOOST_AUTO_TEST_CASE(bounding_spheres_are_tight) {
   BOOST_TEST(radius(3) == 0.1);
 }
 
-BOOST_AUTO_TEST_CASE(geometry_hangs_on_its_link) {
+BOOST_AUTO_TEST_CASE(geometry_moves_with_its_link) {
   const auto robot = cart();
   const RobotDataPtr data = robot->make_data();
   for (std::size_t i = 0; i < 5; ++i) {
@@ -154,12 +154,13 @@ BOOST_AUTO_TEST_CASE(other_positions_last_until_changed) {
   robot->forward(*data, q);
   BOOST_TEST(robot->link_pose(*data, cart_link).translation().x() == 1.5);
   BOOST_TEST(robot->link_pose(*data, lamp).translation().z() == -3.0);
-  BOOST_TEST(robot->geometry_pose(*data, 0).translation().x() == 1.5);  // not moved by the plan, and yet moved
+  BOOST_TEST(robot->geometry_pose(*data, 0).translation().x() ==
+             1.5);  // no planned joint moves it, but another joint does
   check_throws<InvalidArgument>([&] { robot->set_other_positions(*data, Eigen::Vector2d(0, 0)); },
                                 "1 other joints, got 2");
 }
 
-BOOST_AUTO_TEST_CASE(limits_are_told_and_differences_go_the_short_way) {
+BOOST_AUTO_TEST_CASE(limit_violations_are_reported_and_differences_take_the_shorter_way_round) {
   const auto robot = cart();
   BOOST_TEST(!robot->limit_violation(Eigen::Vector2d(2, 100)));
   BOOST_TEST(*robot->limit_violation(Eigen::Vector2d(2.5, 0)) == "rail: 2.5 m is above the upper limit 2 m");
@@ -174,7 +175,7 @@ BOOST_AUTO_TEST_CASE(limits_are_told_and_differences_go_the_short_way) {
   BOOST_TEST(std::abs(d[1] - (2 * pi - 6)) < 1e-12);
 }
 
-BOOST_AUTO_TEST_CASE(bad_configurations_are_refused) {
+BOOST_AUTO_TEST_CASE(invalid_configurations_are_rejected) {
   const auto robot = cart();
   check_throws<InvalidArgument>([&] { robot->compute_fk(Eigen::Vector3d(0, 0, 0)); },
                                 "configuration has 3 values; robot 'cart' has 2 planned joints: 'rail' and 'wheel'");
@@ -195,7 +196,7 @@ BOOST_AUTO_TEST_CASE(a_planned_joint_needs_a_velocity_limit) {
   BOOST_TEST(RobotModel::load(description)->dof() == 1);
 }
 
-BOOST_AUTO_TEST_CASE(floating_joints_stay_at_their_origin_and_say_so) {
+BOOST_AUTO_TEST_CASE(floating_joints_stay_at_their_origin_with_a_warning) {
   RobotDescription description;
   description.urdf_text = kCart;
   description.urdf_text.replace(description.urdf_text.find("type='prismatic'"), 16, "type='floating'");

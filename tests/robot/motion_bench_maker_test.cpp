@@ -34,7 +34,7 @@ const std::vector<Case> kCases{
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(robots_load_and_stand_where_pinocchio_puts_them) {
+BOOST_AUTO_TEST_CASE(robots_load_and_agree_with_pinocchio) {
   for (const Case& c : kCases) {
     const auto robot = load(c);
     if (!robot) continue;
@@ -46,7 +46,7 @@ BOOST_AUTO_TEST_CASE(robots_load_and_stand_where_pinocchio_puts_them) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(an_srdf_for_a_fuller_fetch_gives_one_warning) {
+BOOST_AUTO_TEST_CASE(an_srdf_for_a_variant_of_fetch_gives_one_warning) {
   if (const auto fetch = load(kCases[3])) {
     BOOST_TEST(fetch->warnings().size() == 1);
     BOOST_TEST(fetch->joint_names()[0] == "torso_lift_joint");
@@ -63,7 +63,7 @@ BOOST_AUTO_TEST_CASE(without_an_srdf_nothing_of_the_panda_always_collides) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(inverse_kinematics_answers_for_every_robot) {
+BOOST_AUTO_TEST_CASE(inverse_kinematics_finds_solutions_for_every_robot) {
   for (const Case& c : kCases) {
     const auto robot = load(c);
     if (!robot) continue;

@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/throws.hpp"
@@ -45,7 +45,7 @@ bool same(const RobotCover& a, const RobotCover& b) {
   });
 }
 
-/// Rough covers are quick to make.
+/// Coarse covers, which are quick to compute.
 const CoverLevels kRough{.coarse = 0.06, .fine = 0.04, .closing = 0.02};
 
 using Geometry = std::shared_ptr<const coal::CollisionGeometry>;
@@ -97,7 +97,7 @@ RobotDescription mbm_robot(const std::string& name, const std::string& end_effec
   return description;
 }
 
-/// A variable of the environment for one test.
+/// Sets an environment variable for one test.
 class Environment {
  public:
   Environment(const char* name, const char* value) : name_(name) {
@@ -155,7 +155,7 @@ BOOST_AUTO_TEST_CASE(cavities_behind_small_holes_may_be_filled) {
   const CoverSolid filled = CoverSolid::mesh(mesh.vertices, mesh.triangles, 0.015);
   BOOST_TEST(as_it_is.depth({0, 0, 0}) < 0);
   BOOST_TEST(filled.depth({0, 0, 0}) > 0.09);
-  BOOST_TEST(filled.depth({0, 0, 0.099}) < 0.012);  // by the hole
+  BOOST_TEST(filled.depth({0, 0, 0.099}) < 0.012);  // beside the hole
   BOOST_TEST(filled.depth({0, 0, 0.12}) < 0);
   BOOST_TEST(filled.depth({0.12, 0, 0}) < 0);
   const SphereCover a = cover_solid(as_it_is, {.max_inflation = 0.015}),
@@ -164,7 +164,7 @@ BOOST_AUTO_TEST_CASE(cavities_behind_small_holes_may_be_filled) {
   BOOST_TEST(2 * b.spheres.size() < a.spheres.size());
 }
 
-BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
+BOOST_AUTO_TEST_CASE(every_geometry_of_a_robot_is_covered) {
   const auto robot = RobotModel::load(arm7());
   CoverStore store("");
   const RobotCover cover = cover_robot(*robot, store, {.levels = kRough});
@@ -178,7 +178,7 @@ BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
   BOOST_TEST(cover.fine_inflation() <= kRough.fine * 1.0001);
   BOOST_TEST((cover.origin == CoverStore::Origin::built));
 
-  // The file alone gives the same, whatever the number of threads; poses come by another way.
+  // The URDF file alone gives the same covers, with any number of threads; poses are computed in another way.
   CoverStore other("");
   const RobotCover from_file = cover_urdf(arm7().urdf_path, {}, other, {.levels = kRough, .threads = 1});
   BOOST_REQUIRE(from_file.parts.size() == cover.parts.size());
@@ -188,7 +188,7 @@ BOOST_AUTO_TEST_CASE(a_robot_is_covered_whole) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(coarse_spheres_grow_to_keep_to_the_budget) {
+BOOST_AUTO_TEST_CASE(coarse_spheres_grow_until_they_are_few_enough) {
   const auto robot = RobotModel::load(arm7());
   CoverStore store("");
   const RobotCover free = cover_robot(*robot, store, {.levels = kRough, .max_coarse = 0});
@@ -199,7 +199,7 @@ BOOST_AUTO_TEST_CASE(coarse_spheres_grow_to_keep_to_the_budget) {
   BOOST_TEST(tight.fine_spheres() == free.fine_spheres());
 }
 
-BOOST_AUTO_TEST_CASE(loaded_covers_have_the_bits_of_built_ones) {
+BOOST_AUTO_TEST_CASE(loaded_covers_equal_computed_ones_bit_for_bit) {
   const TemporaryDirectory directory;
   const auto robot = RobotModel::load(arm7());
   const RobotCoverOptions options{.levels = kRough};
@@ -210,12 +210,12 @@ BOOST_AUTO_TEST_CASE(loaded_covers_have_the_bits_of_built_ones) {
   BOOST_TEST((loaded.origin == CoverStore::Origin::file));
   BOOST_TEST((cover_robot(*robot, second, options).origin == CoverStore::Origin::memory));
   BOOST_TEST(same(built, loaded));
-  const auto copy = RobotModel::load(arm7());  // other addresses, same content
+  const auto copy = RobotModel::load(arm7());  // the same content at other addresses
   BOOST_TEST((cover_robot(*copy, second, options).origin == CoverStore::Origin::memory));
   BOOST_TEST((cover_robot(*robot, second, {.levels = kRough, .max_coarse = 150}).origin == CoverStore::Origin::built));
 }
 
-BOOST_AUTO_TEST_CASE(geometries_are_known_by_content_and_levels) {
+BOOST_AUTO_TEST_CASE(covers_are_keyed_by_content_and_levels) {
   const TemporaryDirectory directory;
   CoverStore store(directory.path(), kRough);
   const GeometryCover& a = store.cover(*box(0.3, 0.2, 0.1));
@@ -229,7 +229,7 @@ BOOST_AUTO_TEST_CASE(geometries_are_known_by_content_and_levels) {
   BOOST_TEST(sphere.fine.empty());
 }
 
-BOOST_AUTO_TEST_CASE(damaged_files_are_built_again) {
+BOOST_AUTO_TEST_CASE(covers_of_damaged_files_are_computed_again) {
   const TemporaryDirectory directory;
   const Geometry shape = box(0.2, 0.1, 0.1);
   const auto ask = [&] {
@@ -241,7 +241,7 @@ BOOST_AUTO_TEST_CASE(damaged_files_are_built_again) {
   const auto damaged = [&](const std::string& bad) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bad;
     BOOST_TEST(same(ask(), good));
-    BOOST_TEST(contents(path) == text);  // put right
+    BOOST_TEST(contents(path) == text);  // repaired
     BOOST_TEST(only_file(directory.path()) == path);
   };
   damaged("");
@@ -255,14 +255,14 @@ BOOST_AUTO_TEST_CASE(damaged_files_are_built_again) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(a_directory_that_cannot_be_used_does_not_matter) {
+BOOST_AUTO_TEST_CASE(a_directory_that_cannot_be_used_is_no_error) {
   const TemporaryDirectory directory;
   const Geometry shape = box(0.2, 0.1, 0.1);
   CoverStore none("", kRough);
   const std::string file = directory.write("file", "not a directory");
   CoverStore blocked(file + "/covers", kRough);
   BOOST_TEST(same(blocked.cover(*shape), none.cover(*shape)));
-  if (geteuid() != 0) {  // nothing is forbidden to root
+  if (geteuid() != 0) {  // root may read and write everything
     const std::string locked = directory.path("locked");
     std::filesystem::create_directories(locked);
     chmod(locked.c_str(), 0500);
@@ -291,7 +291,7 @@ BOOST_AUTO_TEST_CASE(threads_share_stores_and_directories) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_environment_names_the_directory) {
+BOOST_AUTO_TEST_CASE(the_environment_selects_the_directory) {
   const Environment home("HOME", "/home/someone");
   {
     const Environment a("SRMP_CACHE_DIR", nullptr), b("XDG_CACHE_HOME", nullptr);
@@ -310,7 +310,7 @@ BOOST_AUTO_TEST_CASE(the_environment_names_the_directory) {
   BOOST_TEST(default_cover_directory() == "");
 }
 
-BOOST_AUTO_TEST_CASE(progress_counts_up_and_may_stop_the_work) {
+BOOST_AUTO_TEST_CASE(progress_increases_and_may_stop_the_computation) {
   const auto robot = RobotModel::load(arm7());
   CoverStore store("");
   const RobotCoverOptions options{.levels = kRough};
@@ -326,7 +326,7 @@ BOOST_AUTO_TEST_CASE(progress_counts_up_and_may_stop_the_work) {
   BOOST_TEST(all > 0u);
 }
 
-BOOST_AUTO_TEST_CASE(covers_refuse_what_they_cannot_do) {
+BOOST_AUTO_TEST_CASE(covers_reject_unsupported_geometry_and_invalid_options) {
   check_throws<InvalidArgument>([] { cover_geometry(*box(1, 1, 1), {.coarse = 0}); }, "coarse inflation");
   check_throws<InvalidArgument>([] { cover_geometry(*box(1, 1, 1), {.fine = NAN}); }, "fine inflation");
   check_throws<InvalidArgument>([] { CoverStore("", {.coarse = 0.01, .fine = 0.02}); }, "must not exceed");
@@ -340,13 +340,13 @@ BOOST_AUTO_TEST_CASE(covers_refuse_what_they_cannot_do) {
 }
 
 BOOST_AUTO_TEST_CASE(covers_of_real_robots_contain_them) {
-  for (const auto& [name, tip] :
+  for (const auto& [name, end_effector] :
        {std::pair<std::string, std::string>("panda", "panda_hand"), {"ur5", "tool0"}, {"fetch", "gripper_link"}}) {
-    const RobotDescription description = mbm_robot(name, tip);
+    const RobotDescription description = mbm_robot(name, end_effector);
     if (description.urdf_path.empty()) return;
     const auto robot = RobotModel::load(description);
     CoverStore store("");
-    // Coarser than by default: the proof is the same, and there are fewer spheres to make.
+    // Coarser than the default: the proof is the same, with fewer spheres to compute.
     const RobotCover cover = cover_robot(*robot, store, {.levels = {.coarse = 0.04, .fine = 0.025}});
     BOOST_TEST(cover.coarse_spheres() <= 160u, name);
     BOOST_TEST(cover.fine_inflation() <= 0.025001, name);

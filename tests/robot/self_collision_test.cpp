@@ -76,7 +76,7 @@ BOOST_AUTO_TEST_CASE(adjacent_and_rigid_links_are_allowed_with_an_srdf) {
   BOOST_TEST(robot->always_colliding().empty());
 }
 
-BOOST_AUTO_TEST_CASE(srdf_rules_switch_pairs_off_and_on) {
+BOOST_AUTO_TEST_CASE(srdf_rules_disable_and_enable_pairs) {
   const TemporaryDirectory directory;
   RobotDescription description = chain();
   description.srdf_path = directory.write("r.srdf",
@@ -87,7 +87,7 @@ BOOST_AUTO_TEST_CASE(srdf_rules_switch_pairs_off_and_on) {
   BOOST_TEST((checked(*RobotModel::load(description)) == Pairs{{"base", "d"}, {"a", "d"}, {"b", "d"}}));
 }
 
-BOOST_AUTO_TEST_CASE(without_an_srdf_pairs_that_always_touch_are_allowed_and_reported) {
+BOOST_AUTO_TEST_CASE(without_an_srdf_pairs_that_always_collide_are_allowed_and_reported) {
   const auto robot = RobotModel::load(chain());
   // a is never farther from c than 0.2 m, and 0.26 m is contact; base is 0.3 m away when the chain is stretched.
   BOOST_TEST((robot->always_colliding() == Pairs{{"a", "c"}}));
@@ -97,7 +97,7 @@ BOOST_AUTO_TEST_CASE(without_an_srdf_pairs_that_always_touch_are_allowed_and_rep
   BOOST_TEST((again->self_pairs() == robot->self_pairs()));
 }
 
-BOOST_AUTO_TEST_CASE(arm7_is_free_when_ready_and_can_hit_itself) {
+BOOST_AUTO_TEST_CASE(arm7_is_collision_free_when_ready_and_can_collide_with_itself) {
   const auto robot = RobotModel::load(arm7());
   BOOST_TEST(!collides(*robot, robot->group_states().at("ready")));
   BOOST_TEST(!collides(*robot, robot->group_states().at("upright")));

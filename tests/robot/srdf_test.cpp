@@ -62,7 +62,7 @@ void refused(const std::string& inside, const std::string& fragment) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(groups_choose_joints_and_tips) {
+BOOST_AUTO_TEST_CASE(groups_select_joints_and_end_effectors) {
   const auto arm = Load(kGroups, group("arm"))();
   BOOST_TEST(arm->joint_names() == (Names{"a", "b"}), boost::test_tools::per_element());
   BOOST_TEST(arm->end_effector() == "two");
@@ -85,14 +85,14 @@ BOOST_AUTO_TEST_CASE(joint_names_keep_their_order) {
   BOOST_TEST(robot->actuated_joints()[1].joint == 0u);
 }
 
-BOOST_AUTO_TEST_CASE(unknown_choices_are_refused_with_the_nearest) {
+BOOST_AUTO_TEST_CASE(unknown_names_are_rejected_with_the_nearest) {
   const auto refuses = [](RobotDescription description, const std::string& fragment) {
     const Load load(kGroups, std::move(description));
     check_throws<InvalidArgument>([&] { load(); }, fragment);
   };
   refuses(group("amr"), "robot 'r' has no group 'amr', did you mean 'arm'?");
   refuses(group("locomotion"), "has no group 'locomotion'; known are 'arm', 'hand' and 'all'");
-  refuses(group("all"), "do not form one chain, so it has no tip; give end_effector");
+  refuses(group("all"), "do not form one chain, so that the end effector is ambiguous; give end_effector");
   RobotDescription d;
   d.end_effector = "thre";
   refuses(d, "end effector 'thre' is not a link of robot 'r', did you mean 'three'?");
@@ -112,12 +112,12 @@ BOOST_AUTO_TEST_CASE(unknown_choices_are_refused_with_the_nearest) {
   refuses(d, "either a group or joint_names, not both");
 }
 
-BOOST_AUTO_TEST_CASE(without_a_choice_the_candidates_are_listed) {
+BOOST_AUTO_TEST_CASE(an_ambiguous_end_effector_is_an_error_that_lists_the_candidates) {
   RobotDescription description;
   description.urdf_text = kRobot;
   check_throws<InvalidArgument>(
       [&] { RobotModel::load(description); },
-      "robot 'r' has several tips; give an end_effector, such as 'three', 'finger' and 'thumb'");
+      "robot 'r' has several leaf links; give an end_effector, such as 'three', 'finger' and 'thumb'");
   description.group = "arm";
   check_throws<InvalidArgument>([&] { RobotModel::load(description); }, "group 'arm' needs an SRDF");
   check_throws<InvalidArgument>([] { RobotModel::load({}); }, "needs a URDF");
@@ -125,7 +125,7 @@ BOOST_AUTO_TEST_CASE(without_a_choice_the_candidates_are_listed) {
   check_throws<InvalidArgument>([&] { RobotModel::load(description); }, "not both");
 }
 
-BOOST_AUTO_TEST_CASE(other_joints_take_given_then_srdf_then_nearest_to_zero) {
+BOOST_AUTO_TEST_CASE(other_joints_are_given_or_from_the_srdf_or_nearest_to_zero) {
   const std::string states =
       "<group_state name='open' group='hand'><joint name='f' value='0.03'/></group_state>"
       "<group_state name='home' group='hand'><joint name='f' value='0.01'/></group_state>";
@@ -141,7 +141,7 @@ BOOST_AUTO_TEST_CASE(other_joints_take_given_then_srdf_then_nearest_to_zero) {
   BOOST_TEST(value_of_f(*Load(kGroups + states, arm)()) == 0.02);
 }
 
-BOOST_AUTO_TEST_CASE(wrong_fixed_joints_are_refused) {
+BOOST_AUTO_TEST_CASE(invalid_fixed_joints_are_rejected) {
   const auto refuses = [](const std::map<std::string, double>& joints, const std::string& fragment) {
     const Load load(kGroups, fixed(joints));
     check_throws<InvalidArgument>([&] { load(); }, fragment);
@@ -153,7 +153,7 @@ BOOST_AUTO_TEST_CASE(wrong_fixed_joints_are_refused) {
   refuses({{"g", 0.1}}, "has no joint 'g' to fix");
 }
 
-BOOST_AUTO_TEST_CASE(group_states_that_cover_the_plan_are_kept) {
+BOOST_AUTO_TEST_CASE(group_states_of_all_planned_joints_are_kept) {
   const auto robot = Load(
       std::string(kGroups) +
           "<group_state name='up' group='arm'><joint name='a' value='0.2'/><joint name='b' value='3'/></group_state>"
@@ -163,7 +163,7 @@ BOOST_AUTO_TEST_CASE(group_states_that_cover_the_plan_are_kept) {
   BOOST_TEST(robot->group_states().at("up") == Eigen::Vector2d(0.2, 3));
 }
 
-BOOST_AUTO_TEST_CASE(srdf_mistakes_say_the_line) {
+BOOST_AUTO_TEST_CASE(srdf_errors_give_the_line) {
   refused("<grup name='x'/>", "r.srdf:2: unknown tag <grup> in <robot>, did you mean 'group'?");
   refused("\n<disable_collision link1='one' link2='two'/>",
           ":3: unknown tag <disable_collision> in <robot>, did you mean 'disable_collisions'?");
@@ -178,12 +178,12 @@ BOOST_AUTO_TEST_CASE(srdf_mistakes_say_the_line) {
           "link 'two' is not an ancestor of link 'base'");
   refused("<group name='x'/><group name='x'/>", "group 'x' is defined twice");
   refused("<group name='x'><group name='y'/></group>", "names the unknown group 'y'");
-  refused("<group name='x'><group name='y'/></group><group name='y'><group name='x'/></group>", "holds itself");
+  refused("<group name='x'><group name='y'/></group><group name='y'><group name='x'/></group>", "contains itself");
   refused("<group_state name='s' group='x'/>", "<group_state> names the unknown group 'x'");
   refused(
       "<group name='x'><joint name='a'/></group>\n<group_state name='s' group='x'>\n<joint name='a' "
       "value='zero'/></group_state>",
-      ":4: attribute 'value' of <joint> holds 'zero', which is not a number");
+      ":4: attribute 'value' of <joint> contains 'zero', which is not a number");
   refused("<end_effector name='e' parent_link='nowhere' group='x'/>", "names the unknown link 'nowhere'");
   refused("<virtual_joint name='v' type='fixed' parent_frame='world' child_link='bsae'/>",
           "unknown link 'bsae', did you mean 'base'?");
@@ -195,7 +195,7 @@ BOOST_AUTO_TEST_CASE(srdf_mistakes_say_the_line) {
   check_throws<FileError>([&] { RobotModel::load(missing); }, "SRDF file '/no/such.srdf' does not exist");
 }
 
-BOOST_AUTO_TEST_CASE(rules_for_a_fuller_variant_are_ignored_with_a_warning) {
+BOOST_AUTO_TEST_CASE(rules_for_another_variant_are_ignored_with_a_warning) {
   const auto rule = [](const std::string& link) { return "<disable_collisions link1='" + link + "' link2='two'/>"; };
   refused(rule("laser") + rule("wheel"), "unknown link 'laser'");
   const auto robot = Load(rule("laser") + rule("wheel") + rule("camera") + rule("base"))();

@@ -1,4 +1,4 @@
-// Every mistake in a URDF is refused with the place and a way out.
+// Every mistake in a URDF is an error that gives the line and a remedy.
 #include "srmp/robot/urdf.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -31,7 +31,7 @@ std::string with_collision(const std::string& collision) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(a_good_urdf_is_read) {
+BOOST_AUTO_TEST_CASE(a_valid_urdf_is_read) {
   const Urdf urdf =
       Urdf::parse(two_links(kEnds + kLimit + "<axis xyz='0 0 2'/><origin xyz='+1 .5 2.' rpy='0 0 1e-1'/>"));
   BOOST_TEST(urdf.joints[0].axis.z() == 1.0);
@@ -40,18 +40,18 @@ BOOST_AUTO_TEST_CASE(a_good_urdf_is_read) {
   BOOST_TEST(urdf.links[urdf.root].name == "base");
 }
 
-BOOST_AUTO_TEST_CASE(broken_xml_says_the_line) {
+BOOST_AUTO_TEST_CASE(xml_errors_give_the_line) {
   refused("<robot name='r'>\n<link name='a'>\n</robot>", ":2: broken XML");
   refused("", "URDF text is empty");
   refused(" \n\t", "URDF text is empty");
-  refused("<!-- nothing -->", "holds no XML element");
+  refused("<!-- nothing -->", "contains no XML element");
   refused("<model name='r'/>", ":1: the outermost tag is <model>, expected <robot>");
   refused("<robot name='r'/>", "has no <link>");
   refused("<robot/>", "<robot> has no attribute 'name'");
   refused("just words", "broken XML");
 }
 
-BOOST_AUTO_TEST_CASE(missing_files_are_named) {
+BOOST_AUTO_TEST_CASE(errors_name_missing_files) {
   const TemporaryDirectory directory;
   check_throws<FileError>([] { Urdf::read_file("/no/such/file.urdf"); }, "'/no/such/file.urdf' does not exist");
   check_throws<FileError>([&] { Urdf::read_file(directory.path()); }, "is not a file");
@@ -59,7 +59,7 @@ BOOST_AUTO_TEST_CASE(missing_files_are_named) {
   check_throws<FileError>([&] { Urdf::read_file(empty); }, "empty.urdf is empty");
 }
 
-BOOST_AUTO_TEST_CASE(misspelt_tags_and_attributes_name_the_right_one) {
+BOOST_AUTO_TEST_CASE(errors_for_misspelt_tags_and_attributes_suggest_the_right_one) {
   refused("<robot name='r'>\n<link name='a'/>\n<jiont name='j'/></robot>",
           ":3: unknown tag <jiont> in <robot>, did you mean 'joint'?");
   refused(with_collision("<colision/>"), ":3: unknown tag <colision> in <link>, did you mean 'collision'?");
@@ -69,7 +69,7 @@ BOOST_AUTO_TEST_CASE(misspelt_tags_and_attributes_name_the_right_one) {
   refused(with_collision("<collision><geometry><shpere radius='1'/></geometry></collision>"), "did you mean 'sphere'?");
 }
 
-BOOST_AUTO_TEST_CASE(extension_tags_pass) {
+BOOST_AUTO_TEST_CASE(extension_tags_are_ignored) {
   const Urdf urdf = Urdf::parse(
       two_links(kEnds + kLimit + "<dynamics damping='1'/><safety_controller k_velocity='1'/><calibration rising='0'/>",
                 "<gazebo reference='base'><colision/></gazebo><transmission name='t'><type>x</type></transmission>"
@@ -113,7 +113,8 @@ BOOST_AUTO_TEST_CASE(joint_types_axes_and_limits_are_checked) {
   refused(two_links(kEnds + "<limit lower='nan' upper='1' velocity='1'/>"), "attribute 'lower' of <limit> is NaN");
   refused(two_links(kEnds + "<limit lower='-1' upper='inf' velocity='1'/>"),
           "attribute 'upper' of <limit> is infinity");
-  refused(two_links(kEnds + "<limit lower='${pi}' upper='1' velocity='1'/>"), "holds '${pi}', which is not a number");
+  refused(two_links(kEnds + "<limit lower='${pi}' upper='1' velocity='1'/>"),
+          "contains '${pi}', which is not a number");
   refused(two_links(kEnds + kLimit + "<axis xyz='0 0 0'/>"), "the axis of joint 'j' is zero");
   refused(two_links(kEnds + kLimit + "<origin xyz='0 0'/>"), "'0 0'; expected three numbers");
   BOOST_CHECK_NO_THROW(Urdf::parse(two_links(kEnds, "", "continuous")));
@@ -148,6 +149,6 @@ BOOST_AUTO_TEST_CASE(collision_geometry_is_checked) {
   refused(shape("<box size='1 0 1'/>"), "attribute 'size' of <box> is 0; it must be above 0");
   refused(shape("<cylinder radius='1'/>"), "<cylinder> has no attribute 'length'");
   refused(shape("<mesh/>"), "<mesh> has no attribute 'filename'");
-  refused(shape("<mesh filename='a.stl' scale='1 0 1'/>"), "the scale of a <mesh> must not hold a 0");
+  refused(shape("<mesh filename='a.stl' scale='1 0 1'/>"), "no component of the scale of a <mesh> may be 0");
   refused(shape("<torus radius='1'/>"), "unknown geometry <torus>; known are box, sphere, cylinder, capsule and mesh");
 }

@@ -24,7 +24,7 @@ std::shared_ptr<const RobotModel> planar_called(const std::string& name) {
   return RobotModel::load(description);
 }
 
-/// Two robots of one kind, a cup in the hand of the first, a table.
+/// Two equal robots, a cup attached to the first, and a table.
 Scene two_planars() {
   Scene scene;
   scene.add_robot(planar_called("left"));
@@ -100,7 +100,7 @@ const std::vector<BadInput> bad_inputs{
     {"object twice", [](Scene& s) { s.add_object("cup", Sphere{1}, {}); }, "'cup' is taken by an object"},
     {"object named as a robot", [](Scene& s) { s.add_object("left", Sphere{1}, {}); }, "'left' is taken by a robot"},
     {"object named as a link", [](Scene& s) { s.add_object("left/tip", Sphere{1}, {}); },
-     "how a link of robot 'left' is called"},
+     "is the name of a link of robot 'left'"},
     {"object without name", [](Scene& s) { s.add_object("", Sphere{1}, {}); }, "name is empty"},
     {"object pose NaN", [](Scene& s) { s.add_object("x", Sphere{1}, broken_pose(nan_value, 1)); },
      "pose of object 'x'"},
@@ -160,7 +160,7 @@ const std::vector<BadInput> bad_inputs{
 
 }  // namespace
 
-BOOST_DATA_TEST_CASE(bad_input_is_one_sentence_and_changes_nothing, boost::unit_test::data::make(bad_inputs)) {
+BOOST_DATA_TEST_CASE(invalid_input_is_one_sentence_and_changes_nothing, boost::unit_test::data::make(bad_inputs)) {
   Scene scene = two_planars();
   const std::string before = state_of(scene);
   check_throws<InvalidArgument>([&] { sample.call(scene); }, sample.sentence);
@@ -172,7 +172,7 @@ BOOST_AUTO_TEST_CASE(a_missing_mesh_file_is_a_file_error) {
   check_throws<InvalidArgument>([] { Mesh::from_file("no/such/file.stl", {1, 0, 1}); }, "scale");
 }
 
-BOOST_AUTO_TEST_CASE(shapes_say_their_kind) {
+BOOST_AUTO_TEST_CASE(shapes_have_a_kind) {
   BOOST_TEST(shape_kind(Box{{1, 1, 1}}) == "box");
   BOOST_TEST(shape_kind(PointCloud{{{0, 0, 0}}, 0.1}) == "point cloud");
   BOOST_TEST(shape_kind(Mesh{}) == "mesh");
@@ -184,7 +184,7 @@ BOOST_AUTO_TEST_CASE(poses_are_normalised) {
   BOOST_TEST(scene.object_pose("x").q.norm() == 1.0);
 }
 
-BOOST_AUTO_TEST_CASE(an_object_stays_where_it_is_while_attached_and_detached) {
+BOOST_AUTO_TEST_CASE(attaching_and_detaching_do_not_move_an_object) {
   Scene scene = two_planars();
   const Pose held = scene.object_pose("cup");
   BOOST_TEST((held.p - Eigen::Vector3d(2, 0, 0.1)).norm() < 1e-12);
@@ -197,7 +197,7 @@ BOOST_AUTO_TEST_CASE(an_object_stays_where_it_is_while_attached_and_detached) {
   BOOST_TEST((scene.object_pose("cup").p - Eigen::Vector3d(2.1, 4, 0)).norm() < 1e-12);
 }
 
-BOOST_AUTO_TEST_CASE(removing_a_robot_drops_what_it_holds_and_its_settings) {
+BOOST_AUTO_TEST_CASE(removing_a_robot_detaches_its_objects_and_removes_its_settings) {
   Scene scene = two_planars();
   scene.remove_robot("left");
   BOOST_TEST(scene.attachments().empty());
@@ -206,7 +206,7 @@ BOOST_AUTO_TEST_CASE(removing_a_robot_drops_what_it_holds_and_its_settings) {
   BOOST_TEST(!scene.allowed_collision("table", "left/upper"));
 }
 
-BOOST_AUTO_TEST_CASE(removing_an_object_detaches_it_and_forgets_its_settings) {
+BOOST_AUTO_TEST_CASE(removing_an_object_detaches_it_and_removes_its_settings) {
   Scene scene = two_planars();
   scene.set_allowed_collision("cup", "table");
   scene.remove_object("cup");
@@ -215,7 +215,7 @@ BOOST_AUTO_TEST_CASE(removing_an_object_detaches_it_and_forgets_its_settings) {
   BOOST_TEST(!scene.allowed_collision("cup", "table"));
 }
 
-BOOST_AUTO_TEST_CASE(settings_override_the_rules_both_ways) {
+BOOST_AUTO_TEST_CASE(allowed_collisions_override_the_rules_in_both_directions) {
   Scene scene = two_planars();
   BOOST_TEST(scene.allowed_collision("left/upper", "left/lower"));  // adjacent
   BOOST_TEST(!scene.allowed_collision("left/upper", "right/upper"));
@@ -231,7 +231,7 @@ BOOST_AUTO_TEST_CASE(settings_override_the_rules_both_ways) {
   BOOST_TEST(scene.allowed_collision("right/upper", "left/upper"));
 }
 
-BOOST_AUTO_TEST_CASE(a_robots_name_stands_for_its_links_and_the_later_call_wins) {
+BOOST_AUTO_TEST_CASE(the_name_of_a_robot_stands_for_its_links_and_later_calls_override_earlier_ones) {
   Scene scene = two_planars();
   scene.set_allowed_collision("table", "right");
   BOOST_TEST(scene.allowed_collision("table", "right"));
@@ -246,7 +246,7 @@ BOOST_AUTO_TEST_CASE(a_robots_name_stands_for_its_links_and_the_later_call_wins)
   BOOST_TEST(scene.allowed_collision("left/tip", "right/lower"));
 }
 
-BOOST_AUTO_TEST_CASE(a_link_name_is_enough_while_only_one_robot_has_it) {
+BOOST_AUTO_TEST_CASE(a_link_name_suffices_while_only_one_robot_has_the_link) {
   Scene scene;
   scene.add_robot(planar_called("left"));
   scene.add_object("cup", Sphere{0.1}, {});

@@ -7,25 +7,30 @@
 
 namespace srmp {
 
-/// A point in time that all phases of one request share, and the caller's wish to stop.
+/// The time limit that all phases of one request share, together with the caller's request to stop.
 ///
-/// The clock decides nothing but when to stop. `interrupted` (may be empty) is asked at most every 10 ms, always from
-/// the thread that calls stop_requested(); Python uses it for Ctrl-C.
+/// The clock decides when to stop and nothing else. The callback `interrupted` (may be empty) returns whether the
+/// caller wants to stop. It is called at most every 10 ms, always from the thread that calls cancelled() or
+/// stop_requested(); Python uses it for Ctrl-C. What it throws passes through. Not thread-safe.
 class Deadline {
  public:
+  /// A monotonic clock.
   using Clock = std::chrono::steady_clock;
+  /// Returns true when the caller wants to stop.
   using Interrupt = std::function<bool()>;
 
   /// Never expires.
   Deadline() = default;
-  /// Expires `seconds` from now; infinity means never.
+  /// Expires `seconds` [s] from now; infinity means never.
   explicit Deadline(double seconds, Interrupt interrupted = {});
 
-  double remaining() const;  ///< [s], negative once passed, infinity without a limit
+  double remaining() const;  ///< [s], negative once the deadline has passed, infinity without a limit
   double elapsed() const;    ///< [s] since construction
+  /// Has the time limit passed?
   bool expired() const { return remaining() <= 0.0; }
-  /// Has the caller asked to stop? Sticky: once true, stays true.
+  /// Has the caller requested to stop? Once true, it stays true.
   bool cancelled() const;
+  /// expired() or cancelled().
   bool stop_requested() const { return expired() || cancelled(); }
 
  private:

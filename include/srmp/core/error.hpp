@@ -10,13 +10,13 @@
 
 namespace srmp {
 
-/// Base of everything this library throws. The text is one sentence that says what was wrong and what is allowed.
+/// Base class of all exceptions of this library. The text is one sentence that says what is wrong and what is allowed.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// An argument was refused at the door (Python: also a ValueError). Nothing was changed.
+/// An argument is invalid (Python: also a ValueError). The call changed nothing.
 class InvalidArgument : public Error {
  public:
   using Error::Error;
@@ -29,35 +29,39 @@ class FileError : public Error {
   using Error::Error;
 };
 
-/// Asked for something that this version does not do yet (Python: also a NotImplementedError).
+/// This version does not support what the call requires (Python: also a NotImplementedError).
 class NotSupported : public Error {
  public:
   using Error::Error;
 };
 
-/// No trajectory: the status says which kind of no, the text says why.
+/// A plan has no trajectory: the status classifies the failure, the text gives the reason.
 class PlanningError : public Error {
  public:
+  /// `status` must not be Status::solved.
   PlanningError(Status status, const std::string& reason) : Error(reason), status_(status) {}
+  /// How the plan ended.
   Status status() const { return status_; }
 
  private:
   Status status_;
 };
 
-/// ", did you mean 'x'?" for the known name nearest to `name` (edit distance), or "" when none is near.
+/// ", did you mean 'x'?" for the known name nearest to `name` (Levenshtein distance, ignoring case), or "" when none is
+/// near.
 std::string did_you_mean(std::string_view name, std::span<const std::string> known);
 
-/// "'a', 'b' and 'c'"; "(none)" when empty.
+/// The names as text: "'a', 'b' and 'c'", or "(none)" when there are none.
 std::string quoted_list(std::span<const std::string> names);
 
-/// Throws InvalidArgument unless every value is finite; `what` names the argument, `names` its components (or empty).
+/// Throws InvalidArgument unless every value is finite. `what` names the argument, `names` its components; where there
+/// is no name, the message gives the index.
 void require_finite(std::span<const double> values, std::string_view what, std::span<const std::string> names = {});
 
-/// Throws InvalidArgument unless `value` is finite and > 0.
+/// Throws InvalidArgument unless `value` is finite and > 0; `what` names the argument.
 void require_positive(double value, std::string_view what);
 
-/// The shortest text that reads back as the same double, as error messages print numbers.
+/// The shortest text that reads back as the same double; error messages print numbers this way.
 std::string to_text(double value);
 
 }  // namespace srmp

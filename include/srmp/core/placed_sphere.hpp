@@ -4,10 +4,10 @@
 
 namespace srmp {
 
-/// A sphere: centre [m] in the frame of the geometry it belongs to, radius [m].
+/// A sphere in the frame of the geometry that it belongs to.
 struct PlacedSphere {
-  Eigen::Vector3d center{Eigen::Vector3d::Zero()};
-  double radius{};
+  Eigen::Vector3d center{Eigen::Vector3d::Zero()};  ///< [m]
+  double radius{};                                  ///< [m]
 };
 
 }  // namespace srmp

@@ -4,16 +4,17 @@
 
 namespace srmp {
 
-/// How a plan ended. Never a bare "failed".
+/// How a plan ended.
 enum class Status {
-  solved,
+  solved,         ///< a trajectory was found
   timed_out,      ///< the time limit passed before a path was found
-  exhausted,      ///< the whole graph was searched: it holds no path (a finer resolution may)
+  exhausted,      ///< the whole graph was searched and contains no path (one of a finer resolution may)
   start_invalid,  ///< the start is in collision or outside a limit
-  goal_invalid,   ///< no goal can be met: in collision, outside limits or out of reach
-  cancelled,      ///< the caller asked to stop
+  goal_invalid,   ///< every goal is in collision, outside limits or out of reach
+  cancelled,      ///< the caller requested to stop
 };
 
+/// The enumerator's name, such as "timed_out".
 std::string_view to_string(Status status);
 
 }  // namespace srmp

@@ -9,39 +9,45 @@
 
 namespace srmp {
 
-/// How far off something may be along or about x, y and z of the target's own frame, on either side; infinity: an axis
-/// is free. A number holds for all three.
+/// The tolerance of a target along, or about, the axes x, y and z of the target's own frame, in both directions [m or
+/// rad]. Infinity leaves an axis free. A single number is the tolerance of all three axes.
 struct AxisTolerance {
-  AxisTolerance(double all) : axes(Eigen::Vector3d::Constant(all)) {}  // NOLINT: a number is one
+  AxisTolerance(double all) : axes(Eigen::Vector3d::Constant(all)) {}  // NOLINT: implicit, for options
   AxisTolerance(const Eigen::Vector3d& each) : axes(each) {}           // NOLINT
   AxisTolerance(double x, double y, double z) : axes(x, y, z) {}
 
+  /// Is the tolerance of this axis (0, 1 or 2) infinite?
   bool is_free(Eigen::Index axis) const { return std::isinf(axes[axis]); }
-  /// Of the axes that are not free: `value` instead.
+  /// The same with the smaller of `value` and the tolerance for each axis that is not free.
   AxisTolerance tightened(double value) const;
-  /// Throws InvalidArgument unless all three are above 0.
+  /// Throws InvalidArgument unless all three are above 0; `what` names the argument.
   void validate(const std::string& what) const;
   bool operator==(const AxisTolerance& other) const { return axes == other.axes; }
 
-  Eigen::Vector3d axes;
+  Eigen::Vector3d axes;  ///< x, y, z
 };
 
+/// Options of inverse_kinematics.
 struct IkOptions {
   int max_solutions{16};    ///< stop once this many different solutions are known, > 0
-  int seeds{64};            ///< starts tried: the reference first, then a fixed low-discrepancy sequence, > 0
-  int max_iterations{100};  ///< damped least-squares steps a seed, > 0
+  int seeds{64};            ///< initial guesses: the reference first, then a fixed low-discrepancy sequence, > 0
+  int max_iterations{100};  ///< damped least-squares steps for each seed, > 0
   AxisTolerance position_tolerance{1e-5};  ///< [m], > 0
   AxisTolerance rotation_tolerance{1e-4};  ///< [rad], > 0; infinity: position only
-  double distinct{0.05};                   ///< solutions nearer than this (largest joint difference [rad or m]) are one
-  Eigen::VectorXd other_positions{};       ///< of RobotModel::other_joints [rad or m]; empty: at their defaults
+  double distinct{0.05};  ///< >= 0: of solutions closer than this (largest joint difference [rad or m]), one is kept
+  Eigen::VectorXd other_positions{};  ///< of RobotModel::other_joints [rad or m]; empty: at their defaults
 };
 
-/// Configurations that put `link` ("" = end effector) at `target` (robot base frame), but for the axes that are free:
-/// within limits, nearest to `reference` first, the same every time. Empty when none was found. Damped least squares on
-/// the frame's Jacobian (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt
-/// method"), each step kept inside the limits, from several seeds. Joints that do not move the link keep the
-/// reference's value; continuous joints are given within half a turn of it. `deadline` is looked at between seeds.
-/// Throws InvalidArgument.
+/// Configurations that put `link` ("" = end effector) at `target` (in the robot's base frame) to the tolerances: each
+/// of shape (dof,), within limits, the nearest to `reference` first. Empty when none was found. Deterministic, unless
+/// `deadline`, which is checked between seeds, ends the search.
+///
+/// Damped least squares on the link's Jacobian (Sugihara 2011, "Solvability-unconcerned inverse kinematics by the
+/// Levenberg-Marquardt method") with each step kept within the limits, from several seeds. Joints that do not move the
+/// link keep the value of `reference`; continuous joints are returned within half a turn of it.
+///
+/// Throws InvalidArgument for options out of range, a reference of the wrong size, numbers that are not finite, and
+/// unknown links.
 std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const Pose& target, ConstVector reference,
                                                 const IkOptions& options = {}, const std::string& link = "",
                                                 const Deadline& deadline = {});

@@ -5,100 +5,118 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "srmp/core/matrix.hpp"
+#include "srmp/core/pose.hpp"
 #include "srmp/robot/robot_model.hpp"
+#include "srmp/scene/geometry_parts.hpp"
 #include "srmp/scene/shape.hpp"
 
 namespace srmp {
 
 class DistanceField;
-class PrimitiveBvh;
 
-/// What a checker asks before a geometry, or in its place.
-struct GeometryParts {
-  std::shared_ptr<const coal::CollisionGeometry> hull;  ///< outer_hull(geometry)
-  std::shared_ptr<const PrimitiveBvh> pieces;           ///< make_primitive_bvh(geometry)
-};
-
-/// Something in the world that is not a robot.
+/// A body of the scene that is not part of a robot.
 struct Object {
-  std::string name;
+  std::string name;  ///< unique in the scene
   Shape shape;
   std::shared_ptr<const coal::CollisionGeometry> geometry;  ///< of shape
   GeometryParts parts;                                      ///< of geometry
-  std::shared_ptr<const DistanceField> field;               ///< of geometry; nullptr where the distance is a formula
-  Pose pose;                                                ///< in the world; once attached: in the link's frame
-  double padding{0.0};                                      ///< [m], >= 0: kept clear around the object
+  std::shared_ptr<const DistanceField> field;               ///< of geometry; nullptr if the distance is a formula
+  Pose pose;                                                ///< in the world; while attached, in the link's frame
+  double padding{0.0};                                      ///< [m], >= 0: required clearance around the object
 };
 
-/// An object that moves with a link.
+/// The link that an attached object moves with.
 struct Attachment {
   std::string robot;
   std::string link;
-  std::set<std::string> touch_links;  ///< links of that robot it may touch (always holds `link`)
+  std::set<std::string> touch_links;  ///< links of this robot that may touch the object; `link` is always one
 };
 
-/// A robot in the world.
+/// A robot in the scene.
 struct RobotInstance {
-  std::shared_ptr<const RobotModel> model;
-  Pose base;                         ///< of the URDF's root link, in the world
-  Eigen::VectorXd q;                 ///< planned joints, where the robot stands now
-  Eigen::VectorXd other_positions;   ///< RobotModel::other_joints
-  double padding{0.0};               ///< [m] around every link, towards everything but the robot itself
-  std::vector<GeometryParts> parts;  ///< of each of model->geometries()
-  /// Of each that no planned joint moves; nullptr of the others, and where the distance is a formula.
+  std::shared_ptr<const RobotModel> model;  ///< not null
+  Pose base;                                ///< of the URDF's root link, in the world
+  Eigen::VectorXd q;                        ///< positions of the planned joints, shape (dof,) [rad or m]
+  Eigen::VectorXd other_positions;          ///< positions of RobotModel::other_joints [rad or m]
+  double padding{0.0};                      ///< [m], >= 0: required clearance to other robots and objects
+  std::vector<GeometryParts> parts;         ///< by geometry, in the order of model->geometries()
+  /// By geometry: nullptr if a planned joint moves it or if its distance is a formula.
   std::vector<std::shared_ptr<const DistanceField>> fields;
 };
 
-/// Robots, objects, attachments and allowed collisions: the planning world. Every mutator checks first and changes
-/// after, so a refused call leaves the scene as it was. Copies are cheap enough to serve as snapshots: models and
-/// geometry are shared and const.
+/// The planning scene: robots, objects, attachments and the allowed collision matrix. A call that throws leaves the
+/// scene unchanged. Copies are cheap enough to serve as snapshots, because models and geometry are shared and const. A
+/// scene may be read by several threads, but not while one of them changes it.
 ///
-/// Bodies are named: an object by its name, a link as "robot/link" or, where only one robot has it, "link"; a robot's
-/// name stands for all its links. Objects and robots share one set of names, and those come before a bare link name.
+/// Bodies have names: an object its own, a link "robot/link" or, if only one robot has such a link, "link"; the name of
+/// a robot stands for all its links. Objects and robots share one namespace, which takes precedence over link names.
+///
+/// All functions with names throw InvalidArgument for unknown ones, with the nearest known name. Those with poses throw
+/// it for NaN, infinity and zero quaternions; other quaternions are normalised.
 class Scene {
  public:
-  /// The robot starts with every planned joint at the value nearest to 0 within its limits.
+  /// Adds a robot under model->name(), which must be new, with its base (the frame of the URDF's root link) at this
+  /// pose in the world. Every planned joint starts at the value nearest to 0 within its limits.
   void add_robot(std::shared_ptr<const RobotModel> model, const Pose& base = {});
-  void remove_robot(const std::string& robot);  ///< lets go of what it holds; forgets its allowed collisions
+  /// Also detaches the objects of the robot and removes its entries of the allowed collision matrix.
+  void remove_robot(const std::string& robot);
+  /// Sets the pose of the base in the world.
   void set_base_pose(const std::string& robot, const Pose& base);
-  /// Planned joints, checked for size, NaN and limits.
+  /// Sets the planned joints, q of shape (dof,) [rad or m]. Throws InvalidArgument for another size, NaN, and positions
+  /// outside of limits.
   void set_qpos(const std::string& robot, ConstVector q);
-  /// Any scalar joint of the robot by name, planned or not.
+  /// Sets joints by name [rad or m], planned or not. Throws InvalidArgument for NaN and positions outside of limits.
   void set_joint_positions(const std::string& robot, const std::map<std::string, double>& positions);
+  /// Sets RobotInstance::padding [m]. Throws InvalidArgument unless it is finite and >= 0.
   void set_robot_padding(const std::string& robot, double padding);
 
+  /// Adds an object under a new name at `pose` in the world, with Object::padding. Throws InvalidArgument for a shape
+  /// without volume or surface, sizes that are not positive and finite, and a padding out of range.
   void add_object(const std::string& name, const Shape& shape, const Pose& pose, double padding = 0.0);
-  void remove_object(const std::string& name);  ///< detaches it first; forgets its allowed collisions
-  void set_object_pose(const std::string& name, const Pose& pose);  ///< not while attached
+  /// Also detaches the object and removes its entries of the allowed collision matrix.
+  void remove_object(const std::string& name);
+  /// Sets the pose in the world. Throws InvalidArgument while the object is attached.
+  void set_object_pose(const std::string& name, const Pose& pose);
+  /// Sets Object::padding [m]. Throws InvalidArgument unless it is finite and >= 0.
   void set_padding(const std::string& name, double padding);
 
-  /// The object keeps its pose in the hand: `pose_in_link` when given, else where it is now (robot at its set_qpos).
+  /// Attaches an object to a link, so that it moves with it: at `pose_in_link` if given, otherwise at its current pose
+  /// relative to the link (with the robot at its set_qpos). Contact with `link` and `touch_links` is allowed. Throws
+  /// InvalidArgument when the object is already attached.
   void attach_object(const std::string& object, const std::string& robot, const std::string& link,
                      const std::vector<std::string>& touch_links = {}, const std::optional<Pose>& pose_in_link = {});
-  void detach_object(const std::string& object);  ///< stays in the world where the hand holds it now
+  /// Detaches an object, which stays at its current pose in the world. Throws InvalidArgument when it is not attached.
+  void detach_object(const std::string& object);
 
-  /// Overrides every other rule for the two bodies, either way. A later call wins over the earlier ones it covers: a
-  /// setting for a whole robot replaces those of its links. Where two settings of equal reach differ, contact counts.
+  /// Sets whether contact between two bodies is allowed, in either order; this overrides all other rules. A setting for
+  /// a whole robot replaces the earlier ones of its links. If a setting for a pair of robot and link contradicts one
+  /// for the corresponding pair of link and robot, contact is not allowed. The name of a robot twice stands for all
+  /// pairs of its links. Throws InvalidArgument for an object or link twice.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
-  /// Is contact between the two bodies ignored? The calls above, else the robot's self-collision rules and touch links.
-  /// With a robot's name: for all its links.
+  /// Is contact between the two bodies ignored? Decided by set_allowed_collision, otherwise by the robot's
+  /// self-collision rules and the touch links. For the name of a robot: is it ignored for all links?
   bool allowed_collision(const std::string& a, const std::string& b) const;
 
-  /// What set_allowed_collision said and is still in force, by names as find the bodies: setting them anew in this
-  /// order says the same again.
+  /// The settings of set_allowed_collision that are in force, by names of bodies. Repeating these calls in this order
+  /// in an equal scene gives equal settings.
   const std::map<std::pair<std::string, std::string>, bool>& allowed_settings() const { return allowed_; }
 
+  // --- the content, by name
   const std::map<std::string, RobotInstance>& robots() const { return robots_; }
   const std::map<std::string, Object>& objects() const { return objects_; }
   const std::map<std::string, Attachment>& attachments() const { return attachments_; }
   const RobotInstance& robot(const std::string& name) const;  ///< throws InvalidArgument with the nearest name
   const Object& object(const std::string& name) const;        ///< throws InvalidArgument with the nearest name
-  std::vector<std::string> robot_names() const;
-  std::vector<std::string> object_names() const;
-  Pose link_pose(const std::string& robot, const std::string& link) const;  ///< in the world, robot at its set_qpos
-  Pose object_pose(const std::string& object) const;                        ///< in the world, attached or not
+  std::vector<std::string> robot_names() const;               ///< in alphabetical order
+  std::vector<std::string> object_names() const;              ///< in alphabetical order
+  /// The pose of a link in the world, with the robot at its set_qpos.
+  Pose link_pose(const std::string& robot, const std::string& link) const;
+  /// The pose of an object in the world, attached or not.
+  Pose object_pose(const std::string& object) const;
 
   void reset();  ///< removes everything
 

@@ -8,7 +8,9 @@
 
 namespace srmp {
 
-// Shapes are solid and centred at their own frame; lengths in metres. Cylinder, capsule and cone lie along z.
+// Shapes are solid unless stated otherwise, and centred at the origin of their own frame. Lengths are in metres,
+// positive and finite. The axis of cylinders, capsules and cones is z.
+
 struct Box {
   Eigen::Vector3d size;  ///< full edge lengths
 };
@@ -19,34 +21,36 @@ struct Cylinder {
   double radius;
   double length;
 };
-/// A cylinder of `length` with a half sphere on each end (total height length + 2 radius).
+/// A cylinder of `length` with a half sphere at each end; the total height is length + 2 radius.
 struct Capsule {
   double radius;
   double length;
 };
-/// Base at z = -length/2, tip at z = +length/2.
+/// The base is at z = -length/2 and the apex at z = +length/2.
 struct Cone {
   double radius;
   double length;
 };
-/// Triangles as a surface, or, when asked, their convex hull as a solid.
+/// The triangles as a surface, or the convex hull of the vertices as a solid.
 struct Mesh {
-  std::vector<Eigen::Vector3d> vertices;
-  std::vector<std::array<int, 3>> triangles;  ///< indices into vertices; may be empty when convex
-  bool convex{false};
+  std::vector<Eigen::Vector3d> vertices;      ///< [m]
+  std::vector<std::array<int, 3>> triangles;  ///< indices into vertices; may be empty if convex
+  bool convex{false};                         ///< the convex hull
 
-  /// Reads any format that assimp reads. Throws FileError.
+  /// Reads a mesh in any format that assimp reads; vertices are multiplied by `scale`. Throws FileError for files that
+  /// are missing or unreadable, and InvalidArgument for a scale that is 0 or not finite.
   static Mesh from_file(const std::string& path, const Eigen::Vector3d& scale = {1, 1, 1}, bool convex = false);
 };
-/// Points become occupied voxels of an octree.
+/// The points' voxels, occupied cells of an octree.
 struct PointCloud {
-  std::vector<Eigen::Vector3d> points;
-  double resolution;  ///< edge length of a voxel
+  std::vector<Eigen::Vector3d> points;  ///< [m]
+  double resolution;                    ///< edge length of a voxel [m]
 };
 
+/// Any shape of an object.
 using Shape = std::variant<Box, Sphere, Cylinder, Capsule, Cone, Mesh, PointCloud>;
 
-/// The shape's kind as users say it: "box", "sphere", …
+/// The name of the shape's kind: "box", "sphere", "cylinder", "capsule", "cone", "mesh" or "point cloud".
 std::string shape_kind(const Shape& shape);
 
 }  // namespace srmp

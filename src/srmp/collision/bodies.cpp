@@ -266,8 +266,8 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
     const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
     const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
     if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;
-    const Placed placed_a{a.geometry.get(), a.parts.pieces.get(), a.bounds, pose_a, center_a},
-        placed_b{b.geometry.get(), b.parts.pieces.get(), b.bounds, pose_b, center_b};
+    const Placed placed_a{a.geometry.get(), a.parts.bvh.get(), a.bounds, pose_a, center_a},
+        placed_b{b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b};
     if (NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance)
       overlaps.push_back({a_fixed, b_fixed, index_a, index_b});
     return;

@@ -33,7 +33,7 @@ struct Body {
   /// The geometry, or a convex solid around it; null when there is only the geometry's pieces.
   const coal::CollisionGeometry* solid{};
 
-  bool is_solid() const { return !parts.pieces; }
+  bool is_solid() const { return !parts.bvh; }
 };
 
 /// Moved by the group's joints: a geometry of a robot, or an object in a link's hand.

@@ -72,10 +72,10 @@ void Checker::Workspace::place(ConstVector q) {
 Placed Checker::Workspace::placed(bool fixed, std::size_t i) const {
   if (!fixed) {
     const MovingBody& body = bodies_.moving[i];
-    return {body.geometry.get(), body.parts.pieces.get(), body.bounds, poses_[i], centers_[i]};
+    return {body.geometry.get(), body.parts.bvh.get(), body.bounds, poses_[i], centers_[i]};
   }
   const FixedBody& body = bodies_.fixed[i];
-  return {body.geometry.get(), body.parts.pieces.get(), body.bounds, body.pose, body.center};
+  return {body.geometry.get(), body.parts.bvh.get(), body.bounds, body.pose, body.center};
 }
 
 // --- one configuration

@@ -81,7 +81,7 @@ class Prover {
  private:
   struct Part {
     Part(const LinkGeometry& geometry, const GeometryParts& parts, std::size_t i)
-        : index(i), shape(geometry.shape.get()), pieces(parts.pieces.get()), bounds(bounds_of(*geometry.shape)) {
+        : index(i), shape(geometry.shape.get()), pieces(parts.bvh.get()), bounds(bounds_of(*geometry.shape)) {
       bounds.center = geometry.center;
       bounds.radius = geometry.radius;
       if (is_convex_solid(*parts.hull)) solid = parts.hull.get();
@@ -184,7 +184,7 @@ PairTables build(const RobotModel& model, const std::vector<GeometryParts>& part
   std::vector<Job> jobs;
   const OtherJoints others(model);
   for (const auto& [a, b] : model.self_pairs())
-    if ((parts[a].pieces || parts[b].pieces) && !others.move(a, b))
+    if ((parts[a].bvh || parts[b].bvh) && !others.move(a, b))
       if (auto turning = turning_of(model, a, b)) jobs.push_back({a, b, std::move(*turning)});
   PairTables tables(jobs.size());
   WorkerPool pool(std::max(1u, std::thread::hardware_concurrency()));

@@ -17,7 +17,7 @@ class NearGeometry {
   NearGeometry(const coal::CollisionGeometry& geometry, const GeometryParts& parts, const Eigen::Isometry3d& pose,
                double distance)
       : geometry_(geometry),
-        pieces_(parts.pieces.get()),
+        pieces_(parts.bvh.get()),
         bounds_(bounds_of(geometry)),
         pose_(pose),
         center_(pose * bounds_.center),

@@ -10,7 +10,7 @@ namespace srmp {
 
 namespace {
 
-// A file is: magic, key, content, SHA-256 of all that.
+// A file consists of the magic, the key, the content, and the SHA-256 of these.
 constexpr std::string_view kMagic = "SRMPFILE";
 
 std::string_view as_text(const Sha256::Digest& digest) {

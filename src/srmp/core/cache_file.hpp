@@ -9,15 +9,16 @@
 
 namespace srmp {
 
-// Files of what takes long to compute, named by what it was computed from. Damaged, cut or foreign ones count as
-// missing.
+// A cache of results that take long to compute: a directory of files, each named by the SHA-256 of the inputs. Files
+// that are damaged, truncated or foreign count as missing.
 
-/// What the directory holds under the key, bit for bit as written. Nothing where there is no such file, or no directory
-/// ("").
+/// The content that was written under the key, bit for bit; nullopt when there is no such file or `directory` is empty.
+/// `extension` begins with a dot.
 std::optional<std::string> read_cached(const std::filesystem::path& directory, std::string_view extension,
                                        const Sha256::Digest& key);
 
-/// As write_file. False when that was impossible.
+/// Creates the directory where it is missing, and writes the file with write_file. False when that is impossible, or
+/// `directory` is empty.
 bool write_cached(const std::filesystem::path& directory, std::string_view extension, const Sha256::Digest& key,
                   std::string_view content);
 

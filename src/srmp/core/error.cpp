@@ -37,11 +37,11 @@ std::size_t edit_distance(std::string_view raw_a, std::string_view raw_b) {
 
 std::string did_you_mean(std::string_view name, std::span<const std::string> known) {
   const std::string* nearest = nullptr;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2) + 1;
+  std::size_t min_distance = std::max<std::size_t>(2, name.size() / 2) + 1;
   for (const std::string& candidate : known) {
     const std::size_t distance = edit_distance(name, candidate);
-    if (distance < least) {
-      least = distance;
+    if (distance < min_distance) {
+      min_distance = distance;
       nearest = &candidate;
     }
   }

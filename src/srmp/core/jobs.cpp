@@ -10,9 +10,10 @@ namespace srmp {
 
 namespace {
 
-constexpr auto watch_period = std::chrono::milliseconds(10);
+constexpr auto monitor_period = std::chrono::milliseconds(10);
 
-/// One call of Jobs::run with several threads: workers take the next job each, the caller keeps watch.
+/// One call of Jobs::run with several threads: each worker takes the next job, and the caller monitors the deadline and
+/// the progress.
 class SharedJobs {
  public:
   SharedJobs(std::size_t count, const Deadline& deadline, const Jobs::Job& job, const Jobs::Progress& progress)
@@ -20,8 +21,8 @@ class SharedJobs {
 
   void run(WorkerPool& pool) {
     stop_ = deadline_.cancelled();
-    pool.run(pool.size(), [this](std::size_t worker, std::size_t) { worker == 0 ? watch() : work(); });
-    for (const std::exception_ptr& error : {watch_error_, error_})
+    pool.run(pool.size(), [this](std::size_t worker, std::size_t) { worker == 0 ? monitor() : work(); });
+    for (const std::exception_ptr& error : {monitor_error_, error_})
       if (error) std::rethrow_exception(error);
   }
 
@@ -46,24 +47,24 @@ class SharedJobs {
     error_ = std::move(error);
   }
 
-  void watch() {
+  void monitor() {
     std::unique_lock lock(mutex_);
-    for (std::size_t told = 0; told < count_;) {
-      changed_.wait_for(lock, watch_period, [&] { return done_ > told; });
+    for (std::size_t reported = 0; reported < count_;) {
+      changed_.wait_for(lock, monitor_period, [&] { return done_ > reported; });
       const std::size_t done = done_;
       lock.unlock();
-      if (!stop_) report(done, done > told);
-      told = done;
+      if (!stop_) report(done, done > reported);
+      reported = done;
       lock.lock();
     }
   }
 
-  void report(std::size_t done, bool news) {
+  void report(std::size_t done, bool has_progress) {
     try {
       stop_ = deadline_.cancelled();
-      if (news && progress_ && !stop_) progress_(done);
+      if (has_progress && progress_ && !stop_) progress_(done);
     } catch (...) {
-      watch_error_ = std::current_exception();
+      monitor_error_ = std::current_exception();
       stop_ = true;
     }
   }
@@ -73,12 +74,12 @@ class SharedJobs {
   const Jobs::Job& job_;
   const Jobs::Progress& progress_;
   std::atomic<std::size_t> next_{0};
-  std::atomic<std::size_t> failed_;  // the first job that did; count_: none
+  std::atomic<std::size_t> failed_;  // the smallest index of a job that failed; count_ when none did
   std::atomic<bool> stop_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::size_t done_{0};
-  std::exception_ptr error_, watch_error_;
+  std::exception_ptr error_, monitor_error_;
 };
 
 }  // namespace

@@ -9,25 +9,26 @@
 
 namespace srmp {
 
-/// Numbered jobs, a few at a time, whose results do not depend on how many that are: each writes to a place of its own.
+/// Runs numbered jobs on several threads. Results do not depend on the number of threads when each job writes to a
+/// place of its own.
 class Jobs {
  public:
-  /// With one thread, or for one job, the caller does them itself; else it keeps watch while they are done.
-  /// No more threads are made than there are jobs.
+  /// With one thread, or for one job, the calling thread runs the jobs; otherwise `threads` workers do, and the calling
+  /// thread monitors them. No more workers are started than there are jobs.
   explicit Jobs(std::size_t threads) : threads_(threads) {}
 
-  /// One job. Its deadline passes when that of all does.
+  /// Runs job `i`. Its deadline passes when that of the whole run does.
   using Job = std::function<void(std::size_t i, const Deadline& deadline)>;
-  /// Told by the calling thread as jobs end, those that were skipped too.
+  /// Called by the calling thread when jobs end; `done` includes skipped jobs.
   using Progress = std::function<void(std::size_t done)>;
-  /// Runs job 0 … count-1, begun in order, and returns when all are done. Throws what the first of them in order threw,
-  /// though others may have been quicker to throw: jobs after one that throws may be skipped, jobs before it never are.
-  /// `deadline` is asked, and `progress` called, by the calling thread alone; what they throw ends all.
+  /// Starts the jobs 0 … count-1 in order and returns when all have ended. When jobs throw, rethrows the exception of
+  /// the one with the smallest index, whichever threw first: jobs after one that throws may be skipped, jobs before it
+  /// never are. Only the calling thread checks `deadline` and calls `progress`; an exception of either stops all jobs.
   void run(std::size_t count, const Deadline& deadline, const Job& job, const Progress& progress = {});
 
  private:
   std::size_t threads_;
-  std::unique_ptr<WorkerPool> pool_;  // null: not needed yet
+  std::unique_ptr<WorkerPool> pool_;  // null until it is needed
 };
 
 }  // namespace srmp

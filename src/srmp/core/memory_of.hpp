@@ -7,7 +7,7 @@
 
 namespace srmp {
 
-// Bytes that containers hold of the heap, near enough: what their elements hold is not counted.
+// Approximate heap memory of containers [bytes], without what their elements allocate.
 
 template <class T>
 std::size_t memory_of(const std::vector<T>& values) {

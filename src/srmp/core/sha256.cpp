@@ -28,20 +28,20 @@ Sha256::Sha256()
     : state_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19} {}
 
 void Sha256::add(const void* data, std::size_t size) {
-  if (size == 0) return;  // data may be null then
+  if (size == 0) return;  // then data may be null
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   std::size_t filled = size_ % 64;
   size_ += size;
   if (filled > 0) {
     const std::size_t more = std::min(size, 64 - filled);
-    std::memcpy(rest_.data() + filled, bytes, more);
+    std::memcpy(block_.data() + filled, bytes, more);
     if (filled + more < 64) return;
-    block(rest_.data());
+    block(block_.data());
     bytes += more;
     size -= more;
   }
   for (; size >= 64; bytes += 64, size -= 64) block(bytes);
-  if (size > 0) std::memcpy(rest_.data(), bytes, size);
+  if (size > 0) std::memcpy(block_.data(), bytes, size);
 }
 
 Sha256::Digest Sha256::digest() {

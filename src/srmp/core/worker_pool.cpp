@@ -4,7 +4,7 @@ namespace srmp {
 
 WorkerPool::WorkerPool(std::size_t workers) try {
   for (std::size_t worker = 1; worker < workers; ++worker) threads_.emplace_back([this, worker] { work(worker); });
-} catch (...) {  // the system has no more
+} catch (...) {  // the system cannot start more threads
   stop();
 }
 
@@ -19,7 +19,7 @@ void WorkerPool::stop() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-void WorkerPool::run_share(std::size_t worker) const {
+void WorkerPool::run_jobs_of(std::size_t worker) const {
   for (std::size_t i = worker; i < count_; i += size()) (*job_)(worker, i);
 }
 
@@ -36,7 +36,7 @@ void WorkerPool::run(std::size_t count, const std::function<void(std::size_t, st
     ++round_;
   }
   start_.notify_all();
-  run_share(0);
+  run_jobs_of(0);
   std::unique_lock lock(mutex_);
   done_.wait(lock, [this] { return running_ == 0; });
 }
@@ -50,7 +50,7 @@ void WorkerPool::work(std::size_t worker) {
       if (stop_) return;
       seen = round_;
     }
-    run_share(worker);
+    run_jobs_of(worker);
     {
       const std::lock_guard lock(mutex_);
       --running_;

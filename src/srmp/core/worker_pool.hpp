@@ -9,24 +9,25 @@
 
 namespace srmp {
 
-/// A few threads that run numbered jobs. Worker 0 is the caller. Which worker runs which job is fixed (job i goes to
-/// worker i mod size), so scratch memory per worker sees the same jobs on every run.
+/// A pool of threads that run numbered jobs; worker 0 is the calling thread. Job i always runs on worker i mod size(),
+/// so that the scratch memory of a worker is used by the same jobs on every run.
 class WorkerPool {
  public:
-  /// Throws std::system_error when the system has no more threads.
+  /// Starts workers - 1 threads. Throws std::system_error when the system cannot start them.
   explicit WorkerPool(std::size_t workers);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
+  /// The number of workers, at least 1.
   std::size_t size() const { return threads_.size() + 1; }
-  /// Runs job(worker, i) for i = 0 … count-1 and returns when all are done. Jobs must not throw.
+  /// Runs job(worker, i) for i = 0 … count-1 and returns when all have ended. Jobs must not throw.
   void run(std::size_t count, const std::function<void(std::size_t worker, std::size_t i)>& job);
 
  private:
   void stop();
   void work(std::size_t worker);
-  void run_share(std::size_t worker) const;
+  void run_jobs_of(std::size_t worker) const;
 
   std::mutex mutex_;
   std::condition_variable start_, done_;

@@ -14,7 +14,7 @@ namespace srmp {
 
 namespace {
 
-/// A new file beside `path`, as open() makes it for this user: mkstemp's would be private.
+/// Opens a new file beside `path` with the user's default permissions; mkstemp would create a private file.
 int open_beside(const std::filesystem::path& path, std::filesystem::path& temporary) {
   static std::atomic<unsigned> number{0};
   int descriptor = -1;
@@ -30,7 +30,7 @@ int open_beside(const std::filesystem::path& path, std::filesystem::path& tempor
   return descriptor;
 }
 
-/// 0, or errno.
+/// Returns 0, or the errno of the call that failed.
 int write_and_close(int descriptor, std::string_view text) {
   int error = 0;
   while (error == 0 && !text.empty()) {

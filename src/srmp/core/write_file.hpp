@@ -5,9 +5,9 @@
 
 namespace srmp {
 
-/// Writes a temporary file in the same directory, waits until it is on the disk, and renames it: readers see the old
-/// file or the new one, never half of it. Throws FileError that says why it could not; what was there is then as it
-/// was.
+/// Replaces a file atomically: writes a temporary file in the same directory, waits until it is on the disk, and
+/// renames it, so that readers see either the old file or the new one. Throws FileError with the reason when that is
+/// impossible; an old file is then unchanged. The directory must exist.
 void write_file(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace srmp

@@ -11,8 +11,8 @@ namespace srmp {
 namespace {
 
 constexpr std::string_view kExtension = ".cover";
-constexpr std::uint32_t kFileVersion = 2;   // raise when the layout changes
-constexpr std::uint32_t kCoverVersion = 2;  // raise when covers of the same geometry come out differently
+constexpr std::uint32_t kFileVersion = 2;   // incremented when the layout changes
+constexpr std::uint32_t kCoverVersion = 2;  // incremented when covers of the same geometry change
 
 class Writer {
  public:
@@ -51,7 +51,7 @@ class Writer {
   std::string text_;
 };
 
-/// Takes numbers off the front; once that was impossible, `ok` stays false.
+/// Reads numbers from the front; `ok` becomes and stays false once the text is too short or wrong.
 class Reader {
  public:
   explicit Reader(std::string_view text) : text_(text) {}
@@ -118,7 +118,7 @@ class Reader {
 std::filesystem::path default_cover_directory() {
   if (const char* own = std::getenv("SRMP_CACHE_DIR"))
     return *own == '\0' ? std::filesystem::path() : std::filesystem::path(own) / "covers";
-  // Relative paths are to be ignored, says the XDG base directory specification.
+  // The XDG base directory specification requires that relative paths are ignored.
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg == '/')
     return std::filesystem::path(xdg) / "srmp" / "covers";
   if (const char* home = std::getenv("HOME"); home && *home == '/')
@@ -148,7 +148,7 @@ Sha256 cover_key(std::string_view what) {
   hash.add(what.data(), what.size());
   hash.add(kFileVersion);
   hash.add(kCoverVersion);
-  // Another compiler may round otherwise; then its covers are others.
+  // Covers of another compiler may differ, because its rounding may.
   constexpr std::string_view compiler = __VERSION__;
   hash.add(compiler.data(), compiler.size());
   return hash;

@@ -23,7 +23,8 @@ void CoverStore::adopt(std::shared_ptr<const coal::CollisionGeometry> shape,
                        std::shared_ptr<const GeometryCover> cover) {
   const auto* address = shape.get();
   const std::lock_guard lock(mutex_);
-  adopted_.try_emplace(address, Adopted{std::move(shape), std::move(cover)});  // references to the first stay good
+  adopted_.try_emplace(address,
+                       Adopted{std::move(shape), std::move(cover)});  // references to the first cover stay valid
 }
 
 bool CoverStore::has_adopted(const coal::CollisionGeometry& shape) const {
@@ -31,36 +32,36 @@ bool CoverStore::has_adopted(const coal::CollisionGeometry& shape) const {
   return adopted_.contains(&shape);
 }
 
-CoverStore::Answer CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {
-  std::promise<Answer> promise;
+CoverStore::Result CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {
+  std::promise<Result> promise;
   Future known;
   {
     const std::lock_guard lock(mutex_);
-    const auto [it, added] = answers_.try_emplace(key);
+    const auto [it, added] = results_.try_emplace(key);
     if (added)
       it->second = promise.get_future().share();
     else
       known = it->second;
   }
   if (known.valid()) return {known.get().covers, Origin::memory};
-  Answer answer;
+  Result result;
   try {
     if (auto covers = read_covers(directory_, key)) {
-      answer = {std::make_shared<const CoverSet>(std::move(*covers)), Origin::file};
+      result = {std::make_shared<const CoverSet>(std::move(*covers)), Origin::file};
     } else {
-      answer = {std::make_shared<const CoverSet>(build()), Origin::built};
-      write_covers(directory_, key, *answer.covers);
+      result = {std::make_shared<const CoverSet>(build()), Origin::built};
+      write_covers(directory_, key, *result.covers);
     }
   } catch (...) {
     {
       const std::lock_guard lock(mutex_);
-      answers_.erase(key);
+      results_.erase(key);
     }
     promise.set_exception(std::current_exception());
     throw;
   }
-  promise.set_value(answer);
-  return answer;
+  promise.set_value(result);
+  return result;
 }
 
 }  // namespace srmp

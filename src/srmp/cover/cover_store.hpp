@@ -10,46 +10,50 @@
 
 namespace srmp {
 
-/// Sphere covers by content: each is made once, kept in memory as long as the store lives, and in a directory for later
-/// runs. What is loaded has the bits of what was built. A directory that cannot be read or written costs time and
-/// nothing else. Threads share a store; threads and processes share a directory.
+/// Sphere covers by content: each is computed once, kept in memory as long as the store lives, and in a directory for
+/// later runs. Loaded covers are bit for bit those that were computed. A directory that cannot be read or written costs
+/// time and nothing else. Threads may share a store; threads and processes may share a directory.
 class CoverStore {
  public:
-  /// Keeps its files in `directory`; an empty one: no files.
+  /// Keeps its files in `directory`, or no files when that is empty. Throws InvalidArgument for levels out of range.
   explicit CoverStore(std::filesystem::path directory = default_cover_directory(), const CoverLevels& levels = {});
 
-  /// The cover of a geometry: that of the robot it belongs to (see adopt), else one with the store's levels, made at
-  /// the first call for this content. The reference lives as long as the store. Throws as cover_geometry does.
+  /// The cover of a geometry: the adopted one if there is one, otherwise one with the store's levels, which the first
+  /// call for this content computes. The reference is valid as long as the store. Throws as cover_geometry does.
   const GeometryCover& cover(const coal::CollisionGeometry& shape);
 
-  /// From now on `cover` is the answer for this very geometry object.
+  /// From now on, cover() returns `cover` for this geometry object (not for others of the same content), as for the
+  /// geometries of a robot that was covered as a whole. The first cover adopted for an object stays.
   void adopt(std::shared_ptr<const coal::CollisionGeometry> shape, std::shared_ptr<const GeometryCover> cover);
+  /// Has adopt been called for this geometry object?
   bool has_adopted(const coal::CollisionGeometry& shape) const;
 
+  /// Where a result comes from: an earlier call, a file, or a new computation.
   enum class Origin { memory, file, built };
-  struct Answer {
-    std::shared_ptr<const CoverSet> covers;
+  struct Result {
+    std::shared_ptr<const CoverSet> covers;  ///< not null
     Origin origin{};
   };
-  /// What the store keeps under the key, or makes by `build` (called by one thread; the others wait). What `build`
-  /// throws goes to all of them, and the next call tries again.
-  Answer get(const Sha256::Digest& key, const std::function<CoverSet()>& build);
+  /// The covers under the key, from memory, from a file or computed by `build` (which one thread calls while others
+  /// wait for the same key). An exception of `build` is rethrown to all of them, and the next call tries again.
+  Result get(const Sha256::Digest& key, const std::function<CoverSet()>& build);
 
   const CoverLevels& levels() const { return levels_; }
   const std::filesystem::path& directory() const { return directory_; }
 
  private:
-  using Future = std::shared_future<Answer>;
+  using Future = std::shared_future<Result>;
   struct Adopted {
-    std::shared_ptr<const coal::CollisionGeometry> shape;  // keeps the address taken
+    std::shared_ptr<const coal::CollisionGeometry> shape;  // keeps the address in use
     std::shared_ptr<const GeometryCover> cover;
   };
 
   const std::filesystem::path directory_;
   const CoverLevels levels_;
   mutable std::mutex mutex_;
-  std::map<Sha256::Digest, Future> answers_;
-  std::map<const coal::CollisionGeometry*, Adopted> adopted_;  // looked up, never walked
+  std::map<Sha256::Digest, Future> results_;
+  std::map<const coal::CollisionGeometry*, Adopted>
+      adopted_;  // never iterated over: the order of addresses is arbitrary
 };
 
 }  // namespace srmp

@@ -27,7 +27,7 @@ CoverSolid::Triangles triangles_of(const Faces& faces, std::size_t count) {
   return triangles;
 }
 
-/// What covers are made from: a primitive's numbers, or a mesh.
+/// The input of a cover: the numbers of a primitive, or a mesh.
 struct Content {
   enum class Kind : std::uint8_t { sphere, box, cylinder, capsule, cone, convex, mesh } kind{};
   Eigen::Vector3d size{Eigen::Vector3d::Zero()};  // radius; edges; radius, length
@@ -47,7 +47,7 @@ std::optional<Content> primitive_content(const coal::CollisionGeometry& shape) {
 
 Content content_of(const coal::CollisionGeometry& shape) {
   if (const auto* s = as<coal::ShapeBase>(shape); s && s->getSweptSphereRadius() != 0)
-    throw NotSupported("sphere covers are not made for shapes swept by a sphere; use padding instead");
+    throw NotSupported("sphere covers do not support shapes swept by a sphere; use padding instead");
   if (auto primitive = primitive_content(shape)) return *primitive;
   if (const auto* s = as<coal::Convex<coal::Triangle>>(shape))
     return {Content::Kind::convex,
@@ -59,7 +59,7 @@ Content content_of(const coal::CollisionGeometry& shape) {
             Eigen::Vector3d::Zero(),
             {mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices},
             triangles_of(*mesh->tri_indices, mesh->num_tris)};
-  throw NotSupported("sphere covers are made for solids and meshes, not for this kind of geometry");
+  throw NotSupported("sphere covers exist for solids and meshes, not for this kind of geometry");
 }
 
 CoverSolid solid_of(const Content& content, double closing) {

@@ -9,26 +9,30 @@ class CollisionGeometry;
 
 namespace srmp {
 
-/// How far spheres of a cover stick out of what they cover [m].
+/// How far the spheres of a cover extend beyond the covered solid [m]: the largest, and the mean over spheres.
 struct Inflation {
   double max{}, mean{};
 };
 
-/// A collision geometry under spheres, in the geometry's frame: one around it, coarse ones, fine ones, and some inside.
+/// The spheres of a collision geometry, in the geometry's frame [m].
 struct GeometryCover {
-  PlacedSphere bound;
-  std::vector<PlacedSphere> coarse, fine, inner;
-  std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); both empty when exact
-  bool exact{false};                                 ///< the one coarse sphere is the geometry
-  bool hollow{false};                                ///< a surface, not a solid
+  PlacedSphere bound;                ///< contains the geometry
+  std::vector<PlacedSphere> coarse;  ///< together they contain the geometry
+  std::vector<PlacedSphere> fine;    ///< the same, more closely; empty when exact
+  std::vector<PlacedSphere> inner;   ///< inside of the geometry; empty when exact
+  /// cover_children(coarse, fine), by coarse sphere; empty when exact.
+  std::vector<std::vector<std::uint32_t>> children;
+  bool exact{false};   ///< the geometry is a sphere, and the only coarse sphere equals it
+  bool hollow{false};  ///< a surface: bodies wholly inside do not collide with it
   Inflation coarse_inflation, fine_inflation;
 };
 
+/// How closely spheres cover a geometry.
 struct CoverLevels {
   double coarse{0.015};   ///< [m] largest inflation, > 0
   double fine{0.004};     ///< [m] largest inflation, > 0 and at most coarse
-  double closing{0.015};  ///< [m] cavities that a sphere of this radius cannot enter may be filled; 0: none
-  std::size_t inner{12};  ///< spheres inside, at most
+  double closing{0.015};  ///< [m] >= 0: a cover may fill cavities that a sphere of this radius cannot enter
+  std::size_t inner{12};  ///< largest number of inner spheres
 
   bool operator==(const CoverLevels&) const = default;
 };
@@ -38,15 +42,20 @@ struct CoverLevels {
 /// InvalidArgument for levels out of range.
 GeometryCover cover_geometry(const coal::CollisionGeometry& shape, const CoverLevels& levels = {});
 
-/// The same in steps: the coarse level is searched by itself, with the inflation that the spheres' number calls for.
+/// cover_geometry in steps, so that the coarse level can be repeated with a larger inflation until its spheres are few
+/// enough.
 class GeometryCoverBuilder {
  public:
-  /// Throws as cover_geometry does.
+  /// Computes the coarse level with levels.coarse. Throws as cover_geometry does.
   GeometryCoverBuilder(const coal::CollisionGeometry& shape, const CoverLevels& levels);
 
+  /// The number of coarse spheres.
   std::size_t coarse_count() const { return cover_.coarse.size(); }
+  /// The inflation of the last cover_coarsely [m].
   double coarse_target() const { return coarse_target_; }
+  /// Replaces the coarse level by one with this largest inflation [m] > 0.
   void cover_coarsely(double inflation);
+  /// Computes the other levels and returns all.
   GeometryCover finish();
 
  private:
@@ -56,10 +65,11 @@ class GeometryCoverBuilder {
   GeometryCover cover_;
 };
 
-/// Throws InvalidArgument unless the levels are finite, positive and in order.
+/// Throws InvalidArgument unless the levels are as CoverLevels requires.
 void require_levels(const CoverLevels& levels);
 
-/// Adds all that a cover depends on: the geometry's kind and numbers. Throws NotSupported as cover_geometry does.
+/// Adds the geometry's kind and numbers to the hash; with the levels, a cover depends on nothing else. Throws
+/// NotSupported as cover_geometry does.
 void add_content(Sha256& hash, const coal::CollisionGeometry& shape);
 
 }  // namespace srmp

@@ -21,7 +21,7 @@ class Search {
         changed_(system.sets.size(), 0),
         barred_until_(system.sets.size(), 0) {
     for (const int s : cover)
-      for (const std::uint32_t e : system.sets[s]) place_[e] = kOpen;  // asked for
+      for (const std::uint32_t e : system.sets[s]) place_[e] = kOpen;  // is to be covered
     for (std::size_t s = 0; s < system.sets.size(); ++s)
       for (const std::uint32_t e : system.sets[s])
         if (place_[e] != kClosed) holders_[e].push_back(static_cast<int>(s));
@@ -45,8 +45,8 @@ class Search {
       const int dropped = cheapest();
       remove(dropped);
       barred_until_[dropped] = step_ + 2 + random() % 4;
-      const int mended = best_for(open_[random() % open_.size()]);
-      add(mended);
+      const int added = best_for(open_[random() % open_.size()]);
+      add(added);
       for (const std::uint32_t e : open_) {
         ++weight_[e];
         for (const int s : holders_[e]) ++gain_[s];
@@ -112,13 +112,14 @@ class Search {
     work_ += system_.sets[s].size();
   }
 
-  /// The chosen set that is missed least; of equals the one chosen longest ago.
+  /// The chosen set whose removal loses the least weight; of equals, the one that was added longest ago.
   int cheapest() const {
     return *std::min_element(chosen_.begin(), chosen_.end(), [&](int a, int b) {
       return std::pair(loss_[a], changed_[a]) < std::pair(loss_[b], changed_[b]);
     });
   }
 
+  /// The set that covers this element and gains the most weight; sets removed a few steps ago are barred.
   int best_for(std::uint32_t e) const {
     int best = -1;
     for (const int s : holders_[e]) {
@@ -129,14 +130,15 @@ class Search {
   }
 
   const SetSystem& system_;
-  std::vector<std::vector<int>> holders_;  // of each element that is asked for
-  std::vector<int> times_;                 // covered
-  std::vector<std::int64_t> holder_sum_;   // of the chosen sets that hold it: the one, when there is one
+  std::vector<std::vector<int>>
+      holders_;                           // sets that contain each element; empty for elements that need not be covered
+  std::vector<int> times_;                // how many chosen sets contain each element
+  std::vector<std::int64_t> holder_sum_;  // sum of the chosen sets that contain it: the set itself when there is one
   std::vector<std::int64_t> weight_;
   std::vector<std::int32_t> place_;  // in open_
   std::vector<std::uint32_t> open_;  // elements not covered
   std::vector<std::int64_t> gain_;   // weight of open elements in the set
-  std::vector<std::int64_t> loss_;   // weight of elements that only this chosen set holds
+  std::vector<std::int64_t> loss_;   // weight of elements that only this chosen set contains
   std::vector<std::uint64_t> changed_, barred_until_;
   std::vector<int> chosen_, best_;
   std::uint64_t seed_{1}, step_{0};

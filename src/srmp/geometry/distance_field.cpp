@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 
 namespace srmp {
 
@@ -16,48 +16,48 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double max_sites = 4e6;
-constexpr double sites_along = 64;      // the longest edge of a mesh
-constexpr double largest_reach = 0.25;  // [m]
+constexpr double max_voxels = 4e6;
+constexpr double voxels_along = 64;  // the longest edge of a mesh
+constexpr double max_reach = 0.25;   // [m]
 
-/// Lower corner and edges.
-std::pair<Vector3d, Vector3d> box_around(const PrimitiveBvh& pieces) {
+/// The lower corner and the edge lengths of the bounding box.
+std::pair<Vector3d, Vector3d> box_around(const PrimitiveBvh& primitives) {
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const PrimitiveBvh::Triangle& triangle : pieces.triangles())
+  for (const PrimitiveBvh::Triangle& triangle : primitives.triangles())
     for (const Vector3d& v : triangle) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  for (const Vector3d& cube : pieces.cubes()) {
-    low = low.cwiseMin((cube.array() - pieces.edge() / 2).matrix());
-    high = high.cwiseMax((cube.array() + pieces.edge() / 2).matrix());
+  for (const Vector3d& cube : primitives.cubes()) {
+    low = low.cwiseMin((cube.array() - primitives.edge() / 2).matrix());
+    high = high.cwiseMax((cube.array() + primitives.edge() / 2).matrix());
   }
   return {low, high - low};
 }
 
-/// Does the triangle meet the cube? Separating axes (Akenine-Moller 2001); the cube is a little larger than it is.
-bool meets(const PrimitiveBvh::Triangle& triangle, const Vector3d& middle, double half) {
+/// Does the triangle intersect the cube, enlarged a little? Separating axes (Akenine-Moller 2001).
+bool intersects(const PrimitiveBvh::Triangle& triangle, const Vector3d& middle, double half) {
   const double h = half * (1 + 1e-6);
   const Vector3d a = triangle[0] - middle, b = triangle[1] - middle, c = triangle[2] - middle;
-  const auto apart = [&](const Vector3d& axis) {
+  const auto separates = [&](const Vector3d& axis) {
     const double x = axis.dot(a), y = axis.dot(b), z = axis.dot(c), r = h * axis.cwiseAbs().sum();
     return std::min({x, y, z}) > r || std::max({x, y, z}) < -r;
   };
   for (int i = 0; i < 3; ++i)
-    if (apart(Vector3d::Unit(i))) return false;
+    if (separates(Vector3d::Unit(i))) return false;
   const std::array<Vector3d, 3> edges{b - a, c - b, a - c};
-  if (apart(edges[0].cross(edges[1]))) return false;
+  if (separates(edges[0].cross(edges[1]))) return false;
   for (const Vector3d& edge : edges)
     for (int i = 0; i < 3; ++i)
-      if (apart(Vector3d::Unit(i).cross(edge))) return false;
+      if (separates(Vector3d::Unit(i).cross(edge))) return false;
   return true;
 }
 
 }  // namespace
 
-/// Small cubes that hold the geometry; each holds some of it.
-struct DistanceField::Sites {
+/// Voxels that together contain the geometry; each occupied one intersects it.
+struct DistanceField::Voxels {
   double edge{};
   Vector3d corner;
   std::array<int, 3> size{};
-  std::vector<char> taken;  // x runs fastest
+  std::vector<char> occupied;  // x runs fastest
 
   std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
@@ -65,25 +65,25 @@ struct DistanceField::Sites {
            static_cast<std::size_t>(x);
   }
 
-  explicit Sites(const PrimitiveBvh& pieces) {
-    const auto [low, extent] = box_around(pieces);
-    if (pieces.of_cubes()) {
-      edge = pieces.edge();
+  explicit Voxels(const PrimitiveBvh& primitives) {
+    const auto [low, extent] = box_around(primitives);
+    if (primitives.of_cubes()) {
+      edge = primitives.edge();
       const auto count = [&] { return ((extent.array() / edge).ceil() + 1).prod(); };
-      while (count() > max_sites) edge *= 2;
+      while (count() > max_voxels) edge *= 2;
       corner = (low.array() / edge + 1e-6).floor() * edge;
     } else {
-      edge = std::max(extent.maxCoeff() / sites_along, 1e-4);
+      edge = std::max(extent.maxCoeff() / voxels_along, 1e-4);
       corner = low.array() - edge / 2;
     }
     for (int i = 0; i < 3; ++i)
       size[static_cast<std::size_t>(i)] =
           std::max(1, static_cast<int>(std::ceil((low[i] + extent[i] - corner[i]) / edge - 1e-6)));
-    taken.assign(index(0, 0, size[2]), 0);
-    if (pieces.of_cubes())
-      for (const Vector3d& cube : pieces.cubes()) take(cube);
+    occupied.assign(index(0, 0, size[2]), 0);
+    if (primitives.of_cubes())
+      for (const Vector3d& cube : primitives.cubes()) occupy(cube);
     else
-      for (const PrimitiveBvh::Triangle& triangle : pieces.triangles()) take(triangle);
+      for (const PrimitiveBvh::Triangle& triangle : primitives.triangles()) occupy(triangle);
   }
 
   std::array<int, 3> cell_of(const Vector3d& p) const {
@@ -95,28 +95,28 @@ struct DistanceField::Sites {
     return cell;
   }
 
-  void take(const Vector3d& cube) {
+  void occupy(const Vector3d& cube) {
     const auto cell = cell_of(cube);
-    taken[index(cell[0], cell[1], cell[2])] = 1;
+    occupied[index(cell[0], cell[1], cell[2])] = 1;
   }
 
-  void take(const PrimitiveBvh::Triangle& t) {
-    const Vector3d slack = Vector3d::Constant(1e-6 * edge);
-    const auto from = cell_of(t[0].cwiseMin(t[1]).cwiseMin(t[2]) - slack),
-               to = cell_of(t[0].cwiseMax(t[1]).cwiseMax(t[2]) + slack);
+  void occupy(const PrimitiveBvh::Triangle& t) {
+    const Vector3d margin = Vector3d::Constant(1e-6 * edge);
+    const auto from = cell_of(t[0].cwiseMin(t[1]).cwiseMin(t[2]) - margin),
+               to = cell_of(t[0].cwiseMax(t[1]).cwiseMax(t[2]) + margin);
     for (int z = from[2]; z <= to[2]; ++z)
       for (int y = from[1]; y <= to[1]; ++y)
         for (int x = from[0]; x <= to[0]; ++x) {
-          char& cell = taken[index(x, y, z)];
-          if (!cell) cell = meets(t, corner + edge * Vector3d(x + 0.5, y + 0.5, z + 0.5), edge / 2);
+          char& cell = occupied[index(x, y, z)];
+          if (!cell) cell = intersects(t, corner + edge * Vector3d(x + 0.5, y + 0.5, z + 0.5), edge / 2);
         }
   }
 
-  /// What lies between two taken cells of a row, too: the inside of a convex solid.
+  /// Occupies what lies between two occupied voxels of a row: the interior of a convex solid.
   void fill() {
     for (int z = 0; z < size[2]; ++z)
       for (int y = 0; y < size[1]; ++y) {
-        const auto row = taken.begin() + static_cast<std::ptrdiff_t>(index(0, y, z)), end = row + size[0];
+        const auto row = occupied.begin() + static_cast<std::ptrdiff_t>(index(0, y, z)), end = row + size[0];
         const auto first = std::find(row, end, 1);
         if (first == end) continue;
         const auto last = std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(row), 1).base();
@@ -125,22 +125,22 @@ struct DistanceField::Sites {
   }
 };
 
-DistanceField::DistanceField(const PrimitiveBvh& pieces) : DistanceField(pieces, false, 0.0) {}
+DistanceField::DistanceField(const PrimitiveBvh& primitives) : DistanceField(primitives, false, 0.0) {}
 DistanceField::DistanceField(const PrimitiveBvh& surface, double outside) : DistanceField(surface, true, outside) {}
 
-DistanceField::DistanceField(const PrimitiveBvh& pieces, bool solid, double outside) {
-  Sites sites(pieces);
-  if (solid) sites.fill();
-  const int ratio = sites.taken.size() > 300'000 ? 3 : sites.taken.size() > 50'000 ? 2 : 1;
-  corner_ = sites.corner;
-  cell_ = ratio * sites.edge;
-  for (std::size_t i = 0; i < 3; ++i) size_[i] = (sites.size[i] + ratio - 1) / ratio + 1;
-  // Longer than any body that is asked about needs; whole cells, for the passes' windows.
-  reach_ = sites.edge * std::max(4.0, std::ceil(largest_reach / sites.edge));
-  reach_ = std::min(reach_, 64 * sites.edge);
-  const bool tight = pieces.of_cubes() && sites.edge == pieces.edge();
-  excess_ = outside + (tight ? 0.0 : std::sqrt(3.0) * sites.edge) + 2e-3 * reach_;
-  measure(sites);
+DistanceField::DistanceField(const PrimitiveBvh& primitives, bool solid, double outside) {
+  Voxels voxels(primitives);
+  if (solid) voxels.fill();
+  const int ratio = voxels.occupied.size() > 300'000 ? 3 : voxels.occupied.size() > 50'000 ? 2 : 1;
+  corner_ = voxels.corner;
+  cell_ = ratio * voxels.edge;
+  for (std::size_t i = 0; i < 3; ++i) size_[i] = (voxels.size[i] + ratio - 1) / ratio + 1;
+  // Larger than what queries about any body need, and a whole number of voxels for the windows of measure().
+  reach_ = voxels.edge * std::max(4.0, std::ceil(max_reach / voxels.edge));
+  reach_ = std::min(reach_, 64 * voxels.edge);
+  const bool tight = primitives.of_cubes() && voxels.edge == primitives.edge();
+  error_bound_ = outside + (tight ? 0.0 : std::sqrt(3.0) * voxels.edge) + 2e-3 * reach_;
+  measure(voxels);
 }
 
 DistanceField::Bounds DistanceField::distance(const Vector3d& point) const {
@@ -170,59 +170,74 @@ DistanceField::Bounds DistanceField::distance(const Vector3d& point) const {
   const double v = std::sqrt(std::max(0.0, value(nearest[0], nearest[1], nearest[2])));
   if (v >= 0.99 * reach_) return {low, std::numeric_limits<double>::infinity()};
   const Vector3d grid_point = corner_ + cell_ * Vector3d(nearest[0], nearest[1], nearest[2]);
-  return {low, v + excess_ + (point - grid_point).norm()};
+  return {low, v + error_bound_ + (point - grid_point).norm()};
 }
 
-/// Exact distances to the cubes, one axis after the other (Felzenszwalb and Huttenlocher 2012), within the reach.
-void DistanceField::measure(const Sites& sites) {
-  const int ratio = static_cast<int>(std::lround(cell_ / sites.edge));
-  const int window = static_cast<int>(std::lround(reach_ / sites.edge));
-  const auto far = static_cast<float>(window) * static_cast<float>(window);  // in units of the sites' edge
+namespace {
+
+/// The squared distance from a grid point at `at` to the interval [cell, cell + 1].
+float squared_gap(int at, int cell) {
+  const auto d = static_cast<float>(std::max({cell - at, at - cell - 1, 0}));
+  return d * d;
+}
+
+/// Of each grid point along a row of `size` voxels, the squared distance to the nearest occupied one, at most `far`,
+/// the square of `window`. Grid points lie on every `ratio`-th corner of a voxel.
+void measure_row(const char* row, int size, int ratio, int window, float far, std::vector<float>& squared) {
+  int left = -window - 1, right = -1;  // the nearest occupied voxels on both sides of a grid point
+  for (std::size_t i = 0; i < squared.size(); ++i) {
+    const int at = ratio * static_cast<int>(i);
+    for (int x = std::max(0, at - ratio); x < std::min(at, size); ++x)
+      if (row[x]) left = x;
+    if (right < at) {
+      right = at;
+      while (right < size && !row[right]) ++right;
+    }
+    squared[i] = std::min({far, squared_gap(at, left), right < size ? squared_gap(at, right) : far});
+  }
+}
+
+/// One axis of the transform: `source` holds squared distances within the line or plane of voxels `cell`; `target` is a
+/// sequence of lines or planes of grid points along the axis, each as large as the source, and becomes the minimum.
+void relax(const std::vector<float>& source, int cell, int ratio, float far, std::vector<float>& target) {
+  const std::size_t size = source.size();
+  for (std::size_t k = 0; k < target.size() / size; ++k) {
+    const float add = squared_gap(ratio * static_cast<int>(k), cell);
+    if (add >= far) continue;
+    float* out = target.data() + k * size;
+    for (std::size_t i = 0; i < size; ++i) out[i] = std::min(out[i], source[i] + add);
+  }
+}
+
+}  // namespace
+
+/// Exact distances from the grid points to the occupied voxels, as far as the reach. As in Felzenszwalb and
+/// Huttenlocher 2012, one axis after the other. Each axis takes the minimum over a window of voxels and not the lower
+/// envelope of parabolas, since the reach is short, the distance is to voxels rather than to points, and there are
+/// fewer grid points than voxels.
+void DistanceField::measure(const Voxels& voxels) {
+  const int ratio = static_cast<int>(std::lround(cell_ / voxels.edge));
+  const int window = static_cast<int>(std::lround(reach_ / voxels.edge));
+  const auto far = static_cast<float>(window) * static_cast<float>(window);  // in units of a voxel's edge
   const auto nx = static_cast<std::size_t>(size_[0]), ny = static_cast<std::size_t>(size_[1]),
              nz = static_cast<std::size_t>(size_[2]);
-  // Square of the distance from a grid point at `at` to the interval [cell, cell + 1].
-  const auto apart = [](int at, int cell) {
-    const auto d = static_cast<float>(std::max({cell - at, at - cell - 1, 0}));
-    return d * d;
-  };
   std::vector<float> along_x(nx), along_y(ny * nx);
   squared_.assign(nx * ny * nz, far);
-  for (int z = 0; z < sites.size[2]; ++z) {
+  for (int z = 0; z < voxels.size[2]; ++z) {
     std::fill(along_y.begin(), along_y.end(), far);
     bool any = false;
-    for (int y = 0; y < sites.size[1]; ++y) {
-      const char* row = sites.taken.data() + sites.index(0, y, z);
-      if (std::find(row, row + sites.size[0], 1) == row + sites.size[0]) continue;
+    for (int y = 0; y < voxels.size[1]; ++y) {
+      const char* row = voxels.occupied.data() + voxels.index(0, y, z);
+      if (std::find(row, row + voxels.size[0], 1) == row + voxels.size[0]) continue;
       any = true;
-      int left = -window - 1, right = -1;  // the nearest taken cells on both sides of a grid point
-      for (std::size_t i = 0; i < nx; ++i) {
-        const int at = ratio * static_cast<int>(i);
-        for (int x = std::max(0, at - ratio); x < std::min(at, sites.size[0]); ++x)
-          if (row[x]) left = x;
-        if (right < at) {
-          right = at;
-          while (right < sites.size[0] && !row[right]) ++right;
-        }
-        along_x[i] = std::min({far, apart(at, left), right < sites.size[0] ? apart(at, right) : far});
-      }
-      for (std::size_t j = 0; j < ny; ++j) {
-        const float add = apart(ratio * static_cast<int>(j), y);
-        if (add >= far) continue;
-        float* out = along_y.data() + j * nx;
-        for (std::size_t i = 0; i < nx; ++i) out[i] = std::min(out[i], along_x[i] + add);
-      }
+      measure_row(row, voxels.size[0], ratio, window, far, along_x);
+      relax(along_x, y, ratio, far, along_y);
     }
-    if (!any) continue;
-    for (std::size_t k = 0; k < nz; ++k) {
-      const float add = apart(ratio * static_cast<int>(k), z);
-      if (add >= far) continue;
-      float* out = squared_.data() + k * ny * nx;
-      for (std::size_t i = 0; i < ny * nx; ++i) out[i] = std::min(out[i], along_y[i] + add);
-    }
+    if (any) relax(along_y, z, ratio, far, squared_);
   }
-  // Single precision, in what interpolates these, loses less than this; excess() makes up for it.
-  const double unit = sites.edge * sites.edge, slack = 64 * 0x1p-24 * reach_ * reach_;
-  for (float& value : squared_) value = static_cast<float>(value * unit - slack);
+  // Interpolating these in single precision loses less than this; error_bound() includes it.
+  const double unit = voxels.edge * voxels.edge, rounding = 64 * 0x1p-24 * reach_ * reach_;
+  for (float& value : squared_) value = static_cast<float>(value * unit - rounding);
 }
 
 namespace {
@@ -240,7 +255,7 @@ TriangleSoup surface_of(const coal::Convex<coal::Triangle>& hull) {
 }
 
 constexpr int cone_sides = 64;
-/// A pyramid around the cone.
+/// A pyramid that contains the cone.
 TriangleSoup surface_of(const coal::Cone& cone) {
   TriangleSoup surface{{{0, 0, cone.halfLength}, {0, 0, -cone.halfLength}}, {}};
   const double r = cone.radius / std::cos(std::numbers::pi / cone_sides);
@@ -257,8 +272,8 @@ TriangleSoup surface_of(const coal::Cone& cone) {
 }  // namespace
 
 std::shared_ptr<const DistanceField> make_distance_field(const coal::CollisionGeometry& geometry,
-                                                         const PrimitiveBvh* pieces) {
-  if (pieces) return std::make_shared<const DistanceField>(*pieces);
+                                                         const PrimitiveBvh* bvh) {
+  if (bvh) return std::make_shared<const DistanceField>(*bvh);
   if (const auto* hull = dynamic_cast<const coal::Convex<coal::Triangle>*>(&geometry))
     return std::make_shared<const DistanceField>(solid_field(surface_of(*hull), 0.0));
   if (const auto* cone = dynamic_cast<const coal::Cone*>(&geometry))

@@ -3,6 +3,8 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <coal/BVH/BVH_model.h>
+#include <coal/mesh_loader/loader.h>
 
 #include <assimp/Importer.hpp>
 #include <filesystem>
@@ -36,7 +38,7 @@ class Collector {
     }
     for (unsigned i = 0; i < part.mNumFaces; ++i) {
       const aiFace& face = part.mFaces[i];
-      if (face.mNumIndices != 3) continue;  // points and lines: some exporters leave them behind
+      if (face.mNumIndices != 3) continue;  // points and lines, which some exporters write
       const std::array<int, 3> t{index[face.mIndices[0]], index[face.mIndices[1]], index[face.mIndices[2]]};
       if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) mesh.triangles.push_back(t);
     }
@@ -52,7 +54,7 @@ class Collector {
   std::map<std::array<double, 3>, int> known_;
 };
 
-/// Vertices that no triangle uses (of dropped lines and points) must not grow a hull.
+/// Drops vertices that no triangle uses, such as those of dropped lines and points: they must not enlarge a hull.
 void drop_unused_vertices(TriangleSoup& mesh) {
   std::vector<int> index(mesh.vertices.size(), -1);
   std::vector<Eigen::Vector3d> used;
@@ -86,11 +88,22 @@ TriangleSoup read_mesh_file(const std::string& path, const Eigen::Vector3d& scal
   Collector collector(scale);
   collector.mesh.parts = scene->mNumMeshes;
   collector.add(*scene, *scene->mRootNode, aiMatrix4x4());
-  if (collector.mesh.triangles.empty()) throw FileError("mesh file '" + path + "' holds no triangles");
+  if (collector.mesh.triangles.empty()) throw FileError("mesh file '" + path + "' contains no triangles");
   for (const Eigen::Vector3d& v : collector.mesh.vertices)
-    if (!v.allFinite()) throw FileError("mesh file '" + path + "' holds a vertex that is not finite");
+    if (!v.allFinite()) throw FileError("mesh file '" + path + "' contains a vertex that is not finite");
   drop_unused_vertices(collector.mesh);
   return std::move(collector.mesh);
+}
+
+void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh) {
+  const coal::BVHModelPtr_t model = coal::MeshLoader(coal::BV_OBBRSS).load(path, scale);
+  const int first = static_cast<int>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), model->vertices->begin(), model->vertices->end());
+  for (const coal::Triangle& t : *model->tri_indices) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    mesh.triangles.push_back(
+        {first + static_cast<int>(t[0]), first + static_cast<int>(t[1]), first + static_cast<int>(t[2])});
+  }
 }
 
 }  // namespace srmp

@@ -1,20 +1,20 @@
+#include "srmp/geometry/mesh_geometry.hpp"
+
 #include <coal/BVH/BVH_model.h>
-#include <coal/mesh_loader/loader.h>
 #include <coal/shape/convex.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <string>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
 
 namespace srmp {
 
 namespace {
 
 using Hull = coal::Convex<coal::Triangle>;
-constexpr double kThin = 1e-9;  // of its size: points this near to a plane span no volume
+constexpr double kThin = 1e-9;  // relative to the size: points this near to a plane span no volume
 constexpr double kFlat = 1e-6;  // [m] how far a surface may be from its hull and still count as convex
 
 struct Plane {
@@ -23,7 +23,8 @@ struct Plane {
   double distance(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p) - offset); }
 };
 
-/// nullptr when the points span no volume (asked first, for qhull prints its complaint).
+/// The convex hull; nullptr when the points span no volume. That is checked first, because qhull prints an error
+/// message.
 std::shared_ptr<Hull> coal_hull(const std::vector<Eigen::Vector3d>& vertices) {
   if (!spans_volume(vertices)) return nullptr;
   auto points = std::make_shared<std::vector<coal::Vec3s>>(vertices.begin(), vertices.end());
@@ -44,7 +45,7 @@ std::shared_ptr<Hull> require_hull(const std::vector<Eigen::Vector3d>& vertices)
                         " points has no volume; it needs four points that are not in one plane");
 }
 
-/// Every edge is walked once in each direction.
+/// Is every edge used exactly once in each direction?
 bool is_closed(const TriangleSoup& mesh) {
   std::vector<std::pair<int, int>> edges;
   edges.reserve(3 * mesh.triangles.size());
@@ -150,17 +151,6 @@ TriangleSoup convex_hull(const std::vector<Eigen::Vector3d>& points) {
     surface.triangles.push_back(triangle);
   }
   return surface;
-}
-
-void add_coal_reading(const std::string& path, const Eigen::Vector3d& scale, TriangleSoup& mesh) {
-  const coal::BVHModelPtr_t model = coal::MeshLoader(coal::BV_OBBRSS).load(path, scale);
-  const int first = static_cast<int>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), model->vertices->begin(), model->vertices->end());
-  for (const coal::Triangle& t : *model->tri_indices) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    mesh.triangles.push_back(
-        {first + static_cast<int>(t[0]), first + static_cast<int>(t[1]), first + static_cast<int>(t[2])});
-  }
 }
 
 bool is_convex(const TriangleSoup& mesh) {

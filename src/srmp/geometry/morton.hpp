@@ -5,7 +5,8 @@
 
 namespace srmp {
 
-// Cells of a grid in the order of an octree's leaves (Morton 1966): 21 bits an axis, from -2^20.
+// Morton codes (Morton 1966): the cells of a grid in the order of an octree's leaves, with 21 bits for each axis;
+// indices are from -2^20 to 2^20 - 1.
 
 namespace detail {
 constexpr std::uint64_t spread_bits(std::uint64_t x) {
@@ -26,6 +27,7 @@ constexpr std::uint64_t gather_bits(std::uint64_t x) {
 constexpr std::int32_t morton_middle = 1 << 20;
 }  // namespace detail
 
+/// The code of the cell with these indices along x, y and z.
 constexpr std::uint64_t morton_code(const std::array<std::int32_t, 3>& key) {
   std::uint64_t code = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -33,6 +35,7 @@ constexpr std::uint64_t morton_code(const std::array<std::int32_t, 3>& key) {
   return code;
 }
 
+/// The inverse of morton_code.
 constexpr std::array<std::int32_t, 3> morton_key(std::uint64_t code) {
   std::array<std::int32_t, 3> key{};
   for (std::size_t i = 0; i < 3; ++i)

@@ -22,7 +22,7 @@ using Boxes = coal::BVHModel<coal::OBBRSS>;
 
 PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
   const auto* boxes = dynamic_cast<const Boxes*>(&mesh);
-  if (!boxes || boxes->getNumBVs() == 0) throw NotSupported("a mesh needs Coal's tree of oriented boxes (OBBRSS)");
+  if (!boxes || boxes->getNumBVs() == 0) throw NotSupported("a mesh needs Coal's hierarchy of oriented boxes (OBBRSS)");
   nodes_.reserve(boxes->getNumBVs());
   triangles_.reserve(mesh.num_tris);
   const auto copy = [&](const auto& self, unsigned from) -> std::uint32_t {
@@ -45,7 +45,7 @@ PrimitiveBvh::PrimitiveBvh(const coal::BVHModelBase& mesh) {
 }
 
 PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge) : edge_(edge) {
-  if (keys.empty()) throw InvalidArgument("a tree of pieces needs at least one cube");
+  if (keys.empty()) throw InvalidArgument("a bounding volume hierarchy needs at least one cube");
   std::vector<std::uint64_t> codes;
   codes.reserve(keys.size());
   for (const auto& key : keys) codes.push_back(morton_code(key));
@@ -60,26 +60,27 @@ PrimitiveBvh::PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double
   build_cubes(codes, 0);
 }
 
-/// Splits where the codes' highest differing bit changes: the halves of an octree's cell along one axis.
+/// Splits where the highest bit in which the codes differ changes: at the middle of a cell of the octree, along one
+/// axis.
 std::uint32_t PrimitiveBvh::build_cubes(std::span<const std::uint64_t> codes, std::size_t done) {
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  const auto hold = [&](const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
+  const auto extend = [&](const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
     low = low.cwiseMin(center - half);
     high = high.cwiseMax(center + half);
   };
   if (codes.size() <= max_cubes) {
     nodes_[index].first = static_cast<std::uint32_t>(done);
     nodes_[index].size = static_cast<std::uint32_t>(codes.size());
-    for (std::size_t i = done; i < done + codes.size(); ++i) hold(cubes_[i], Eigen::Vector3d::Constant(edge_ / 2));
+    for (std::size_t i = done; i < done + codes.size(); ++i) extend(cubes_[i], Eigen::Vector3d::Constant(edge_ / 2));
   } else {
     const std::uint64_t bit = std::bit_floor(codes.front() ^ codes.back()), border = codes.back() & ~(bit - 1);
     const auto half = static_cast<std::size_t>(std::lower_bound(codes.begin(), codes.end(), border) - codes.begin());
     const std::uint32_t left = build_cubes(codes.first(half), done);
     const std::uint32_t right = build_cubes(codes.subspan(half), done + half);
     nodes_[index].right = right;
-    for (const std::uint32_t child : {left, right}) hold(nodes_[child].center, nodes_[child].half);
+    for (const std::uint32_t child : {left, right}) extend(nodes_[child].center, nodes_[child].half);
   }
   nodes_[index].center = (low + high) / 2;
   nodes_[index].half = (high - low) / 2;
@@ -88,8 +89,8 @@ std::uint32_t PrimitiveBvh::build_cubes(std::span<const std::uint64_t> codes, st
 
 namespace {
 
-/// Leaves may stand for many cubes of the finest level.
-PrimitiveBvh tree_of_octree(const coal::OcTree& geometry) {
+/// The occupied cells of an octree. A leaf above the finest level becomes many cubes.
+PrimitiveBvh bvh_of_octree(const coal::OcTree& geometry) {
   const octomap::OcTree& octree = *geometry.getTree();
   const auto middle = static_cast<std::int32_t>(1u << (octree.getTreeDepth() - 1));
   std::vector<std::array<std::int32_t, 3>> keys;
@@ -112,7 +113,7 @@ std::shared_ptr<const PrimitiveBvh> make_primitive_bvh(const coal::CollisionGeom
   if (const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(&geometry))
     return std::make_shared<const PrimitiveBvh>(*mesh);
   if (const auto* octree = dynamic_cast<const coal::OcTree*>(&geometry))
-    return std::make_shared<const PrimitiveBvh>(tree_of_octree(*octree));
+    return std::make_shared<const PrimitiveBvh>(bvh_of_octree(*octree));
   throw NotSupported("a geometry of Coal's type " + std::to_string(geometry.getNodeType()) +
                      " is neither a convex solid, a mesh nor an octree");
 }

@@ -14,29 +14,34 @@ class CollisionGeometry;
 
 namespace srmp {
 
-/// A geometry that is no convex solid, as convex pieces in a tree of boxes: the triangles of a mesh, or the cubes of a
-/// cloud. In the geometry's frame. Const once built.
+/// Bounding volume hierarchy over the convex primitives of a geometry that is not a convex solid: the triangles of a
+/// mesh, or the cubes of a point cloud. In the geometry's frame [m]. Const once built.
 class PrimitiveBvh {
  public:
+  /// Three corners.
   using Triangle = std::array<Eigen::Vector3d, 3>;
 
-  /// A box around pieces, its edges along the columns of `axes`. Its left child is the next node.
+  /// An oriented box that contains primitives; its edges are along the columns of `axes`. Its left child is the next
+  /// node.
   struct Node {
     Eigen::Matrix3d axes{Eigen::Matrix3d::Identity()};
-    Eigen::Vector3d center, half;
+    Eigen::Vector3d center, half;   ///< half: of the edge lengths
     std::uint32_t right{};          ///< right child
-    std::uint32_t first{}, size{};  ///< pieces of a leaf; size 0: has children
+    std::uint32_t first{}, size{};  ///< primitives of a leaf; an inner node has size 0
   };
 
-  /// The triangles of a mesh, in the boxes that Coal made for it. Throws NotSupported for another kind of tree.
+  /// The triangles of a mesh, in the boxes of Coal's hierarchy. Throws NotSupported unless that is of type OBBRSS.
   explicit PrimitiveBvh(const coal::BVHModelBase& mesh);
-  /// `keys`: cells of a grid of cubes, [k * edge, (k + 1) * edge] along each axis; doubles count once.
+  /// Cubes of a grid: a key k stands for [k * edge, (k + 1) * edge] along each axis, with `edge` > 0. Duplicates count
+  /// once. Throws InvalidArgument when there are none.
   PrimitiveBvh(std::vector<std::array<std::int32_t, 3>> keys, double edge);
 
+  /// The root comes first.
   const std::vector<Node>& nodes() const { return nodes_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }  ///< empty for cubes
-  const std::vector<Eigen::Vector3d>& cubes() const { return cubes_; }   ///< middles; empty for triangles
-  double edge() const { return edge_; }                                  ///< of the cubes
+  const std::vector<Eigen::Vector3d>& cubes() const { return cubes_; }   ///< centres; empty for triangles
+  double edge() const { return edge_; }                                  ///< edge length of a cube
+  /// Are the primitives cubes?
   bool of_cubes() const { return triangles_.empty(); }
 
  private:
@@ -48,7 +53,7 @@ class PrimitiveBvh {
   double edge_{};
 };
 
-/// The pieces of a mesh; nullptr for a convex solid. Throws NotSupported for other geometries.
+/// The hierarchy of a mesh or an octree; nullptr for a convex solid. Throws NotSupported for other geometries.
 std::shared_ptr<const PrimitiveBvh> make_primitive_bvh(const coal::CollisionGeometry& geometry);
 
 }  // namespace srmp

@@ -17,10 +17,10 @@ namespace {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kLargestStep = 0.5;  // [rad or m] a step may change a joint by this much: the Jacobian is local
+constexpr double kMaxStep = 0.5;  // [rad or m] largest change of a joint in one step, because the Jacobian is local
 constexpr double kMinDamping = 1e-9;
-constexpr int kPatience = 20;    // steps without progress before a seed is given up
-constexpr int kPolishSteps = 3;  // after the tolerance is met: convergence is quadratic there, the digits are cheap
+constexpr int kPatience = 20;    // a seed is abandoned after this many steps without progress
+constexpr int kPolishSteps = 3;  // after the tolerance is met, where convergence is quadratic
 
 /// The rotation vector of `rotation` [rad], at most pi long.
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
@@ -30,6 +30,7 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
   return sine < 1e-12 ? Eigen::Vector3d(2 * q.vec()) : Eigen::Vector3d(q.vec() * (2 * std::atan2(sine, q.w()) / sine));
 }
 
+/// Solves from one seed at a time.
 class Solver {
  public:
   Solver(const RobotModel& robot, const Pose& target, ConstVector reference, const IkOptions& options, std::size_t link)
@@ -44,9 +45,9 @@ class Solver {
         moves_link_(robot.dof(), false),
         whole_turns_(robot.dof(), true) {
     for (std::size_t k = 0; k < robot.actuated_joints().size(); ++k) {
-      const ActuatedJoint& drive = robot.actuated_joints()[k];
-      if (robot.link_support(link) >> k & 1) moves_link_[drive.joint] = true;
-      if (drive.prismatic || drive.ratio != std::round(drive.ratio)) whole_turns_[drive.joint] = false;
+      const ActuatedJoint& actuated = robot.actuated_joints()[k];
+      if (robot.link_support(link) >> k & 1) moves_link_[actuated.joint] = true;
+      if (actuated.prismatic || actuated.ratio != std::round(actuated.ratio)) whole_turns_[actuated.joint] = false;
     }
     project(reference_);
   }
@@ -90,7 +91,8 @@ class Solver {
   }
 
  private:
-  /// Sets the error and the Jacobian at q, in the target's axes, zero where an axis is free; returns the error's norm.
+  /// Computes the error and the Jacobian at q along the target's axes, with zeros for free axes; returns the norm of
+  /// the error.
   double evaluate(const Eigen::VectorXd& q) {
     robot_.forward(*data_, q);
     const Eigen::Isometry3d pose = robot_.link_pose(*data_, link_);
@@ -107,7 +109,8 @@ class Solver {
     return error_.norm();
   }
 
-  /// The turn [rad] that is missing. Where one axis is free, the shortest that brings it in line; else all of it.
+  /// The rotation vector [rad] from the current to the target orientation. Where exactly one axis is free, the shortest
+  /// rotation that aligns this axis.
   Eigen::Vector3d rotation_error(const Eigen::Matrix3d& rotation) const {
     Eigen::Index free = -1;
     int count = 0;
@@ -118,11 +121,11 @@ class Solver {
       }
     if (count == 3) return Eigen::Vector3d::Zero();
     if (count != 1) return rotation_vector(target_.linear() * rotation.transpose());
-    const Eigen::Vector3d is = rotation.col(free), wanted = target_.linear().col(free);
-    const Eigen::Vector3d turn = is.cross(wanted);
-    const double sine = turn.norm(), cosine = is.dot(wanted);
-    if (sine > 1e-12) return turn * (std::atan2(sine, cosine) / sine);
-    return cosine > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(std::numbers::pi * is.unitOrthogonal());
+    const Eigen::Vector3d current = rotation.col(free), required = target_.linear().col(free);
+    const Eigen::Vector3d axis = current.cross(required);
+    const double sine = axis.norm(), cosine = current.dot(required);
+    if (sine > 1e-12) return axis * (std::atan2(sine, cosine) / sine);
+    return cosine > 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(std::numbers::pi * current.unitOrthogonal());
   }
 
   bool within_tolerance() const {
@@ -130,7 +133,8 @@ class Solver {
            (error_.tail<3>().array().abs() <= options_.rotation_tolerance.axes.array()).all();
   }
 
-  /// One damped step inside the limits. Joints that a step would push out are held, and the rest solved again.
+  /// One damped step within the limits. Joints that the step would move beyond a limit are held, and the step is solved
+  /// again for the other joints.
   void advance(Eigen::VectorXd& q) {
     for (Eigen::Index round = 0; round <= q.size(); ++round) {
       damped_step();
@@ -144,8 +148,8 @@ class Solver {
       }
       if (!held) break;
     }
-    const double largest = step_.cwiseAbs().maxCoeff();
-    q += step_ * std::min(1.0, kLargestStep / std::max(largest, 1e-300));
+    const double max_change = step_.cwiseAbs().maxCoeff();
+    q += step_ * std::min(1.0, kMaxStep / std::max(max_change, 1e-300));
     project(q);
   }
 
@@ -163,15 +167,15 @@ class Solver {
     }
   }
 
-  /// Turns joints by whole turns to where the reference is nearest.
+  /// Rotates joints by whole turns to the position nearest to the reference that is within the limits.
   void bring_near_reference(Eigen::VectorXd& q) const {
-    constexpr double turn = 2 * std::numbers::pi;
+    constexpr double full_turn = 2 * std::numbers::pi;
     for (Eigen::Index i = 0; i < q.size(); ++i) {
       const Joint& joint = robot_.joints()[static_cast<std::size_t>(i)];
       if (!whole_turns_[static_cast<std::size_t>(i)]) continue;
-      double value = reference_[i] + std::remainder(q[i] - reference_[i], turn);
-      if (value < joint.lower) value += turn;
-      if (value > joint.upper) value -= turn;
+      double value = reference_[i] + std::remainder(q[i] - reference_[i], full_turn);
+      if (value < joint.lower) value += full_turn;
+      if (value > joint.upper) value -= full_turn;
       if (value >= joint.lower && value <= joint.upper) q[i] = value;
     }
   }
@@ -186,7 +190,7 @@ class Solver {
   Eigen::VectorXd step_;
   Eigen::VectorXd reference_;
   std::vector<bool> moves_link_;   // by joint
-  std::vector<bool> whole_turns_;  // by joint: a whole turn changes nothing
+  std::vector<bool> whole_turns_;  // by joint: does a whole turn leave all link poses unchanged?
 };
 
 void require_options(const IkOptions& o) {
@@ -199,7 +203,8 @@ void require_options(const IkOptions& o) {
   o.position_tolerance.validate("position_tolerance");
   o.rotation_tolerance.validate("rotation_tolerance");
   if (o.position_tolerance.axes.array().isInf().all() && o.rotation_tolerance.axes.array().isInf().all())
-    throw InvalidArgument("position_tolerance and rotation_tolerance leave every axis free; nothing is asked for");
+    throw InvalidArgument(
+        "position_tolerance and rotation_tolerance leave every axis free; at least one must be bounded");
   if (!(o.distinct >= 0.0 && std::isfinite(o.distinct)))
     throw InvalidArgument("distinct is " + to_text(o.distinct) + "; it must be a finite number, 0 or above");
 }

@@ -36,7 +36,7 @@ struct KinematicTree::Model {
   pinocchio::Model pinocchio;
   Eigen::VectorXd neutral;
   std::mutex mutex;
-  std::vector<std::unique_ptr<Data>> idle;  // data that may be used again
+  std::vector<std::unique_ptr<Data>> idle;  // data for the next make_data
   static constexpr std::size_t max_idle = 256;
 };
 
@@ -54,7 +54,7 @@ KinematicTree::KinematicTree(const Urdf& urdf) {
   try {
     pinocchio::urdf::buildModelFromXML(urdf.kinematics_text(), model->pinocchio);
   } catch (const std::exception& error) {
-    throw FileError(urdf.label + ": Pinocchio refuses this robot: " + error.what());
+    throw FileError(urdf.label + ": Pinocchio rejects this robot: " + error.what());
   }
   const pinocchio::Model& m = model->pinocchio;
   for (const UrdfLink& link : urdf.links) {

@@ -9,44 +9,50 @@
 
 namespace srmp {
 
-/// The moving joints of a URDF in Pinocchio. Keeps Pinocchio's headers out of everybody else's.
+/// The kinematic tree of a URDF in Pinocchio. Other headers do not include Pinocchio's.
 class KinematicTree {
  public:
+  /// Throws FileError when Pinocchio rejects the robot.
   explicit KinematicTree(const Urdf& urdf);
   ~KinematicTree();
 
-  /// Where a link hangs: rigidly on a moving joint (0: on the base).
+  /// The pose of a link in the frame of the joint that it is rigidly attached to.
   struct FixedPlacement {
-    std::size_t joint{};
+    std::size_t joint{};  ///< 0: the base
     Eigen::Isometry3d placement{Eigen::Isometry3d::Identity()};
   };
-  /// A scalar joint's place in Pinocchio's configuration vector.
+  /// The entry of Pinocchio's configuration vector that belongs to a joint with one degree of freedom.
   struct Slot {
     std::size_t joint{};
     Eigen::Index q{};
-    bool unit_circle{};  ///< continuous: cos and sin are stored
+    bool unit_circle{};  ///< a continuous joint, which has two entries: cosine and sine
   };
 
-  const FixedPlacement& mount(std::size_t urdf_link) const { return placements_[urdf_link]; }
-  const Slot& slot(std::size_t urdf_joint) const { return slots_[urdf_joint]; }  ///< scalar joints only
-  std::size_t joint_count() const;                                               ///< with the base as joint 0
+  const FixedPlacement& fixed_placement(std::size_t urdf_link) const { return placements_[urdf_link]; }
+  const Slot& slot(std::size_t urdf_joint) const {
+    return slots_[urdf_joint];
+  }                                 ///< joints with one degree of freedom only
+  std::size_t joint_count() const;  ///< with the base as joint 0
+  /// The parent of a joint of the tree; it has a smaller index.
   std::size_t parent(std::size_t joint) const;
 
   class Data;
-  /// Gives it back to its tree, for the next make_data: to make one anew takes longer than many configurations.
+  /// Returns the data to the tree, for the next make_data: allocating new data takes longer than the kinematics of many
+  /// configurations.
   struct DataDeleter {
     void operator()(Data*) const;
   };
   using DataPtr = std::unique_ptr<Data, DataDeleter>;
 
-  DataPtr make_data() const;  ///< at the neutral configuration; threads may call it at once
+  DataPtr make_data() const;  ///< at the neutral configuration; thread-safe
+  /// Sets the position [rad or m] of one joint.
   static void set(Data& data, const Slot& slot, double value);
-  /// Poses of all joints in the base frame, by joint; `poses` has joint_count() entries.
+  /// Computes the poses of all joints in the base frame, by joint; `poses` has joint_count() entries.
   void forward(Data& data, std::vector<Eigen::Isometry3d>& poses) const;
 
  private:
   struct Model;
-  std::shared_ptr<Model> model_;  // its data may outlive this
+  std::shared_ptr<Model> model_;  // shared with the data, which may outlive the tree
   std::vector<FixedPlacement> placements_;
   std::vector<Slot> slots_;
 };

@@ -40,11 +40,11 @@ std::vector<fs::path> candidates(const std::string& filename, const std::string&
                                  const std::vector<std::string>& package_dirs) {
   std::vector<fs::path> places;
   if (filename.starts_with("package://")) {
-    const std::string rest = filename.substr(10);
-    const std::size_t slash = std::min(rest.find('/'), rest.size());
-    const std::string package = rest.substr(0, slash), inner = rest.substr(std::min(slash + 1, rest.size()));
+    const std::string path = filename.substr(10);
+    const std::size_t slash = std::min(path.find('/'), path.size());
+    const std::string package = path.substr(0, slash), inner = path.substr(std::min(slash + 1, path.size()));
     for (const fs::path& directory : package_directories(urdf_directory, package_dirs)) {
-      places.push_back(directory / rest);
+      places.push_back(directory / path);
       const fs::path named = fs::absolute(directory).lexically_normal();
       if ((named.has_filename() ? named : named.parent_path()).filename() == package)
         places.push_back(directory / inner);
@@ -73,7 +73,7 @@ std::string find_mesh(const std::string& filename, const std::string& urdf_direc
   }
   throw FileError(
       where + "mesh '" + filename + "' was not found; tried " +
-      (tried.empty() ? "nothing, for there is no directory to search: give package_dirs" : quoted_list(tried)));
+      (tried.empty() ? "nothing, because there is no directory to search; give package_dirs" : quoted_list(tried)));
 }
 
 }  // namespace srmp

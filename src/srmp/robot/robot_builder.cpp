@@ -4,6 +4,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/robot_impl.hpp"
+#include "srmp/robot/robot_model.hpp"
 #include "srmp/robot/xml.hpp"
 
 namespace srmp {
@@ -13,9 +14,9 @@ namespace {
 using Impl = RobotModelBuilder::Impl;
 using Names = std::vector<std::string>;
 
-constexpr std::size_t kMaxDrives = 64;  // bits of a mover mask
+constexpr std::size_t kMaxActuatedJoints = 64;  // bits of a joint support
 
-/// What the description asks for, before it becomes joints.
+/// The joints and the end effector that a description selects.
 struct Selection {
   std::vector<std::size_t> joints;  // of the URDF
   std::size_t end_effector{};       // link
@@ -59,8 +60,8 @@ std::vector<std::size_t> named_joints(const Impl& impl) {
   return joints;
 }
 
-/// The link that the last of the joints moves, when they form one chain.
-std::size_t tip_of(const Impl& impl, const std::vector<std::size_t>& joints, const std::string& what) {
+/// The link that the last of the joints moves. Throws InvalidArgument unless the joints form one chain.
+std::size_t last_link_of(const Impl& impl, const std::vector<std::size_t>& joints, const std::string& what) {
   const Urdf& urdf = impl.urdf;
   for (const std::size_t candidate : joints) {
     const auto chain = urdf.chain_to(urdf.joints[candidate].child);
@@ -70,35 +71,35 @@ std::size_t tip_of(const Impl& impl, const std::vector<std::size_t>& joints, con
     if (holds_all) return urdf.joints[candidate].child;
   }
   throw InvalidArgument(what + " of robot '" + impl.name +
-                        "' do not form one chain, so it has no tip; give end_effector");
+                        "' do not form one chain, so that the end effector is ambiguous; give end_effector");
 }
 
 std::vector<std::size_t> group_joints(const Impl& impl, const SrdfGroup& group, const Srdf& srdf) {
   auto joints = srdf.joints_of(group, impl.urdf);
   if (joints.empty())
-    throw InvalidArgument("group '" + group.name + "' of robot '" + impl.name + "' holds no movable joint");
+    throw InvalidArgument("group '" + group.name + "' of robot '" + impl.name + "' has no movable joint");
   return joints;
 }
 
-std::size_t group_tip(const Impl& impl, const SrdfGroup& group, const std::vector<std::size_t>& joints) {
+std::size_t group_end_effector(const Impl& impl, const SrdfGroup& group, const std::vector<std::size_t>& joints) {
   if (group.chains.size() == 1) return *impl.urdf.find_link(group.chains[0].second);
-  return tip_of(impl, joints, "the joints of group '" + group.name + "'");
+  return last_link_of(impl, joints, "the joints of group '" + group.name + "'");
 }
 
-/// Nothing asked for: the only group, or the chain to the only leaf.
+/// Without a group, joint names or an end effector: the only group, or the chain to the only leaf.
 Selection select_default(const Impl& impl, const Srdf* srdf) {
   if (srdf && srdf->groups.size() == 1) {
     const SrdfGroup& group = srdf->groups[0];
     auto joints = group_joints(impl, group, *srdf);
-    const std::size_t tip = group_tip(impl, group, joints);
-    return {std::move(joints), tip};
+    const std::size_t end_effector = group_end_effector(impl, group, joints);
+    return {std::move(joints), end_effector};
   }
   const auto leaves = impl.urdf.leaves();
   if (leaves.size() == 1) return {movable_chain(impl.urdf, leaves[0]), leaves[0]};
   Names leaf_names;
   for (const std::size_t leaf : leaves) leaf_names.push_back(impl.link_names[leaf]);
   const std::string groups = srdf && !srdf->groups.empty() ? " or a group: " + quoted_list(srdf->group_names()) : "";
-  throw InvalidArgument("robot '" + impl.name + "' has several tips; give an end_effector, such as " +
+  throw InvalidArgument("robot '" + impl.name + "' has several leaf links; give an end_effector, such as " +
                         quoted_list(leaf_names) + groups);
 }
 
@@ -126,9 +127,9 @@ Selection select(const Impl& impl, const Srdf* srdf) {
     selection.end_effector = require_link(impl, d.end_effector, "end effector");
     if (selection.joints.empty()) selection.joints = movable_chain(impl.urdf, selection.end_effector);
   } else if (group) {
-    selection.end_effector = group_tip(impl, *group, selection.joints);
+    selection.end_effector = group_end_effector(impl, *group, selection.joints);
   } else {
-    selection.end_effector = tip_of(impl, selection.joints, "joint_names");
+    selection.end_effector = last_link_of(impl, selection.joints, "joint_names");
   }
   return selection;
 }
@@ -140,13 +141,14 @@ Joint joint_of(const UrdfJoint& joint) {
   return {joint.name, kind, joint.lower, joint.upper, joint.velocity.value_or(0.0)};
 }
 
-/// The SRDF's word on a joint that is not planned: state "default", else "home", else the first that speaks of it.
+/// The position of a joint in the SRDF's group states: in "default", otherwise in "home", otherwise in the first state
+/// that gives one.
 std::optional<double> value_in_states(const Srdf* srdf, const std::string& joint) {
   if (!srdf) return std::nullopt;
-  for (const char* wanted : {"default", "home", ""})
+  for (const char* name : {"default", "home", ""})
     for (const SrdfState& state : srdf->states) {
       const auto it = state.positions.find(joint);
-      if (it != state.positions.end() && (!*wanted || state.name == wanted)) return it->second;
+      if (it != state.positions.end() && (!*name || state.name == name)) return it->second;
     }
   return std::nullopt;
 }
@@ -181,7 +183,8 @@ void set_defaults(Impl& impl, const Srdf* srdf) {
   }
 }
 
-/// States that speak of every planned joint; where names repeat, the planned group's wins, then the first.
+/// Collects the states that give every planned joint. Where names repeat, the state of the planned group counts, then
+/// the first.
 void collect_group_states(Impl& impl, const Srdf& srdf) {
   for (const bool own : {true, false})
     for (const SrdfState& state : srdf.states) {
@@ -197,7 +200,8 @@ void collect_group_states(Impl& impl, const Srdf& srdf) {
     }
 }
 
-/// Reads the files. Paths in it are absolute: the working directory may be another one by the time it is used.
+/// Replaces files by their texts. Its paths are absolute, because the working directory may change before they are
+/// used.
 RobotDescription without_files(RobotDescription description) {
   RobotDescription& d = description;
   if (d.urdf_path.empty() == d.urdf_text.empty())
@@ -206,7 +210,7 @@ RobotDescription without_files(RobotDescription description) {
   if (!d.srdf_path.empty() && !d.srdf_text.empty())
     throw InvalidArgument("give either srdf_path or srdf_text, not both");
   if (!d.urdf_path.empty() && !d.urdf_directory.empty())
-    throw InvalidArgument("urdf_directory is for a URDF given as text; that of urdf_path is where the file lies");
+    throw InvalidArgument("urdf_directory is for a URDF given as text; with urdf_path it is the directory of the file");
   if (!d.urdf_path.empty()) {
     d.urdf_text = xml::read_text(d.urdf_path, "URDF");
     d.urdf_directory = std::filesystem::absolute(d.urdf_path).parent_path().string();
@@ -220,6 +224,8 @@ RobotDescription without_files(RobotDescription description) {
 }
 
 }  // namespace
+
+RobotModelImpl& RobotModelBuilder::impl(RobotModel& model) { return *model.impl_; }
 
 std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& description) {
   std::shared_ptr<RobotModel> model(new RobotModel);
@@ -240,8 +246,8 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
       m.warnings.push_back("joint '" + joint.name + "' has more than one degree of freedom; it stays at its origin");
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
-  build_drives(m);
-  if (m.joint_support[m.tree->mount(m.end_effector_index).joint] == 0)
+  build_actuated_joints(m);
+  if (m.joint_support[m.tree->fixed_placement(m.end_effector_index).joint] == 0)
     throw InvalidArgument("none of the planned joints of robot '" + m.name + "' moves its end effector '" +
                           m.end_effector + "'");
   build_geometries(m);
@@ -274,7 +280,7 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
   if (srdf) collect_group_states(m, *srdf);
 }
 
-void RobotModelBuilder::build_drives(Impl& m) {
+void RobotModelBuilder::build_actuated_joints(Impl& m) {
   const auto find = [](const std::vector<Joint>& joints, const std::string& name) {
     return static_cast<std::size_t>(
         std::find_if(joints.begin(), joints.end(), [&](const Joint& j) { return j.name == name; }) - joints.begin());
@@ -289,8 +295,9 @@ void RobotModelBuilder::build_drives(Impl& m) {
     const std::size_t planned = find(m.joints, source);
     Follower follower{m.tree->slot(index), planned, mimic.multiplier, mimic.offset, joint.axis};
     if (planned < m.joints.size()) {
-      if (m.actuated_joints.size() == kMaxDrives)
-        throw InvalidArgument("robot '" + m.name + "' has more than " + std::to_string(kMaxDrives) + " driven joints");
+      if (m.actuated_joints.size() == kMaxActuatedJoints)
+        throw InvalidArgument("robot '" + m.name + "' has more than " + std::to_string(kMaxActuatedJoints) +
+                              " actuated joints");
       own[follower.slot.joint] = std::uint64_t{1} << m.actuated_joints.size();
       m.actuated_joints.push_back({planned, mimic.multiplier, joint.type == UrdfJointType::prismatic});
       m.planned_followers.push_back(follower);

@@ -17,18 +17,18 @@ namespace {
 
 using Shape = std::shared_ptr<const coal::CollisionGeometry>;
 
-/// Equal geometries are covered once.
+/// The distinct geometries of a robot: equal ones are covered once.
 struct Distinct {
   std::vector<Shape> shapes;
-  std::vector<std::size_t> times;  // each occurs in the robot
-  std::vector<std::size_t> index;  // of each geometry of the robot
+  std::vector<std::size_t> times;  // how often each occurs in the robot
+  std::vector<std::size_t> index;  // into shapes, by geometry of the robot
   Sha256 key{cover_key("robot")};
 };
 
-Distinct tell_apart(const std::vector<Shape>& shapes) {
+Distinct find_distinct(const std::vector<Shape>& shapes) {
   Distinct distinct;
   std::map<Sha256::Digest, std::size_t> by_content;
-  std::map<const coal::CollisionGeometry*, std::size_t> by_address;  // spares hashing
+  std::map<const coal::CollisionGeometry*, std::size_t> by_address;  // hashes each object once
   for (const Shape& shape : shapes) {
     const auto [known, is_new_address] = by_address.try_emplace(shape.get(), 0);
     if (is_new_address) {
@@ -49,10 +49,11 @@ Distinct tell_apart(const std::vector<Shape>& shapes) {
   return distinct;
 }
 
-/// Runs jobs on all cores; only the calling thread reports progress. The first job's exception, by number, is thrown.
-class Jobs {
+/// Runs the steps of a cover on several threads; only the calling thread reports progress. Of several exceptions, that
+/// of the step with the smallest index is rethrown.
+class CoverSteps {
  public:
-  Jobs(std::size_t threads, std::size_t total, const CoverProgress& progress)
+  CoverSteps(std::size_t threads, std::size_t total, const CoverProgress& progress)
       : pool_(threads), total_(total), progress_(progress) {}
 
   void run(std::size_t count, const std::function<void(std::size_t)>& job) {
@@ -81,20 +82,21 @@ class Jobs {
   std::atomic<bool> stop_{false};
 };
 
-/// Grows coarse spheres, always where a millimetre more spares the most of them, until all together are few enough.
+/// Increases coarse inflations until the robot has at most `budget` coarse spheres: always that of the geometry with
+/// the most spheres per inflation, where an increase removes the most.
 void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, const std::vector<std::size_t>& times,
                     std::size_t budget) {
   if (budget == 0) return;
   for (;;) {
     std::size_t total = 0;
     GeometryCoverBuilder* worst = nullptr;
-    double most = 0;
+    double max_score = 0;
     for (std::size_t i = 0; i < builders.size(); ++i) {
       GeometryCoverBuilder& builder = *builders[i];
       total += times[i] * builder.coarse_count();
       const double score = static_cast<double>(times[i] * builder.coarse_count()) / builder.coarse_target();
-      if (builder.coarse_count() == 1 || score <= most) continue;
-      most = score;
+      if (builder.coarse_count() == 1 || score <= max_score) continue;
+      max_score = score;
       worst = &builder;
     }
     if (total <= budget || !worst) return;
@@ -106,12 +108,12 @@ void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, 
 CoverSet build(const Distinct& distinct, const RobotCoverOptions& options, const CoverProgress& progress) {
   const std::size_t count = distinct.shapes.size();
   const std::size_t threads = options.threads ? options.threads : std::max(1U, std::thread::hardware_concurrency());
-  Jobs jobs(std::min(std::max<std::size_t>(1, count), threads), 2 * count, progress);
+  CoverSteps steps(std::min(std::max<std::size_t>(1, count), threads), 2 * count, progress);
   std::vector<std::optional<GeometryCoverBuilder>> builders(count);
-  jobs.run(count, [&](std::size_t i) { builders[i].emplace(*distinct.shapes[i], options.levels); });
+  steps.run(count, [&](std::size_t i) { builders[i].emplace(*distinct.shapes[i], options.levels); });
   keep_to_budget(builders, distinct.times, options.max_coarse);
   CoverSet covers(count);
-  jobs.run(count, [&](std::size_t i) { covers[i] = builders[i]->finish(); });
+  steps.run(count, [&](std::size_t i) { covers[i] = builders[i]->finish(); });
   return covers;
 }
 
@@ -119,20 +121,20 @@ RobotCover cover_shapes(const std::vector<Shape>& shapes, CoverStore& store, con
                         const CoverProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   require_levels(options.levels);
-  Distinct distinct = tell_apart(shapes);
+  Distinct distinct = find_distinct(shapes);
   add_levels(distinct.key, options.levels);
   distinct.key.add(static_cast<std::uint64_t>(options.max_coarse));
-  const CoverStore::Answer answer =
+  const CoverStore::Result result =
       store.get(distinct.key.digest(), [&] { return build(distinct, options, progress); });
   RobotCover cover;
-  cover.origin = answer.origin;
+  cover.origin = result.origin;
   for (const std::size_t i : distinct.index)
-    cover.parts.push_back({"", "", Eigen::Isometry3d::Identity(), {answer.covers, &answer.covers->at(i)}});
+    cover.parts.push_back({"", "", Eigen::Isometry3d::Identity(), {result.covers, &result.covers->at(i)}});
   cover.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return cover;
 }
 
-/// The cover of a geometry by that of its envelope.
+/// The cover of a geometry, given that of its envelope.
 std::shared_ptr<const GeometryCover> within_envelope(const GeometryCover& envelope) {
   auto cover = std::make_shared<GeometryCover>(envelope);
   cover->exact = false;
@@ -143,9 +145,9 @@ std::shared_ptr<const GeometryCover> within_envelope(const GeometryCover& envelo
 
 template <class Value>
 auto largest(const RobotCover& cover, Value&& value) {
-  double most = 0;
-  for (const RobotCover::Part& part : cover.parts) most = std::max(most, value(*part.cover));
-  return most;
+  double result = 0;
+  for (const RobotCover::Part& part : cover.parts) result = std::max(result, value(*part.cover));
+  return result;
 }
 
 }  // namespace

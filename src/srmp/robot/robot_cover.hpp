@@ -8,44 +8,49 @@
 
 namespace srmp {
 
+/// Options of cover_robot and cover_urdf.
 struct RobotCoverOptions {
-  CoverLevels levels;
-  /// Coarse spheres of the whole robot. Where levels.coarse needs more, the coarse spheres of the geometries with the
-  /// most of them grow until so many are enough. 0: no limit.
+  CoverLevels levels;  ///< of every geometry
+  /// Largest number of coarse spheres of the whole robot, 0: no limit. Where levels.coarse needs more, coarse spheres
+  /// grow beyond it until this many suffice, in each step those of the geometry with the most spheres per inflation.
   std::size_t max_coarse{160};
-  std::size_t threads{0};  ///< that build; 0: as many as there are cores. The cover is the same
+  std::size_t threads{0};  ///< 0: as many as there are cores. The cover does not depend on it
 };
 
-/// All collision geometries of a robot under spheres.
+/// The sphere covers of all collision geometries of a robot.
 struct RobotCover {
+  /// The cover of one geometry.
   struct Part {
-    std::string link;
+    std::string link;                                          ///< link name
     std::string name;                                          ///< LinkGeometry::name
-    Eigen::Isometry3d in_link{Eigen::Isometry3d::Identity()};  ///< pose of the geometry's frame
+    Eigen::Isometry3d in_link{Eigen::Isometry3d::Identity()};  ///< pose of the geometry's frame in the link's
     std::shared_ptr<const GeometryCover> cover;                ///< equal geometries share one
   };
-  std::vector<Part> parts;  ///< by RobotModel::geometries()
+  std::vector<Part> parts;  ///< in the order of RobotModel::geometries()
   CoverStore::Origin origin{};
-  double seconds{};  ///< it took to build or load
+  double seconds{};  ///< [s] time to compute or load the covers
 
-  std::size_t coarse_spheres() const;
-  std::size_t fine_spheres() const;  ///< exact covers count with their coarse sphere
-  double coarse_inflation() const;   ///< [m] largest
-  double fine_inflation() const;     ///< [m] largest
+  std::size_t coarse_spheres() const;  ///< number of coarse spheres
+  std::size_t fine_spheres() const;    ///< number of fine spheres; exact covers count with their coarse sphere
+  double coarse_inflation() const;     ///< [m] largest
+  double fine_inflation() const;       ///< [m] largest
 };
 
-/// Told before each step what is done, of how much; what it throws ends the work.
+/// Called before each step with the number of steps that are done and of all steps. An exception ends the computation
+/// and passes through.
 using CoverProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// Covers every link with the same bits on every run, by the store or anew. From then on the store's cover() answers
-/// with these covers for the model's geometries. Throws InvalidArgument for options out of range.
+/// Covers every geometry of the robot, or takes the covers from the store; they are the same bit for bit. The store
+/// adopts them, so that its cover() returns them for the model's geometries. Throws InvalidArgument for options out of
+/// range.
 RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options = {},
                        const CoverProgress& progress = {});
 
-/// cover_robot, unless the store answers for the model's geometries already.
+/// Calls cover_robot unless the store has adopted covers for all geometries of the model.
 void ensure_covered(const RobotModel& model, CoverStore& store);
 
-/// cover_robot for a URDF file of which nothing is planned. Throws FileError as RobotModel::load does.
+/// cover_robot for a URDF file without a RobotModel; no cover is adopted. Throws FileError as RobotModel::load does,
+/// and InvalidArgument for options out of range.
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options = {}, const CoverProgress& progress = {});
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/mesh_path.hpp"
 #include "srmp/robot/robot_impl.hpp"
 
@@ -15,9 +15,10 @@ namespace srmp {
 
 namespace {
 
-/// Rounding must not let a bounding sphere cut what it bounds.
+/// A radius that is larger than the true one in spite of rounding, so that a bounding sphere contains its geometry.
 double rounded_up(double radius) { return radius * (1.0 + 8 * std::numeric_limits<double>::epsilon()); }
 
+/// Sets the bounding sphere to one around the vertices.
 void bound_by_vertices(const std::vector<Eigen::Vector3d>& vertices, LinkGeometry& geometry) {
   Eigen::Vector3d low = vertices.front(), high = vertices.front();
   for (const Eigen::Vector3d& v : vertices) {
@@ -116,9 +117,9 @@ std::vector<PlacedGeometry> load_geometries(const Urdf& urdf, const std::string&
 void RobotModelBuilder::build_geometries(Impl& m) {
   for (PlacedGeometry& placed :
        load_geometries(m.urdf, m.self_contained.urdf_directory, m.self_contained.package_dirs)) {
-    const KinematicTree::FixedPlacement& mount = m.tree->mount(placed.geometry.link_index);
-    placed.geometry.support = m.joint_support[mount.joint];
-    m.geometry_placements.push_back({mount.joint, mount.placement * placed.in_link});
+    const KinematicTree::FixedPlacement& fixed = m.tree->fixed_placement(placed.geometry.link_index);
+    placed.geometry.support = m.joint_support[fixed.joint];
+    m.geometry_placements.push_back({fixed.joint, fixed.placement * placed.in_link});
     m.geometries.push_back(std::move(placed.geometry));
   }
 }

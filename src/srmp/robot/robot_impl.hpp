@@ -1,18 +1,26 @@
 #pragma once
 
-// Inside of RobotModel, shared by the files that build it. Not for users.
+// The representation of RobotModel, shared by the files that build and evaluate it.
 
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "srmp/robot/kinematic_tree.hpp"
-#include "srmp/robot/robot_model.hpp"
+#include "srmp/robot/robot_description.hpp"
 #include "srmp/robot/srdf.hpp"
 #include "srmp/robot/urdf.hpp"
 
 namespace srmp {
 
-/// A tree joint that follows a planned or other joint: value = ratio * source + offset.
+class RobotModel;
+
+/// A joint of the tree whose position follows a planned or other joint: position = ratio * source + offset.
 struct Follower {
   KinematicTree::Slot slot;
   std::size_t source{};  ///< index into joints() or other_joints()
@@ -20,7 +28,8 @@ struct Follower {
   Eigen::Vector3d axis{1, 0, 0};  ///< in the joint's frame
 };
 
-struct RobotModel::Impl {
+/// Members have the meaning of the function of RobotModel with the same name, where there is one.
+struct RobotModelImpl {
   RobotDescription description, self_contained;
   std::string name;
   Urdf urdf;
@@ -36,7 +45,7 @@ struct RobotModel::Impl {
   std::size_t end_effector_index{};
 
   std::vector<ActuatedJoint> actuated_joints;
-  std::vector<Follower> planned_followers;  // as drives
+  std::vector<Follower> planned_followers;  // by actuated_joints
   std::vector<Follower> other_followers;
   std::vector<std::uint64_t> joint_support;  // by joint of the tree
 
@@ -48,38 +57,41 @@ struct RobotModel::Impl {
   std::vector<std::string> warnings;
 
   bool is_allowed(std::size_t a, std::size_t b) const { return allowed[a * link_names.size() + b]; }
-  void allow(std::size_t a, std::size_t b, bool yes) {
+  void set_allowed(std::size_t a, std::size_t b, bool yes) {
     allowed[a * link_names.size() + b] = allowed[b * link_names.size() + a] = yes;
   }
 };
 
+/// See robot_model.hpp.
 class RobotData {
  public:
   KinematicTree::DataPtr tree;
   std::vector<Eigen::Isometry3d> joint_poses;     // by joint of the tree
   std::vector<Eigen::Isometry3d> geometry_poses;  // by geometry
-  bool fixed_are_stale{true};                     // geometries that the plan does not move
+  bool fixed_are_stale{true};  // poses of the geometries that no planned joint moves are not up to date
 };
 
-/// The steps of RobotModel::load; each has a file of its own.
+/// The steps of RobotModel::load, in several files.
 struct RobotModelBuilder {
-  using Impl = RobotModel::Impl;
+  using Impl = RobotModelImpl;
 
+  /// RobotModel::load.
   static std::shared_ptr<RobotModel> build(const RobotDescription& description);
 
-  /// Which joints are planned, which follow, which stand still, and where the end effector is. `srdf` may be null.
+  /// Selects the planned joints, the other joints with their defaults, and the end effector. `srdf` may be null.
   static void choose_joints(Impl& impl, const Srdf* srdf);
-  /// Drives, followers and which drive moves what.
-  static void build_drives(Impl& impl);
-  /// Shapes, bounding spheres and mounts of all collision geometries.
+  /// Sets the actuated joints, the followers and the joint supports.
+  static void build_actuated_joints(Impl& impl);
+  /// Loads all collision geometries, with their bounding spheres, placements and joint supports.
   static void build_geometries(Impl& impl);
-  /// Allowed pairs of links that need no sampling: rigidly joined, adjacent, and the SRDF's. Then the pairs to check.
+  /// Allows contact of links that are rigidly joined or adjacent, and applies the rules of the SRDF, which may be null.
   static void allow_by_rules(Impl& impl, const Srdf* srdf);
+  /// Lists the pairs of geometries whose contact is not allowed.
   static void list_self_pairs(Impl& impl);
-  /// Without an SRDF, see RobotModel::always_colliding. Needs everything else in place.
+  /// RobotModel::always_colliding, without an SRDF. All other steps must be done.
   static void allow_always_colliding(RobotModel& model);
 
-  static Impl& impl(RobotModel& model) { return *model.impl_; }
+  static Impl& impl(RobotModel& model);
 };
 
 }  // namespace srmp

@@ -9,7 +9,7 @@
 
 namespace srmp {
 
-RobotModel::RobotModel() : impl_(std::make_unique<Impl>()) {}
+RobotModel::RobotModel() : impl_(std::make_unique<RobotModelImpl>()) {}
 RobotModel::~RobotModel() = default;
 void RobotDataDeleter::operator()(RobotData* data) const { delete data; }
 
@@ -44,7 +44,7 @@ std::size_t RobotModel::link_index(const std::string& link) const {
 }
 
 std::uint64_t RobotModel::link_support(std::size_t link_index) const {
-  return impl_->joint_support[impl_->tree->mount(link_index).joint];
+  return impl_->joint_support[impl_->tree->fixed_placement(link_index).joint];
 }
 
 bool RobotModel::allowed(const std::string& link_a, const std::string& link_b) const {
@@ -78,8 +78,8 @@ void RobotModel::forward(RobotData& data, ConstVector q) const {
   impl_->tree->forward(*data.tree, data.joint_poses);
   for (std::size_t i = 0; i < impl_->geometries.size(); ++i) {
     if (impl_->geometries[i].support == 0 && !data.fixed_are_stale) continue;
-    const KinematicTree::FixedPlacement& mount = impl_->geometry_placements[i];
-    data.geometry_poses[i] = data.joint_poses[mount.joint] * mount.placement;
+    const KinematicTree::FixedPlacement& fixed = impl_->geometry_placements[i];
+    data.geometry_poses[i] = data.joint_poses[fixed.joint] * fixed.placement;
   }
   data.fixed_are_stale = false;
 }
@@ -89,8 +89,8 @@ const Eigen::Isometry3d& RobotModel::geometry_pose(const RobotData& data, std::s
 }
 
 Eigen::Isometry3d RobotModel::link_pose(const RobotData& data, std::size_t link_index) const {
-  const KinematicTree::FixedPlacement& mount = impl_->tree->mount(link_index);
-  return data.joint_poses[mount.joint] * mount.placement;
+  const KinematicTree::FixedPlacement& fixed = impl_->tree->fixed_placement(link_index);
+  return data.joint_poses[fixed.joint] * fixed.placement;
 }
 
 std::pair<Eigen::Vector3d, Eigen::Vector3d> RobotModel::actuated_joint_axis(const RobotData& data,
@@ -107,13 +107,13 @@ void RobotModel::jacobian(const RobotData& data, std::size_t link_index, Eigen::
   for (std::size_t k = 0; k < actuated_joints().size(); ++k) {
     if (!(support >> k & 1)) continue;
     const auto [point, axis] = actuated_joint_axis(data, k);
-    const ActuatedJoint& drive = actuated_joints()[k];
-    auto column = result.col(static_cast<Eigen::Index>(drive.joint));
-    if (drive.prismatic) {
-      column.head<3>() += drive.ratio * axis;
+    const ActuatedJoint& actuated = actuated_joints()[k];
+    auto column = result.col(static_cast<Eigen::Index>(actuated.joint));
+    if (actuated.prismatic) {
+      column.head<3>() += actuated.ratio * axis;
     } else {
-      column.head<3>() += drive.ratio * axis.cross(origin - point);
-      column.tail<3>() += drive.ratio * axis;
+      column.head<3>() += actuated.ratio * axis.cross(origin - point);
+      column.tail<3>() += actuated.ratio * axis;
     }
   }
 }

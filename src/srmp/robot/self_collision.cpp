@@ -6,6 +6,7 @@
 
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/robot/robot_impl.hpp"
+#include "srmp/robot/robot_model.hpp"
 
 namespace srmp {
 
@@ -14,9 +15,9 @@ namespace {
 using Impl = RobotModelBuilder::Impl;
 
 constexpr std::size_t kSamples = 2000;
-constexpr std::size_t kMaxMisses = kSamples / 20;  // "always" leaves room for 5 % of the samples
+constexpr std::size_t kMaxFreeSamples = kSamples / 20;  // "always" means in at least 95 % of the samples
 
-/// Joined by one moving joint, with nothing but geometry-less links and fixed joints in between?
+/// Are the links joined by one moving joint, with only fixed joints and links without geometry in between?
 bool adjacent(const Impl& m, std::size_t a, std::size_t b) {
   const auto up = [&](std::size_t link, std::size_t other) -> bool {  // from `link` towards the root, to `other`
     for (int moving = 0; m.urdf.links[link].parent_joint;) {
@@ -32,9 +33,9 @@ bool adjacent(const Impl& m, std::size_t a, std::size_t b) {
   return up(a, b) || up(b, a);
 }
 
-/// Links of both branches below a geometry-less link can be adjacent too: a - o - b with one moving joint in all.
+/// Are the links in two branches below a link without geometry, with at most one moving joint between them?
 bool adjacent_through_common_parent(const Impl& m, std::size_t a, std::size_t b) {
-  const auto climb = [&](std::size_t link) {  // (geometry-less ancestor, moving joints up to it)
+  const auto climb = [&](std::size_t link) {  // (ancestor without geometry, moving joints up to it)
     std::vector<std::pair<std::size_t, int>> ancestors;
     for (int moving = 0; m.urdf.links[link].parent_joint;) {
       const UrdfJoint& joint = m.urdf.joints[*m.urdf.links[link].parent_joint];
@@ -51,10 +52,11 @@ bool adjacent_through_common_parent(const Impl& m, std::size_t a, std::size_t b)
   return false;
 }
 
+/// A pair of links that may always collide.
 struct Candidate {
   std::size_t link_a, link_b;
   std::vector<std::pair<std::size_t, std::size_t>> geometries;
-  std::size_t misses{0};
+  std::size_t free_samples{0};
 };
 
 bool collide(const RobotModel& model, const RobotData& data, std::size_t a, std::size_t b) {
@@ -97,16 +99,16 @@ void RobotModelBuilder::allow_by_rules(Impl& m, const Srdf* srdf) {
   m.allowed.assign(n * n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a + 1; b < n; ++b)
-      if (adjacent(m, a, b) || adjacent_through_common_parent(m, a, b)) m.allow(a, b, true);
+      if (adjacent(m, a, b) || adjacent_through_common_parent(m, a, b)) m.set_allowed(a, b, true);
   if (srdf) {
     for (const std::string& link : srdf->disabled_by_default)
-      for (std::size_t b = 0; b < n; ++b) m.allow(*m.urdf.find_link(link), b, true);
-    for (const auto& [a, b] : srdf->disabled) m.allow(*m.urdf.find_link(a), *m.urdf.find_link(b), true);
-    for (const auto& [a, b] : srdf->enabled) m.allow(*m.urdf.find_link(a), *m.urdf.find_link(b), false);
+      for (std::size_t b = 0; b < n; ++b) m.set_allowed(*m.urdf.find_link(link), b, true);
+    for (const auto& [a, b] : srdf->disabled) m.set_allowed(*m.urdf.find_link(a), *m.urdf.find_link(b), true);
+    for (const auto& [a, b] : srdf->enabled) m.set_allowed(*m.urdf.find_link(a), *m.urdf.find_link(b), false);
   }
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a; b < n; ++b)  // one rigid body cannot collide with itself
-      if (m.tree->mount(a).joint == m.tree->mount(b).joint) m.allow(a, b, true);
+      if (m.tree->fixed_placement(a).joint == m.tree->fixed_placement(b).joint) m.set_allowed(a, b, true);
 }
 
 void RobotModelBuilder::list_self_pairs(Impl& m) {
@@ -135,11 +137,12 @@ void RobotModelBuilder::allow_always_colliding(RobotModel& model) {
       other[i] = sample_in(model.other_joints()[static_cast<std::size_t>(i)], unit[dof + i]);
     model.set_other_positions(*data, other);
     model.forward(*data, q);
-    std::erase_if(candidates, [&](Candidate& c) { return !collide(model, *data, c) && ++c.misses > kMaxMisses; });
+    std::erase_if(candidates,
+                  [&](Candidate& c) { return !collide(model, *data, c) && ++c.free_samples > kMaxFreeSamples; });
   }
   Impl& m = impl(model);
   for (const Candidate& c : candidates) {
-    m.allow(c.link_a, c.link_b, true);
+    m.set_allowed(c.link_a, c.link_b, true);
     m.always_colliding.emplace_back(m.link_names[c.link_a], m.link_names[c.link_b]);
   }
   list_self_pairs(m);

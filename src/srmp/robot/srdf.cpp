@@ -11,10 +11,11 @@ namespace {
 
 using JointSet = std::set<std::size_t>;
 
+/// Adds the joints of a group and its subgroups.
 void collect(const Srdf& srdf, const SrdfGroup& group, const Urdf& urdf, JointSet& joints) {
-  for (const auto& [base, tip] : group.chains) {
+  for (const auto& [base, last] : group.chains) {
     const std::size_t base_link = *urdf.find_link(base);
-    std::size_t link = *urdf.find_link(tip);
+    std::size_t link = *urdf.find_link(last);
     for (; link != base_link; link = urdf.joints[*urdf.links[link].parent_joint].parent)
       joints.insert(*urdf.links[link].parent_joint);
   }

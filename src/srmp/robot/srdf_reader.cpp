@@ -14,9 +14,10 @@ namespace {
 using tinyxml2::XMLElement;
 using Names = std::vector<std::string>;
 
-/// A file that names this many different unknown links was written for another variant of the robot.
-constexpr std::size_t kVariant = 3;
+/// A file that names at least this many different unknown links was written for another variant of the robot.
+constexpr std::size_t kVariantLinks = 3;
 
+/// Reads one SRDF document; errors give the line.
 class Reader {
  public:
   Reader(const xml::Document& document, const Urdf& urdf)
@@ -102,17 +103,17 @@ class Reader {
 
   std::pair<std::string, std::string> read_chain(const XMLElement& element) {
     xml_.check_spelling(element, Names{}, Names{"base_link", "tip_link"});
-    const std::string base = require_link(element, "base_link"), tip = require_link(element, "tip_link");
-    std::size_t link = *urdf_.find_link(tip);
+    const std::string base = require_link(element, "base_link"), last = require_link(element, "tip_link");
+    std::size_t link = *urdf_.find_link(last);
     while (urdf_.links[link].name != base) {
       if (!urdf_.links[link].parent_joint)
-        xml_.fail(element, "link '" + base + "' is not an ancestor of link '" + tip + "', so there is no such chain");
+        xml_.fail(element, "link '" + base + "' is not an ancestor of link '" + last + "', so there is no such chain");
       link = urdf_.joints[*urdf_.links[link].parent_joint].parent;
     }
-    return {base, tip};
+    return {base, last};
   }
 
-  /// Every subgroup exists and no group holds itself.
+  /// Fails unless every subgroup exists and no group contains itself.
   void check_subgroups() {
     for (const auto& [element, group] : subgroup_uses_) {
       Names open{require_group(*element, "name")};
@@ -120,7 +121,7 @@ class Reader {
       while (!open.empty()) {
         const std::string name = open.back();
         open.pop_back();
-        if (name == group) xml_.fail(*element, "group '" + group + "' holds itself");
+        if (name == group) xml_.fail(*element, "group '" + group + "' contains itself");
         const SrdfGroup* subgroup = srdf_.find_group(name);
         if (!subgroup || !seen.insert(name).second) continue;
         open.insert(open.end(), subgroup->subgroups.begin(), subgroup->subgroups.end());
@@ -163,7 +164,7 @@ class Reader {
     for (const char* attribute : {"link1", "link2"})
       for (auto e = robot.FirstChildElement("disable_collisions"); e; e = e->NextSiblingElement("disable_collisions"))
         if (const auto link = xml_.attribute(*e, attribute); link && !urdf_.find_link(*link)) unknown.insert(*link);
-    const bool variant = unknown.size() >= kVariant;
+    const bool variant = unknown.size() >= kVariantLinks;
 
     for (auto e = robot.FirstChildElement("disable_collisions"); e; e = e->NextSiblingElement("disable_collisions")) {
       xml_.check_spelling(*e, Names{}, Names{"link1", "link2", "reason"});
@@ -187,7 +188,7 @@ class Reader {
   const xml::Document& xml_;
   const Urdf& urdf_;
   Srdf srdf_;
-  Names link_names_, joint_names_;  // joints with the SRDF's virtual ones
+  Names link_names_, joint_names_;  // joints of the URDF and virtual joints of the SRDF
   std::set<std::string> virtual_joints_;
   std::vector<std::pair<const XMLElement*, std::string>> subgroup_uses_;
 };

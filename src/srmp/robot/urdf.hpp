@@ -8,8 +8,10 @@
 
 namespace srmp {
 
-// What this library uses of a URDF, checked. Visuals, inertias, safety controllers and extension tags are not read.
+// The parts of a URDF that this library uses, checked. Visuals, inertias, safety controllers and extension tags are not
+// read. Lines are those of the file, for messages.
 
+/// A collision geometry.
 struct UrdfGeometry {
   enum class Kind { box, sphere, cylinder, capsule, mesh };
   Kind kind{};
@@ -21,32 +23,37 @@ struct UrdfGeometry {
   int line{};
 };
 
+/// A link; joints are indices into Urdf::joints.
 struct UrdfLink {
   std::string name;
   std::vector<UrdfGeometry> collisions;
-  std::optional<std::size_t> parent_joint;
-  std::vector<std::size_t> child_joints;  ///< in file order
+  std::optional<std::size_t> parent_joint;  ///< none: the root
+  std::vector<std::size_t> child_joints;    ///< in file order
   int line{};
 };
 
+/// As in the URDF.
 enum class UrdfJointType { fixed, revolute, continuous, prismatic, floating, planar };
 
+/// The position of a mimic joint is multiplier * source + offset.
 struct UrdfMimic {
-  std::size_t source{};
+  std::size_t source{};  ///< joint
   double multiplier{1.0}, offset{0.0};
 };
 
+/// A joint; links are indices into Urdf::links.
 struct UrdfJoint {
   std::string name;
   UrdfJointType type{};
-  std::size_t parent{}, child{};  ///< links
-  Eigen::Vector3d xyz{0, 0, 0}, rpy{0, 0, 0};
-  Eigen::Vector3d axis{1, 0, 0};  ///< unit length
-  double lower{}, upper{};        ///< -inf, inf for continuous joints
-  std::optional<double> velocity;
-  std::optional<UrdfMimic> mimic;  ///< of the final source: chains are multiplied out
+  std::size_t parent{}, child{};               ///< links
+  Eigen::Vector3d xyz{0, 0, 0}, rpy{0, 0, 0};  ///< origin [m], [rad]
+  Eigen::Vector3d axis{1, 0, 0};               ///< unit length
+  double lower{}, upper{};                     ///< [rad or m]; infinite for continuous joints
+  std::optional<double> velocity;              ///< limit [rad/s or m/s], >= 0
+  std::optional<UrdfMimic> mimic;              ///< its source is not a mimic joint: chains are multiplied out
   int line{};
 
+  /// Does the joint have one degree of freedom?
   bool scalar() const {
     return type == UrdfJointType::revolute || type == UrdfJointType::continuous || type == UrdfJointType::prismatic;
   }
@@ -59,12 +66,13 @@ struct Urdf {
   std::vector<UrdfLink> links;
   std::vector<UrdfJoint> joints;
   std::size_t root{};                    ///< link
-  std::vector<std::size_t> joint_order;  ///< depth first: parents before children
+  std::vector<std::size_t> joint_order;  ///< joints in depth-first order: parents before children
 
-  /// Both throw FileError "<label>:<line>: …" or "<label> …".
+  /// Read and check a URDF. Both throw FileError "<label>:<line>: …" or "<label> …".
   static Urdf read_file(const std::string& path);
   static Urdf parse(const std::string& text, const std::string& label = "URDF text");
 
+  /// The index of a link or joint; nullopt when there is none of this name.
   std::optional<std::size_t> find_link(const std::string& link) const;
   std::optional<std::size_t> find_joint(const std::string& joint) const;
   std::vector<std::string> link_names() const;
@@ -73,7 +81,7 @@ struct Urdf {
   std::vector<std::size_t> chain_to(std::size_t link) const;
   /// Links without children.
   std::vector<std::size_t> leaves() const;
-  /// The kinematic tree alone as URDF text: what was checked here is exactly what Pinocchio reads.
+  /// The kinematic tree alone as URDF text, so that Pinocchio reads exactly what was checked here.
   std::string kinematics_text() const;
 };
 

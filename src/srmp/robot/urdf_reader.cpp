@@ -17,7 +17,7 @@ namespace {
 using tinyxml2::XMLElement;
 using Names = std::vector<std::string>;
 
-/// Reads one URDF document; every method refuses with the line.
+/// Reads one URDF document; errors give the line.
 class Reader {
  public:
   explicit Reader(const xml::Document& document) : xml_(document) { urdf_.label = document.label(); }
@@ -94,7 +94,7 @@ class Reader {
       xml_.check_spelling(shape, Names{}, Names{"filename", "scale"});
       g.filename = xml_.required(shape, "filename");
       g.scale = xml_.vector3(shape, "scale").value_or(Eigen::Vector3d::Ones());
-      if (g.scale.cwiseAbs().minCoeff() == 0.0) xml_.fail(shape, "the scale of a <mesh> must not hold a 0");
+      if (g.scale.cwiseAbs().minCoeff() == 0.0) xml_.fail(shape, "no component of the scale of a <mesh> may be 0");
     } else {
       xml_.fail(shape, "unknown geometry <" + tag + ">; known are box, sphere, cylinder, capsule and mesh");
     }
@@ -222,7 +222,7 @@ class Reader {
     urdf_.joints.push_back(std::move(joint));
   }
 
-  // --- the whole
+  // --- the tree
 
   void resolve_mimics() {
     const Names joint_names = urdf_.joint_names();
@@ -244,6 +244,7 @@ class Reader {
       if (mimics_[i]) multiply_out(i);
   }
 
+  /// Replaces a source that is a mimic joint itself by the source of that one.
   void multiply_out(std::size_t i) {
     UrdfMimic& mimic = *urdf_.joints[i].mimic;
     for (std::size_t steps = 0; urdf_.joints[mimic.source].mimic; ++steps) {

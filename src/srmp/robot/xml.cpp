@@ -53,7 +53,7 @@ Document Document::parse(const std::string& text, const std::string& label, cons
                                                       std::string(result.document_->ErrorName()).substr(4) +
                                                       "); a tag is not closed, nested or quoted properly");
   result.root_ = result.document_->RootElement();
-  if (!result.root_) throw FileError(label + " holds no XML element; expected a <" + root_tag + ">");
+  if (!result.root_) throw FileError(label + " contains no XML element; expected a <" + root_tag + ">");
   if (std::string(result.root_->Name()) != root_tag)
     result.fail(*result.root_,
                 "the outermost tag is <" + std::string(result.root_->Name()) + ">, expected <" + root_tag + ">");
@@ -88,11 +88,11 @@ std::vector<double> Document::numbers(const tinyxml2::XMLElement& element, const
     while (at != end && is_space(*at)) ++at;
     if (at == end) return values;
     const char* stop = std::find_if(at, end, is_space);
-    const char* digits = *at == '+' ? at + 1 : at;  // from_chars knows no plus sign
+    const char* digits = *at == '+' ? at + 1 : at;  // from_chars does not accept a plus sign
     double value = 0.0;
-    const auto [rest, error] = std::from_chars(digits, stop, value);
-    if (error != std::errc() || rest != stop)
-      fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> holds '" +
+    const auto [end_of_number, error] = std::from_chars(digits, stop, value);
+    if (error != std::errc() || end_of_number != stop)
+      fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> contains '" +
                         std::string(at, stop) + "', which is not a number");
     if (!std::isfinite(value))
       fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is " + to_text(value) +

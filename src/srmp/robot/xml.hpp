@@ -14,12 +14,13 @@ class XMLElement;
 
 namespace srmp::xml {
 
-/// The whole file. Throws FileError, where `kind` says what was to be read.
+/// The content of a file. Throws FileError, whose text names the `kind` of file, such as "URDF".
 std::string read_text(const std::string& path, const std::string& kind);
 
-/// A parsed XML text that knows where it came from. Every refusal is a FileError "<label>:<line>: <sentence>".
+/// A parsed XML text. All functions throw FileError "<label>:<line>: <sentence>" for what is missing or wrong.
 class Document {
  public:
+  /// `root_tag` is the required outermost tag, and `label` names the text in messages.
   static Document read_file(const std::string& path, const std::string& kind, const char* root_tag);
   static Document parse(const std::string& text, const std::string& label, const char* root_tag);
   ~Document();
@@ -28,20 +29,22 @@ class Document {
   const tinyxml2::XMLElement& root() const { return *root_; }
   const std::string& label() const { return label_; }
 
+  /// Throws the FileError.
   [[noreturn]] void fail(int line, const std::string& sentence) const;
   [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& sentence) const;
 
+  /// The value of an attribute; nullopt when it is missing. required() throws when it is missing or empty.
   std::optional<std::string> attribute(const tinyxml2::XMLElement& element, const char* name) const;
   std::string required(const tinyxml2::XMLElement& element, const char* name) const;
-  /// Finite numbers only.
+  /// The numbers of an attribute; they must be finite.
   std::optional<double> number(const tinyxml2::XMLElement& element, const char* name) const;
   double required_number(const tinyxml2::XMLElement& element, const char* name) const;
   std::optional<Eigen::Vector3d> vector3(const tinyxml2::XMLElement& element, const char* name) const;
-  /// The numbers in a text of `element`, whatever their count.
+  /// All numbers in `text`, the value of attribute `name` of `element`.
   std::vector<double> numbers(const tinyxml2::XMLElement& element, const char* name, const std::string& text) const;
 
-  /// Refuses child tags and attributes that look like misspelt known ones. Names in `extensions`, and names that
-  /// resemble nothing known, belong to somebody else's tool and pass.
+  /// Throws for child tags and attributes whose names are nearly those of known ones. Names in `extensions`, and names
+  /// that resemble no known one, belong to other tools and are accepted.
   void check_spelling(const tinyxml2::XMLElement& element, std::span<const std::string> tags,
                       std::span<const std::string> attributes, std::span<const std::string> extensions = {}) const;
 

@@ -23,8 +23,9 @@ std::vector<std::string> keys(const Map& map) {
   return names;
 }
 
-/// The pose, normalised; NaN, infinity and a zero quaternion are refused with the owner's name. A rotation that is one
-/// already stays as it is, to the last bit: scenes are the same when they come back from a file.
+/// The pose with a unit quaternion. Throws InvalidArgument with the owner's name for NaN, infinity and a zero
+/// quaternion. A quaternion of unit length is returned bit for bit, so that scenes do not change when they are saved
+/// and loaded.
 Pose checked_pose(const Pose& pose, const std::string& owner) {
   constexpr double rounding = 1e-12;
   try {
@@ -64,7 +65,7 @@ void require_within_limits(const Joint& joint, double value, const std::string& 
                           " is outside its limits [" + to_text(joint.lower) + ", " + to_text(joint.upper) + "]");
 }
 
-/// Writes `value` where `joints` has the name; false when it has not.
+/// Sets the position of the joint of this name; false if there is none in `joints`.
 bool assign_joint(const std::vector<Joint>& joints, const std::string& name, double value, const std::string& robot,
                   Eigen::VectorXd& positions) {
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -76,6 +77,7 @@ bool assign_joint(const std::vector<Joint>& joints, const std::string& name, dou
   return false;
 }
 
+/// Throws InvalidArgument with the nearest known name, or with all known names.
 [[noreturn]] void refuse_unknown(const std::string& what, const std::string& name,
                                  const std::vector<std::string>& known) {
   const std::string guess = did_you_mean(name, known);
@@ -111,7 +113,7 @@ void Scene::add_robot(std::shared_ptr<const RobotModel> model, const Pose& base)
   require_new_name(name, "robot");
   for (const std::string& link : model->link_names())
     if (objects_.contains(name + "/" + link))
-      throw InvalidArgument("robot '" + name + "' has a link '" + link + "', and an object is called '" + name + "/" +
+      throw InvalidArgument("robot '" + name + "' has a link '" + link + "', and an object is named '" + name + "/" +
                             link + "'; rename one of them");
   RobotInstance instance{model,
                          checked_pose(base, "base of robot '" + name + "'"),
@@ -123,19 +125,18 @@ void Scene::add_robot(std::shared_ptr<const RobotModel> model, const Pose& base)
   for (const LinkGeometry& geometry : model->geometries()) {
     instance.parts.push_back(parts_of(geometry.shape));
     const bool moves = geometry.support != 0;
-    instance.fields.push_back(moves ? nullptr
-                                    : make_distance_field(*geometry.shape, instance.parts.back().pieces.get()));
+    instance.fields.push_back(moves ? nullptr : make_distance_field(*geometry.shape, instance.parts.back().bvh.get()));
   }
   robots_.emplace(name, std::move(instance));
 }
 
 void Scene::remove_robot(const std::string& robot) {
   find_robot(robot);
-  const std::string name = robot;  // the caller's string may live in what is removed
-  std::vector<std::string> held;
+  const std::string name = robot;  // a copy, because the caller's string may be part of what is removed
+  std::vector<std::string> attached;
   for (const auto& [object, attachment] : attachments_)
-    if (attachment.robot == name) held.push_back(object);
-  for (const std::string& object : held) detach_object(object);
+    if (attachment.robot == name) attached.push_back(object);
+  for (const std::string& object : attached) detach_object(object);
   forget_allowed(name);
   robots_.erase(name);
 }
@@ -197,20 +198,20 @@ void Scene::add_object(const std::string& name, const Shape& shape, const Pose& 
   require_new_name(name, "object");
   for (const auto& [robot, instance] : robots_)
     if (name.starts_with(robot + "/") && has_link(*instance.model, name.substr(robot.size() + 1)))
-      throw InvalidArgument("object name '" + name + "' is how a link of robot '" + robot +
-                            "' is called; choose another name");
+      throw InvalidArgument("object name '" + name + "' is the name of a link of robot '" + robot +
+                            "'; choose another name");
   const std::string owner = "object '" + name + "'";
   Object object{
       name, shape, nullptr, {}, nullptr, checked_pose(pose, "pose of " + owner), checked_padding(padding, owner)};
   object.geometry = make_geometry(shape, name);
   object.parts = parts_of(object.geometry);
-  object.field = make_distance_field(*object.geometry, object.parts.pieces.get());
+  object.field = make_distance_field(*object.geometry, object.parts.bvh.get());
   objects_.emplace(name, std::move(object));
 }
 
 void Scene::remove_object(const std::string& name) {
   find_object(name);
-  const std::string copy = name;  // the caller's string may live in what is removed
+  const std::string copy = name;  // because the caller's string may be part of what is removed
   attachments_.erase(copy);
   forget_allowed(copy);
   objects_.erase(copy);
@@ -305,13 +306,13 @@ void Scene::set_allowed_collision(const std::string& name_a, const std::string& 
   const Body a = find_body(name_a), b = find_body(name_b);
   if (a.key() == b.key() && !a.whole_robot())
     throw InvalidArgument("set_allowed_collision: '" + name_a + "' and '" + name_b + "' are the same body");
-  // What this call covers: the bodies themselves and, for a whole robot, its links.
-  const auto covers = [&](const Body& body, const std::string& key) {
+  // The call replaces settings of the bodies themselves and, for a whole robot, of its links.
+  const auto replaces = [&](const Body& body, const std::string& key) {
     return key == body.key() || (body.whole_robot() && is_link_of(body.robot, key));
   };
   std::erase_if(allowed_, [&](const auto& entry) {
     const auto& [first, second] = entry.first;
-    return (covers(a, first) && covers(b, second)) || (covers(a, second) && covers(b, first));
+    return (replaces(a, first) && replaces(b, second)) || (replaces(a, second) && replaces(b, first));
   });
   allowed_.emplace(ordered(a.key(), b.key()), allowed);
 }
@@ -323,12 +324,12 @@ std::optional<bool> Scene::explicit_setting(const Body& a, const Body& b) const 
   };
   if (allowed_.empty()) return std::nullopt;
   if (const auto exact = find(a.key(), b.key())) return exact;
-  std::optional<bool> half_a, half_b;
-  if (a.is_link()) half_a = find(a.robot, b.key());
-  if (b.is_link()) half_b = find(a.key(), b.robot);
-  if (half_a && half_b) return *half_a && *half_b;
-  if (half_a) return half_a;
-  if (half_b) return half_b;
+  std::optional<bool> setting_a, setting_b;
+  if (a.is_link()) setting_a = find(a.robot, b.key());
+  if (b.is_link()) setting_b = find(a.key(), b.robot);
+  if (setting_a && setting_b) return *setting_a && *setting_b;
+  if (setting_a) return setting_a;
+  if (setting_b) return setting_b;
   if (a.is_link() && b.is_link()) return find(a.robot, b.robot);
   return std::nullopt;
 }

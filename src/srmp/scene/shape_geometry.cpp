@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/geometry/mesh_file.hpp"
+#include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/geometry/morton.hpp"
 
 namespace srmp {
@@ -61,7 +61,7 @@ void check_mesh(const Mesh& mesh, const std::string& object) {
                               ", but there are " + std::to_string(count) + " vertices, counted from 0");
 }
 
-/// Without the triangles that have no area: they have no plane, and their edges belong to their neighbours.
+/// The triangles without those of zero area, which have no plane, and whose edges belong to their neighbours.
 std::vector<std::array<int, 3>> with_area(const Mesh& mesh) {
   std::vector<std::array<int, 3>> kept;
   for (const auto& t : mesh.triangles) {
@@ -83,7 +83,8 @@ std::shared_ptr<const coal::CollisionGeometry> build_mesh(const Mesh& mesh, cons
   }
 }
 
-/// coal::makeOctree, faster: every cell once, in the octree's own order, its parents at the end.
+/// Equal to coal::makeOctree, but faster: inserts every cell once, in the order of the octree, and updates inner nodes
+/// at the end.
 Geometry octree_of(const PointCloud& cloud) {
   std::vector<std::uint64_t> codes;
   codes.reserve(cloud.points.size());
@@ -105,7 +106,7 @@ Geometry octree_of(const PointCloud& cloud) {
 Geometry build(const PointCloud& cloud, const std::string& object) {
   require_positive(cloud.resolution, of("point cloud resolution", object));
   if (cloud.points.empty()) throw InvalidArgument(of("point cloud", object) + " is empty; it needs at least one point");
-  constexpr double octree_reach = 32766;  // voxels from the middle to the edge of an octree 16 levels deep
+  constexpr double octree_reach = 32766;  // voxels from the centre to the boundary of an octree with 16 levels
   const double reach = octree_reach * cloud.resolution;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (!cloud.points[i].allFinite())
@@ -113,7 +114,7 @@ Geometry build(const PointCloud& cloud, const std::string& object) {
                             " has a component that is NaN or infinite; only finite numbers are allowed");
     if (cloud.points[i].cwiseAbs().maxCoeff() > reach)
       throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) + " is more than " +
-                            to_text(reach) + " m from the origin, the octree's reach at resolution " +
+                            to_text(reach) + " m from the origin, the octree's limit at resolution " +
                             to_text(cloud.resolution) + "; use a coarser resolution");
   }
   return octree_of(cloud);
@@ -164,7 +165,7 @@ std::shared_ptr<const coal::CollisionGeometry> outer_hull(std::shared_ptr<const 
     const std::shared_ptr<coal::ConvexBase> hull(coal::ConvexBase::convexHull(points, mesh->num_vertices, true));
     hull->computeLocalAABB();
     return hull;
-  } catch (const std::exception&) {  // qhull gave up
+  } catch (const std::exception&) {  // qhull failed
     return geometry;
   }
 }

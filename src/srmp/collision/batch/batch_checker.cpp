@@ -185,7 +185,7 @@ batch::KernelField kernel_field(const DistanceField& field) {
           {static_cast<float>(n[0] - 1), static_cast<float>(n[1] - 1), static_cast<float>(n[2] - 1)},
           static_cast<float>(field.cell()),
           static_cast<float>(1 / field.cell()),
-          above(field.excess()),
+          above(field.error_bound()),
           below(0.99 * field.reach())};
 }
 

@@ -194,7 +194,7 @@ class Builder {
       o.field = body.field;
       o.field_center = body.bounds.box_center;
       o.exact = body.field != nullptr;
-      o.connected = !body.parts.pieces;
+      o.connected = !body.parts.bvh;
     }
     return o;
   }

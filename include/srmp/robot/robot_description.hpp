@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace coal {
+class CollisionGeometry;
+}
+
+namespace srmp {
+
+/// Which files describe a robot, and which of its joints are planned.
+struct RobotDescription {
+  std::string urdf_path{};                       ///< file; required unless urdf_text is given
+  std::string urdf_text{};                       ///< the URDF itself, instead of urdf_path
+  std::string urdf_directory{};                  ///< of urdf_text: the directory of its relative meshes; "" = none
+  std::string srdf_path{};                       ///< file; without an SRDF, allowed collisions are sampled
+  std::string srdf_text{};                       ///< the SRDF itself, instead of srdf_path
+  std::string name{};                            ///< unique in a scene; "" = the robot name of the URDF
+  std::string end_effector{};                    ///< link of goal poses; "" = last link of the group, or the only leaf
+  std::string group{};                           ///< SRDF planning group; "" = chain to the end effector
+  std::vector<std::string> joint_names{};        ///< planned joints by name, in this order, instead of a group or chain
+  std::map<std::string, double> fixed_joints{};  ///< positions [rad or m] of joints that are not planned
+  std::vector<std::string> package_dirs{};  ///< searched for package:// and relative meshes, after the URDF's directory
+};
+
+enum class JointKind {
+  revolute,    ///< [rad], with limits
+  continuous,  ///< [rad], without limits; positions that differ by 2 pi are the same
+  prismatic,   ///< [m], with limits
+};
+
+/// A joint with one degree of freedom.
+struct Joint {
+  std::string name;
+  JointKind kind{};
+  double lower{};         ///< [rad or m]; minus infinity for continuous joints
+  double upper{};         ///< [rad or m]; infinity for continuous joints
+  double max_velocity{};  ///< [rad/s or m/s]; 0 when the URDF gives none, which planned joints must have
+};
+
+/// One collision geometry of a link.
+struct LinkGeometry {
+  std::string link;  ///< link name
+  std::string name;  ///< unique within the robot: "<link>_<n>"
+  /// A primitive stays a primitive. A mesh becomes its convex hull, which is solid, if it is a closed convex surface
+  /// (to 1 µm); otherwise it becomes its triangles, which are a surface.
+  std::shared_ptr<const coal::CollisionGeometry> shape;
+  /// The geometry that sphere covers contain: the shape, or its convex hull for a mesh of several materials, which is
+  /// read in two ways.
+  std::shared_ptr<const coal::CollisionGeometry> envelope;
+  Eigen::Vector3d center;    ///< of a bounding sphere, in the geometry's frame [m]
+  double radius{};           ///< of that sphere [m]
+  std::uint64_t support{};   ///< joint support: bit k is set when RobotModel::actuated_joints()[k] moves this geometry
+  std::size_t link_index{};  ///< into RobotModel::link_names()
+};
+
+/// A joint of the kinematic tree that a planned joint moves: the planned joint itself (ratio 1) or a mimic joint of it.
+struct ActuatedJoint {
+  std::size_t joint{};  ///< index of the planned joint in RobotModel::joints()
+  double ratio{1.0};    ///< this joint moves by ratio times the motion of the planned joint
+  bool prismatic{};     ///< otherwise revolute or continuous
+};
+
+}  // namespace srmp
