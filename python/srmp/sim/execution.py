@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,7 @@ from srmp import Error, InvalidArgument, MultiTrajectory, Trajectory
 from srmp.sim.contacts import ContactNames, Pair
 from srmp.sim.robots import Robot, require_known
 from srmp.sim.simulator import diverged
-
-if TYPE_CHECKING:
-    from srmp.sim.world import SimulatedWorld
+from srmp.sim.world_view import WorldView
 
 START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
 
@@ -62,7 +59,7 @@ class Execution:
 
 
 def by_robot(
-    world: SimulatedWorld, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
+    world: WorldView, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
 ) -> dict[str, Trajectory]:
     """The trajectories by robot; whose a single one is, its joints say."""
     if not isinstance(trajectory, Trajectory | MultiTrajectory | Mapping):
@@ -89,7 +86,7 @@ def by_robot(
     return trajectories
 
 
-def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
+def _only_owner(world: WorldView, trajectory: Trajectory) -> str:
     owners = [name for name, robot in world.robots.items() if set(trajectory.joint_names) <= set(robot.joints)]
     if len(owners) != 1:
         raise InvalidArgument(
@@ -100,7 +97,7 @@ def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
 
 
 def play(
-    world: SimulatedWorld,
+    world: WorldView,
     trajectories: Mapping[str, Trajectory],
     real_time: bool,
     settle_time: float,
@@ -149,7 +146,7 @@ def play(
 class _Player:
     """One robot's trajectory, sampled at the simulator's steps."""
 
-    def __init__(self, world: SimulatedWorld, robot: Robot, trajectory: Trajectory, times: NDArray[np.float64]) -> None:
+    def __init__(self, world: WorldView, robot: Robot, trajectory: Trajectory, times: NDArray[np.float64]) -> None:
         self.world = world
         self.robot = robot
         self.trajectory = trajectory
@@ -184,7 +181,7 @@ class _Player:
 class _Contacts:
     """Notes who touches whom, by the planner's names."""
 
-    def __init__(self, world: SimulatedWorld) -> None:
+    def __init__(self, world: WorldView) -> None:
         self.simulator = world.simulator
         self.names = ContactNames(world)
         self.first: dict[Pair, tuple[float, float]] = {}
