@@ -3,22 +3,22 @@ _srmp.__suffix__:
     __version__: str
 
     class Error(Exception):
-        """Base of everything that srmp raises."""
+        """Base of every exception that srmp raises."""
 
     class InvalidArgument(Error, ValueError):
         """An argument was refused; nothing was changed."""
 
     class UnknownRobot(InvalidArgument, KeyError):
-        """There is nothing of a robot of this name."""
+        """There is no robot of this name."""
 
     class FileError(Error, OSError):
         """A file is missing, unreadable or wrong."""
 
     class NotSupported(Error, NotImplementedError):
-        """Not done by this version yet."""
+        """The request needs something that this version does not do yet."""
 
     class PlanningError(Error):
-        """No trajectory. `status` says which kind of no, the text why; `statistics`: see get_planning_stats."""
+        """There is no trajectory: `status` says how the plan ended, the text why; `statistics`: see get_planning_stats."""
 
         status: Status
         statistics: dict[str, object]

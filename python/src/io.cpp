@@ -6,18 +6,19 @@ namespace srmp::python {
 void bind_io(nb::module_& m) {
   nb::class_<io::RequestFile>(
       m, "MoveItRequest",
-      "A MoveIt motion request as its file tells it; PlannerInterface.apply_moveit_request makes a problem of it.")
-      .def_ro("path", &io::RequestFile::path, "The file it was read from.")
+      R"(A MoveIt motion request as it is in its file; PlannerInterface.apply_moveit_request makes a problem of it.)")
+      .def_ro("path", &io::RequestFile::path, "The file that it was read from.")
       .def_ro("group_name", &io::RequestFile::group_name, "The planning group that the request is for.")
-      .def_ro("planner_id", &io::RequestFile::planner_id, "As the file has it; not used.")
+      .def_ro("planner_id", &io::RequestFile::planner_id, "The planner id of the file; it is not used.")
       .def_prop_ro(
           "start_joints", [](const io::RequestFile& r) { return r.start_state.joints; },
-          "Joint name to position [rad or m].")
-      .def_ro("allowed_planning_time", &io::RequestFile::allowed_planning_time, "[s], or None.");
-  m.def(
-      "load_moveit_request", &io::read_moveit_request, nb::arg("path"),
-      "Read a MoveIt motion request (YAML), such as MotionBenchMaker's request*.yaml. Raises FileError with the line,\n"
-      "and NotSupported for what this version does not plan with (path constraints, say).");
+          "The start state: joint name to position [rad or m].")
+      .def_ro("allowed_planning_time", &io::RequestFile::allowed_planning_time,
+              "The allowed planning time [s]; None if the file does not say it.");
+  m.def("load_moveit_request", &io::read_moveit_request, nb::arg("path"),
+        R"(Reads a MoveIt motion request (YAML), such as MotionBenchMaker's request*.yaml.
+
+Raises FileError with the line, and NotSupported for what this version does not plan with (path constraints, say).)");
 }
 
 }  // namespace srmp::python
