@@ -1,4 +1,5 @@
 #include "bind.hpp"
+#include "srmp/core/write_file.hpp"
 #include "srmp/io/moveit.hpp"
 
 namespace srmp::python {
@@ -19,6 +20,10 @@ void bind_io(nb::module_& m) {
         R"(Reads a MoveIt motion request (YAML), such as MotionBenchMaker's request*.yaml.
 
 Raises FileError with the line, and NotSupported for what this version does not plan with (path constraints, say).)");
+  m.def(
+      "_write_file", [](const nb::object& path, const std::string& text) { write_file(to_path(path), text); },
+      nb::arg("path"), nb::arg("text"), nb::sig("def _write_file(path: str | os.PathLike[str], text: str) -> None"),
+      "Writes a file completely or not at all, as all files of the library. Raises FileError.");
 }
 
 }  // namespace srmp::python

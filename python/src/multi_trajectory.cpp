@@ -15,7 +15,7 @@ const Trajectory* found(const MultiTrajectory& self, nb::handle robot) {
 Trajectory at(const MultiTrajectory& self, nb::handle robot) {
   if (const Trajectory* trajectory = found(self, robot)) return *trajectory;
   if (!nb::isinstance<nb::str>(robot))
-    raise_unknown_robot("a robot's name is a word, not " + nb::cast<std::string>(nb::repr(robot)));
+    raise_unknown_robot("a robot's name is a string, not " + nb::cast<std::string>(nb::repr(robot)));
   try {
     return self.at(nb::cast<std::string>(robot));
   } catch (const InvalidArgument& error) {

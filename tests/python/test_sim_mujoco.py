@@ -169,10 +169,10 @@ def test_filters_become_allowed_collisions():
     ghost = spec.worldbody.add_body(name="ghost", pos=[0.2, 0, 0.5])
     ghost.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=2, conaffinity=2)
     spec.add_exclude(bodyname1="arm/arm7_elbow", bodyname2="post")
-    picture = spec.worldbody.add_body(name="picture")
-    picture.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=0, conaffinity=0)
+    visual = spec.worldbody.add_body(name="visual")
+    visual.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=0, conaffinity=0)
     planner, _, _, _ = read(spec)
-    assert "picture" not in planner.object_names
+    assert "visual" not in planner.object_names
     assert all(planner.allowed_collision(link, "ghost") for link in planner.get_link_names("arm")[:-3])
     assert planner.allowed_collision("arm7_elbow", "post")
     assert not planner.allowed_collision("arm7_forearm", "post")
@@ -352,7 +352,7 @@ def test_a_missing_package(small, monkeypatch):
     refused(srmp.NotSupported, r"needs the Python package 'mujoco'.*pip install mujoco", small)
 
 
-def test_reading_twice_and_questions_before_reading(small):
+def test_reading_twice_and_queries_before_reading(small):
     planner = srmp.PlannerInterface()
     with pytest.raises(srmp.InvalidArgument, match="has read no simulator; call read_sim first"):
         srmp.sim.check_parity(planner, small)
@@ -509,7 +509,7 @@ def test_data_of_another_model_and_no_scene_at_all(small):
         (r"margin is -0\.1", {"margin": -0.1}),
     ],
 )
-def test_questions_of_parity_that_mean_nothing(match, options):
+def test_invalid_arguments_of_parity_are_refused(match, options):
     planner, _, _, _ = read(small_scene())
     with pytest.raises(srmp.InvalidArgument, match=match):
         srmp.sim.check_parity(planner, **options)

@@ -524,7 +524,7 @@ def test_a_missing_package(monkeypatch):
     refused(srmp.NotSupported, r"needs the Python package 'sapien'.*pip install sapien", scene)
 
 
-def test_questions_about_another_scene():
+def test_queries_of_another_scene():
     scene, _, _ = small_scene()
     planner, _ = read(scene)
     with pytest.raises(srmp.InvalidArgument, match="not the scene that the planner has read"):

@@ -11,6 +11,7 @@ Pair = tuple[str, str]  # objects, and links as "robot/link"; sorted
 
 
 def sorted_pair(a: str, b: str) -> Pair:
+    """The two names as a pair, sorted."""
     return (a, b) if a < b else (b, a)
 
 

@@ -17,7 +17,7 @@ from srmp.sim.robots import Robot, require_known
 from srmp.sim.simulator import diverged
 from srmp.sim.world_view import WorldView
 
-START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
+START_TOLERANCE = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class TouchEvent:
 
 @dataclass(frozen=True)
 class Execution:
-    """What was measured, at the end of every step. By robot: (n, dof), in the order of the trajectory's joints."""
+    """Measurements at the end of every step. By robot: (n, dof), in the order of the trajectory's joints."""
 
     times: NDArray[np.float64]  # (n,) [s] since the start
     positions: dict[str, NDArray[np.float64]]  # [rad or m]
@@ -45,23 +45,24 @@ class Execution:
 
     @property
     def largest_error(self) -> float:
-        """[rad or m] of any joint at any step."""
+        """The largest tracking error of any joint at any step [rad or m]."""
         return max(float(np.abs(self.positions[name] - target).max()) for name, target in self.targets.items())
 
     @property
     def final_error(self) -> float:
-        """[rad or m] of any joint at the end."""
+        """The largest tracking error of any joint at the end [rad or m]."""
         return max(float(np.abs(self.positions[name][-1] - target[-1]).max()) for name, target in self.targets.items())
 
     @property
     def unexpected_contacts(self) -> list[TouchEvent]:
+        """The contacts that are not allowed."""
         return [contact for contact in self.contacts if not contact.allowed]
 
 
 def by_robot(
     world: WorldView, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
 ) -> dict[str, Trajectory]:
-    """The trajectories by robot; whose a single one is, its joints say."""
+    """The trajectories by robot; the robot of a single one is found by its joints."""
     if not isinstance(trajectory, Trajectory | MultiTrajectory | Mapping):
         raise InvalidArgument(
             f"a {type(trajectory).__name__} cannot be executed; give a Trajectory, a MultiTrajectory, or a dict of "
@@ -80,7 +81,7 @@ def by_robot(
     for name, each in trajectories.items():
         known = require_known("robot", name, world.robots)
         if not isinstance(each, Trajectory):
-            raise InvalidArgument(f"that of robot '{name}' is a {type(each).__name__}, not a Trajectory")
+            raise InvalidArgument(f"the trajectory of robot '{name}' is a {type(each).__name__}, not a Trajectory")
         for joint in each.joint_names:
             require_known(f"joint of robot '{name}'", joint, known.joints)
     return trajectories
@@ -160,7 +161,7 @@ class _Player:
         now = self.world.simulator.joint_positions(self.robot.articulation)
         first = self.trajectory.sample(0.0)
         for ours, theirs, target in zip(self.trajectory.joint_names, self.names, first, strict=True):
-            if abs(now[theirs] - target) > START_SLACK:
+            if abs(now[theirs] - target) > START_TOLERANCE:
                 raise InvalidArgument(
                     f"joint '{ours}' of robot '{self.robot.name}' is at {now[theirs]:.4g}, and the trajectory starts "
                     f"at {target:.4g}; plan from where the robot is (get_qpos after refresh)"
@@ -179,7 +180,7 @@ class _Player:
 
 
 class _Contacts:
-    """Notes who touches whom, by the planner's names."""
+    """Records contacts, by the planner's names."""
 
     def __init__(self, world: WorldView) -> None:
         self.simulator = world.simulator
