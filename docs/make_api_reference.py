@@ -143,7 +143,7 @@ def _declarations(text: str, doc: str, line: int, scope: str) -> list[Declaratio
     is_function = "(" in head.split("{")[0].split("=")[0] or "operator" in text
     if is_function:
         match = re.search(r"(operator\s*\S+?|~?\w+)\s*\(", head)
-        signature = re.sub(r"\s*(\{.*\}|: \w+\(.*)$", ";", text) if "{" in text.split(")")[-1] else text
+        signature = re.sub(r"\s*\{.*\}$", ";", text)  # without its body
         return [Declaration("function", match[1] if match else text, signature, doc, line, scope)]
     names = re.findall(r"(\w+)\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|=[^,;]*)?\s*[,;]", head)
     return [Declaration("field", names[0] if names else text, text, doc, line, scope)]
@@ -192,7 +192,7 @@ def cpp_page() -> str:
         lines += ["", f"## {name}"]
         for declaration in declarations:
             lines += _cpp_entry(declaration)
-    return "\n".join(lines) + "\n"
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines) + "\n")
 
 
 def _cpp_entry(declaration: Declaration) -> list[str]:
@@ -289,10 +289,13 @@ def python_page(package: Path) -> str:
             }
         lines += ["", f"## {module}"]
         ordered = sorted(entries.values(), key=lambda node: (isinstance(node, ast.FunctionDef), node.name))
-        lines += ["", ", ".join(f"[{node.name}](#{_anchor(node.name)})" for node in ordered)]
+        prefix = "" if module == "srmp" else f"{module.rpartition('.')[2]}."  # srmp.Pose is not mplib.Pose
+        names = [prefix + node.name for node in ordered]
+        lines += ["", ", ".join(f"[{name}](#{_anchor(name)})" for name in names)]
         for node in ordered:
-            lines += _python_class(node) if isinstance(node, ast.ClassDef) else _python_function(node, "###")
-    return "\n".join(lines) + "\n"
+            entry = _python_class(node) if isinstance(node, ast.ClassDef) else _python_function(node, "###")
+            lines += [re.sub(r"^(#{3,4} )", rf"\1{prefix}", line) for line in entry]
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines) + "\n")
 
 
 def _python_class(node: ast.ClassDef) -> list[str]:

@@ -126,7 +126,7 @@ class World:
 
     @property
     def models(self) -> list[Model]:
-        """Each once."""
+        """The robot models, each once."""
         return list({robot.model.urdf: robot.model for robot in self.robots}.values())
 
     def build(self) -> srmp.PlannerInterface:
