@@ -19,6 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 HEADERS = ROOT / "include" / "srmp"
+PACKAGE = ROOT / "python" / "srmp"
 CPP_PAGE = ROOT / "docs" / "api-cpp.md"
 PYTHON_PAGE = ROOT / "docs" / "api-python.md"
 
@@ -237,11 +238,11 @@ def _anchor(heading: str) -> str:
 # --- Python
 
 
-def package_directory() -> Path:
-    """The built package: its modules, and the stubs of its extension beside them."""
+def stub_file() -> Path:
+    """The stubs of the built package's extension."""
     import srmp
 
-    return Path(srmp.__file__).parent
+    return Path(srmp.__file__).parent / "_srmp.pyi"
 
 
 # Pages show the names that users import; None: all public names of the file.
@@ -268,7 +269,7 @@ MODULES = {
 }
 
 
-def python_page(package: Path) -> str:
+def python_page(stubs: Path) -> str:
     """docs/api-python.md."""
     lines = [
         *("# Python API", "", _NOTE, ""),
@@ -280,25 +281,25 @@ def python_page(package: Path) -> str:
     for module, files in MODULES.items():
         entries = {}
         for file, names in files:
-            tree = ast.parse((package / file).read_text(encoding="utf-8"))
+            text = (stubs if file == stubs.name else PACKAGE / file).read_text(encoding="utf-8")
             entries |= {
-                node.name: node
-                for node in tree.body
+                node.name: (node, text.splitlines())
+                for node in ast.parse(text).body
                 if isinstance(node, ast.ClassDef | ast.FunctionDef)
                 and (node.name in names if names else not node.name.startswith("_"))
             }
         lines += ["", f"## {module}"]
-        ordered = sorted(entries.values(), key=lambda node: (isinstance(node, ast.FunctionDef), node.name))
+        ordered = sorted(entries.values(), key=lambda entry: (isinstance(entry[0], ast.FunctionDef), entry[0].name))
         prefix = "" if module == "srmp" else f"{module.rpartition('.')[2]}."  # srmp.Pose is not mplib.Pose
-        names = [prefix + node.name for node in ordered]
+        names = [prefix + node.name for node, _ in ordered]
         lines += ["", ", ".join(f"[{name}](#{_anchor(name)})" for name in names)]
-        for node in ordered:
-            entry = _python_class(node) if isinstance(node, ast.ClassDef) else _python_function(node, "###")
+        for node, source in ordered:
+            entry = _python_class(node, source) if isinstance(node, ast.ClassDef) else _python_function(node, "###")
             lines += [re.sub(r"^(#{3,4} )", rf"\1{prefix}", line) for line in entry]
     return re.sub(r"\n{3,}", "\n\n", "\n".join(lines) + "\n")
 
 
-def _python_class(node: ast.ClassDef) -> list[str]:
+def _python_class(node: ast.ClassDef, source: list[str]) -> list[str]:
     lines = ["", f"### {node.name}", "", *_docstring(ast.get_docstring(node))]
     done: set[str] = set()
     rows = []
@@ -310,7 +311,8 @@ def _python_class(node: ast.ClassDef) -> list[str]:
             target = item.targets[0] if isinstance(item, ast.Assign) else item.target
             name = ast.unparse(target)
             following = node.body[i + 1] if i + 1 < len(node.body) else None
-            text = ""
+            comment = re.search(r"  #:? (.*)$", source[item.end_lineno - 1])
+            text = comment[1] if comment else ""
             if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant):
                 text = str(following.value.value)
             if not name.startswith("_"):
@@ -397,7 +399,7 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="write nothing; 1 if a page is stale")
     check = parser.parse_args().check
     stale = []
-    for path, text in ((CPP_PAGE, cpp_page()), (PYTHON_PAGE, python_page(package_directory()))):
+    for path, text in ((CPP_PAGE, cpp_page()), (PYTHON_PAGE, python_page(stub_file()))):
         if path.exists() and path.read_text(encoding="utf-8") == text:
             continue
         stale.append(path.name)

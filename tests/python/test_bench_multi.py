@@ -380,7 +380,7 @@ def test_a_scenario_from_file_to_re_check(recheck, write, data, tmp_path):
     assert outcome.exit_code == 0, outcome.output
     assert "apart" in outcome.output
     assert "1/1/2" in outcome.output
-    assert "apart/0001 is no valid problem: " in outcome.output
+    assert "apart/0001 is not a valid problem: " in outcome.output
     results = json.loads(out.read_text())
     assert results["header"]["complete"]
     invalid, solved = results["rows"]

@@ -385,7 +385,7 @@ def test_geometries_of_mplib_will_do(planner):
     there = types.SimpleNamespace(p=[0, 0, 3], q=[1, 0, 0, 0])
     planner.add_object("sphere", types.SimpleNamespace(get_collision_geometry=lambda: sphere, pose=there))
     planner.update_attached_object(type("Box", (), {"side": np.array([0.1, 0.1, 0.1])})(), there, name="box")
-    assert planner.get_object_names() == ["sphere", "box"]
+    assert planner.get_object_names() == ["box", "sphere"]
     np.testing.assert_array_equal(planner.srmp.get_object_pose("sphere").p, [0, 0, 3])
 
 

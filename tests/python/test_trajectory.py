@@ -547,7 +547,7 @@ def test_csv_is_a_table_that_others_read(cubic, tmp_path):
         ("time,a_position,b_position,a_velocity\n0,1,1,1\n", "there is no column 'b_velocity'"),
         ("time,a_position,a_velocity,b_velocity\n0,1,1,1\n", "there is no column 'b_position'"),
         ("a_position,a_velocity\n0,1\n", "it has velocities, but no times"),
-        ('time,"a_position\n0,1\n', "is no CSV table"),
+        ('time,"a_position\n0,1\n', "is not a CSV table"),
     ],
 )
 def test_wrong_tables_are_refused(tmp_path, text, sentence):
@@ -562,7 +562,7 @@ def test_files_that_cannot_be_read_or_written_are_named(cubic, tmp_path):
         lambda: cubic.to_csv(tmp_path / "no" / "t.csv"), "t.csv: the file cannot be written: No such", srmp.FileError
     )
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    refuses(lambda: srmp.Trajectory.from_csv(tmp_path / "binary.csv"), "binary.csv is no CSV table", srmp.FileError)
+    refuses(lambda: srmp.Trajectory.from_csv(tmp_path / "binary.csv"), "binary.csv is not a CSV table", srmp.FileError)
 
 
 def test_joint_trajectories_are_laid_out_as_in_ros(cubic):

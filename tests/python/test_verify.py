@@ -233,7 +233,7 @@ def test_verify_names_every_fault(planned, tmp_path):
     assert result.exit_code == 1
     assert "FAULT velocity_limit: arm7_joint1: the velocity reaches" in result.output
     assert "FAULT acceleration_limit: arm7_joint1: " in result.output
-    assert "also limits finger, which are no planned joints of the robot" in result.output
+    assert "also limits finger, which are not planned joints of the robot" in result.output
     assert result.output.splitlines()[-1] == "2 faults: velocity_limit, acceleration_limit"
     motion = srmp.Trajectory.load(directory / "plan.json")
     motion.slice(0, motion.duration / 2).save(tmp_path / "half.json")
