@@ -195,7 +195,7 @@ def test_refresh_moves_adds_and_removes():
     sphere.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
     sim = spec.recompile(model, data)
     world.refresh(sim)
-    assert planner.object_names == ["sphere", "cube", "floor"]
+    assert planner.object_names == ["cube", "floor", "sphere"]
     assert planner.get_qpos("arm")[1] == 0.5
     assert planner.is_state_colliding("arm", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
@@ -626,7 +626,7 @@ def test_what_cannot_be_executed_is_said(small):
     for match, trajectory, options in (
         (r"a NoneType cannot be executed; give a Trajectory", None, {}),
         (r"a ndarray cannot be executed", np.zeros((2, 7)), {}),
-        (r"that of robot 'arm' is a NoneType, not a Trajectory", {"arm": None}, {}),
+        (r"the trajectory of robot 'arm' is a NoneType, not a Trajectory", {"arm": None}, {}),
         (r"unknown robot 3", still, {"robot": 3}),
         (r"unknown robot ''", still, {"robot": ""}),
         (r"settle_time is None", still, {"settle_time": None}),

@@ -369,7 +369,7 @@ def test_refresh_moves_adds_and_removes(small):
     unnamed = p.createMultiBody(0, sphere, -1, [9, 0, 0], physicsClientId=small)
     world.refresh()
     assert sphere == 2
-    assert planner.object_names == ["sphere", f"body{unnamed}", "cube", "floor"]
+    assert planner.object_names == [f"body{unnamed}", "cube", "floor", "sphere"]
     assert planner.is_state_colliding("arm7", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
     p.removeBody(sphere, physicsClientId=small)
