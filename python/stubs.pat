@@ -2,9 +2,6 @@
 _srmp.__suffix__:
     __version__: str
 
-    def _write_file(path: str | os.PathLike[str], text: str) -> None:
-        """Writes a file completely or not at all. Raises FileError."""
-
     class Error(Exception):
         """Base of every exception that srmp raises."""
 
@@ -25,3 +22,6 @@ _srmp.__suffix__:
 
         status: Status
         statistics: dict[str, object]
+
+    def _write_file(path: str | os.PathLike[str], text: str) -> None:
+        """Writes a file completely or not at all. Raises FileError."""

@@ -8,10 +8,10 @@
 
 namespace srmp::io {
 
-/// The limits of a robot's planned joints in a joint_limits.yaml.
+/// What a joint_limits.yaml says of a robot's planned joints.
 struct JointLimitsFile {
-  MotionLimits limits;              ///< of the planned joints
-  std::vector<std::string> unused;  ///< joints in it that are not planned ones, in the order of the file
+  MotionLimits limits;
+  std::vector<std::string> unused;  ///< joints in it that are no planned ones, in the order of the file
 };
 
 /// Reads MoveIt's joint_limits.yaml (rad, metres, seconds):
@@ -26,11 +26,11 @@ struct JointLimitsFile {
 ///         max_acceleration: 5
 ///         has_jerk_limits: false
 ///
-/// Limits that it does not contain are as in default_limits. Position limits may be as wide as the URDF's or wider,
-/// which changes nothing; narrower ones (by more than 1e-5) belong in the URDF.
+/// What it does not say is as in default_limits. Position limits may be as wide as the URDF's or wider, which changes
+/// nothing; narrower ones (by more than 1e-5) belong in the URDF.
 ///
 /// Throws FileError with file and line for a missing or empty file, unknown keys (with the nearest), and values that
-/// are not numbers or out of range; NotSupported for narrower position limits, limits of deceleration or effort, soft
+/// are no numbers or out of range; NotSupported for narrower position limits, limits of deceleration or effort, soft
 /// limits, and an angle_wraparound that is not the URDF's, each of a planned joint.
 JointLimitsFile read_joint_limits(const std::string& path, const RobotModel& robot);
 
