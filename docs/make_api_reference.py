@@ -159,7 +159,7 @@ def _needs_no_comment(text: str, scope: str) -> bool:
     if re.match(r"^using [\w:]+;$", text) or text in (";", "};"):
         return True
     name = scope.split("::")[-1]
-    own = rf"^(explicit |constexpr |inline )*~?{re.escape(name)}\(" if name else r"^$"
+    own = rf"^(explicit |constexpr |inline |virtual )*~?{re.escape(name)}\(" if name else r"^$"
     return bool(re.match(own, text)) or "operator=(" in text.replace(" ", "") or "operator==" in text
 
 

@@ -95,7 +95,7 @@ grip(model, data)
 world.grasp("cube", "arm", touch_links=["arm7_palm"])
 planner.set_allowed_collision("cube", "stand_left")  # it stands on it
 move_to("lift", hand([0.55, 0.3, 0.4]))
-planner.set_allowed_collision("cube", "stand_left", False)
+planner.set_allowed_collision("cube", "stand_left", allowed=False)
 move_to("carry", hand([0.55, -0.3, 0.45]))
 if len(sys.argv) > 1:
     draw(sys.argv[1], model, data)

@@ -80,7 +80,7 @@ drive = grip(scene, hand, cube)
 world.grasp("cube", "arm", touch_links=["arm7_palm"])
 planner.set_allowed_collision("cube", "stand_left")  # it stands on it
 move_to("lift", at([0.55, 0.3, 0.4]))
-planner.set_allowed_collision("cube", "stand_left", False)
+planner.set_allowed_collision("cube", "stand_left", allowed=False)
 move_to("carry", at([0.55, -0.3, 0.45]))
 
 cube.remove_component(drive)

@@ -96,7 +96,7 @@ a name in use, or sizes that are not positive and finite.)")
             for (const auto& row : faces.rowwise()) mesh.triangles.push_back(to_triangle(row.transpose(), name));
             self.use([&](auto& p) { p.add_mesh(name, mesh, pose, padding); });
           },
-          nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(),
+          nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(), nb::kw_only(),
           nb::arg("convex") = false, nb::arg("vertices") = nb::none(), nb::arg("triangles") = nb::none(),
           nb::arg("padding") = 0.0,
           R"(Adds a triangle mesh from the file `path`, multiplied by `scale` (3,), or from `vertices` (n, 3) [m] and `triangles`
@@ -173,7 +173,7 @@ Raises InvalidArgument when it is not attached.)")
           [](Self& self, const std::string& a, const std::string& b, bool allowed) {
             self.use([&](auto& p) { p.set_allowed_collision(a, b, allowed); });
           },
-          nb::arg("a"), nb::arg("b"), nb::arg("allowed") = true,
+          nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("allowed") = true,
           R"(Allows (or, with False, forbids again) contact of two bodies: objects, links ('link' or 'robot/link'), whole robots.
 A later call replaces earlier ones that it covers.)")
       .def(

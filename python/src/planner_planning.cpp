@@ -97,10 +97,10 @@ Raises InvalidArgument for an unknown robot, planner or option (with the nearest
           [](Self& self, const std::string& name, const nb::callable& function, bool consistent) {
             self.add_heuristic(name, function, consistent);
           },
-          nb::arg("name"), nb::arg("function"), nb::arg("consistent") = false,
+          nb::arg("name"), nb::arg("function"), nb::kw_only(), nb::arg("consistent") = false,
           nb::sig("def add_heuristic(self, name: str, function: collections.abc.Callable[[numpy.typing.NDArray"
                   "[numpy.float64], numpy.typing.NDArray[numpy.float64]], numpy.typing.ArrayLike], "
-                  "consistent: bool = False) -> None"),
+                  "*, consistent: bool = False) -> None"),
           R"(Registers a heuristic: from now on `name` may stand where options name one, for any robot.
 
 function(configurations, goals): (n, dof) and (m, dof) [rad or m] to (n,) estimates of the joint-space path length

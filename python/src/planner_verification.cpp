@@ -110,11 +110,11 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
             });
           },
           nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
-          nb::arg("limits") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
+          nb::arg("limits") = nb::none(), nb::kw_only(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
           nb::arg("gap_tolerance") = 0.5,
           nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
                   "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint] | None = None, "
-                  "limits: MotionLimits | None = None, jerk: bool = False, max_deviation: float | None = None, "
+                  "limits: MotionLimits | None = None, *, jerk: bool = False, max_deviation: float | None = None, "
                   "gap_tolerance: float = 0.5) -> Certificate"),
           R"(A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
 nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and goals.
@@ -141,12 +141,12 @@ Raises InvalidArgument for an unknown robot and options out of range.)")
             });
           },
           nb::arg("trajectory").none(), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
-          nb::arg("obstacles") = nb::none(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
-          nb::arg("gap_tolerance") = 0.5,
+          nb::arg("obstacles") = nb::none(), nb::kw_only(), nb::arg("jerk") = false,
+          nb::arg("max_deviation") = nb::none(), nb::arg("gap_tolerance") = 0.5,
           nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
                   "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
                   "goals: collections.abc.Mapping[str, GoalConstraint] | None = None, "
-                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, jerk: bool = False, "
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, *, jerk: bool = False, "
                   "max_deviation: float | None = None, gap_tolerance: float = 0.5) -> dict[str, Certificate]"),
           R"(verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,
 which rest where their motions end. Robots not named stand still.

@@ -320,8 +320,8 @@ numpy.save, pandas and the like.)")
           [](nb::handle_t<Trajectory> self, bool accelerations) {
             return in_python("to_joint_trajectory")(self, accelerations);
           },
-          nb::arg("accelerations") = false,
-          nb::sig("def to_joint_trajectory(self, accelerations: bool = False) -> dict[str, typing.Any]"),
+          nb::kw_only(), nb::arg("accelerations") = false,
+          nb::sig("def to_joint_trajectory(self, *, accelerations: bool = False) -> dict[str, typing.Any]"),
           R"(A dictionary laid out like ROS 2's trajectory_msgs/JointTrajectory: header, joint_names, points of positions,
 velocities, accelerations, effort (empty) and time_from_start (sec, nanosec) since the first row.
 

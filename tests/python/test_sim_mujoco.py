@@ -750,7 +750,7 @@ def test_fingers_on_a_tendon_hold_a_cube_by_friction():
     ]
     planner.set_allowed_collision("cube", "table")  # it lies on it
     go(0.1, 0.0)
-    planner.set_allowed_collision("cube", "table", False)
+    planner.set_allowed_collision("cube", "table", allowed=False)
     go(0.1, 0.15)
     np.testing.assert_allclose(data.body("cube").xpos, [0.15, 0, 0.19], atol=0.01)
     np.testing.assert_allclose(planner.get_object_pose("cube").p, data.body("cube").xpos, atol=1e-9)

@@ -442,6 +442,7 @@ class SimulatedWorld:
         self,
         trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
         robot: str | None = None,
+        *,
         real_time: bool = False,
         settle_time: float = 0.5,
         on_step: Callable[[float], bool | None] | None = None,
