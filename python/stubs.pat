@@ -6,22 +6,25 @@ _srmp.__suffix__:
     def _did_you_mean(name: str, known: Sequence[str]) -> str: ...
 
     class Error(Exception):
-        """Base of everything that srmp raises."""
+        """Base of every exception that srmp raises."""
 
     class InvalidArgument(Error, ValueError):
         """An argument was refused; nothing was changed."""
 
     class UnknownRobot(InvalidArgument, KeyError):
-        """There is nothing of a robot of this name."""
+        """There is no robot of this name."""
 
     class FileError(Error, OSError):
         """A file is missing, unreadable or wrong."""
 
     class NotSupported(Error, NotImplementedError):
-        """Not done by this version yet."""
+        """The request needs something that this version does not do yet."""
 
     class PlanningError(Error):
-        """No trajectory. `status` says which kind of no, the text why; `statistics`: see get_planning_stats."""
+        """There is no trajectory: `status` says how the plan ended, the text why; `statistics`: see get_planning_stats."""
 
         status: Status
         statistics: dict[str, object]
+
+    def _write_file(path: str | os.PathLike[str], text: str) -> None:
+        """Writes a file completely or not at all. Raises FileError."""

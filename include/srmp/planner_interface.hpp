@@ -28,10 +28,13 @@ namespace io {
 struct RequestFile;
 }
 
-/// The door to everything: a world of robots and objects, and planners for them. The Python class has the same words.
+/// A world of robots and objects, and the planners for them: the entry point of the library. The Python class has the
+/// same methods.
 ///
-/// All poses are in the world frame, lengths in metres, angles in radians; objects are solid. A refused call throws
-/// InvalidArgument and changes nothing. Not thread-safe: one thread at a time.
+/// Poses are in the world frame; lengths are in metres, angles in radians, times in seconds; objects are solid. A
+/// configuration q has the robot's dof entries [rad or m], in the order of get_joint_names. A call that is refused
+/// throws InvalidArgument and changes nothing: for unknown robots, objects or links (with the nearest known name),
+/// wrong sizes, NaN and infinity. Not thread-safe: one thread at a time.
 class PlannerInterface {
  public:
   PlannerInterface();
@@ -40,158 +43,242 @@ class PlannerInterface {
   PlannerInterface& operator=(PlannerInterface&&) noexcept;
 
   // --- robots
+
+  /// Adds a robot from a URDF and, where there is one, an SRDF; `base` is the pose of its root link in the world. The
+  /// planned joints stand at the values nearest to 0 within their limits. Without an SRDF, adjacent links may touch,
+  /// and so may links that touch with all joints at 0 and in more than 95 % of the sampled configurations
+  /// (RobotModel::always_colliding). Throws FileError (missing or broken file: line and place; a missing mesh lists
+  /// every place tried) and InvalidArgument (a name in use; unknown group, joint or link).
   void add_articulation(const RobotDescription& description, const Pose& base = {});
+  /// Removes a robot, its planners and its attachments: what it held stays in the world.
   void remove_articulation(const std::string& robot);
+  /// Places the robot's root link at its pose in the world.
   void set_base_pose(const std::string& robot, const Pose& pose);
+  /// Sets the planned joints (dof,) [rad or m]: the robot stands there while others plan, and attach_object and
+  /// detach_object use it. Throws InvalidArgument for a wrong size, NaN, or a joint outside its limits.
   void set_qpos(const std::string& robot, ConstVector q);
+  /// Sets positions [rad or m] of any joints by name, planned or not (a gripper's, say); joints not named stay. Throws
+  /// InvalidArgument for an unknown joint, NaN, or a joint outside its limits.
   void set_joint_positions(const std::string& robot, const std::map<std::string, double>& positions);
 
   // --- objects
+
+  /// Adds a box with full edge lengths `size` (3,) [m]. For this and the other shapes: `pose` is that of the centre in
+  /// the world, `padding` [m] is kept clear around the object, and InvalidArgument is thrown for a name in use and for
+  /// sizes that are not positive and finite.
   void add_box(const std::string& name, const Eigen::Vector3d& size, const Pose& pose, double padding = 0.0);
+  /// Adds a sphere of `radius` [m]; see add_box.
   void add_sphere(const std::string& name, double radius, const Pose& pose, double padding = 0.0);
+  /// Adds a cylinder along z, `radius` and `length` [m]; see add_box.
   void add_cylinder(const std::string& name, double radius, double length, const Pose& pose, double padding = 0.0);
+  /// Adds a capsule along z: a cylinder of `length` with a half sphere on each end [m]; see add_box.
   void add_capsule(const std::string& name, double radius, double length, const Pose& pose, double padding = 0.0);
+  /// Adds a cone along z, base at -length/2, apex at +length/2 [m]; see add_box.
   void add_cone(const std::string& name, double radius, double length, const Pose& pose, double padding = 0.0);
+  /// Adds a triangle mesh from the file `path`, multiplied by `scale` (3,); `pose` is that of its origin in the world,
+  /// `padding` [m] is kept clear around it. A mesh is its surface; `convex` takes its solid convex hull instead. Throws
+  /// FileError (missing, unreadable or empty file) and InvalidArgument (name in use, a scale that is not above 0).
   void add_mesh(const std::string& name, const std::string& path, const Pose& pose,
                 const Eigen::Vector3d& scale = {1, 1, 1}, bool convex = false, double padding = 0.0);
+  /// The same from vertices [m] and triangles of vertex numbers. Throws InvalidArgument for a name in use, NaN, and
+  /// vertex numbers that do not exist.
   void add_mesh(const std::string& name, const Mesh& mesh, const Pose& pose, double padding = 0.0);
-  /// Every point fills a voxel with edges of `resolution`. With `self_filter_distance` [m], points no farther than that
-  /// from a robot, where set_qpos put it, or from what it holds are left out (points_clear_of_robots).
+  /// Adds a point cloud (n, 3) [m]; every point fills a voxel with edges of `resolution` [m]. `pose` is that of its
+  /// origin in the world; `padding` [m] is kept clear around it. With `self_filter_distance` [m], points no farther
+  /// than that from a robot at its set_qpos, or from what it holds, are left out: a camera sees the robots too. Throws
+  /// InvalidArgument for a name in use, no points (or none left), NaN, or a resolution or distance that is not above 0.
   void add_point_cloud(const std::string& name, const std::vector<Eigen::Vector3d>& points, double resolution,
                        const Pose& pose = {}, double padding = 0.0, std::optional<double> self_filter_distance = {});
+  /// Removes an object, attached or not.
   void remove_object(const std::string& name);
+  /// Moves an object to its pose in the world. Throws InvalidArgument while it is attached.
   void set_object_pose(const std::string& name, const Pose& pose);
+  /// Keeps `padding` [m], >= 0, clear around an object, or around every link of a robot.
   void set_padding(const std::string& name, double padding);
+  /// Attaches the object to a link, with which it moves from now on. It keeps its pose relative to the link (robot at
+  /// its set_qpos), or takes `pose_in_link`. It may touch `link` and `touch_links`. Throws InvalidArgument for unknown
+  /// names or an object that is attached already.
   void attach_object(const std::string& object, const std::string& robot, const std::string& link,
                      const std::vector<std::string>& touch_links = {}, const std::optional<Pose>& pose_in_link = {});
+  /// Detaches the object; it stays in the world where the robot (at its set_qpos) holds it. Throws InvalidArgument when
+  /// it is not attached.
   void detach_object(const std::string& object);
+  /// Allows (or, with false, forbids again) contact of two bodies: objects, links ("link" or "robot/link"), whole
+  /// robots. A later call replaces earlier ones that it covers.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
-  /// Adds the collision objects of a MoveIt scene file, all or none.
+  /// Adds the collision objects of a MoveIt scene file (YAML), all or none. Throws FileError with the line.
   void load_moveit_scene(const std::string& path);
-  /// Adds and attaches the objects that a request's start state holds, all or none.
+  /// Adds and attaches the objects that a request's start state holds, all or none. Throws as io::apply_attached.
   void attach_moveit_objects(const io::RequestFile& request);
-  void reset();  ///< removes robots, objects, planners and heuristics
+  /// Removes all robots, objects, planners and heuristics.
+  void reset();
 
-  // --- files (docs/files.md): JSON, written whole or not at all; numbers read back bit for bit
+  // --- files (docs/files.md): JSON, written completely or not at all; numbers read back bit for bit
+
   /// Writes the whole problem: the scene with its robots, planners, motion limits that were set, and the request of
   /// the last plan or plan_multi with its result, if nothing was changed since. Throws FileError when it cannot be
   /// written, and InvalidArgument when a planner names a heuristic of add_heuristic.
   void save(const std::string& path) const;
-  /// As it was saved: planning again gives the same trajectory, get_planning_stats and last_result are the saved ones.
-  /// Of a scene file: the scene.
-  /// Only meshes of robots are other files: they are looked for where they were, and in `package_dirs`. Throws
-  /// FileError, with file and line, for anything missing, misspelt or wrong, another format, and newer versions.
+  /// Reads a problem that was saved: planning again gives the same trajectory, get_planning_stats and last_result are
+  /// the saved ones. A scene file gives the scene alone. Only meshes of robots are other files: they are looked for
+  /// where they were, and in `package_dirs`. Throws FileError, with file and line, for anything missing, misspelt or
+  /// wrong, another format, and newer versions.
   static PlannerInterface load(const std::string& path, const std::vector<std::string>& package_dirs = {});
-  /// Writes the scene alone. Throws FileError.
+  /// Writes the scene alone: robots, objects, attachments, allowed collisions. Throws FileError.
   void save_scene(const std::string& path) const;
-  /// Puts the scene of a scene or problem file in place of this one, or throws FileError, as load, and changes nothing.
-  /// Planners and motion limits of robots that it has too stay; limits, if the joints are the same.
+  /// Replaces this scene by that of a scene or problem file. Planners and motion limits of robots that both have stay;
+  /// limits only if the joints are the same. Throws FileError, as load, and changes nothing.
   void load_scene(const std::string& path, const std::vector<std::string>& package_dirs = {});
 
-  // --- questions
+  // --- queries
+
+  /// The scene as it is now; the reference stays valid, and follows later changes.
   const Scene& scene() const;
+  /// The model of a robot, valid while the robot is here. Throws InvalidArgument for an unknown robot.
   const RobotModel& robot(const std::string& name) const;
+  /// Names of the robots, sorted.
   std::vector<std::string> robot_names() const;
+  /// Names of the objects, attached ones too, sorted.
   std::vector<std::string> object_names() const;
+  /// Names of the planned joints, in the order of q.
   std::vector<std::string> get_joint_names(const std::string& robot) const;
+  /// Names of all links, the root first.
   std::vector<std::string> get_link_names(const std::string& robot) const;
-  Pose compute_fk(const std::string& robot, ConstVector q, const std::string& link = "") const;  ///< world frame
-  /// 6 x dof, rows vx vy vz wx wy wz of the link's origin, world axes.
+  /// World pose of a link ("" = the end effector) at q (dof,) [rad or m]. Joint limits are not checked.
+  Pose compute_fk(const std::string& robot, ConstVector q, const std::string& link = "") const;
+  /// Jacobian (6, dof) of a link ("" = the end effector) at q (dof,): velocity vx, vy, vz of its origin and angular
+  /// velocity wx, wy, wz, in world axes, per joint velocity.
   Eigen::MatrixXd compute_jacobian(const std::string& robot, ConstVector q, const std::string& link = "") const;
-  /// Within limits, nearest to `reference` (default: set_qpos) first; collisions are not looked at.
+  /// Configurations that bring `link` ("" = the end effector) to the world pose `target`: within limits, nearest to
+  /// `reference` (dof,) (default: set_qpos) first; empty when none was found. The same every time. Collisions are not
+  /// checked. Damped least squares from several seeds (Sugihara 2011): see inverse_kinematics. Throws InvalidArgument
+  /// for an unknown link, a wrong size, or counts that are not above 0.
   std::vector<Eigen::VectorXd> compute_ik(const std::string& robot, const Pose& target,
                                           const std::optional<Eigen::VectorXd>& reference = {},
                                           const IkOptions& options = {}, const std::string& link = "") const;
+  /// Returns whether the robot at q (dof,) [rad or m] touches itself or anything else. Joint limits are not checked.
   bool is_state_colliding(const std::string& robot, ConstVector q) const;
+  /// Every pair in contact at q (dof,) [rad or m], deepest first.
   std::vector<Contact> contacts(const std::string& robot, ConstVector q) const;
+  /// Returns whether the straight joint-space motion from a (dof,) to b (dof,) is proved free, between samples too;
+  /// continuous joints take the short way round. Conservative advancement (Schwarzer, Saha, Latombe 2004).
   bool is_motion_free(const std::string& robot, ConstVector a, ConstVector b) const;
-  /// Distance of the nearest pair [m], negative in collision; infinity when there is nothing to collide with.
+  /// Distance of the nearest pair at q (dof,) [m]; negative is the depth of penetration; infinity when there is nothing
+  /// to collide with.
   double distance_to_collision(const std::string& robot, ConstVector q) const;
+  /// The nearest pair at q (dof,); nullopt when there is nothing to collide with.
   std::optional<Contact> nearest(const std::string& robot, ConstVector q) const;
-  /// A checker of the scene as it is now, for many questions; later changes of the scene do not reach it.
+  /// A checker of the scene as it is now, for many queries; later changes of the scene do not reach it. The first use
+  /// of a robot computes sphere covers of its links, which may take many seconds; later ones load them from the cache
+  /// directory.
   std::shared_ptr<const Checker> collision_checker(const std::string& robot, CheckMode mode = CheckMode::exact) const;
-  /// The same among other robots whose motions are known; robots not named stand still.
+  /// A checker of one robot among others whose motions are known: straight between the configurations of `others`, at
+  /// rest before and after. Robots not named stand still. Throws InvalidArgument for unknown robots, times that do not
+  /// increase, wrong sizes and NaN.
   std::shared_ptr<const TimedChecker> timed_collision_checker(const std::string& robot,
                                                               const std::map<std::string, TimedPath>& others,
                                                               CheckMode mode = CheckMode::exact) const;
 
-  // --- limits and proofs
-  /// What the joints may do: velocities of the URDF, and default_limits for the rest, until set_motion_limits.
+  // --- motion limits and verification
+
+  /// The limits of the robot's joints: velocities of the URDF, and default_limits for the others, until
+  /// set_motion_limits.
   MotionLimits motion_limits(const std::string& robot) const;
-  /// Velocities, accelerations and jerks of every joint, for all plans that follow; which joints are continuous is
-  /// known from the model.
+  /// Sets the limits of all plans that follow, dof entries each: velocity [rad/s or m/s], acceleration [rad/s^2 or
+  /// m/s^2], jerk [rad/s^3 or m/s^3]. Which joints are continuous is known from the model. Throws InvalidArgument for a
+  /// wrong size, and limits that are not above 0 and finite.
   void set_motion_limits(const std::string& robot, MotionLimits limits);
-  /// Limits of a MoveIt joint_limits.yaml in place of those that were set (io/joint_limits.hpp, which says what is read
-  /// and what is refused). Returns the joints in it that are no planned ones: they were not used.
+  /// Replaces the limits that were set by those of a MoveIt joint_limits.yaml (io/joint_limits.hpp says what is read
+  /// and what is refused). What the file does not say is as in default_limits. Returns the joints in it that are not
+  /// planned ones: they were not used. Throws FileError, with the line, and NotSupported.
   std::vector<std::string> load_joint_limits(const std::string& robot, const std::string& path);
-  /// Looks over any trajectory of the robot, in the scene as it is: limits at every instant, collisions between rows
-  /// too, start and goals (certify). Faults are found, not thrown. Throws InvalidArgument for options that do not suit
-  /// the robot.
+  /// A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
+  /// nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and
+  /// goals. Faults are reported, not thrown. Throws InvalidArgument for an unknown robot and options out of range.
   Certificate verify(const std::string& robot, const Trajectory& trajectory, const VerifyOptions& options = {}) const;
-  /// The same of many robots that move on one clock, by name: each is held against the others too, which rest where
-  /// their motions end. Robots not named stand still. Throws InvalidArgument for options that do not suit the robots.
+  /// verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,
+  /// which rest where their motions end. Robots not named stand still. Throws InvalidArgument for an unknown robot,
+  /// starts and goals of robots without a trajectory, and options out of range.
   std::map<std::string, Certificate> verify_multi(const MultiTrajectory& trajectory,
                                                   const MultiVerifyOptions& options = {}) const;
 
   // --- heuristics of the user
-  /// From now on `name` may stand where options ask for a heuristic, for any robot. With it, bounds are proven only if
-  /// it is said to be `consistent`. It must not use this PlannerInterface, which is planning when it is asked.
+
+  /// Registers a heuristic: from now on `name` may stand where options name one, for any robot. Bounds that depend on
+  /// it are proven only if it is declared `consistent`. The function must not use this PlannerInterface, which is
+  /// planning when it calls it. Throws InvalidArgument for a name in use, empty, or with spaces, commas or brackets;
+  /// plan throws it for values that are not finite and >= 0, with the value and the configuration.
   void add_heuristic(const std::string& name, HeuristicFunction function, bool consistent = false);
-  void remove_heuristic(const std::string& name);  ///< planners that name it refuse to plan
+  /// Removes a heuristic of add_heuristic; planners that name it refuse to plan. Throws InvalidArgument for an unknown
+  /// name.
+  void remove_heuristic(const std::string& name);
+  /// Names of the heuristics of add_heuristic, sorted.
   std::vector<std::string> heuristic_names() const;
 
   // --- planning
-  /// Chooses the planner for these robots from the paper's dictionary ("planner_id", "time_limit", …) or typed options.
+
+  /// Chooses the planner of these robots, from a dictionary ("planner_id", "time_limit", …) or typed options. Options
+  /// left out have their defaults. Throws InvalidArgument for an unknown robot, planner or option (with the nearest
+  /// name) or a value out of range.
   void make_planner(const std::vector<std::string>& robots, const OptionMap& options);
   void make_planner(const std::vector<std::string>& robots, const PlannerOptions& options);
+  /// The options that make_planner was given for these robots. Throws InvalidArgument when it was not called.
   const PlannerOptions& planner_options(const std::vector<std::string>& robots) const;
 
-  /// Asked during a plan, at most every 10 ms: true stops it with Status::cancelled.
+  /// Called during a plan, at most every 10 ms; when it returns true, the plan stops with Status::cancelled.
   using Interrupt = Deadline::Interrupt;
 
-  /// A timed, collision-free trajectory of one robot from `start` to any of `goals`; other robots stand still. Throws
-  /// PlanningError with a typed status and a sentence when there is none.
+  /// A timed, collision-free trajectory of one robot from `start` (dof,) [rad or m] to any one of `goals`; other robots
+  /// stand still. The same request gives the same result, bit for bit. `on_solution` receives every path that is better
+  /// than those before, while planners that improve theirs run; when it returns false, that path is good enough. Throws
+  /// PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or cancelled,
+  /// its text says why. Throws InvalidArgument for an invalid request: unknown robot, no make_planner, wrong size, NaN.
   Trajectory plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                   const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
   Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
                   const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
+  /// Called by plan_many in the caller's thread, with the number of requests done and of all.
   using Progress = PlanProgress;
 
-  /// Many plans at once in the scene as it is, each by itself; `threads` (> 0; default: one a core) share them out.
+  /// Plans many requests in the scene as it is, independently of each other, on `threads` threads (> 0; default: one
+  /// for each core).
   ///
   /// Results are in the order of the requests, and each is what plan alone would have found, bit for bit, for any
-  /// number of threads. A request that has no trajectory does not disturb the others. Every request has its own time
-  /// limit, which begins with its own plan; only a limit that cuts a plan short can make a difference, the sooner the
-  /// more threads share a core. Once `interrupt` says so, all that is not finished ends with Status::cancelled.
-  /// `progress` and `interrupt` are called in the caller's thread; what they throw ends the call. Throws
-  /// InvalidArgument, before anything is planned where it can, for wrong requests (with their number).
-  /// get_planning_stats stays as it was.
+  /// number of threads. A request that has no trajectory does not disturb the others: its PlanResult says why. Every
+  /// request has its own time limit, which begins with its own plan; only a limit that stops a plan can make a
+  /// difference, and it does so earlier the more threads share a core. Once `interrupt` returns true, all that is not
+  /// finished ends with Status::cancelled. `progress` and `interrupt` are called in the caller's thread; what they
+  /// throw ends the call. get_planning_stats stays as it was. Throws InvalidArgument for an invalid request, as plan
+  /// does, with its number; before anything is planned where it can.
   std::vector<PlanResult> plan_many(const std::vector<PlanRequest>& requests, std::optional<int> threads = {},
                                     const Interrupt& interrupt = {}, const Progress& progress = {});
 
-  /// Motions of many robots together, on one clock, from `starts` to `goals`, both by robot name: collision-free among
-  /// each other too. A robot with a start and no goal holds still, as with GoalConstraint::hold; robots without a start
-  /// stand where set_qpos put them. Every trajectory has a certificate that covers the others, those of robots that
-  /// hold too. Planned by the planner that make_planner chose for the robots of `starts`. Throws
-  /// PlanningError with a typed status and a sentence when there are none, InvalidArgument for a goal without a start,
-  /// and when no robot is to move.
+  /// Motions of many robots together, on one clock, collision-free among each other too, from `starts` (dof,) [rad or
+  /// m] to `goals`, both by robot name. A robot with a start and no goal holds still, as with GoalConstraint::hold; one
+  /// with GoalConstraint::any may move out of the others' way; robots without a start stand where set_qpos put them.
+  /// Every trajectory has a certificate that covers the others, those of robots that hold too. Planned by the planner
+  /// that make_planner chose for the robots of `starts`.
   ///
-  /// `obstacles`: timed motions that other robots of the scene are committed to. They begin at time 0 too, the robots
-  /// rest where they end, and are not asked to move. The planned motions end among them so. They begin, all together,
-  /// as soon as they get by; or, where that fails or is late, each robot moves and waits as suits the others. Every
-  /// wait is explicit (planner/multi_arm/committed.hpp, which says what is refused). Starts where a committed motion
-  /// begins are `start_invalid` (where one ends too, unless the robot can leave before), goals where one ends
-  /// `goal_invalid`; `exhausted` names links and time when no motions are found.
+  /// `obstacles`: timed trajectories by robot name, that other robots of the scene are committed to. They begin at time
+  /// 0 too, and the robots rest where they end and are not planned for. The planned motions begin together, as early as
+  /// they pass the obstacles, in steps of 0.1 s, at rest at the starts until then; or, where that fails or begins late,
+  /// each robot moves and waits as suits the others (not complete). Certificates cover the obstacles.
+  ///
+  /// Throws PlanningError, with a status and a reason, when there are none: a start where an obstacle begins is
+  /// `start_invalid` (one where it ends too, unless the robot can leave before), a goal where one ends is
+  /// `goal_invalid`; `exhausted` names links and time when no motions are found. Throws InvalidArgument for a goal
+  /// without a start, wrong sizes and NaN, when no robot is to move, and for an obstacle that has a start, has no
+  /// times, does not begin at time 0, leaves the joint limits or does not have the robot's joints.
   MultiTrajectory plan_multi(const std::map<std::string, Eigen::VectorXd>& starts,
                              const std::map<std::string, GoalConstraint>& goals,
                              const std::map<std::string, Trajectory>& obstacles = {}, const Interrupt& interrupt = {});
-  /// Of the last plan, solved or not; status `exhausted` with zeros before the first.
+  /// Statistics of the last plan, solved or not; status `exhausted` with zeros before the first.
   const PlanStatistics& get_planning_stats() const;
-  /// What the last plan or plan_multi was asked, without options: those of make_planner count. None before the first,
+  /// The request of the last plan (without options: those of make_planner apply) or plan_multi; none before the first,
   /// and once one of its robots or the scene was replaced.
   const std::optional<LastRequest>& last_request() const;
-  /// What became of it: a PlanResult of a PlanRequest, a MultiPlanResult of a MultiPlanRequest. None before the first,
-  /// and once scene or planner were changed: then it may be another one.
+  /// The result of it: a PlanResult, or a MultiPlanResult of plan_multi; none before the first, and once scene or
+  /// planner were changed: then the same request may have another one.
   const std::optional<LastResult>& last_result() const;
 
  private:

@@ -30,7 +30,7 @@ namespace nb = nanobind;
 
 namespace srmp::python {
 
-/// An argument that NumPy can make numbers of: a list, a tuple, an array.
+/// An argument that NumPy can convert to numbers: a list, a tuple, an array.
 struct ArrayLike {
   nb::object value;
 
@@ -40,7 +40,7 @@ struct ArrayLike {
   RowMatrix rows(const std::string& what, Eigen::Index columns) const;
 };
 
-/// NumPy's float64 view or copy of any argument; InvalidArgument says `what` was not numbers.
+/// NumPy's float64 view or copy of any argument. Throws InvalidArgument, naming `what`, when it is not numbers.
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what);
 
 /// A NumPy array of float64; a type of its own so that the type stubs say so.
@@ -75,7 +75,7 @@ nb::dict to_dict(const Solution& solution);
 /// Raises UnknownRobot, an InvalidArgument for a mapping's key.
 [[noreturn]] void raise_unknown_robot(const std::string& what);
 
-/// What __setstate__ was given, which may be anything.
+/// The argument of __setstate__, which may be anything.
 class State {
  public:
   explicit State(nb::tuple entries) : entries_(std::move(entries)) {}
@@ -119,7 +119,7 @@ void make_picklable(nb::class_<T>& cls, Get get, Set set) {
   });
 }
 
-/// Values can change hands but have no hash. They differ from everything else, None too.
+/// Values are compared but not hashed. They differ from every object of another type, None too.
 template <class T, class Same>
 void make_comparable(nb::class_<T>& cls, Same same) {
   cls.def(
@@ -131,14 +131,14 @@ void make_comparable(nb::class_<T>& cls, Same same) {
   cls.attr("__hash__") = nb::none();
 }
 
-/// Gives a class the manners of a value: it is compared, pickled and copied by what `get` makes of it.
+/// Makes a class a value type: it is compared, pickled and copied by the tuple that `get` makes of it.
 template <class T, class Get, class Set>
 void make_value(nb::class_<T>& cls, Get get, Set set) {
   make_picklable(cls, get, set);
   make_comparable(cls, [get](const T& a, const T& b) { return get(a).equal(get(b)); });
 }
 
-/// A robot of a PlannerInterface where it stands; None: its only one.
+/// A robot of a PlannerInterface with its base pose; None: its only one.
 PlacedRobot placed_robot(nb::handle planner, nb::handle robot);
 
 void bind_certificate(nb::module_& m);

@@ -9,14 +9,14 @@ namespace {
 
 /// What Python would print, on one line of a sentence.
 std::string brief(nb::handle value) {
-  constexpr std::size_t most = 100;  // characters
+  constexpr std::size_t max_size = 100;  // characters
   std::string text;
   for (const char c : nb::cast<std::string>(nb::repr(value))) {
     const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
     if (!space || text.empty() || text.back() != ' ') text += space ? ' ' : c;
   }
-  if (text.size() <= most) return text;
-  std::size_t end = most;
+  if (text.size() <= max_size) return text;
+  std::size_t end = max_size;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // within a character of UTF-8
   return text.substr(0, end) + " …";
 }
@@ -101,7 +101,7 @@ OptionMap to_option_map(nb::handle dictionary) {
         number = nb::cast<double>(nb::float_(value));
       else if (!nb::try_cast<double>(value, number))
         throw InvalidArgument("option '" + name + "' is " + nb::cast<std::string>(nb::repr(value)) +
-                              "; it must be a number, a word, True or False, or a list of words");
+                              "; it must be a number, a string, True or False, or a list of strings");
       map[name] = number;
     }
   }
@@ -150,7 +150,7 @@ std::map<std::string, nb::object> to_map(nb::handle mapping, const std::string& 
   std::map<std::string, nb::object> map;
   for (nb::handle key : mapping.attr("keys")()) {
     if (!nb::isinstance<nb::str>(key))
-      throw InvalidArgument(what + " must be by robot name, which is a word, but one is by " + brief(key));
+      throw InvalidArgument(what + " must be by robot name, which is a string, but one is by " + brief(key));
     map[nb::cast<std::string>(key)] = mapping[key];
   }
   return map;

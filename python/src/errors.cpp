@@ -56,29 +56,31 @@ void raise_unknown_robot(const std::string& what) {
 
 void bind_errors(nb::module_& m) {
   nb::enum_<Status>(m, "Status", "How a plan ended.")
-      .value("solved", Status::solved)
+      .value("solved", Status::solved, "There is a trajectory.")
       .value("timed_out", Status::timed_out, "The time limit passed before a path was found.")
-      .value("exhausted", Status::exhausted, "The whole graph was searched: it holds no path (a finer resolution may).")
+      .value("exhausted", Status::exhausted, "The whole graph was searched: it has no path (a finer resolution may).")
       .value("start_invalid", Status::start_invalid, "The start is in collision or outside a limit.")
-      .value("goal_invalid", Status::goal_invalid, "No goal can be met: in collision, outside limits or out of reach.")
+      .value("goal_invalid", Status::goal_invalid,
+             "No goal can be reached: in collision, outside limits or out of reach.")
       .value("cancelled", Status::cancelled, "The caller asked to stop.");
 
-  error_type = make_exception(m, "Error", "Base of everything that srmp raises.", PyExc_Exception, nullptr);
+  error_type = make_exception(m, "Error", "Base of every exception that srmp raises.", PyExc_Exception, nullptr);
   invalid_argument_type = make_exception(m, "InvalidArgument", "An argument was refused; nothing was changed.",
                                          error_type, PyExc_ValueError);
   file_error_type =
       make_exception(m, "FileError", "A file is missing, unreadable or wrong.", error_type, PyExc_OSError);
   not_supported_type =
-      make_exception(m, "NotSupported", "Not done by this version yet.", error_type, PyExc_NotImplementedError);
+      make_exception(m, "NotSupported", "The request needs something that this version does not do yet.", error_type,
+                     PyExc_NotImplementedError);
   nb::dict as_it_is;  // a KeyError puts its text in quotation marks
   as_it_is["__str__"] = nb::handle(PyExc_BaseException).attr("__str__");
-  unknown_robot_type = make_exception(m, "UnknownRobot", "There is nothing of a robot of this name.",
-                                      invalid_argument_type, PyExc_KeyError, as_it_is);
-  planning_error_type =
-      make_exception(m, "PlanningError",
-                     "No trajectory. `status` (a Status) says which kind of no, the text why; `statistics`: see\n"
-                     "PlannerInterface.get_planning_stats.",
-                     error_type, nullptr);
+  unknown_robot_type = make_exception(m, "UnknownRobot", "There is no robot of this name.", invalid_argument_type,
+                                      PyExc_KeyError, as_it_is);
+  planning_error_type = make_exception(
+      m, "PlanningError",
+      "There is no trajectory: `status` (a Status) says how the plan ended, the text why; `statistics`: see\n"
+      "PlannerInterface.get_planning_stats.",
+      error_type, nullptr);
   nb::register_exception_translator(translate);
 }
 

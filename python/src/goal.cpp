@@ -4,7 +4,7 @@ namespace srmp::python {
 
 namespace {
 
-/// One target or several: a Pose, numbers, an array with one target a row, or a list of these.
+/// One target or several: a Pose, numbers, an array with one target in each row, or a list of these.
 std::vector<Eigen::VectorXd> to_targets(GoalType type, nb::handle value) {
   Pose pose;
   if (nb::try_cast(value, pose)) {
@@ -21,7 +21,7 @@ std::vector<Eigen::VectorXd> to_targets(GoalType type, nb::handle value) {
   const auto numbers = to_numbers(value, "goal target");
   if (numbers.ndim() == 1)
     return {Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()))};
-  if (numbers.ndim() != 2) throw InvalidArgument("goal targets must be one row of numbers, or one row a target");
+  if (numbers.ndim() != 2) throw InvalidArgument("goal targets must be one row of numbers, or one row for each target");
   std::vector<Eigen::VectorXd> targets;
   for (std::size_t i = 0; i < numbers.shape(0); ++i)
     targets.emplace_back(Eigen::Map<const Eigen::VectorXd>(numbers.data() + i * numbers.shape(1),
@@ -45,18 +45,18 @@ std::string text(const GoalConstraint& goal) {
 }  // namespace
 
 void bind_goal(nb::module_& m) {
-  nb::enum_<GoalType>(m, "GoalType", "What a goal speaks of.")
+  nb::enum_<GoalType>(m, "GoalType", "The kind of a goal: what its targets are.")
       .value("JOINTS", GoalType::joints, "A configuration of the planned joints.")
       .value("POSE", GoalType::pose, "Position and orientation of the end effector, world frame.")
       .value("POSITION", GoalType::position, "Position of the end effector, world frame; any orientation.")
       .value("HOLD", GoalType::hold, "With plan_multi: the robot stays where it starts.")
-      .value("ANY", GoalType::any, "With plan_multi: it may move out of the others' way and end anywhere.");
+      .value("ANY", GoalType::any, "With plan_multi: the robot may move out of the others' way and end anywhere.");
 
-  nb::class_<GoalConstraint> cls(
-      m, "GoalConstraint",
-      "What a plan must reach: any one of several targets of one type.\n\n"
-      "Joint targets are met exactly; for poses and positions inverse kinematics supplies configurations,\n"
-      "to 1e-5 m and 1e-4 rad where it can and within the tolerances at worst.");
+  nb::class_<GoalConstraint> cls(m, "GoalConstraint",
+                                 R"(A goal of a plan: any one of several targets of one type.
+
+Joint targets are reached exactly; for poses and positions inverse kinematics supplies configurations, to 1e-5 m and
+1e-4 rad where it can and within the tolerances otherwise.)");
   cls.def(
          "__init__",
          [](GoalConstraint* self, GoalType type, nb::object targets, const ArrayLike& position_tolerance,
@@ -72,32 +72,31 @@ void bind_goal(nb::module_& m) {
                  "collections.abc.Sequence[Pose], "
                  "position_tolerance: numpy.typing.ArrayLike = 0.001, rotation_tolerance: numpy.typing.ArrayLike = "
                  "0.01) -> None"),
-         "targets: JOINTS dof numbers [rad or m]; POSE x, y, z, qx, qy, qz, qw or a Pose; POSITION x, y, z [m]; or a "
-         "list of\n"
-         "such targets, any of which will do. Tolerances [m] and [rad]: one number, or three, for x, y and z of the "
-         "target's own frame\n"
-         "(POSITION: of the world); infinity: that axis is free.\n\n"
-         "Raises InvalidArgument for no target, a wrong number of entries, NaN, a zero quaternion, a tolerance that "
-         "is "
-         "not above 0,\n"
-         "and when every axis is free.")
+         R"(A goal with these targets, any one of which is enough.
+
+targets: JOINTS dof numbers [rad or m]; POSE x, y, z [m], qx, qy, qz, qw or a Pose, world frame; POSITION x, y, z
+[m], world frame; or a list of such targets. Tolerances [m] and [rad]: one number, or three, for x, y and z of the
+target's own frame (POSITION: of the world); infinity: that axis is free.
+
+Raises InvalidArgument for no target, a wrong size, NaN, a zero quaternion, a tolerance that is not above 0, and
+when all axes are free.)")
       .def_static("hold", &GoalConstraint::hold, "With plan_multi: the robot stays where it starts.")
-      .def_static("aside", &GoalConstraint::any,
+      .def_static("any", &GoalConstraint::any,
                   "With plan_multi: the robot may move out of the others' way and end anywhere.")
-      .def_ro("type", &GoalConstraint::type, "What the targets are.")
+      .def_ro("type", &GoalConstraint::type, "The kind of the goal: what the targets are.")
       .def_prop_ro(
           "position_tolerance", [](const GoalConstraint& goal) { return to_numpy(goal.position_tolerance.axes); },
-          "(3,) [m], along x, y, z; infinity: free.")
+          "Tolerances (3,) [m] along x, y, z; infinity: that axis is free.")
       .def_prop_ro(
           "rotation_tolerance", [](const GoalConstraint& goal) { return to_numpy(goal.rotation_tolerance.axes); },
-          "(3,) [rad], about x, y, z; infinity: free.")
+          "Tolerances (3,) [rad] about x, y, z; infinity: that axis is free.")
       .def_prop_ro(
           "targets",
           [](const GoalConstraint& goal) {
             return to_numpy_rows(goal.targets,
                                  goal.targets.empty() ? 0 : static_cast<std::size_t>(goal.targets[0].size()));
           },
-          "(n, k), one target a row: k = dof for JOINTS, 7 for POSE, 3 for POSITION.")
+          R"(The targets (n, k), one in each row: k = dof for JOINTS, 7 for POSE, 3 for POSITION, n = 0 for HOLD and ANY.)")
       .def("__repr__", &text);
   make_value(
       cls,

@@ -3,7 +3,7 @@
 
 NB_MODULE(_srmp, m) {
   using namespace srmp::python;
-  m.doc() = "Search-based robot motion planning (the C++ library's Python door).";
+  m.doc() = "Search-based robot motion planning: the Python bindings of the C++ library.";
   m.attr("__version__") = std::string(srmp::version());
   bind_errors(m);
   bind_pose(m);

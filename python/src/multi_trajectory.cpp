@@ -15,7 +15,7 @@ const Trajectory* found(const MultiTrajectory& self, nb::handle robot) {
 Trajectory at(const MultiTrajectory& self, nb::handle robot) {
   if (const Trajectory* trajectory = found(self, robot)) return *trajectory;
   if (!nb::isinstance<nb::str>(robot))
-    raise_unknown_robot("a robot's name is a word, not " + nb::cast<std::string>(nb::repr(robot)));
+    raise_unknown_robot("a robot's name is a string, not " + nb::cast<std::string>(nb::repr(robot)));
   try {
     return self.at(nb::cast<std::string>(robot));
   } catch (const InvalidArgument& error) {
@@ -27,10 +27,9 @@ Trajectory at(const MultiTrajectory& self, nb::handle robot) {
 
 void bind_multi_trajectory(nb::module_& m) {
   nb::class_<MultiTrajectory> cls(m, "MultiTrajectory",
-                                  "Motions of many robots on one clock, by robot name: a mapping. All begin at time 0, "
-                                  "and a robot whose own motion "
-                                  "is over rests\n"
-                                  "where it ended.");
+                                  R"(Motions of many robots on one clock, by robot name: a mapping.
+
+All begin at time 0, and a robot whose own motion is over rests where it ended.)");
   cls.def(
          "__init__",
          [](MultiTrajectory* self, nb::handle robots) {
@@ -38,9 +37,13 @@ void bind_multi_trajectory(nb::module_& m) {
          },
          nb::arg("robots").none(),
          nb::sig("def __init__(self, robots: collections.abc.Mapping[str, Trajectory]) -> None"),
-         "From trajectories by robot name.\n\nRaises InvalidArgument for anything else.")
+         R"(Motions from trajectories by robot name.
+
+Raises InvalidArgument for anything else.)")
       .def("__getitem__", &at, nb::arg("robot").none(), nb::sig("def __getitem__(self, robot: str) -> Trajectory"),
-           "The trajectory of a robot; raises UnknownRobot with the nearest name.")
+           R"(The trajectory of a robot.
+
+Raises UnknownRobot with the nearest name.)")
       .def(
           "get",
           [](const MultiTrajectory& self, nb::handle robot, nb::object otherwise) {
@@ -72,19 +75,20 @@ void bind_multi_trajectory(nb::module_& m) {
             for (const auto& [name, trajectory] : self.robots) values.push_back(trajectory);
             return values;
           },
-          "Their trajectories, in the order of the names.")
+          "The trajectories, in the order of the names.")
       .def(
           "items",
           [](const MultiTrajectory& self) {
             return std::vector<std::pair<std::string, Trajectory>>(self.robots.begin(), self.robots.end());
           },
-          "(name, trajectory) of every robot.")
-      .def_prop_ro("duration", &MultiTrajectory::duration, "Of the longest [s].")
-      .def("merged", &MultiTrajectory::merged,
-           "All robots as one Trajectory: joints 'robot/joint', in the order of the names; rows where any robot has "
-           "one. The motion is\n"
-           "that of the robots; there is no certificate.\n\n"
-           "Raises InvalidArgument when some have times (or velocities) and others have not.")
+          "The pairs (name, trajectory) of all robots, in the order of the names.")
+      .def_prop_ro("duration", &MultiTrajectory::duration, "Duration of the longest motion [s].")
+      .def(
+          "merged", &MultiTrajectory::merged,
+          R"(All robots as one Trajectory: joints 'robot/joint', in the order of the names; rows where any robot has one.
+
+The motion is that of the robots; there is no certificate. Raises InvalidArgument when some have times (or
+velocities) and others have not.)")
       .def("__repr__", [](const MultiTrajectory& self) {
         return "MultiTrajectory(" + std::to_string(self.robots.size()) + " robots, " + to_text(self.duration()) + " s)";
       });

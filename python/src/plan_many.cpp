@@ -5,7 +5,7 @@ namespace srmp::python {
 
 namespace {
 
-// Fields as Python has them, both ways.
+// Fields of PlanStatistics to Python objects and back.
 template <class T>
 nb::object to_python(const T& value) {
   return nb::cast(value);
@@ -43,7 +43,7 @@ template <class Motion>
 void bind_result(nb::module_& m, const char* name, const char* what, const char* trajectory) {
   using Result = ResultOf<Motion>;
   nb::class_<Result> result(m, name, what);
-  result.def_prop_ro("solved", &Result::solved, "Is there a trajectory?")
+  result.def_prop_ro("solved", &Result::solved, "Whether there is a trajectory.")
       .def_prop_ro("status", &Result::status, "How the plan ended.")
       .def_prop_ro("reason", &Result::reason, "Why there is no trajectory; '' when solved.")
       .def_prop_ro(
@@ -94,7 +94,7 @@ nb::dict to_dict(const PlanStatistics& statistics) {
 namespace {
 
 void bind_plan_request(nb::module_& m) {
-  nb::class_<PlanRequest> request(m, "PlanRequest", "One plan of PlannerInterface.plan_many.");
+  nb::class_<PlanRequest> request(m, "PlanRequest", "A request to PlannerInterface.plan or plan_many.");
   request
       .def(
           "__init__",
@@ -108,16 +108,18 @@ void bind_plan_request(nb::module_& m) {
           nb::sig("def __init__(self, robot: str, start: numpy.typing.ArrayLike, "
                   "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint], "
                   "options: dict | object | None = None) -> None"),
-          "The robot's name; where it starts, (dof,) [rad or m]; the goal, or several of which any one will do; and a "
-          "planner of its\n"
-          "own, as for make_planner (default: that of make_planner).\n\n"
-          "Raises InvalidArgument for something that is no numbers, goal or planner options.")
-      .def_ro("robot", &PlanRequest::robot, "Its name.")
+          R"(A request for a plan of one robot.
+
+robot: its name. start: (dof,) [rad or m]. goals: one, or several of which any one is enough. options: a planner of
+its own, as for make_planner (default: that of make_planner).
+
+Raises InvalidArgument for what is not numbers, goals or planner options.)")
+      .def_ro("robot", &PlanRequest::robot, "Name of the robot that is planned.")
       .def_prop_ro(
-          "start", [](const PlanRequest& r) { return to_numpy(r.start); }, "(dof,) [rad or m]")
-      .def_ro("goals", &PlanRequest::goals, "Any one will do.")
+          "start", [](const PlanRequest& r) { return to_numpy(r.start); }, "The start configuration (dof,) [rad or m].")
+      .def_ro("goals", &PlanRequest::goals, "The goals; any one of them is enough.")
       .def_prop_ro("options", &own_options, nb::sig("def options(self) -> dict[str, typing.Any] | None"),
-                   "Of its own planner, as srmp.planner_options gives them; None: those of make_planner.")
+                   "Options of its own planner, as srmp.planner_options gives them; None: those of make_planner.")
       .def("__repr__", [](const PlanRequest& r) {
         return "PlanRequest('" + r.robot + "', " + std::to_string(r.goals.size()) +
                (r.goals.size() == 1 ? " goal)" : " goals)");
@@ -137,7 +139,7 @@ void bind_plan_request(nb::module_& m) {
 }
 
 void bind_multi_plan_request(nb::module_& m) {
-  nb::class_<MultiPlanRequest> multi(m, "MultiPlanRequest", "One question to PlannerInterface.plan_multi.");
+  nb::class_<MultiPlanRequest> multi(m, "MultiPlanRequest", "A request to PlannerInterface.plan_multi: its arguments.");
   multi
       .def(
           "__init__",
@@ -148,7 +150,8 @@ void bind_multi_plan_request(nb::module_& m) {
           nb::sig("def __init__(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
                   "goals: collections.abc.Mapping[str, GoalConstraint], "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> None"),
-          "The arguments of plan_multi.\n\nRaises InvalidArgument for something that is no numbers or no goal.")
+          "A request with the arguments of plan_multi.\n\nRaises InvalidArgument for what is not numbers, goals or "
+          "trajectories.")
       .def_prop_ro(
           "starts",
           [](const MultiPlanRequest& r) {
@@ -156,13 +159,13 @@ void bind_multi_plan_request(nb::module_& m) {
             for (const auto& [name, start] : r.starts) starts.emplace(name, to_numpy(start));
             return starts;
           },
-          "By robot name: (dof,) [rad or m]")
+          "The starts by robot name, (dof,) [rad or m].")
       .def_prop_ro(
           "goals", [](const MultiPlanRequest& r) { return r.goals; },
-          "By robot name; a robot with a start and no goal holds.")
+          "The goals by robot name; a robot with a start and no goal holds still.")
       .def_prop_ro(
           "obstacles", [](const MultiPlanRequest& r) { return r.obstacles; },
-          "By robot name: motions that other robots are committed to.")
+          "Motions that other robots are committed to, by robot name.")
       .def("__repr__", [](const MultiPlanRequest& r) {
         return "MultiPlanRequest(" + std::to_string(r.starts.size()) + (r.starts.size() == 1 ? " robot" : " robots") +
                (r.obstacles.empty() ? ")" : " among " + std::to_string(r.obstacles.size()) + " that are committed)");
@@ -183,10 +186,11 @@ void bind_multi_plan_request(nb::module_& m) {
 void bind_plan_many(nb::module_& m) {
   bind_plan_request(m);
   bind_multi_plan_request(m);
-  bind_result<Trajectory>(m, "PlanResult", "What became of one request of PlannerInterface.plan or plan_many.",
-                          "The Trajectory. Raises PlanningError with status and reason unless solved.");
-  bind_result<MultiTrajectory>(m, "MultiPlanResult", "What became of a request of PlannerInterface.plan_multi.",
-                               "The MultiTrajectory. Raises PlanningError with status and reason unless solved.");
+  bind_result<Trajectory>(m, "PlanResult", "The result of PlannerInterface.plan, and of one request of plan_many.",
+                          "The trajectory.\n\nRaises PlanningError with status and reason unless solved.");
+  bind_result<MultiTrajectory>(
+      m, "MultiPlanResult", "The result of PlannerInterface.plan_multi.",
+      "The trajectories of all robots.\n\nRaises PlanningError with status and reason unless solved.");
 }
 
 }  // namespace srmp::python

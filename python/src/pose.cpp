@@ -32,26 +32,34 @@ void bind_pose(nb::module_& m) {
                                            q ? four(*q, "pose quaternion") : std::array<double, 4>{0, 0, 0, 1}));
          },
          nb::arg("p") = nb::none(), nb::arg("q") = nb::none(),
-         "Position [m] (default: origin) and quaternion [x, y, z, w] (default: identity; normalised).\n\n"
-         "Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.")
+         R"(A pose from a position [m] (default: origin) and a quaternion [x, y, z, w] (default: identity; normalised).
+
+Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.)")
       .def_static(
           "from_xyzw",
           [](const ArrayLike& p, const ArrayLike& q) {
             return Pose::from_xyzw(p.vector3("pose position"), four(q, "quaternion"));
           },
-          nb::arg("p"), nb::arg("q"), "From a position [m] and a quaternion [x, y, z, w].")
+          nb::arg("p"), nb::arg("q"), R"(A pose from a position [m] and a quaternion [x, y, z, w], which is normalised.
+
+Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.)")
       .def_static(
           "from_wxyz",
           [](const ArrayLike& p, const ArrayLike& q) {
             return Pose::from_wxyz(p.vector3("pose position"), four(q, "quaternion"));
           },
-          nb::arg("p"), nb::arg("q"), "From a position [m] and a quaternion [w, x, y, z].")
+          nb::arg("p"), nb::arg("q"), R"(A pose from a position [m] and a quaternion [w, x, y, z], which is normalised.
+
+Raises InvalidArgument for NaN, a zero quaternion or a wrong number of entries.)")
       .def_static(
           "from_rpy",
           [](const ArrayLike& p, const ArrayLike& rpy) {
             return Pose::from_rpy(p.vector3("pose position"), rpy.vector3("roll, pitch, yaw"));
           },
-          nb::arg("p"), nb::arg("rpy"), "From a position [m] and fixed-axis roll, pitch, yaw [rad], as in URDF.")
+          nb::arg("p"), nb::arg("rpy"),
+          R"(A pose from a position [m] and fixed-axis roll, pitch, yaw [rad] as in URDF: R = Rz(yaw) Ry(pitch) Rx(roll).
+
+Raises InvalidArgument for NaN or a wrong number of entries.)")
       .def_static(
           "from_matrix",
           [](const ArrayLike& matrix) {
@@ -60,20 +68,21 @@ void bind_pose(nb::module_& m) {
             return Pose::from_matrix(rows);
           },
           nb::arg("matrix"),
-          "From a homogeneous (4, 4) matrix.\n\n"
-          "Raises InvalidArgument when its rotation is not orthonormal to 1e-6.")
+          R"(A pose from a homogeneous matrix (4, 4).
+
+Raises InvalidArgument unless its rotation is orthonormal to 1e-6.)")
       .def_prop_ro(
-          "p", [](const Pose& pose) { return to_numpy(pose.p); }, "Position x, y, z [m].")
+          "p", [](const Pose& pose) { return to_numpy(pose.p); }, "The position x, y, z, (3,) [m].")
       .def_prop_ro(
-          "q", [](const Pose& pose) { return to_numpy(pose.q.coeffs()); }, "Quaternion x, y, z, w.")
+          "q", [](const Pose& pose) { return to_numpy(pose.q.coeffs()); }, "The unit quaternion x, y, z, w, (4,).")
       .def(
           "matrix",
           [](const Pose& pose) {
             const Eigen::Matrix4d matrix = pose.matrix();
             return to_numpy_rows({matrix.row(0), matrix.row(1), matrix.row(2), matrix.row(3)}, 4);
           },
-          "Homogeneous (4, 4) matrix.")
-      .def("inverse", &Pose::inverse, "The transform the other way: `pose.inverse() @ pose` is the identity.")
+          "The homogeneous matrix (4, 4).")
+      .def("inverse", &Pose::inverse, "The inverse transform: `pose.inverse() @ pose` is the identity.")
       .def(
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator())
       .def(

@@ -62,7 +62,7 @@ bool same(const Trajectory& a, const Trajectory& b) {
          same(a.accelerations, b.accelerations) && same(a.times, b.times) && same(a.waypoints, b.waypoints);
 }
 
-/// The states at one time, or at many, as arrays (dof,) or (k, dof): one for each member asked for.
+/// The states at one time, or at many, as arrays (dof,) or (k, dof): one for each of the members.
 template <class... Member>
 nb::tuple states(const Trajectory& self, const ArrayLike& t, Member... member) {
   const auto numbers = to_numbers(t.value, "t");
@@ -96,7 +96,7 @@ Trajectory part(const Trajectory& self, nb::handle rows) {
   return self.rows(static_cast<std::size_t>(start), static_cast<std::size_t>(start) + length);
 }
 
-/// For a property or method that srmp/_trajectory.py has, where no C++ is needed.
+/// A function of srmp/_trajectory.py, which has the properties and methods that need no C++.
 nb::object in_python(const char* function) { return nb::module_::import_("srmp._trajectory").attr(function); }
 
 std::string repr(const Trajectory& t) {
@@ -139,46 +139,51 @@ void bind_data(nb::class_<Trajectory>& cls) {
                  "times: numpy.typing.ArrayLike | None = None, velocities: numpy.typing.ArrayLike | None = None, "
                  "accelerations: numpy.typing.ArrayLike | None = None, "
                  "waypoints: numpy.typing.ArrayLike | None = None) -> None"),
-         "A trajectory of your own, or of another planner.\n\n"
-         "positions, velocities, accelerations: (n, dof) [rad or m, /s, /s^2]; times: (n,) [s]; waypoints: (m, dof), "
-         "default the\n"
-         "positions. Without velocities the motion between rows is straight; without times it is only a path.\n\n"
-         "Raises InvalidArgument, naming row and joint, for wrong shapes, no rows, NaN and infinity, names that are "
-         "empty or used\n"
-         "twice, times that do not increase, velocities without times, accelerations without velocities.")
+         R"(A trajectory of your own, or of another planner.
+
+positions, velocities, accelerations: (n, dof) [rad or m, /s, /s^2]; times: (n,) [s]; waypoints: (m, dof), default
+the positions. Without velocities the motion between rows is straight; without times it is only a path.
+
+Raises InvalidArgument, naming row and joint, for wrong shapes, no rows, NaN and infinity, names that are empty or
+used twice, times that do not increase, velocities without times, accelerations without velocities.)")
       .def_ro("joint_names", &Trajectory::joint_names, "The dof joint names, in column order.")
-      .def_prop_ro("positions", &view<&Trajectory::positions>, "(n, dof) [rad or m]")
-      .def_prop_ro("velocities", &view<&Trajectory::velocities>, "(n, dof) [rad/s or m/s]; (0, dof): not known")
-      .def_prop_ro("accelerations", &view<&Trajectory::accelerations>,
-                   "(n, dof) [rad/s^2 or m/s^2], where it jumps: just after the row; (0, dof): not known")
+      .def_prop_ro("positions", &view<&Trajectory::positions>, "Positions (n, dof) [rad or m].")
+      .def_prop_ro("velocities", &view<&Trajectory::velocities>,
+                   "Velocities (n, dof) [rad/s or m/s]; (0, dof): not known.")
+      .def_prop_ro(
+          "accelerations", &view<&Trajectory::accelerations>,
+          "Accelerations (n, dof) [rad/s^2 or m/s^2], where they jump: just after the row; (0, dof): not known.")
       .def_prop_ro(
           "jerks",
           [](const Trajectory& t) {
             return to_numpy_rows(t.timed() ? t.jerks() : RowMatrix(0, static_cast<Eigen::Index>(t.dof())));
           },
-          "(n, dof) [rad/s^3 or m/s^3]: of the polynomial after each row, the last row's is that before it; (0, dof) "
-          "without times")
-      .def_prop_ro("times", &times_view, "(n,) [s], strictly increasing; (0,): a path without times")
+          R"(Jerks (n, dof) [rad/s^3 or m/s^3] of the polynomial after each row, at the last row of the one before it; (0, dof)
+without times.)")
+      .def_prop_ro("times", &times_view, "Times (n,) [s], strictly increasing; (0,): a path without times.")
       .def_prop_ro("waypoints", &view<&Trajectory::waypoints>,
-                   "(m, dof): the checked path, straight between rows in joint space [rad or m]")
-      .def_prop_ro("duration", &Trajectory::duration, "[s]; 0 without times")
-      .def_prop_ro("length", &Trajectory::length,
-                   "Sum of the Euclidean norms of joint differences of rows [rad, prismatic joints m].")
+                   "The checked path (m, dof) [rad or m], straight between rows in joint space.")
+      .def_prop_ro("duration", &Trajectory::duration, "Duration [s]; 0 without times.")
+      .def_prop_ro(
+          "length", &Trajectory::length,
+          R"(Length of the motion: sum of the Euclidean norms of joint differences of rows [rad, prismatic joints m].)")
       .def_prop_ro(
           "certificate",
           [](const Trajectory& t) { return t.certificate ? nb::cast(*t.certificate) : nb::object(nb::none()); },
           nb::sig("def certificate(self) -> Certificate | None"),
-          "What is proved of this motion (a Certificate); None: nothing was.")
+          "The Certificate of this motion; None: none was made.")
       .def(
           "save", [](const Trajectory& self, const nb::object& path) { io::save_trajectory(self, to_path(path)); },
           nb::arg("path"), nb::sig("def save(self, path: str | os.PathLike[str]) -> None"),
-          "Write it with its certificate (JSON), whole or not at all; numbers read back bit for bit. Raises FileError.")
+          R"(Writes the trajectory with its certificate (JSON), completely or not at all; numbers read back bit for bit.
+
+Raises FileError.)")
       .def_static(
           "load", [](const nb::object& path) { return io::load_trajectory(to_path(path)); }, nb::arg("path"),
           nb::sig("def load(path: str | os.PathLike[str]) -> Trajectory"),
-          "The trajectory of such a file, of a problem file (PlannerInterface.save), or of what `srmp plan -o` "
-          "writes.\n\n"
-          "Raises FileError, with the line, for anything missing, misspelt or wrong, and a file that holds none.")
+          R"(The trajectory of a trajectory file, of a problem file (PlannerInterface.save), or of what `srmp plan -o` writes.
+
+Raises FileError, with the line, for anything missing, misspelt or wrong, and a file that holds no trajectory.)")
       .def("__len__", &Trajectory::size)
       .def("__repr__", &repr);
   make_comparable(cls, [](const Trajectory& a, const Trajectory& b) { return same(a, b); });
@@ -192,11 +197,11 @@ void bind_data(nb::class_<Trajectory>& cls) {
       &from_state);
 }
 
-/// `ask` of the robot that the planner knows, or of the trajectory's own.
-template <class Ask>
-auto of_robot(nb::handle planner, nb::handle robot, Ask&& ask) {
+/// Calls `compute` with the robot that the planner knows, or without one, for the trajectory's own.
+template <class Compute>
+auto of_robot(nb::handle planner, nb::handle robot, Compute&& compute) {
   if (planner.is_none() && !robot.is_none()) throw InvalidArgument("a robot is named, but no planner to find it in");
-  return planner.is_none() ? ask() : ask(placed_robot(planner, robot));
+  return planner.is_none() ? compute() : compute(placed_robot(planner, robot));
 }
 
 void bind_motion(nb::class_<Trajectory>& cls) {
@@ -206,9 +211,10 @@ void bind_motion(nb::class_<Trajectory>& cls) {
            return states(self, t, &MotionState::position)[0];
          },
          nb::arg("t"), nb::sig("def sample(self, t: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]"),
-         "Position [rad or m] at time t [s]: (dof,) for a number, (k, dof) for (k,). Times outside are moved to the "
-         "nearest end.\n\n"
-         "Raises InvalidArgument for NaN, and for a path without times.")
+         R"(Position [rad or m] at time t [s]: (dof,) for a number, (k, dof) for (k,). Times outside are moved to the nearest
+end.
+
+Raises InvalidArgument for NaN, and for a path without times.)")
       .def(
           "state",
           [](const Trajectory& self, const ArrayLike& t) {
@@ -219,30 +225,32 @@ void bind_motion(nb::class_<Trajectory>& cls) {
           nb::sig("def state(self, t: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
-          "(position, velocity, acceleration, jerk) at time t [s], each as in sample [rad or m, /s, /s^2, /s^3]; where "
-          "one jumps: just after.")
+          R"(The state (position, velocity, acceleration, jerk) at time t [s], each as in sample [rad or m, /s, /s^2, /s^3];
+where one jumps: just after.)")
       .def("resample", &Trajectory::resample, nb::arg("dt"),
-           "Rows at every multiple of dt [s] from the start that is not within 1 % of dt of the end, and at the end. "
-           "Another motion, near\n"
-           "this one: the polynomials through the new rows, without a certificate; they may exceed limits that this "
-           "one obeys.\n\n"
-           "Raises InvalidArgument unless dt > 0 and there are at most ten million rows.")
-      .def("slice", &Trajectory::slice, nb::arg("from_time"), nb::arg("to_time"),
-           "The same motion from one time to another [s], with its times; cut between rows where needed, but at a row "
-           "that is within 1 µs.\n"
-           "Its waypoints are its own rows and its certificate is gone, unless nothing was cut off.\n\n"
-           "Raises InvalidArgument unless from_time < to_time and the two overlap the motion.")
+           R"(Rows at every multiple of dt [s] from the start that is not within 1 % of dt of the end, and at the end.
+
+Another motion, near this one: the polynomials through the new rows, without a certificate; they may exceed limits
+that this one obeys. Raises InvalidArgument unless dt > 0 and there are at most ten million rows.)")
+      .def(
+          "slice", &Trajectory::slice, nb::arg("from_time"), nb::arg("to_time"),
+          R"(The same motion from one time to another [s], with its times; cut between rows where needed, but at a row that is
+within 1 µs.
+
+Its waypoints are its own rows and its certificate is gone, unless nothing was cut off. Raises InvalidArgument
+unless from_time < to_time and the two overlap the motion.)")
       .def("followed_by", &Trajectory::followed_by, nb::arg("next"),
-           "This motion and then `next`, whose times are moved to follow; `a + b` is the same. It has no "
-           "certificate.\n\n"
-           "Raises InvalidArgument unless joint names agree and `next` starts where this ends: positions within 1e-9, "
-           "velocities within 1e-6.")
+           R"(This motion and then `next`, whose times are moved to follow; `a + b` is the same. It has no certificate.
+
+Raises InvalidArgument unless joint names agree and `next` starts where this ends: positions within 1e-9, velocities
+within 1e-6.)")
       .def(
           "__add__", [](const Trajectory& a, const Trajectory& b) { return a.followed_by(b); }, nb::arg("next"),
-          nb::is_operator(), "See followed_by.")
+          nb::is_operator(), "The same as followed_by.")
       .def("__getitem__", &part, nb::arg("rows"), nb::sig("def __getitem__(self, rows: slice) -> Trajectory"),
-           "trajectory[i:j]: rows i to j-1 and the same motion between them; waypoints and certificate as in slice.\n\n"
-           "Raises InvalidArgument for a step, and where no rows are left.")
+           R"(trajectory[i:j]: rows i to j-1 and the same motion between them; waypoints and certificate as in slice.
+
+Raises InvalidArgument for a step, and where no rows are left.)")
       .def(
           "end_effector_path",
           [](const Trajectory& self, nb::handle planner, nb::handle robot, const std::string& link) {
@@ -252,11 +260,12 @@ void bind_motion(nb::class_<Trajectory>& cls) {
           nb::arg("planner") = nb::none(), nb::arg("robot") = nb::none(), nb::arg("link") = "",
           nb::sig("def end_effector_path(self, planner: PlannerInterface | None = None, robot: str | None = None, "
                   "link: str = '') -> numpy.typing.NDArray[numpy.float64]"),
-          "(n, 3) [m], world frame: where the origin of a link (default: the end effector) is at each row.\n\n"
-          "A trajectory of plan knows its robot and where that stood. Others (made by hand, unpickled, read from a "
-          "file) ask a planner:\n"
-          "`robot` by name, needed where it has several. Joints are matched by name, in any order.\n\n"
-          "Raises InvalidArgument for an unknown robot or link, and when the joints are not its planned ones.")
+          R"(Positions (n, 3) [m], world frame, of the origin of a link (default: the end effector) at each row.
+
+A trajectory of plan knows its robot and that robot's base pose. Others (made by hand, unpickled, read from a file)
+need a planner, and `robot` by name where it has several. Joints are matched by name, in any order.
+
+Raises InvalidArgument for an unknown robot or link, and when the joints are not its planned ones.)")
       .def(
           "end_effector_length",
           [](const Trajectory& self, nb::handle planner, nb::handle robot, const std::string& link) {
@@ -265,71 +274,70 @@ void bind_motion(nb::class_<Trajectory>& cls) {
           nb::arg("planner") = nb::none(), nb::arg("robot") = nb::none(), nb::arg("link") = "",
           nb::sig("def end_effector_length(self, planner: PlannerInterface | None = None, robot: str | None = None, "
                   "link: str = '') -> float"),
-          "How far that origin travels [m]: along the motion in steps of 10 ms, or of 0.01 rad (m) where there are no "
-          "times.\n"
-          "Arguments and errors as in end_effector_path.");
+          R"(Length [m] of the path of that origin: the motion is followed in steps of 10 ms, or of 0.01 rad (m) where there are
+no times.
+
+Arguments and errors as in end_effector_path.)");
 }
 
 void bind_forms(nb::class_<Trajectory>& cls) {
   cls.def(
          "to_dict", [](nb::handle_t<Trajectory> self) { return in_python("to_dict")(self); },
          nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
-         "Lists and names, as JSON can hold them: joint_names, positions, waypoints and, where known, times, "
-         "velocities, accelerations.\n"
-         "The certificate is not in it: who reads it makes his own.")
+         R"(A dictionary of lists and names, as JSON can hold them: joint_names, positions, waypoints and, where known, times,
+velocities, accelerations.
+
+The certificate is not in it: a reader makes its own with PlannerInterface.verify.)")
       .def_static(
           "from_dict", [](nb::handle dictionary) { return in_python("from_dict")(dictionary); },
           nb::arg("dictionary").none(),
           nb::sig("def from_dict(dictionary: collections.abc.Mapping[str, typing.Any]) -> Trajectory"),
-          "What to_dict made: equal to the trajectory that it was.\n\n"
-          "Raises InvalidArgument for unknown or missing keys (with the nearest), and as the constructor does.")
+          R"(The trajectory of a dictionary that to_dict made; it equals the original.
+
+Raises InvalidArgument for unknown or missing keys (with the nearest), and as the constructor does.)")
       .def(
           "to_csv", [](nb::handle_t<Trajectory> self, nb::handle path) { in_python("to_csv")(self, path); },
           nb::arg("path"), nb::sig("def to_csv(self, path: str | os.PathLike[str]) -> None"),
-          "Write a table, one line a row: time [s], then <joint>_position [rad or m] of each joint, and, where known, "
-          "<joint>_velocity and\n"
-          "<joint>_acceleration. Numbers read back bit for bit. Waypoints and certificate are not in it.\n\n"
-          "Raises FileError when it cannot be written.")
+          R"(Writes a table, one line for each row: time [s], then <joint>_position [rad or m] of each joint, and, where known,
+<joint>_velocity and <joint>_acceleration.
+
+Numbers read back bit for bit. Waypoints and certificate are not in it. Raises FileError when it cannot be written.)")
       .def_static(
           "from_csv", [](nb::handle path) { return in_python("from_csv")(path); }, nb::arg("path"),
           nb::sig("def from_csv(path: str | os.PathLike[str]) -> Trajectory"),
-          "A table as to_csv writes it; columns in any order, joints in that of their positions; the waypoints are the "
-          "rows.\n\n"
-          "Raises FileError, naming the line, for a missing file, unknown or missing columns, cells that are no "
-          "numbers, and what the\n"
-          "constructor refuses.")
+          R"(The trajectory of a table as to_csv writes it; columns in any order, joints in that of their positions; the
+waypoints are the rows.
+
+Raises FileError, naming the line, for a missing file, unknown or missing columns, cells that are not numbers, and
+what the constructor refuses.)")
       .def(
           "to_numpy", [](nb::handle_t<Trajectory> self) { return in_python("to_numpy")(self); },
           nb::sig("def to_numpy(self) -> numpy.typing.NDArray[numpy.void]"),
-          "(n,) structured array with the fields position (dof,) and, where known, time, velocity, acceleration, jerk: "
-          "for numpy.save,\n"
-          "pandas and the like.")
+          R"(A structured array (n,) with the fields position (dof,) and, where known, time, velocity, acceleration, jerk: for
+numpy.save, pandas and the like.)")
       .def(
           "to_joint_trajectory",
           [](nb::handle_t<Trajectory> self, bool accelerations) {
             return in_python("to_joint_trajectory")(self, accelerations);
           },
-          nb::arg("accelerations") = false,
-          nb::sig("def to_joint_trajectory(self, accelerations: bool = False) -> dict[str, typing.Any]"),
-          "A dict laid out like ROS 2's trajectory_msgs/JointTrajectory: header, joint_names, points of positions, "
-          "velocities,\n"
-          "accelerations, effort (empty) and time_from_start (sec, nanosec) since the first row. Accelerations are "
-          "left "
-          "out unless asked for:\n"
-          "with positions and velocities alone a joint_trajectory_controller follows the cubics that this motion is; "
-          "given accelerations too,\n"
-          "it follows quintics, another motion, which nobody has checked.\n\n"
-          "Raises InvalidArgument without times, and for rows less than a nanosecond apart.")
+          nb::kw_only(), nb::arg("accelerations") = false,
+          nb::sig("def to_joint_trajectory(self, *, accelerations: bool = False) -> dict[str, typing.Any]"),
+          R"(A dictionary laid out like ROS 2's trajectory_msgs/JointTrajectory: header, joint_names, points of positions,
+velocities, accelerations, effort (empty) and time_from_start (sec, nanosec) since the first row.
+
+Accelerations are left out by default: with positions and velocities alone a joint_trajectory_controller follows the
+cubics that this motion is; given accelerations too, it follows quintics, another motion, which nobody has checked.
+
+Raises InvalidArgument without times, and for rows less than a nanosecond apart.)")
       .def_static(
           "from_joint_trajectory", [](nb::handle message) { return in_python("from_joint_trajectory")(message); },
           nb::arg("message").none(),
           nb::sig("def from_joint_trajectory(message: collections.abc.Mapping[str, typing.Any]) -> Trajectory"),
-          "A dict laid out like that; times are the times from start, the waypoints are the rows, the header is not "
-          "used.\n\n"
-          "Raises InvalidArgument, naming the point, for unknown or missing keys, for efforts, for points of which "
-          "only "
-          "some have velocities\n"
-          "or accelerations, and as the constructor does.")
+          R"(The trajectory of a dictionary laid out like that; times are the times from start, the waypoints are the rows, the
+header is not used.
+
+Raises InvalidArgument, naming the point, for unknown or missing keys, for efforts, for points of which only some
+have velocities or accelerations, and as the constructor does.)")
       .def(
           "plot",
           [](nb::handle_t<Trajectory> self, nb::handle path, nb::handle limits, const std::string& title) {
@@ -338,12 +346,11 @@ void bind_forms(nb::class_<Trajectory>& cls) {
           nb::arg("path"), nb::arg("limits") = nb::none(), nb::arg("title") = "",
           nb::sig("def plot(self, path: str | os.PathLike[str], limits: MotionLimits | None = None, title: str = '') "
                   "-> None"),
-          "Draw position, velocity, acceleration and jerk of every joint over time (PNG, PDF or SVG: the suffix says "
-          "which). Dashed:\n"
-          "`limits`, default those of the certificate.\n\n"
-          "Raises InvalidArgument without times, for limits of another number of joints and for a suffix that is no "
-          "picture's; FileError when\n"
-          "it cannot be written; ModuleNotFoundError where matplotlib is not installed.");
+          R"(Draws position, velocity, acceleration and jerk of every joint over time (PNG, PDF or SVG, by the suffix of the
+path). Dashed: `limits`, default those of the certificate.
+
+Raises InvalidArgument without times, for limits of another number of joints and for a suffix of no figure format;
+FileError when it cannot be written; ModuleNotFoundError where matplotlib is not installed.)");
 }
 
 }  // namespace
@@ -351,13 +358,13 @@ void bind_forms(nb::class_<Trajectory>& cls) {
 void bind_trajectory(nb::module_& m) {
   nb::class_<Trajectory> cls(
       m, "Trajectory",
-      "A motion: n rows of dof joints. Revolute joints in rad, prismatic ones in m; values of continuous joints do "
-      "not jump at ±pi.\n\n"
-      "Between two rows each joint follows the cubic polynomial that has their positions and velocities, a straight "
-      "line where there are no\n"
-      "velocities; every claim about the motion is about these. Arrays are read-only views without a copy. It does not "
-      "change; equal are\n"
-      "trajectories with the same names and numbers, whatever is proved of them.");
+      R"(A motion: n rows of dof joints. Revolute joints in rad, prismatic ones in m; values of continuous joints do not jump
+at ±pi.
+
+Between two rows each joint follows the cubic polynomial that has their positions and velocities, a straight line
+where there are no velocities; every claim about the motion is about these. Arrays are read-only views without a
+copy. A trajectory does not change; two are equal when they have the same names and numbers, whatever is proved of
+them.)");
   bind_data(cls);
   bind_motion(cls);
   bind_forms(cls);

@@ -1,17 +1,18 @@
-"""Files written whole or not at all, and JSON results."""
+"""Files written completely or not at all, and JSON results."""
 
 import json
 import math
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from srmp import _srmp
+
 
 def plain(value: Any) -> Any:
-    """`value` with NumPy turned into Python, and NaN and infinity into None: JSON knows neither."""
+    """`value` with NumPy converted to Python, and NaN and infinity to None: JSON has neither."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -28,26 +29,13 @@ def plain(value: Any) -> Any:
 
 
 def write_json(path: str | Path, value: Any) -> None:
-    """Lists of numbers stay on one line; numbers read back bit for bit."""
+    """Writes `value` as JSON. Lists of numbers stay on one line; numbers read back bit for bit. Raises FileError."""
     write_text(path, _encode(plain(value)) + "\n")
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Writes to a temporary file beside `path` and renames it: readers never see half a file."""
-    path = Path(path)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)  # as open() would have done; mkstemp makes files private
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    """Writes a temporary file beside `path` and renames it, as the library does. Raises FileError."""
+    _srmp._write_file(path, text)
 
 
 def _encode(value: Any, indent: str = "") -> str:

@@ -1,4 +1,4 @@
-"""Is the answer of a plan the one it was before, bit for bit?"""
+"""Plans a saved request again, and compares the result with the saved one bit for bit."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     import srmp
 
 
-def ask(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlanRequest) -> None:
-    """Plan it; raises what plan or plan_multi does."""
+def plan_again(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlanRequest) -> None:
+    """Plans the request; raises what plan or plan_multi raises."""
     if isinstance(request, _srmp.MultiPlanRequest):
         world.plan_multi(request.starts, request.goals, request.obstacles)
     else:
@@ -23,7 +23,7 @@ def ask(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlan
 def first_difference(
     before: srmp.PlanResult | srmp.MultiPlanResult, now: srmp.PlanResult | srmp.MultiPlanResult
 ) -> str | None:
-    """Where the two answers to one request differ first, as a sentence; None: nowhere."""
+    """The first difference of two results of one request, as a sentence; None when they are equal."""
     if before.status != now.status:
         return f"the status was {before.status.name} and is {now.status.name}{f' ({now.reason})' if now.reason else ''}"
     if not before.solved:

@@ -1,4 +1,4 @@
-"""Other forms of a srmp.Trajectory: what of its methods needs no C++."""
+"""Methods of srmp.Trajectory that need no C++: dictionaries, tables, messages and figures."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def to_csv(trajectory: srmp.Trajectory, path: str | os.PathLike[str]) -> None:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(np.hstack(columns).tolist())  # Python's floats are written so that they read back bit for bit
-    _written(path, lambda: write_text(path, text.getvalue()))
+    write_text(path, text.getvalue())
 
 
 def from_csv(path: str | os.PathLike[str]) -> srmp.Trajectory:
@@ -112,7 +112,7 @@ def _read_table(path: str | os.PathLike[str]) -> tuple[list[str], np.ndarray]:
     except OSError as error:
         raise srmp.FileError(f"{path} cannot be read: {error.strerror or error}.") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise srmp.FileError(f"{path} is no CSV table: {error}.") from error
+        raise srmp.FileError(f"{path} is not a CSV table: {error}.") from error
     if len(table) < 2:
         raise srmp.FileError(f"{path} must have a header and at least one row.")
     (_, header), *lines = table
@@ -240,7 +240,7 @@ def _length(point: Mapping[str, Any], key: str, what: str) -> int:
         raise srmp.InvalidArgument(f"{key} of {what} must be a list, but is {point[key]!r}.") from error
 
 
-# --- a picture --------------------------------------------------------------------------------------------------------
+# --- a figure ---------------------------------------------------------------------------------------------------------
 
 
 def plot(
@@ -268,7 +268,9 @@ def plot(
         Profile("jerk", "rad/s³, m/s³", jerk, limits.jerk if limits else None),
     ]
     try:
-        _written(path, lambda: draw_profiles(Path(path), names, times, profiles, title))
+        draw_profiles(Path(path), names, times, profiles, title)
+    except OSError as error:
+        raise srmp.FileError(f"{path} cannot be written: {error.strerror or error}.") from error
     except ValueError as error:  # a format that matplotlib does not know
         raise srmp.InvalidArgument(f"{path}: {error}.") from error
 
@@ -276,12 +278,5 @@ def plot(
 def _drawn_times(rows: np.ndarray) -> np.ndarray:
     """Each row, times between them, and a moment before the next: accelerations and jerks may jump there."""
     inside = max(1, math.ceil(2000 / len(rows)))
-    shares = np.append(np.arange(inside) / inside, 1 - 1e-6)
-    return np.append((rows[:-1, None] + np.diff(rows)[:, None] * shares).ravel(), rows[-1])
-
-
-def _written(path: str | os.PathLike[str], write: Any) -> None:
-    try:
-        write()
-    except OSError as error:
-        raise srmp.FileError(f"{path} cannot be written: {error.strerror or error}.") from error
+    fractions = np.append(np.arange(inside) / inside, 1 - 1e-6)
+    return np.append((rows[:-1, None] + np.diff(rows)[:, None] * fractions).ravel(), rows[-1])

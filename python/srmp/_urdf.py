@@ -50,10 +50,10 @@ def _joint(joint: ElementTree.Element) -> UrdfJoint:
     )
 
 
-def chain_links(joints: list[UrdfJoint], tip: str) -> list[str]:
-    """Links from the root to `tip`."""
+def chain_links(joints: list[UrdfJoint], end: str) -> list[str]:
+    """Links from the root to `end`."""
     parents = {joint.child: joint.parent for joint in joints}
-    links = [tip]
+    links = [end]
     while links[-1] in parents:
         links.append(parents[links[-1]])
     return links[::-1]

@@ -1,4 +1,4 @@
-"""Any trajectory held against a scene, which may be a file."""
+"""Verification of any trajectory in a scene, which may be a file."""
 
 from __future__ import annotations
 
@@ -61,31 +61,31 @@ def verify(
     )
 
 
-def load_answer(
+def load_with_result(
     path: str | os.PathLike[str], package_dirs: Sequence[str], *, solved: bool = False
 ) -> srmp.PlannerInterface:
-    """A problem file with a question and what became of it: a trajectory, if solved. Raises FileError without one."""
+    """A problem file with a request and its result; with `solved`, a trajectory. Raises FileError if it has none."""
     world = _srmp.PlannerInterface.load(path, package_dirs=list(package_dirs))
     if world.last_request is None or world.last_result is None:
-        raise _srmp.FileError(f"{path}: it holds no answer to a question; save after plan, before any change")
+        raise _srmp.FileError(f"{path}: it holds no request with its result; save after plan, before any change")
     if solved and not world.last_result.solved:
         raise _srmp.FileError(f"{path}: it holds no trajectory: the plan ended with {world.last_result.status.name}")
     return world
 
 
-def is_of_many(path: str | os.PathLike[str]) -> bool:
-    """A problem file whose last question was for plan_multi? Of no other file anything more is asked here."""
+def is_multi(path: str | os.PathLike[str]) -> bool:
+    """Returns whether this is a problem file whose request is one to plan_multi; False for any other file."""
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         return content["format"] == "srmp problem" and "starts" in content["request"]
     except (ValueError, KeyError, TypeError):
-        return False  # whoever reads it says what it is
+        return False  # the reader of the file says what is wrong
 
 
-def verify_many(
+def verify_multi(
     world: srmp.PlannerInterface, *, jerk: bool, max_deviation: float | None
 ) -> dict[str, srmp.Certificate]:
-    """The last answer held against its question, by code that planned nothing."""
+    """Verifies the last result against its request, by code that plans nothing."""
     request, result = world.last_request, world.last_result
     assert isinstance(request, _srmp.MultiPlanRequest)
     assert isinstance(result, _srmp.MultiPlanResult)

@@ -13,12 +13,12 @@ import click
 import srmp
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
-EXIT_NO_PATH = 1  # asked properly, but there is no trajectory, it has faults, the state is in collision, …
-EXIT_REFUSED = 2  # the question was wrong: bad file, unknown name (click's own number for usage errors)
+EXIT_NO_PATH = 1  # a valid request, but there is no trajectory, it has faults, the state is in collision, …
+EXIT_REFUSED = 2  # an invalid request: bad file, unknown name (click's own number for usage errors)
 
 
 class _Group(click.Group):
-    """Turns the library's errors into one sentence and an exit code."""
+    """Reports the library's errors as one sentence and an exit code."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
@@ -45,7 +45,7 @@ def main() -> None:
 
 _ROBOT_DETAILS = (
     click.option("--srdf", type=EXISTING_FILE, help="Its groups and allowed collisions."),
-    click.option("--end-effector", default="", help="The link that goals speak of."),
+    click.option("--end-effector", default="", help="The link that goals refer to."),
     click.option("--group", default="", help="Planning group of the SRDF; default: the request's, or the chain."),
     click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated."),
 )
@@ -71,7 +71,9 @@ def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
             click.option(
                 "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
             ),
-            click.option("--time-limit", type=float, default=time_limit, show_default=True, help="Seconds a plan."),
+            click.option(
+                "--time-limit", type=float, default=time_limit, show_default=True, help="Seconds for each plan."
+            ),
         ]
         return _decorated(command, decorators)
 
@@ -88,7 +90,7 @@ def _robot_options(command: Any) -> Any:
 
 
 def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
-    """["weight=10"] as a dictionary; the planner judges keys and values."""
+    """["weight=10"] as a dictionary; the planner checks keys and values."""
     values: dict[str, str] = {}
     for pair in pairs:
         key, equals, value = pair.partition("=")
@@ -122,7 +124,7 @@ def _apply_request(world: srmp.PlannerInterface, robot: str, request: srmp.MoveI
     problem = world.apply_moveit_request(robot, request)
     if problem.ignored_joints:
         names = ", ".join(problem.ignored_joints)
-        click.echo(f"note: {request.path} also places {names}, which are no movable joints of the robot", err=True)
+        click.echo(f"note: {request.path} also places {names}, which are not movable joints of the robot", err=True)
     return problem
 
 
@@ -130,7 +132,7 @@ def _apply_joint_limits(world: srmp.PlannerInterface, robot: str, path: str | No
     """Says on stderr which joints of the file were not used."""
     if path is not None and (unused := world.load_joint_limits(robot, path)):
         names = ", ".join(unused)
-        click.echo(f"note: {path} also limits {names}, which are no planned joints of the robot", err=True)
+        click.echo(f"note: {path} also limits {names}, which are not planned joints of the robot", err=True)
 
 
 # --- commands ---------------------------------------------------------------------------------------------------------
@@ -156,7 +158,7 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     try:
         result.draw(directory / "demo.png")
     except ModuleNotFoundError as error:
-        click.echo(f"no picture: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
+        click.echo(f"no figure: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
     else:
         click.echo(f"wrote {directory / 'demo.png'}")
 
@@ -226,19 +228,19 @@ def plan(
 @click.argument("problem", type=EXISTING_FILE)
 @click.option("--package-dir", "package_dirs", multiple=True, help="Where meshes are looked for; may be repeated.")
 def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
-    """Plan the request of a problem file again, of one robot or many: is the answer the same, bit for bit?
+    """Plan the request of a problem file again, of one robot or many: is the result the same, bit for bit?
 
     Exits with 1 when it is not, and says where it differs first.
     """
-    from srmp._replay import ask, first_difference
-    from srmp._verify import load_answer
+    from srmp._replay import first_difference, plan_again
+    from srmp._verify import load_with_result
 
-    world = load_answer(problem, package_dirs)
+    world = load_with_result(problem, package_dirs)
     before, request = world.last_result, world.last_request
     assert before is not None
     assert request is not None
     with contextlib.suppress(srmp.PlanningError):
-        ask(world, request)
+        plan_again(world, request)
     now = world.last_result
     assert now is not None
     if difference := first_difference(before, now):
@@ -257,8 +259,8 @@ def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
 @click.option("--robot", help="Whose trajectory it is; default: the robot with these joints.")
 @click.option("--request", "request_path", type=EXISTING_FILE, help="Start and goals: MoveIt request YAML.")
 @_JOINT_LIMITS
-@click.option("--jerk", is_flag=True, help="Hold it against the jerk limits too.")
-@click.option("--max-deviation", type=float, help="It may leave its waypoints by this [m]; default: by any.")
+@click.option("--jerk", is_flag=True, help="Verify the jerk limits too.")
+@click.option("--max-deviation", type=float, help="Largest deviation from its waypoints [m]; default: any.")
 def verify(
     plan: str,
     scene: str | None,
@@ -273,20 +275,20 @@ def verify(
     jerk: bool,
     max_deviation: float | None,
 ) -> None:
-    """Hold a trajectory against a scene: limits at every instant, collisions between samples too, start and goals.
+    """Verify a trajectory in a scene: limits at every instant, collisions between samples too, start and goals.
 
     PLAN is a trajectory file, what srmp plan writes, or a problem file, which says scene and request itself; one of
-    plan_multi has all robots held against each other too. Exits with 1 and every fault when it has some.
+    plan_multi has all robots verified against each other too. Exits with 1 and every fault when it has some.
     """
     from srmp import _verify
 
-    if _verify.is_of_many(plan):
+    if _verify.is_multi(plan):
         for_one = {"--scene": scene, "--urdf": urdf, "--robot": robot, "--request": request_path}
         for_one |= {"--srdf": srdf, "--end-effector": end_effector, "--group": group, "--joint-limits": joint_limits}
         if given := [option for option, value in for_one.items() if value]:
             raise click.UsageError(f"{given[0]} is for one robot; {plan} holds a plan_multi, which says all itself.")
-        many = _verify.load_answer(plan, package_dirs, solved=True)
-        return _print_certificates(_verify.verify_many(many, jerk=jerk, max_deviation=max_deviation))
+        many = _verify.load_with_result(plan, package_dirs, solved=True)
+        return _print_certificates(_verify.verify_multi(many, jerk=jerk, max_deviation=max_deviation))
     trajectory = srmp.Trajectory.load(plan)
     request = srmp.load_moveit_request(request_path) if request_path else None
     if urdf:
@@ -297,17 +299,17 @@ def verify(
     else:
         world = _load_world(scene, plan, package_dirs)
     name = robot or _verify.robot_of(world, trajectory)
-    question: Any = world.last_request
+    given_request: Any = world.last_request
     if request:
-        question = _apply_request(world, name, request)
-    elif not isinstance(question, srmp.PlanRequest) or question.robot != name:
-        question = None
+        given_request = _apply_request(world, name, request)
+    elif not isinstance(given_request, srmp.PlanRequest) or given_request.robot != name:
+        given_request = None
     _apply_joint_limits(world, name, joint_limits)
     certificate = world.verify(
         name,
         trajectory,
-        start=question.start if question else None,
-        goals=question.goals if question else None,
+        start=given_request.start if given_request else None,
+        goals=given_request.goals if given_request else None,
         jerk=jerk,
         max_deviation=max_deviation,
     )
@@ -332,7 +334,7 @@ def _load_world(scene: str | None, plan: str, package_dirs: Sequence[str]) -> sr
         return srmp.PlannerInterface.load(scene or plan, package_dirs=list(package_dirs))
     except srmp.FileError as error:
         if not scene:
-            hint = "say with --scene what the trajectory is to be held against"
+            hint = "say with --scene what the trajectory is to be verified against"
         elif Path(scene).suffix in (".yaml", ".yml"):
             hint = "a MoveIt scene needs its robot too: --urdf"
         else:
@@ -420,9 +422,9 @@ def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[
     show_default=True,
     help="Coarse spheres in all; they grow where more would be needed. 0: no limit.",
 )
-@click.option("--no-cache", is_flag=True, help="Build anew, keep nothing.")
+@click.option("--no-cache", is_flag=True, help="Neither read nor write the cache.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False), help="Write the spheres (JSON, link frames, metres).")
-@click.option("--picture", type=click.Path(dir_okay=False), help="Draw them with all joints at 0 (PNG, PDF or SVG).")
+@click.option("--figure", type=click.Path(dir_okay=False), help="Draw them with all joints at 0 (PNG, PDF or SVG).")
 def cover(
     urdf: str,
     package_dirs: tuple[str, ...],
@@ -431,12 +433,12 @@ def cover(
     max_spheres: int,
     no_cache: bool,
     output: str | None,
-    picture: str | None,
+    figure: str | None,
 ) -> None:
     """Cover a robot's links with spheres that provably contain them."""
     from srmp import _cover
 
-    for path in (output, picture):
+    for path in (output, figure):
         if path and not Path(path).parent.is_dir():
             raise click.BadParameter(f"the directory {Path(path).parent} does not exist.")
     with _steps_bar() as progress:
@@ -453,19 +455,19 @@ def cover(
     if output:
         _cover.write(result, output)
         click.echo(f"wrote {output}")
-    if picture:
+    if figure:
         try:
-            _cover.draw(result, urdf, picture)
+            _cover.draw(result, urdf, figure)
         except ModuleNotFoundError as error:
-            click.echo(f"no picture: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
+            click.echo(f"no figure: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
         except ValueError as error:  # a format that matplotlib does not know
-            raise click.BadParameter(f"--picture: {error}.") from error
+            raise click.BadParameter(f"--figure: {error}.") from error
         else:
-            click.echo(f"wrote {picture}")
+            click.echo(f"wrote {figure}")
 
 
 def _cover_first(urdf: str | Path, package_dirs: Sequence[str] = ()) -> None:
-    """Spheres of a robot never seen before take seconds to a minute: here with a bar, later from the cache."""
+    """Computes the sphere cover of a new robot, which takes up to a minute, with a bar; later it is in the cache."""
     if os.environ.get("SRMP_CACHE_DIR") != "":  # without a cache the planner makes its own
         with _steps_bar() as progress:
             srmp.cover(str(urdf), package_dirs=list(package_dirs), progress=progress)
@@ -507,7 +509,9 @@ def bench() -> None:
 @click.option(
     "--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model."
 )
-@click.option("--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row a problem.")
+@click.option(
+    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
+)
 def mbm(
     data: str,
     robot: str,
@@ -551,7 +555,9 @@ def mbm(
     type=click.Path(exists=True, file_okay=False),
     help="Directory with MotionBenchMaker's robots; default: those of example-robot-data.",
 )
-@click.option("--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row a problem.")
+@click.option(
+    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
+)
 def multi(
     scenario: str,
     robots: int | None,
@@ -598,7 +604,7 @@ def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: 
         click.echo(table(result["rows"]))
     for row in result["rows"]:
         if row["status"] in ("start_invalid", "goal_invalid"):
-            click.echo(f"{row['problem']} is no valid problem: {row['reason']}")
+            click.echo(f"{row['problem']} is not a valid problem: {row['reason']}")
     if out:
         write_json(out, result)
         click.echo(f"wrote {out}")

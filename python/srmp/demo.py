@@ -1,6 +1,6 @@
 """The demonstration: the package's own arm takes its hand out of one compartment of a shelf and into another.
 
-Shows the whole way of a request (robot, scene, goal, planner, trajectory) and is short enough to copy from.
+Shows all steps of a request (robot, scene, goal, planner, trajectory) and is short enough to copy from.
 """
 
 from __future__ import annotations
@@ -65,11 +65,14 @@ def start_configuration(planner: srmp.PlannerInterface) -> np.ndarray:
 
 @dataclass
 class DemoResult:
+    """The planned demonstration: planner, trajectory and statistics."""
+
     planner: srmp.PlannerInterface
     trajectory: srmp.Trajectory
     statistics: Mapping[str, Any]
 
     def summary(self) -> str:
+        """One line: time, expansions, waypoints, length and duration."""
         t, s = self.trajectory, self.statistics
         return (
             f"solved in {format_seconds(s['plan_time_s'])} with {s['expansions']} expansions: "
@@ -89,18 +92,18 @@ class DemoResult:
         write_json(path, result)
 
     def draw(self, path: str | Path, poses: int = 9) -> None:
-        """A picture of the motion: the arm at `poses` moments. Needs matplotlib."""
+        """Draws the motion: the arm at `poses` instants. Needs matplotlib."""
         from srmp.plot import MotionDrawing, SceneDrawing, draw_motion
 
         links = chain_links(read_joints(srmp.data_path("arm7.urdf")), "arm7_hand")
         times = np.linspace(0.0, self.trajectory.times[-1], poses)
         arms = [self._link_origins(links, self.trajectory.sample(time)) for time in times]
-        tip = self.trajectory.end_effector_path()
+        path_of_hand = self.trajectory.end_effector_path()
         scene = SceneDrawing(
             boxes=[(size, srmp.Pose(p=centre).matrix()) for name, (size, centre) in BOXES.items() if name != "floor"],
             cylinders=[(radius, length, srmp.Pose(p=centre).matrix()) for radius, length, centre in CYLINDERS.values()],
         )
-        draw_motion(path, scene, MotionDrawing(arms, times, tip), title=f"srmp demo: {self.summary()}")
+        draw_motion(path, scene, MotionDrawing(arms, times, path_of_hand), title=f"srmp demo: {self.summary()}")
 
     def _link_origins(self, links: list[str], q: np.ndarray) -> np.ndarray:
         return np.array([self.planner.compute_fk(ROBOT, q, link).p for link in links])

@@ -1,4 +1,4 @@
-"""Pictures of motions, drawn with matplotlib from plain numbers: nothing here knows a planner."""
+"""Figures of motions, drawn with matplotlib from plain numbers: nothing here knows a planner."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class SceneDrawing:
 
 @dataclass
 class MotionDrawing:
-    """An arm at m moments: polylines through its link origins."""
+    """A robot at m instants: polylines through its link origins."""
 
-    arms: Sequence[ArrayLike]  #: m times (links, 3) [m], base first
+    link_origins: Sequence[ArrayLike]  #: m times (links, 3) [m], base first
     times: ArrayLike  #: (m,) [s]
     end_effector_path: ArrayLike  #: (n, 3) [m], as fine as it shall look
 
@@ -53,7 +53,7 @@ class Profile:
 def draw_profiles(
     path: Path, joint_names: Sequence[str], times: np.ndarray, profiles: Sequence[Profile], title: str = ""
 ) -> None:
-    """Writes a picture with a row of panels for each joint, one a profile; limits dashed, with the share in use.
+    """Writes a figure with a row of panels for each joint, one for each profile; limits dashed, with the fraction used.
 
     Raises ModuleNotFoundError when matplotlib is not installed.
     """
@@ -92,10 +92,10 @@ def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) ->
         limit = profile.limits[joint]
         for bound in (-limit, limit):
             axes.axhline(bound, color=_LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (4, 3)), zorder=2)
-        share = np.abs(values).max() / limit
-        broken = share > 1 + 1e-6
+        fraction = np.abs(values).max() / limit
+        broken = fraction > 1 + 1e-6
         axes.text(
-            *(0.99, 0.97, f"{100 * share:.{1 if broken else 0}f} % of {limit:g}"),
+            *(0.99, 0.97, f"{100 * fraction:.{1 if broken else 0}f} % of {limit:g}"),
             transform=axes.transAxes,
             ha="right",
             va="top",
@@ -109,7 +109,7 @@ def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) ->
 def draw_motion(
     path: str | Path, scene: SceneDrawing, motion: MotionDrawing | Sequence[MotionDrawing], title: str = ""
 ) -> None:
-    """Writes a picture of the scene and the motions, early arms dark, late ones bright; the suffix says the format.
+    """Writes a figure of the scene and the motions, early robots dark, late ones bright; the suffix says the format.
 
     Several motions have one clock.
 
@@ -139,11 +139,11 @@ def draw_motion(
         _draw_sphere(axes, radius, np.asarray(centre, dtype=float))
     for one in motions:
         times = np.asarray(one.times, dtype=float)
-        for k, (arm, time) in enumerate(zip(one.arms, times, strict=True)):
+        for k, (origins, time) in enumerate(zip(one.link_origins, times, strict=True)):
             last = k in (0, len(times) - 1)
-            _draw_arm(axes, np.asarray(arm, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
-        tip = np.asarray(one.end_effector_path, dtype=float)
-        axes.plot(*tip.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
+            _draw_robot(axes, np.asarray(origins, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
+        hand = np.asarray(one.end_effector_path, dtype=float)
+        axes.plot(*hand.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
 
     _frame(axes, lower, upper)
     _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))
@@ -153,7 +153,7 @@ def draw_motion(
 
 
 def draw_spheres(path: str | Path, panels: Sequence[tuple[str, Sequence[ArrayLike]]]) -> None:
-    """Writes a picture with a panel for each (title, groups of spheres): rows x, y, z, radius, a colour a group.
+    """Writes a figure with a panel for each (title, groups of spheres): rows x, y, z, radius; one colour a group.
 
     Raises ModuleNotFoundError when matplotlib is not installed.
     """
@@ -194,7 +194,7 @@ def _sphere_faces(sectors: int) -> np.ndarray:
 
 
 def _truncated(colours: Any) -> Any:
-    """The part of the colour map that the arms use."""
+    """The part of the colour map that the robots use."""
     from matplotlib.colors import ListedColormap
 
     return ListedColormap(colours(np.linspace(0.0, 0.9, 256)))
@@ -204,7 +204,7 @@ def _bounds(scene: SceneDrawing, motions: Sequence[MotionDrawing]) -> tuple[np.n
     points = [np.zeros((1, 3))]
     for motion in motions:
         points.append(np.asarray(motion.end_effector_path, dtype=float).reshape(-1, 3))
-        points += [np.asarray(arm, dtype=float) for arm in motion.arms]
+        points += [np.asarray(origins, dtype=float) for origins in motion.link_origins]
     for size, pose in scene.boxes:
         points.append(_transform(np.asarray(pose, dtype=float), _CUBE_CORNERS * np.asarray(size, dtype=float)))
     for radius, length, pose in scene.cylinders:
@@ -266,11 +266,11 @@ def _draw_sphere(axes: Any, radius: float, centre: np.ndarray) -> None:
     )
 
 
-def _draw_arm(axes: Any, arm: np.ndarray, colour: Any, alpha: float) -> None:
+def _draw_robot(axes: Any, origins: np.ndarray, colour: Any, alpha: float) -> None:
     axes.plot(
-        *arm.T, color=colour, alpha=alpha, linewidth=6, solid_capstyle="round", solid_joinstyle="round", zorder=20
+        *origins.T, color=colour, alpha=alpha, linewidth=6, solid_capstyle="round", solid_joinstyle="round", zorder=20
     )
-    axes.plot(*arm.T, color="white", alpha=alpha, linewidth=0, marker="o", markersize=2.5, zorder=21)
+    axes.plot(*origins.T, color="white", alpha=alpha, linewidth=0, marker="o", markersize=2.5, zorder=21)
 
 
 def _frame(axes: Any, lower: np.ndarray, upper: np.ndarray, zoom: float = 1.08) -> None:

@@ -1,4 +1,4 @@
-"""What a plan file holds."""
+"""The content of a plan file."""
 
 from __future__ import annotations
 

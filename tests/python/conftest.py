@@ -25,7 +25,7 @@ def mbm_dir():
 
 @pytest.fixture(scope="session")
 def suite():
-    """Imports a program of bench/suites, which judges answers by Pinocchio's and Coal's Python packages."""
+    """Imports a program of bench/suites, which verifies results with Pinocchio's and Coal's Python packages."""
     sys.path.append(str(Path(__file__).parents[2] / "bench" / "suites"))
 
     def load(name):

@@ -1,4 +1,4 @@
-"""What every simulator has to show, on a scene of its own: the same questions for all."""
+"""Checks that every simulator must pass, on a scene of its own."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Scenarios of several robots, the runner's rows and table, and the re-check of its answers."""
+"""Scenarios of several robots, the runner's rows and table, and the re-check of its results."""
 
 import itertools
 import json
@@ -131,7 +131,7 @@ def test_neighbours_of_a_grid_reach_each_other(data):
 
 def test_mixed_robots_differ(data):
     models = scenarios.find("mixed", 4, data=data).world.models
-    assert len(models) == (len(scenarios.ARMS) if data is None else 2)
+    assert len(models) == (len(scenarios.MODELS) if data is None else 2)
 
 
 # --- files ------------------------------------------------------------------------------------------------------------
@@ -180,7 +180,7 @@ def test_broken_files_are_refused(content, message, write, data):
         scenarios.find(write(content), data=data)
 
 
-def test_wrong_questions_are_refused(write, data, monkeypatch):
+def test_invalid_requests_are_refused(write, data, monkeypatch):
     with pytest.raises(srmp.InvalidArgument, match="did you mean 'binpick'"):
         scenarios.find("binpik", data=data)
     with pytest.raises(srmp.InvalidArgument, match="robots 65: 'grid' takes 2 to 64"):
@@ -380,7 +380,7 @@ def test_a_scenario_from_file_to_re_check(recheck, write, data, tmp_path):
     assert outcome.exit_code == 0, outcome.output
     assert "apart" in outcome.output
     assert "1/1/2" in outcome.output
-    assert "apart/0001 is no valid problem: " in outcome.output
+    assert "apart/0001 is not a valid problem: " in outcome.output
     results = json.loads(out.read_text())
     assert results["header"]["complete"]
     invalid, solved = results["rows"]
@@ -389,7 +389,7 @@ def test_a_scenario_from_file_to_re_check(recheck, write, data, tmp_path):
     assert (solved["status"], solved["from"], solved["to"]) == ("solved", "ready", "left")
     assert solved["certificate"]["holds"]
     assert solved["certificate"]["clearance"] > 0
-    assert isinstance(solved["tree_nodes"], int)  # 0 where the arms do not meet
+    assert isinstance(solved["tree_nodes"], int)  # 0 where the robots do not conflict
     assert solved["bound"] >= 1
     robots = solved["robots"].values()
     assert solved["path_cost_rad"] == pytest.approx(sum(robot["path_cost_rad"] for robot in robots))

@@ -1,4 +1,4 @@
-"""Batch collision checking: spheres in front of Coal give Coal's answers."""
+"""Batch collision checking: spheres in front of Coal give Coal's results."""
 
 import importlib.util
 import json
@@ -21,7 +21,7 @@ random_states = agreement.random_states
 
 
 def assert_modes_agree(planner, name, count, seed=0):
-    """Returns the share of free states."""
+    """Returns the fraction of free states."""
     counts, free = agreement.compare_modes(planner, name, random_states(planner, name, count, seed))
     assert counts["configurations"] == count
     assert counts["motions"] == count // 4
@@ -206,7 +206,7 @@ def test_unknown_instruction_set_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("ask", "message"),
+    ("query", "message"),
     [
         (lambda p: p.collision_checker("arm", "exakt"), "mode is 'exakt', did you mean 'exact'"),
         (lambda p: p.collision_checker("harm"), "did you mean 'arm'"),
@@ -217,9 +217,9 @@ def test_unknown_instruction_set_is_refused():
         (lambda p: p.collision_checker("arm").clearance("near"), "q must be numbers"),
     ],
 )
-def test_bad_input(arm, ask, message):
+def test_bad_input(arm, query, message):
     with pytest.raises(srmp.InvalidArgument, match=message):
-        ask(arm)
+        query(arm)
 
 
 def test_a_robot_is_filtered_out_of_its_own_cloud(arm):

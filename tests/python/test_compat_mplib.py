@@ -159,7 +159,7 @@ def test_urdfs_need_no_velocity_limits(planner, tmp_path):
         (tmp_path / "arm7.urdf").write_text(re.sub(r'velocity="[^"]*"', velocity, text))
         other = Planner(tmp_path / "arm7.urdf", "arm7_hand")
         np.testing.assert_array_equal(other.joint_vel_limits, np.ones(7))
-        same = (asked.plan_qpos([READY], ANY)["position"] for asked in (other, planner))
+        same = (one.plan_qpos([READY], ANY)["position"] for one in (other, planner))
         np.testing.assert_array_equal(*same)
 
 
@@ -184,19 +184,19 @@ def test_paths_may_stay_as_they_were_found(planner):
     np.testing.assert_array_equal(found["position"], old["position"])
 
 
-def test_the_same_question_has_the_same_answer(planner):
-    def answers(asked):
-        asked.update_point_cloud(np.random.default_rng(1).uniform([0.3, 0.1, 0.1], [0.6, 0.3, 0.5], (200, 3)), 0.01)
+def test_the_same_request_has_the_same_result(planner):
+    def outcomes(one):
+        one.update_point_cloud(np.random.default_rng(1).uniform([0.3, 0.1, 0.1], [0.6, 0.3, 0.5], (200, 3)), 0.01)
         for result in (
-            asked.plan_pose(Pose([0.4, -0.3, 0.3], DOWN), ANY),
-            asked.plan_qpos([READY - TURN], ANY),
-            asked.plan_screw(Pose(hand(asked, ANY)) * Pose([0, 0, 0.1]), ANY),
+            one.plan_pose(Pose([0.4, -0.3, 0.3], DOWN), ANY),
+            one.plan_qpos([READY - TURN], ANY),
+            one.plan_screw(Pose(hand(one, ANY)) * Pose([0, 0, 0.1]), ANY),
         ):
             yield result["status"], *(result[key].tobytes() for key in ("time", "position", "velocity", "acceleration"))
 
-    first = list(answers(planner))
-    assert first == list(answers(planner))
-    assert first == list(answers(Planner(srmp.data_path("arm7.urdf"), "arm7_hand")))  # arm7.srdf lies beside it
+    first = list(outcomes(planner))
+    assert first == list(outcomes(planner))
+    assert first == list(outcomes(Planner(srmp.data_path("arm7.urdf"), "arm7_hand")))  # arm7.srdf lies beside it
 
 
 def test_why_there_is_no_plan(planner):
@@ -240,7 +240,7 @@ def test_ik_gives_free_configurations_the_nearest_first(planner):
 def leaves_screw_by(planner, result, goal):
     """[m], [1] the farthest that the hand is from the nearest pose of the screw motion."""
     pose_at = screw(hand(planner, result["position"][0]), srmp.Pose.from_wxyz(goal.p, goal.q))
-    line = [Pose(pose_at(share)) for share in np.linspace(0, 1, 1001)]
+    line = [Pose(pose_at(fraction)) for fraction in np.linspace(0, 1, 1001)]
     points, turns = np.array([pose.p for pose in line]), np.array([pose.q for pose in line])
     off = []
     for q in result["position"]:
@@ -295,7 +295,7 @@ def test_a_screw_to_where_the_hand_is(planner):
 def test_why_there_is_no_screw(planner):
     start = Pose(hand(planner, ANY))
     status = planner.plan_screw(Pose([3, 0, 0.5], start.q), ANY)["status"]
-    assert re.match(r"Screw plan failed. After \d+ % of the way no configuration within limits", status)
+    assert re.match(r"Screw plan failed. After \d+ % of the screw motion no configuration within limits", status)
     across = Pose(np.add(start.p, [0.15, -0.3, 0]), start.q)
     planner.add_object("sphere", CollisionObject(Sphere(0.02), Pose(np.add(start.p, [0.075, -0.15, 0]))))
     result = planner.plan_screw(across, ANY)
@@ -385,7 +385,7 @@ def test_geometries_of_mplib_will_do(planner):
     there = types.SimpleNamespace(p=[0, 0, 3], q=[1, 0, 0, 0])
     planner.add_object("sphere", types.SimpleNamespace(get_collision_geometry=lambda: sphere, pose=there))
     planner.update_attached_object(type("Box", (), {"side": np.array([0.1, 0.1, 0.1])})(), there, name="box")
-    assert planner.get_object_names() == ["sphere", "box"]
+    assert planner.get_object_names() == ["box", "sphere"]
     np.testing.assert_array_equal(planner.srmp.get_object_pose("sphere").p, [0, 0, 3])
 
 
@@ -540,7 +540,7 @@ def test_a_pick_as_maniskills_solvers_make_it(make_panda):
     np.testing.assert_allclose(left.p, [0, 0.3, 0.2 - 0.105], atol=1e-4)
 
 
-# --- words
+# --- messages
 
 
 BAD = {
@@ -562,7 +562,10 @@ BAD = {
     ),
     "velocities": (lambda p: Planner(p, "arm7_hand", joint_vel_limits=[1, 2]), "velocity"),
     "accelerations": (lambda p: Planner(p, "arm7_hand", joint_acc_limits=[-1] * 7), "acceleration"),
-    "objects": (lambda p: Planner(p, "arm7_hand", objects=["sphere"]), "objects cannot be given to Planner; add_object"),
+    "objects": (
+        lambda p: Planner(p, "arm7_hand", objects=["sphere"]),
+        "objects cannot be given to Planner; add_object",
+    ),
 }
 
 
@@ -593,7 +596,7 @@ WRONG = {
     "qpos step": (lambda p: p.plan_screw(Pose(), ANY, qpos_step=np.inf), "qpos_step is inf"),
     "mask": (lambda p: p.plan_pose(Pose(), ANY, [True] + [False] * 6), "mask holds 'arm7_joint1', which is planned"),
     "IK mask": (lambda p: p.IK(Pose(), ANY, [False] * 6 + [True]), "mask holds 'arm7_joint7', which is planned"),
-    "long mask": (lambda p: p.plan_pose(Pose(), ANY, [False] * 8 + [True]), "mask speaks of joint 8; there are 7"),
+    "long mask": (lambda p: p.plan_pose(Pose(), ANY, [False] * 8 + [True]), "mask names joint 8; there are 7"),
     "fixed": (
         lambda p: p.plan_qpos([READY], ANY, fixed_joint_indices=[2]),
         "fixed_joint_indices holds 'arm7_joint3'",
@@ -647,13 +650,13 @@ def test_what_has_no_meaning_here_is_said_once(planner):
 
 
 def test_only_the_rules_of_collisions_count_in_an_srdf(planner, tmp_path):
-    """ManiSkill's panda_stick.srdf speaks of a gripper that is not there."""
+    """ManiSkill's panda_stick.srdf names a gripper that is not there."""
     gripper = """<group name="gripper"><link name="arm7_finger"/></group>
         <disable_collisions link1="arm7_finger" link2="arm7_hand" reason="Adjacent"/></robot>"""
     rules = Path(srmp.data_path("arm7.srdf")).read_text()
     (tmp_path / "arm.srdf").write_text(rules.replace("</robot>", gripper))
     other = Planner(srmp.data_path("arm7.urdf"), "arm7_hand", srdf=tmp_path / "arm.srdf")
-    same = (asked.plan_qpos([READY], ANY)["position"] for asked in (other, planner))
+    same = (one.plan_qpos([READY], ANY)["position"] for one in (other, planner))
     np.testing.assert_array_equal(*same)
     (tmp_path / "arm.srdf").write_text("<robot")
     with pytest.raises(srmp.FileError, match=r"SRDF file '.*arm\.srdf' cannot be read: .* line 1"):

@@ -113,14 +113,14 @@ def test_errors_name_missing_meshes(tmp_path):
 
 def test_the_command_prints_writes_and_plots(cache, tmp_path):
     pytest.importorskip("matplotlib")
-    output, picture = tmp_path / "cover.json", tmp_path / "cover.png"
-    arguments = ["cover", ARM, "--accuracy", "40", "--coarse", "60", "-o", str(output), "--picture", str(picture)]
+    output, figure = tmp_path / "cover.json", tmp_path / "cover.png"
+    arguments = ["cover", ARM, "--accuracy", "40", "--coarse", "60", "-o", str(output), "--figure", str(figure)]
     first = CliRunner().invoke(main, arguments)
     assert first.exit_code == 0, first.output
     assert "built in" in first.output
     assert "arm7_hand" in first.output
     assert "read from the cache in" in CliRunner().invoke(main, arguments).output
-    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert figure.read_bytes().startswith(b"\x89PNG")
     cover = json.loads(output.read_text())
     assert cover["statistics"]["coarse"]["spheres"] == sum(len(link["coarse"]) for link in cover["links"].values())
     unknown = CliRunner().invoke(main, [*arguments[:-1], str(tmp_path / "cover.unknown")])

@@ -1,6 +1,6 @@
-"""One answer to a question, bit for bit: on every run, for every number of threads and every instruction set.
+"""One result for a request, bit for bit: on every run, for every number of threads and every instruction set.
 
-The full share (20 repeats, and the exact meshes) is `python bench/suites/determinism.py --data DIR`.
+The full test (20 repeats, and the exact meshes) is `python bench/suites/determinism.py --data DIR`.
 """
 
 import importlib.util
@@ -20,18 +20,18 @@ def determinism():
 
 
 @pytest.mark.parametrize(
-    ("geometry", "scenarios", "problems", "repeats", "questions"),
+    ("geometry", "scenarios", "problems", "repeats", "requests"),
     [("spheres", "", "1-5", 4, 35 + 3), ("urdf", "box,bookshelf_thin,table_pick", "1", 2, 3 + 1)],
 )
-def test_one_hash_each(mbm_dir, determinism, geometry, scenarios, problems, repeats, questions):
+def test_one_hash_each(mbm_dir, determinism, geometry, scenarios, problems, repeats, requests):
     result = determinism.run(str(mbm_dir), geometry=geometry, scenarios=scenarios, problems=problems, repeats=repeats)
     assert result["header"]["instruction_sets"][0] == "portable"
-    assert len(result["hashes"]) == questions
+    assert len(result["hashes"]) == requests
     assert result["differing"] == []
-    different = {answers[0] for question, answers in result["hashes"].items() if question.startswith("auto")}
-    assert len(different) == sum(question.startswith("auto") for question in result["hashes"])
+    different = {outcomes[0] for name, outcomes in result["hashes"].items() if name.startswith("auto")}
+    assert len(different) == sum(name.startswith("auto") for name in result["hashes"])
 
 
-def test_differing_answers_are_told(determinism):
+def test_differing_results_are_reported(determinism):
     found = determinism.merge({"portable": {"a": ["1"], "b": ["2"]}, "avx2": {"a": ["1"], "b": ["3"]}})
     assert found == {"a": ["1"], "b": ["2", "3"]}

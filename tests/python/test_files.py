@@ -1,4 +1,4 @@
-"""One file holds a problem: what is saved comes back bit for bit, and plans again to the same answer."""
+"""One file holds a problem: what is saved comes back bit for bit, and plans again to the same result."""
 
 import json
 import math
@@ -72,7 +72,7 @@ def test_files_are_json(world, problem, tmp_path):
     world.save_scene(tmp_path / "s.json")
     world.last_result.trajectory.save(str(tmp_path / "t.json"))
     for path, kind in ((problem, "problem"), (tmp_path / "s.json", "scene"), (tmp_path / "t.json", "trajectory")):
-        content = json.loads(path.read_text(), parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))
+        content = json.loads(path.read_text(), parse_constant=lambda text: pytest.fail(f"{text} is not JSON"))
         assert content["format"] == f"srmp {kind}"
         assert content["format_version"] == 1
         assert content["srmp_version"] == srmp.__version__
@@ -281,13 +281,13 @@ def test_replay_of_an_unsolved_problem(arm, ready, tmp_path):
     assert (result.exit_code, result.output) == (0, "the same: goal_invalid\n")
 
 
-def test_replay_needs_an_answer(world, problem):
+def test_replay_needs_a_result(world, problem):
     world.set_padding("table", 0.001)
     assert world.last_result is None
     world.save(problem)
     result = run("replay", problem)
     assert result.exit_code == 2
-    assert "it holds no answer to a question" in result.output
+    assert "it holds no request with its result" in result.output
 
 
 def test_plan_saves_what_replay_reads(tmp_path):

@@ -83,7 +83,7 @@ def test_plans_keep_the_limits(arm, ready):
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, ready - [1.8, 0, 0, 0, 0, 0, 0])
     fast = arm.plan("arm", ready, goal)
     arm.set_motion_limits("arm", velocity=0.3, acceleration={arm.get_joint_names("arm")[0]: 0.2})
-    assert arm.last_result is None  # that was another question
+    assert arm.last_result is None  # that was another request
     slow = arm.plan("arm", ready, goal)
     assert slow.duration > 2 * fast.duration
     assert slow.certificate.limits == arm.motion_limits("arm")
@@ -115,17 +115,17 @@ def test_a_path_in_time(method):
 
 
 def test_corners_shrink_where_the_chord_is_not_free():
-    asked = []
+    queried = []
 
     def is_free(a, b):
-        asked.append((a, b))
+        queried.append((a, b))
         return False
 
     arguments = {"blend_deviation": 0.1, "reach": [1, 1]}
     rounded = srmp.time_parameterize(CORNER, ["a", "b"], LIMITS, **arguments)
     stopping = srmp.time_parameterize(CORNER, ["a", "b"], LIMITS, is_free=is_free, **arguments)
-    assert asked
-    assert asked[0][0].shape == (2,)
+    assert queried
+    assert queried[0][0].shape == (2,)
     assert rounded.duration < stopping.duration
     assert np.abs(stopping.positions - [1, 0]).max(axis=1).min() < 1e-6  # it goes through the corner
     assert np.abs(rounded.positions - [1, 0]).max(axis=1).min() > 1e-3
@@ -153,10 +153,10 @@ def test_motions_that_begin_and_end_moving():
         ({"end_velocity": [0, 0.5, 0]}, "end"),
     ],
 )
-def test_questions_that_cannot_be_are_refused(arguments, text):
-    question = {"waypoints": CORNER, "joint_names": ["a", "b"], "limits": LIMITS, **arguments}
+def test_invalid_arguments_are_refused(arguments, text):
+    arguments_ = {"waypoints": CORNER, "joint_names": ["a", "b"], "limits": LIMITS, **arguments}
     with pytest.raises(srmp.InvalidArgument) as error:
-        srmp.time_parameterize(**question)
+        srmp.time_parameterize(**arguments_)
     assert text in str(error.value)
 
 

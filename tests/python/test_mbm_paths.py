@@ -1,4 +1,4 @@
-"""Paths on MotionBenchMaker problems, judged by programs that are not srmp: Pinocchio's and Coal's Python packages."""
+"""Paths on MotionBenchMaker problems, verified with Pinocchio's and Coal's Python packages instead of srmp."""
 
 import json
 
@@ -32,7 +32,9 @@ def test_paths_are_free_for_others_too_and_the_same_twice(mbm_dir, recheck, tmp_
     assert len(results["rows"]) == 7
     assert sum(row["status"] == "solved" for row in results["rows"]) >= 6
     for row in results["rows"]:
-        layers = [row[f"edges_{answer}_by_{layer}"] for answer in ("free", "colliding") for layer in ("spheres", "coal")]
+        layers = [
+            row[f"edges_{outcome}_by_{layer}"] for outcome in ("free", "colliding") for layer in ("spheres", "coal")
+        ]
         assert sum(layers) == row["edge_checks"] > 0
         assert row["memory_bytes"] > 0
     assert recheck.recheck(results, mbm_dir) == []

@@ -92,7 +92,7 @@ def test_arms_in_each_others_way_reach_their_goals(planner_id):
 
 
 @pytest.mark.parametrize("planner_id", PLANNERS)
-def test_every_planner_answers_an_easy_question(planner_id):
+def test_every_planner_solves_an_easy_request(planner_id):
     planner = two(planner_id, distance=0.9)
     trajectory = planner.plan_multi(STARTS, GOALS)
     statistics = planner.get_planning_stats()
@@ -198,10 +198,10 @@ def test_a_robot_without_a_start_stands_where_set_qpos_put_it():
     assert planner.get_planning_stats()["path_cost_rad"] == pytest.approx(1.2)
 
 
-def test_aside_makes_way_only_when_it_must():
+def test_any_goal_moves_out_of_the_way_only_when_it_must():
     planner = two()
-    aside = GoalConstraint.aside()
-    goals = {"left": joints(READY), "right": aside}  # where the right arm's hand is
+    anywhere = GoalConstraint.any()
+    goals = {"left": joints(READY), "right": anywhere}  # where the right arm's hand is
     trajectory = planner.plan_multi({"left": turned(0.9), "right": READY}, goals)
     assert np.abs(trajectory["right"].positions[-1] - READY).max() > 0.05
     np.testing.assert_allclose(trajectory["left"].positions[-1], READY, atol=1e-12)
@@ -240,7 +240,7 @@ def test_different_robots_in_one_scene():
     names = ["slider", "left", "right"]
     planner.make_planner(names, {"planner_id": "xECBS", "time_limit": 20})
     starts = {"left": turned(1.5), "right": turned(1.5), "slider": [0.0]}
-    goals = {"left": joints(turned(-1.5)), "right": GoalConstraint.hold(), "slider": GoalConstraint.aside()}
+    goals = {"left": joints(turned(-1.5)), "right": GoalConstraint.hold(), "slider": GoalConstraint.any()}
     trajectory = planner.plan_multi(starts, goals)
     assert list(trajectory) == sorted(names)
     assert trajectory["slider"].positions.shape[1] == 1
@@ -362,25 +362,25 @@ def test_no_shortcut_when_none_is_wanted():
 
 
 def test_a_robot_has_a_heuristic_of_its_own():
-    asked = {"left": 0, "right": 0}
+    calls = {"left": 0, "right": 0}
 
     def mine(name):
         def distance(configurations, goals):
-            asked[name] += 1
+            calls[name] += 1
             return np.linalg.norm(configurations[:, None] - goals[None], axis=2).min(axis=1)
 
         return distance
 
     planner = two()
-    for name in asked:
+    for name in calls:
         planner.add_heuristic(name, mine(name))
     planner.make_planner(["left", "right"], {"planner_id": "xECBS", "heuristic_left": "left"})
     planner.plan_multi(STARTS, GOALS)
-    assert asked["left"] > 0
-    assert asked["right"] == 0
+    assert calls["left"] > 0
+    assert calls["right"] == 0
     planner.make_planner(["left", "right"], srmp.XECBS(robots={"right": {"heuristic": "right"}}))
     planner.plan_multi(STARTS, GOALS)
-    assert asked["right"] > 0
+    assert calls["right"] > 0
 
 
 def test_a_robot_has_motion_primitives_of_its_own(tmp_path):
@@ -430,7 +430,7 @@ def test_options_of_single_robots_are_kept(tmp_path):
         planner.save(tmp_path / "mine.json")
 
 
-# --- the same answer every time
+# --- the same result every time
 
 
 def quarter_turns():
@@ -438,7 +438,7 @@ def quarter_turns():
     return {name: turned(0.6) for name in names}, {name: joints(turned(-0.6)) for name in names}
 
 
-def answer(planner):
+def outcome(planner):
     trajectory = planner.plan_multi(*quarter_turns()).merged()
     statistics = planner.get_planning_stats()
     counts = [statistics[key] for key in ("expansions", "generated", "tree_nodes", "states", "edge_checks", "bound")]
@@ -448,18 +448,18 @@ def answer(planner):
 AGAIN = """
 import hashlib, sys
 sys.path.insert(0, sys.argv[1])
-from test_multi import answer, ring
-motion, counts = answer(ring())
+from test_multi import outcome, ring
+motion, counts = outcome(ring())
 print(hashlib.sha256(motion).hexdigest(), counts)
 """
 
 
 def test_the_same_bits_on_every_run_and_instruction_set():
     planner = ring()
-    first = answer(planner)
+    first = outcome(planner)
     assert first[1][0] > 4  # they are in each other's way
-    assert answer(planner) == first  # what is kept from the plan before changes nothing
-    assert answer(ring()) == first
+    assert outcome(planner) == first  # what is kept from the plan before changes nothing
+    assert outcome(ring()) == first
     printed = []
     for backend in ("portable", "avx2", "avx512"):
         result = subprocess.run(
@@ -477,21 +477,21 @@ def test_the_same_bits_on_every_run_and_instruction_set():
 
 @pytest.mark.parametrize("planner_id", ["auto", "xECBS", "prioritised"])
 def test_the_same_bits_for_every_number_of_threads(planner_id):
-    first = answer(ring(planner_id=planner_id))
+    first = outcome(ring(planner_id=planner_id))
     for threads in (2, 4):
-        assert answer(ring(planner_id=planner_id, num_threads=threads)) == first
+        assert outcome(ring(planner_id=planner_id, num_threads=threads)) == first
 
 
 def test_heuristics_in_python_are_asked_from_many_threads():
     def distance(configurations, goals):
         return np.linalg.norm(configurations[:, None] - goals[None], axis=2).min(axis=1)
 
-    planner, answers = ring(), []
+    planner, outcomes = ring(), []
     planner.add_heuristic("mine", distance)
     for threads in (1, 4):
         planner.make_planner(list(quarter_turns()[0]), srmp.XECBS(heuristic="mine", num_threads=threads))
-        answers.append(answer(planner))
-    assert answers[0] == answers[1]
+        outcomes.append(outcome(planner))
+    assert outcomes[0] == outcomes[1]
 
 
 def test_what_a_heuristic_throws_on_another_thread_is_told():
@@ -562,7 +562,7 @@ REFUSED = [
     (STARTS, {}, "every robot with a start holds; one moves when it has a goal to reach"),
     (None, GOALS, "starts must be a dictionary by robot name, but are None"),
     ([READY], GOALS, "starts must be a dictionary by robot name, but are "),
-    ({1: READY}, GOALS, "starts must be by robot name, which is a word, but one is by 1"),
+    ({1: READY}, GOALS, "starts must be by robot name, which is a string, but one is by 1"),
     ({"left": None, "right": READY}, GOALS, "start of 'left' must be numbers, but is None"),
     ({"left": READY * 1j, "right": READY}, GOALS, "start of 'left' must be real numbers, but is array"),
     (STARTS, None, "goals must be a dictionary by robot name, but are None"),
@@ -573,7 +573,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("starts", "goals", "sentence"), REFUSED)
-def test_wrong_questions_are_refused(starts, goals, sentence):
+def test_invalid_requests_are_refused(starts, goals, sentence):
     planner = two()
     with pytest.raises(srmp.InvalidArgument, match=sentence) as error:
         planner.plan_multi(starts, goals)
@@ -663,11 +663,11 @@ def test_many_planners_for_one_robot():
         np.testing.assert_allclose(trajectory["left"].positions[-1], turned(1.0), atol=1e-12)
 
 
-def test_hold_and_aside_have_no_targets():
-    for goal, kind in ((GoalConstraint.hold(), "hold"), (GoalConstraint.aside(), "aside")):
+def test_hold_and_any_have_no_targets():
+    for goal, kind in ((GoalConstraint.hold(), "hold"), (GoalConstraint.any(), "aside")):
         assert len(goal.targets) == 0
         assert pickle.loads(pickle.dumps(goal)) == goal
         assert repr(goal).startswith(f"GoalConstraint({kind}")
         with pytest.raises(srmp.InvalidArgument, match=f"a goal of type '{kind}' has no target"):
             GoalConstraint(goal.type, [0.0] * 7)
-    assert GoalConstraint.hold() != GoalConstraint.aside()
+    assert GoalConstraint.hold() != GoalConstraint.any()

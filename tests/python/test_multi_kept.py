@@ -1,4 +1,4 @@
-"""A question to many robots is kept: saved, loaded, planned again to the same answer, and verified."""
+"""A request for many robots is kept: saved, loaded, planned again to the same result, and verified."""
 
 import copy
 import json
@@ -61,7 +61,7 @@ def request_(world):
             "left": joints(turned(-0.6), turned(-0.65)),
             "right": there,
             "holder": GoalConstraint.hold(),
-            "idler": GoalConstraint.aside(),
+            "idler": GoalConstraint.any(),
         },
         {"committed": committed},
     )
@@ -82,7 +82,7 @@ def again(value):
     return [pickle.loads(pickle.dumps(value)), copy.copy(value), copy.deepcopy(value)]
 
 
-def test_the_last_question_and_its_answer_are_kept(world, request_):
+def test_the_last_request_and_its_result_are_kept(world, request_):
     trajectory = world.plan_multi(request_.starts, request_.goals, request_.obstacles)
     assert world.last_request == request_
     result = world.last_result
@@ -148,7 +148,7 @@ def test_requests_refuse_what_plan_multi_refuses():
         srmp.MultiPlanRequest({"left": READY}, {"left": READY})
 
 
-def test_without_an_answer_the_reason_is_kept(world, request_, tmp_path):
+def test_without_a_trajectory_the_reason_is_kept(world, request_, tmp_path):
     world.add_box("box", [0.1, 0.1, 0.1], world.compute_fk("holder", READY))  # in the hand of one that holds
     with pytest.raises(srmp.PlanningError, match=r"robot 'holder': the start is invalid: .*'arm7_.* and object 'box'"):
         world.plan_multi(request_.starts, request_.goals)
@@ -231,7 +231,7 @@ def six_joints(motion):
         ),
     ],
 )
-def test_damaged_answers_are_refused_with_the_place(world, problem, tmp_path, damage, message):
+def test_damaged_results_are_refused_with_the_place(world, problem, tmp_path, damage, message):
     def refused(path, edit, place):
         content = json.loads(path.read_text())
         damage(edit(content["result"]))
@@ -266,7 +266,7 @@ def test_replay_says_where_it_differs(problem):
     ), result.output
 
 
-def test_verify_judges_all_robots(problem):
+def test_verify_checks_all_robots(problem):
     result = run("verify", problem)
     assert result.exit_code == 0, result.output
     assert re.findall(r"robot '(\w+)':", result.output) == NAMES

@@ -12,7 +12,7 @@ NAN = float("nan")
 
 @pytest.fixture
 def two():
-    """Two of the package's arms across a table, 0.6 m apart: their hands meet half way."""
+    """Two of the package's arms across a table, 0.6 m apart: their hands conflict half-way."""
     planner = srmp.PlannerInterface()
     for name, pose in (("left", srmp.Pose()), ("right", srmp.Pose.from_rpy([0.6, 0, 0], [0, 0, pi]))):
         planner.add_articulation(
@@ -94,7 +94,7 @@ def test_it_waits_until_the_other_has_passed(two, duration, way):
 @pytest.mark.parametrize("duration", [0.8, 2.0, 5.0])
 @pytest.mark.parametrize("way", [(-0.9, 0.9), (0.9, -0.9)], ids=["against", "with"])
 def test_the_arms_keep_apart_all_the_time(two, duration, way):
-    """At each instant the other arm is set there, and the scene asked, which knows nothing of plans and times."""
+    """At each instant the other arm is set there, and the scene is queried, which knows nothing of plans and times."""
     obstacle = sweep(two, duration)
     trajectory = plan(two, obstacle, *way)["left"]
     two.remove_object("table")  # stands below, 1 mm under the bases
@@ -133,7 +133,7 @@ def test_pinocchio_and_coal_find_no_contact_at_1_khz(two, suite, duration, way):
     obstacle = sweep(two, duration)
     trajectory = plan(two, obstacle, *way)["left"]
     assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
-    # Begun at once, they would meet.
+    # Begun at once, they would collide.
     at_once = trajectory.slice(wait(trajectory), trajectory.times[-1])
     at_once = srmp.Trajectory(
         at_once.joint_names, at_once.positions, at_once.times - at_once.times[0], at_once.velocities
@@ -172,9 +172,9 @@ def test_every_planner_for_many_plans_for_one(two, planner_id, timing):
         np.testing.assert_allclose(trajectory.positions[[0, -1]], [turned(start), turned(0.9)], atol=1e-9)
 
 
-@pytest.mark.parametrize("question", [(0.8, -0.9), (2.0, -0.9), (2.0, 0.0)], ids=["waits", "goes round", "makes way"])
-def test_without_certificates_it_moves_the_same(two, question):
-    duration, start = question
+@pytest.mark.parametrize("case", [(0.8, -0.9), (2.0, -0.9), (2.0, 0.0)], ids=["waits", "goes round", "makes way"])
+def test_without_certificates_it_moves_the_same(two, case):
+    duration, start = case
     certified = plan(two, sweep(two, duration), start)["left"]
     two.make_planner("left", {"planner_id": "xECBS", "time_limit": 20, "certify": False})
     bare = plan(two, sweep(two, duration), start)["left"]
@@ -183,9 +183,9 @@ def test_without_certificates_it_moves_the_same(two, question):
     assert bare.positions.tobytes() == certified.positions.tobytes()
 
 
-@pytest.mark.parametrize("question", [(0.8, -0.9), (2.0, -0.9), (2.0, 0.0)], ids=["waits", "goes round", "makes way"])
-def test_the_same_every_time(two, question):
-    duration, start = question
+@pytest.mark.parametrize("case", [(0.8, -0.9), (2.0, -0.9), (2.0, 0.0)], ids=["waits", "goes round", "makes way"])
+def test_the_same_every_time(two, case):
+    duration, start = case
     first, second = (plan(two, sweep(two, duration), start)["left"] for _ in range(2))
     assert first.times.tobytes() == second.times.tobytes()
     assert first.positions.tobytes() == second.positions.tobytes()
@@ -237,9 +237,9 @@ def test_it_goes_round_one_that_is_long_in_the_way(two, suite):
     assert trajectory.certificate.proved_free
 
 
-def test_one_that_may_move_aside_does(two, suite):
+def test_a_robot_with_any_goal_makes_room(two, suite):
     obstacle = sweep(two, 2.0)
-    goals = {"left": srmp.GoalConstraint.aside()}
+    goals = {"left": srmp.GoalConstraint.any()}
     trajectory = two.plan_multi({"left": turned(0)}, goals, obstacles={"right": obstacle})["left"]
     assert contacts_at_1_khz(suite, {"left": trajectory, "right": obstacle}) == []
     assert trajectory.certificate.proved_free

@@ -115,14 +115,14 @@ def test_cpp_project_builds_against_the_package(tmp_path):
     source = REPOSITORY / "examples" / "cpp_consumer"
     # An Eigen of the system, or any other path of this machine, is not what is tested.
     configure = [cmake, "-S", source, f"-Dsrmp_DIR={printed}", "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF"]
-    answers = []
+    outcomes = []
     # Eigen lays out its objects by instruction set, unless the target says otherwise.
     for flags in ("-O1 -Wall -Wextra -Werror", "-O1 -march=native"):
-        build = tmp_path / f"build{len(answers)}"
+        build = tmp_path / f"build{len(outcomes)}"
         run(*configure, "-B", build, f"-DCMAKE_CXX_FLAGS={flags}")
         assert "pinocchio" not in (build / "CMakeCache.txt").read_text().lower()
         run(cmake, "--build", build)
-        answers.append(run(build / "cpp_consumer"))
-    assert f"srmp {srmp.__version__}" in answers[0]
-    assert "solved: " in answers[0]
-    assert answers[0] == answers[1]
+        outcomes.append(run(build / "cpp_consumer"))
+    assert f"srmp {srmp.__version__}" in outcomes[0]
+    assert "solved: " in outcomes[0]
+    assert outcomes[0] == outcomes[1]

@@ -53,7 +53,7 @@ def test_pickles_and_copies_are_equal_and_others_are_not(values):
 
 
 def many(ready):
-    """A question to plan_multi, its answer and the motions in it."""
+    """A request to plan_multi, its result and the motions in it."""
     world = srmp.PlannerInterface()
     for name, x in (("one", 0), ("other", 3)):
         urdf, srdf = srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf")

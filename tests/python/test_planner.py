@@ -179,15 +179,15 @@ def test_any_of_several_goals(arm, ready):
     assert arm.get_planning_stats()["goal_index"] == 1
 
 
-def test_the_same_question_has_the_same_answer(arm, ready):
+def test_the_same_request_has_the_same_result(arm, ready):
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
-    answers = {arm.plan("arm", ready, goal).positions.tobytes() for _ in range(5)}
+    outcomes = {arm.plan("arm", ready, goal).positions.tobytes() for _ in range(5)}
     arm.make_planner("arm", srmp.WPASE(num_threads=1))
     parallel = {arm.plan("arm", ready, goal).positions.tobytes()}
     for threads in (2, 4):
         arm.make_planner("arm", srmp.WPASE(num_threads=threads))
         parallel.add(arm.plan("arm", ready, goal).positions.tobytes())
-    assert len(answers) == len(parallel) == 1
+    assert len(outcomes) == len(parallel) == 1
 
 
 LAYERS = ("edges_free_by_spheres", "edges_colliding_by_spheres", "edges_free_by_coal", "edges_colliding_by_coal")

@@ -169,10 +169,10 @@ def test_filters_become_allowed_collisions():
     ghost = spec.worldbody.add_body(name="ghost", pos=[0.2, 0, 0.5])
     ghost.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=2, conaffinity=2)
     spec.add_exclude(bodyname1="arm/arm7_elbow", bodyname2="post")
-    picture = spec.worldbody.add_body(name="picture")
-    picture.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=0, conaffinity=0)
+    visual = spec.worldbody.add_body(name="visual")
+    visual.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1] * 3, contype=0, conaffinity=0)
     planner, _, _, _ = read(spec)
-    assert "picture" not in planner.object_names
+    assert "visual" not in planner.object_names
     assert all(planner.allowed_collision(link, "ghost") for link in planner.get_link_names("arm")[:-3])
     assert planner.allowed_collision("arm7_elbow", "post")
     assert not planner.allowed_collision("arm7_forearm", "post")
@@ -195,7 +195,7 @@ def test_refresh_moves_adds_and_removes():
     sphere.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0])
     sim = spec.recompile(model, data)
     world.refresh(sim)
-    assert planner.object_names == ["sphere", "cube", "floor"]
+    assert planner.object_names == ["cube", "floor", "sphere"]
     assert planner.get_qpos("arm")[1] == 0.5
     assert planner.is_state_colliding("arm", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
@@ -352,7 +352,7 @@ def test_a_missing_package(small, monkeypatch):
     refused(srmp.NotSupported, r"needs the Python package 'mujoco'.*pip install mujoco", small)
 
 
-def test_reading_twice_and_questions_before_reading(small):
+def test_reading_twice_and_queries_before_reading(small):
     planner = srmp.PlannerInterface()
     with pytest.raises(srmp.InvalidArgument, match="has read no simulator; call read_sim first"):
         srmp.sim.check_parity(planner, small)
@@ -509,7 +509,7 @@ def test_data_of_another_model_and_no_scene_at_all(small):
         (r"margin is -0\.1", {"margin": -0.1}),
     ],
 )
-def test_questions_of_parity_that_mean_nothing(match, options):
+def test_invalid_arguments_of_parity_are_refused(match, options):
     planner, _, _, _ = read(small_scene())
     with pytest.raises(srmp.InvalidArgument, match=match):
         srmp.sim.check_parity(planner, **options)
@@ -626,7 +626,7 @@ def test_what_cannot_be_executed_is_said(small):
     for match, trajectory, options in (
         (r"a NoneType cannot be executed; give a Trajectory", None, {}),
         (r"a ndarray cannot be executed", np.zeros((2, 7)), {}),
-        (r"that of robot 'arm' is a NoneType, not a Trajectory", {"arm": None}, {}),
+        (r"the trajectory of robot 'arm' is a NoneType, not a Trajectory", {"arm": None}, {}),
         (r"unknown robot 3", still, {"robot": 3}),
         (r"unknown robot ''", still, {"robot": ""}),
         (r"settle_time is None", still, {"settle_time": None}),
@@ -750,7 +750,7 @@ def test_fingers_on_a_tendon_hold_a_cube_by_friction():
     ]
     planner.set_allowed_collision("cube", "table")  # it lies on it
     go(0.1, 0.0)
-    planner.set_allowed_collision("cube", "table", False)
+    planner.set_allowed_collision("cube", "table", allowed=False)
     go(0.1, 0.15)
     np.testing.assert_allclose(data.body("cube").xpos, [0.15, 0, 0.19], atol=0.01)
     np.testing.assert_allclose(planner.get_object_pose("cube").p, data.body("cube").xpos, atol=1e-9)

@@ -26,7 +26,7 @@ def client():
 
 
 def panda_urdf(mbm_dir, tmp_path):
-    """With the paths of its meshes, and without the meshes to look at."""
+    """With the paths of its meshes, and without the visual meshes."""
     directory = mbm_dir / "panda"
     text = (directory / "panda.urdf").read_text().replace("package://", f"{directory}/")
     path = tmp_path / "panda.urdf"
@@ -139,7 +139,12 @@ def every_geometry(client, directory):
     )
     urdf_body(client, directory, "mixed", mixed, [0.75, 0.05, 0.75], turned)
     urdf_body(
-        client, directory, "prism", collision(f'<mesh filename="{prism}" scale="0.7 0.7 0.7"/>'), [0.1, -0.4, 0.3], turned
+        client,
+        directory,
+        "prism",
+        collision(f'<mesh filename="{prism}" scale="0.7 0.7 0.7"/>'),
+        [0.1, -0.4, 0.3],
+        turned,
     )
     tube = collision(f'<mesh filename="{prism}"/>', "0 0 0.1", concave="yes")
     urdf_body(client, directory, "tube", tube, [-0.2, 0.5, 0.8], turned)
@@ -364,7 +369,7 @@ def test_refresh_moves_adds_and_removes(small):
     unnamed = p.createMultiBody(0, sphere, -1, [9, 0, 0], physicsClientId=small)
     world.refresh()
     assert sphere == 2
-    assert planner.object_names == ["sphere", f"body{unnamed}", "cube", "floor"]
+    assert planner.object_names == [f"body{unnamed}", "cube", "floor", "sphere"]
     assert planner.is_state_colliding("arm7", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
     p.removeBody(sphere, physicsClientId=small)
@@ -477,7 +482,7 @@ def grid(columns, rows, rising, seed=0, edge=None):
         z[[0, -1]], z[:, [0, -1]] = edge, edge
 
     def heights(x, y):
-        c, r = (np.minimum((share * n).astype(int), n - 1) for share, n in ((x, columns), (y, rows)))
+        c, r = (np.minimum((fraction * n).astype(int), n - 1) for fraction, n in ((x, columns), (y, rows)))
         u, v = x * columns - c, y * rows - r
         a, b, d, e = z[r, c], z[r, c + 1], z[r + 1, c], z[r + 1, c + 1]
         if rising:

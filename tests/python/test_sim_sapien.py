@@ -352,7 +352,7 @@ def test_refresh_moves_adds_and_removes():
     scene.remove_entity(next(entity for entity in scene.entities if entity.name == "post"))
     add(scene, "sphere", [0, 0.625, 0.5], px.PhysxCollisionShapeSphere(0.1, MATERIAL))
     world.refresh()
-    assert planner.object_names == ["sphere", "cube", "ground"]
+    assert planner.object_names == ["cube", "ground", "sphere"]
     assert planner.is_state_colliding("arm", [np.pi / 2, 1.1, 0, 0, 0, 0, 0])
 
     scene.remove_articulation(arm)
@@ -524,7 +524,7 @@ def test_a_missing_package(monkeypatch):
     refused(srmp.NotSupported, r"needs the Python package 'sapien'.*pip install sapien", scene)
 
 
-def test_questions_about_another_scene():
+def test_queries_of_another_scene():
     scene, _, _ = small_scene()
     planner, _ = read(scene)
     with pytest.raises(srmp.InvalidArgument, match="not the scene that the planner has read"):

@@ -30,7 +30,7 @@ def test_an_ellipsoid_is_held_and_not_by_much():
         normal = direction / axes  # of the surface at axes * direction
         normal /= np.linalg.norm(normal)
         away = distance(shapes.Ellipsoid(axes), axes * direction + 0.05 * normal)
-        assert 0.05 - shapes.ELLIPSOID_EXCESS * 0.3 <= away <= 0.05 + 1e-6
+        assert 0.05 - shapes.ELLIPSOID_TOLERANCE * 0.3 <= away <= 0.05 + 1e-6
 
 
 def test_a_plane_is_solid_below_and_ends_at_its_height():

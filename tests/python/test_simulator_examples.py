@@ -14,13 +14,13 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "simulators").glob("
 def test_example_runs(example, tmp_path):
     simulator = example.stem.rpartition("_")[2]
     pytest.importorskip(simulator, reason=f"pip install 'srmp[{simulator}]' to run {example.name}")
-    picture = tmp_path / "picture.png"
-    arguments = [str(picture)] if can_draw(simulator) else []
+    figure = tmp_path / "figure.png"
+    arguments = [str(figure)] if can_draw(simulator) else []
     result = subprocess.run([sys.executable, str(example), *arguments], capture_output=True, text=True)
     assert result.returncode == 0, result.stdout + result.stderr
     assert result.stdout.count("\n") > 2
     if arguments:
-        assert picture.stat().st_size > 5000
+        assert figure.stat().st_size > 5000
 
 
 def can_draw(simulator: str) -> bool:

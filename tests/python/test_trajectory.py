@@ -224,7 +224,7 @@ def test_without_velocities_the_motion_is_straight():
 
 
 @pytest.mark.parametrize(
-    ("ask", "sentence"),
+    ("call", "sentence"),
     [
         (lambda t: t.sample(NAN), "the time to sample is NaN"),
         (lambda t: t.sample([1, NAN]), "the time to sample is NaN"),
@@ -250,12 +250,12 @@ def test_without_velocities_the_motion_is_straight():
         (lambda t: t + srmp.Trajectory(NAMES, t.positions), "it has no times"),
     ],
 )
-def test_questions_that_make_no_sense_are_refused(cubic, ask, sentence):
-    refuses(lambda: ask(cubic), sentence)
+def test_invalid_arguments_are_refused(cubic, call, sentence):
+    refuses(lambda: call(cubic), sentence)
 
 
 def test_a_path_without_times_cannot_say_when(path):
-    for ask in (
+    for call in (
         lambda: path.sample(0),
         lambda: path.state(0),
         lambda: path.resample(1),
@@ -263,7 +263,7 @@ def test_a_path_without_times_cannot_say_when(path):
         lambda: path + path,
         path.to_joint_trajectory,
     ):
-        refuses(ask, "times")
+        refuses(call, "times")
 
 
 def test_only_trajectories_are_added(cubic):
@@ -547,7 +547,7 @@ def test_csv_is_a_table_that_others_read(cubic, tmp_path):
         ("time,a_position,b_position,a_velocity\n0,1,1,1\n", "there is no column 'b_velocity'"),
         ("time,a_position,a_velocity,b_velocity\n0,1,1,1\n", "there is no column 'b_position'"),
         ("a_position,a_velocity\n0,1\n", "it has velocities, but no times"),
-        ('time,"a_position\n0,1\n', "is no CSV table"),
+        ('time,"a_position\n0,1\n', "is not a CSV table"),
     ],
 )
 def test_wrong_tables_are_refused(tmp_path, text, sentence):
@@ -558,9 +558,11 @@ def test_wrong_tables_are_refused(tmp_path, text, sentence):
 
 def test_files_that_cannot_be_read_or_written_are_named(cubic, tmp_path):
     refuses(lambda: srmp.Trajectory.from_csv(tmp_path / "no.csv"), "no.csv cannot be read: No such", srmp.FileError)
-    refuses(lambda: cubic.to_csv(tmp_path / "no" / "t.csv"), "t.csv cannot be written: No such", srmp.FileError)
+    refuses(
+        lambda: cubic.to_csv(tmp_path / "no" / "t.csv"), "t.csv: the file cannot be written: No such", srmp.FileError
+    )
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x01")
-    refuses(lambda: srmp.Trajectory.from_csv(tmp_path / "binary.csv"), "binary.csv is no CSV table", srmp.FileError)
+    refuses(lambda: srmp.Trajectory.from_csv(tmp_path / "binary.csv"), "binary.csv is not a CSV table", srmp.FileError)
 
 
 def test_joint_trajectories_are_laid_out_as_in_ros(cubic):
@@ -576,7 +578,7 @@ def test_joint_trajectories_are_laid_out_as_in_ros(cubic):
         "time_from_start": {"sec": 1, "nanosec": 0},
     }
     assert message["points"][4]["time_from_start"] == {"sec": 2, "nanosec": 500_000_000}
-    # By default controllers are not asked for quintics.
+    # By default controllers do not follow quintics.
     points = cubic.to_joint_trajectory()["points"]
     assert [point["accelerations"] for point in points] == [[]] * 5
 
@@ -637,10 +639,10 @@ def test_joint_trajectories_may_leave_out_what_they_do_not_know():
     assert found == srmp.Trajectory(["a"], [[0], [1], [2]], [0, 1, 2])
 
 
-# --- pictures ---------------------------------------------------------------------------------------------------------
+# --- figures ----------------------------------------------------------------------------------------------------------
 
 
-def test_plots_are_pictures(cubic, jumpy, planned, tmp_path):
+def test_plots_are_figures(cubic, jumpy, planned, tmp_path):
     pytest.importorskip("matplotlib")
     cubic.plot(tmp_path / "plain.png")
     jumpy.plot(str(tmp_path / "limits.png"), limits=srmp.MotionLimits([1, 2], [30, 40], [500, 600]), title="a title")

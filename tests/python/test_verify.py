@@ -1,4 +1,4 @@
-"""Verify: any trajectory held against a scene, limits, start and goals."""
+"""Verify: any trajectory is verified in a scene, against limits, start and goals."""
 
 import json
 import pickle
@@ -16,7 +16,7 @@ from srmp.result import plan_result
 
 
 @pytest.fixture
-def question(arm, ready):
+def solved(arm, ready):
     """The arm, a plan around the post, and the goal it reaches."""
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, ready - [1.8, 0, 0, 0, 0, 0, 0])
     return arm, arm.plan("arm", ready, goal), goal
@@ -26,8 +26,8 @@ def kinds(certificate):
     return [fault.kind for fault in certificate.faults]
 
 
-def test_a_plan_holds(question, ready):
-    arm, plan, goal = question
+def test_a_plan_holds(solved, ready):
+    arm, plan, goal = solved
     certificate = arm.verify("arm", plan, start=ready, goals=goal, max_deviation=0.005)
     assert certificate.holds, certificate.report()
     assert certificate.proved_free
@@ -39,8 +39,8 @@ def test_a_plan_holds(question, ready):
     assert pickle.loads(pickle.dumps(certificate)) == certificate
 
 
-def test_faults_are_named(question, ready):
-    arm, plan, goal = question
+def test_faults_are_named(solved, ready):
+    arm, plan, goal = solved
     slow = srmp.MotionLimits([0.1] * 7, [10.0] * 7, [1000.0] * 7)
     assert set(kinds(arm.verify("arm", plan, limits=slow))) == {srmp.FaultKind.velocity_limit}
     jerky = srmp.MotionLimits([9.0] * 7, [90.0] * 7, [1e-3] * 7)
@@ -55,8 +55,8 @@ def test_faults_are_named(question, ready):
     assert kinds(arm.verify("arm", plan, max_deviation=0.0)) == [srmp.FaultKind.deviation]
 
 
-def test_the_scene_counts_as_it_is(question):
-    arm, plan, _ = question
+def test_the_scene_counts_as_it_is(solved):
+    arm, plan, _ = solved
     arm.add_sphere("in the way", 0.05, arm.compute_fk("arm", plan.sample(plan.duration / 2)))
     certificate = arm.verify("arm", plan)
     assert kinds(certificate) == [srmp.FaultKind.collision]
@@ -78,15 +78,15 @@ def test_the_scene_counts_as_it_is(question):
         ({"gap_tolerance": 1}, "gap_tolerance is 1"),
     ],
 )
-def test_wrong_questions_are_refused(question, arguments, text):
-    arm, plan, _ = question
+def test_invalid_arguments_are_refused(solved, arguments, text):
+    arm, plan, _ = solved
     with pytest.raises(srmp.InvalidArgument) as error:
         arm.verify("arm", plan, **arguments)
     assert text in str(error.value)
 
 
-def test_the_gil_is_released(question):
-    arm, plan, _ = question
+def test_the_gil_is_released(solved):
+    arm, plan, _ = solved
     done = threading.Event()
     other = threading.Thread(target=done.set)
     certificates = []
@@ -102,8 +102,8 @@ def test_the_gil_is_released(question):
 # --- srmp.verify ------------------------------------------------------------------------------------------------------
 
 
-def test_scenes_and_problems_are_files_too(question, tmp_path):
-    arm, plan, _ = question
+def test_scenes_and_problems_are_files_too(solved, tmp_path):
+    arm, plan, _ = solved
     arm.save(tmp_path / "problem.json")
     arm.save_scene(tmp_path / "scene.json")
     assert srmp.verify(arm, plan).holds
@@ -111,8 +111,8 @@ def test_scenes_and_problems_are_files_too(question, tmp_path):
     assert srmp.verify(tmp_path / "problem.json", plan).goal_error < 1e-9
 
 
-def test_the_request_of_a_problem_file_is_asked_too(question, ready, tmp_path):
-    arm, plan, _ = question
+def test_the_request_of_a_problem_file_is_used_too(solved, ready, tmp_path):
+    arm, plan, _ = solved
     arm.save(tmp_path / "problem.json")
     half = plan.slice(0, plan.duration / 2)
     found = srmp.verify(tmp_path / "problem.json", half, "arm")
@@ -122,8 +122,8 @@ def test_the_request_of_a_problem_file_is_asked_too(question, ready, tmp_path):
     assert srmp.FaultKind.start in kinds(srmp.verify(tmp_path / "problem.json", plan, start=ready + 0.01))
 
 
-def test_the_robot_is_the_one_with_these_joints(question):
-    arm, plan, _ = question
+def test_the_robot_is_the_one_with_these_joints(solved):
+    arm, plan, _ = solved
     turned = srmp.Trajectory(plan.joint_names[::-1], plan.positions[:, ::-1], plan.times)
     assert kinds(srmp.verify(arm, turned)) == [srmp.FaultKind.joint_names]
     renamed = srmp.Trajectory(list("abcdefg"), plan.positions, plan.times)
@@ -141,8 +141,8 @@ def test_the_robot_is_the_one_with_these_joints(question):
         srmp.verify(srmp.PlannerInterface(), plan)
 
 
-def test_files_that_are_no_scenes_are_refused(question, tmp_path):
-    _, plan, _ = question
+def test_files_that_are_not_scenes_are_refused(solved, tmp_path):
+    _, plan, _ = solved
     plan.save(tmp_path / "plan.json")
     with pytest.raises(srmp.FileError, match="the format is 'srmp trajectory'; expected is"):
         srmp.verify(tmp_path / "plan.json", plan)
@@ -165,8 +165,8 @@ MOVEIT = Path(__file__).parents[2] / "examples" / "moveit"
 SCENE, REQUEST = ("--scene", MOVEIT / "scene.yaml"), ("--request", MOVEIT / "request.yaml")
 
 
-def test_certificates_are_saved_bit_for_bit(question, tmp_path):
-    arm, plan, _ = question
+def test_certificates_are_saved_bit_for_bit(solved, tmp_path):
+    arm, plan, _ = solved
     plan.save(tmp_path / "t.json")
     arm.save(tmp_path / "p.json")
     write_json(tmp_path / "r.json", plan_result(arm.get_planning_stats(), plan.joint_names, plan))
@@ -174,8 +174,8 @@ def test_certificates_are_saved_bit_for_bit(question, tmp_path):
         assert srmp.Trajectory.load(tmp_path / name).certificate == plan.certificate, name
 
 
-def test_a_certificate_is_plain_data(question):
-    _, plan, _ = question
+def test_a_certificate_is_plain_data(solved):
+    _, plan, _ = solved
     data = plan.certificate.to_dict()
     assert json.loads(json.dumps(data, allow_nan=False)) == data
     assert data["faults"] == []
@@ -233,7 +233,7 @@ def test_verify_names_every_fault(planned, tmp_path):
     assert result.exit_code == 1
     assert "FAULT velocity_limit: arm7_joint1: the velocity reaches" in result.output
     assert "FAULT acceleration_limit: arm7_joint1: " in result.output
-    assert "also limits finger, which are no planned joints of the robot" in result.output
+    assert "also limits finger, which are not planned joints of the robot" in result.output
     assert result.output.splitlines()[-1] == "2 faults: velocity_limit, acceleration_limit"
     motion = srmp.Trajectory.load(directory / "plan.json")
     motion.slice(0, motion.duration / 2).save(tmp_path / "half.json")
@@ -262,7 +262,7 @@ def test_joint_limits_make_plans_slower(planned, tmp_path):
     ("arguments", "text"),
     [
         (["nowhere.json"], "nowhere.json"),
-        (["PLAN"], "; say with --scene what the trajectory is to be held against"),
+        (["PLAN"], "; say with --scene what the trajectory is to be verified against"),
         (["PLAN", "--scene", MOVEIT / "scene.yaml"], "a MoveIt scene needs its robot too: --urdf"),
         (["PLAN", "--srdf", srmp.data_path("arm7.srdf")], "for the robot of --urdf, which is not given"),
         (["PROBLEM", "--robot", "amr"], "unknown robot 'amr'"),

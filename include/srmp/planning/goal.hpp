@@ -9,36 +9,43 @@
 
 namespace srmp {
 
+/// The kind of a goal: what its targets are.
 enum class GoalType {
   joints,    ///< a configuration of the planned joints
   pose,      ///< position and orientation of the end effector, world frame
   position,  ///< position of the end effector, world frame; any orientation
   hold,      ///< with plan_multi: the robot stays where it starts
-  any,       ///< with plan_multi: it may move out of the others' way and end anywhere
+  any,       ///< with plan_multi: the robot may move out of the others' way and end anywhere
 };
 
+/// The name in files and messages: "joints", "pose", "position", "hold" or "aside" (any).
 std::string_view to_string(GoalType type);
 
-/// What a plan must reach: any one of several targets of one type. Joint targets are met exactly; for poses and
-/// positions inverse kinematics supplies configurations, to 1e-5 m and 1e-4 rad where it can and within the
-/// tolerances at worst.
+/// A goal of a plan: any one of several targets of one type. Joint targets are reached exactly; for poses and positions
+/// inverse kinematics supplies configurations, to 1e-5 m and 1e-4 rad where it can and within the tolerances otherwise.
 struct GoalConstraint {
-  GoalType type{GoalType::joints};
-  /// One row a target; none with hold and aside. joints: dof numbers [rad or m]; pose: x, y, z, qx, qy, qz, qw;
-  /// position: x, y, z [m].
+  GoalType type{GoalType::joints};  ///< what the targets are
+  /// The targets, none with hold and any. joints: dof numbers [rad or m]; pose: x, y, z [m], qx, qy, qz, qw, world
+  /// frame; position: x, y, z [m], world frame.
   std::vector<Eigen::VectorXd> targets;
   /// Each a number, or one for each axis of the target's own frame (position targets: of the world); infinity: that
   /// axis is free, and the solutions are spread over it.
   AxisTolerance position_tolerance{1e-3};  ///< [m], > 0
   AxisTolerance rotation_tolerance{1e-2};  ///< [rad], > 0
 
+  /// A configuration of the planned joints (dof,) [rad or m].
   static GoalConstraint joints(const Eigen::VectorXd& q);
+  /// A pose of the end effector in the world frame.
   static GoalConstraint pose(const Pose& pose);
+  /// A position of the end effector in the world frame [m], with any orientation.
   static GoalConstraint position(const Eigen::Vector3d& p);
+  /// With plan_multi: the robot stays where it starts.
   static GoalConstraint hold();
+  /// With plan_multi: the robot may move out of the others' way and end anywhere.
   static GoalConstraint any();
 
-  /// Throws InvalidArgument: no target, wrong size, NaN, zero quaternion, a tolerance not above 0, all axes free.
+  /// Throws InvalidArgument for no target, a wrong size, NaN, a zero quaternion, a tolerance that is not above 0, and
+  /// when all axes are free.
   void validate() const;
 };
 

@@ -12,22 +12,22 @@
 
 namespace srmp {
 
-/// One plan of many.
+/// A request to PlannerInterface::plan or plan_many.
 struct PlanRequest {
-  std::string robot;
-  Eigen::VectorXd start;  ///< dof [rad or m]
-  std::vector<GoalConstraint> goals;
+  std::string robot;                        ///< name of the robot that is planned
+  Eigen::VectorXd start;                    ///< (dof,) [rad or m]
+  std::vector<GoalConstraint> goals;        ///< any one of them is enough
   std::optional<PlannerOptions> options{};  ///< none: those of make_planner
 };
 
-/// Told by plan_many in the caller's thread: requests done, requests in all.
+/// Called by plan_many in the caller's thread, with the number of requests done and of all.
 using PlanProgress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// One question to plan_multi: its arguments.
+/// A request to PlannerInterface::plan_multi: its arguments.
 struct MultiPlanRequest {
-  std::map<std::string, Eigen::VectorXd> starts;  ///< by robot name, dof [rad or m]
+  std::map<std::string, Eigen::VectorXd> starts;  ///< by robot name, (dof,) [rad or m]
   std::map<std::string, GoalConstraint> goals;    ///< by robot name; a robot with a start and no goal holds
-  std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that others are committed to
+  std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that other robots are committed to
 };
 
 }  // namespace srmp

@@ -8,25 +8,28 @@
 
 namespace srmp {
 
-/// The user's estimate of the way [rad; prismatic joints in m] from each of `configurations` (n, dof) to the nearest of
-/// `goals` (m, dof): n numbers, finite and >= 0. Searches from the goals are on their way to the start: that is what
-/// `goals` holds then. The same question must have the same answer; plan_many, and plan_multi with
-/// num_threads above 1, ask from several threads at once.
+/// A heuristic of the user: estimates the joint-space path length [rad; prismatic joints in m] from each of
+/// `configurations` (n, dof) to the nearest of `goals` (m, dof), as n numbers, finite and >= 0. A search from the goals
+/// leads to the start: `goals` is the start then. The same arguments must give the same values; plan_many, and
+/// plan_multi with num_threads above 1, call it from several threads at once.
 using HeuristicFunction = std::function<Eigen::VectorXd(ConstRows configurations, ConstRows goals)>;
 
+/// A heuristic of the user, and what is known of it.
 struct UserHeuristic {
-  HeuristicFunction function;
-  /// The user's word that h(a) <= |b - a| + h(b) for all configurations and h = 0 at the goals: then bounds count as
-  /// proven.
+  HeuristicFunction function;  ///< computes the estimates
+  /// The user declares that h(a) <= |b - a| + h(b) for all configurations and h = 0 at the goals; only then do
+  /// bounds count as proven.
   bool consistent{false};
 };
 
-using UserHeuristics = std::map<std::string, UserHeuristic>;  ///< by name
+using UserHeuristics = std::map<std::string, UserHeuristic>;  ///< heuristics of the user, by name
 
-/// Throws InvalidArgument for a name that options could not hold or that is taken, or an empty function.
+/// Throws InvalidArgument for a name that is in use, empty, or has spaces, commas or brackets, and for an empty
+/// function.
 void require_new_heuristic(const std::string& name, const UserHeuristic& heuristic, const UserHeuristics& known);
 
-/// Asks it, and throws InvalidArgument with name, value and configuration unless the answer is what it should be.
+/// Evaluates the heuristic: n values. Throws InvalidArgument, with name, value and configuration, unless all are finite
+/// and >= 0.
 Eigen::VectorXd ask(const std::string& name, const UserHeuristic& heuristic, ConstRows configurations, ConstRows goals);
 
 }  // namespace srmp

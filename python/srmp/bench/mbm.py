@@ -1,8 +1,8 @@
 """MotionBenchMaker (Chamzas et al., RA-L 2022): runs its problems and writes one row for each.
 
 The data directory holds, for each robot, its URDF and SRDF, meshes, and MoveIt's files
-problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (unpacked into a temporary directory,
-never into the data).
+problems/<scenario>_<robot>/{scene,request}NNNN.yaml, unpacked or as problems.tar.bz2 (unpacked into a temporary
+directory, never into the data).
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ import numpy as np
 import srmp
 from srmp._table import format_seconds, format_table
 
-# The link whose path length is reported; other robots: the tip of the planning group.
+# The link whose path length is reported; other robots: the end of the planning group.
 END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
 # The planning group that the problems are for, where no request says it.
 GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
-_MEMBER = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
+_ENTRY = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
 STATISTICS = (
     *("plan_time_s", "total_time_s", "search_time_s", "timing_time_s", "verification_time_s"),
     *("expansions", "memory_bytes", "edge_checks"),
@@ -48,6 +48,8 @@ Progress: TypeAlias = Callable[[Sequence[_Problem]], contextlib.AbstractContextM
 
 @dataclass(frozen=True)
 class Problem:
+    """A problem of MotionBenchMaker: its scene and its request."""
+
     scenario: str
     number: int
     scene: Path
@@ -55,11 +57,14 @@ class Problem:
 
     @property
     def name(self) -> str:
+        """The name in result files, such as "cage/0001"."""
         return f"{self.scenario}/{self.number:04d}"
 
 
 @dataclass(frozen=True)
 class RobotFiles:
+    """The files of a robot in the data directory."""
+
     name: str
     directory: Path
     urdf: Path
@@ -132,12 +137,12 @@ def open_problems(
 def _unpack(archive: Path, root: Path) -> None:
     try:
         with tarfile.open(archive) as tar:
-            members = [member for member in tar.getmembers() if member.isfile() and _MEMBER.search(member.name)]
-            for member in members:  # plain files only, so this is all that Pythons without data_filter need
-                if Path(member.name).is_absolute() or ".." in Path(member.name).parts:
-                    raise tarfile.TarError(f"{member.name} would lie outside the directory")
+            entries = [entry for entry in tar.getmembers() if entry.isfile() and _ENTRY.search(entry.name)]
+            for entry in entries:  # plain files only, so this is all that Pythons without data_filter need
+                if Path(entry.name).is_absolute() or ".." in Path(entry.name).parts:
+                    raise tarfile.TarError(f"{entry.name} would lie outside the directory")
             safely = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
-            tar.extractall(root, members, **safely)
+            tar.extractall(root, entries, **safely)
     except (tarfile.TarError, EOFError, OSError) as error:
         raise srmp.FileError(f"{archive} cannot be unpacked: {error}.") from error
 
@@ -146,7 +151,7 @@ def _discover(root: Path, robot: str) -> list[Problem]:
     scenes: dict[tuple[str, int], Path] = {}
     requests: dict[tuple[str, int], Path] = {}
     for path in root.rglob("*.yaml"):
-        if match := _MEMBER.search(path.as_posix()):
+        if match := _ENTRY.search(path.as_posix()):
             key = (match["scenario"].removesuffix(f"_{robot}"), int(match["number"]))
             (scenes if match["kind"] == "scene" else requests)[key] = path
     if unpaired := sorted(scenes.keys() ^ requests.keys()):
@@ -168,7 +173,7 @@ def _select(problems: list[Problem], scenarios: Sequence[str], numbers: set[int]
         if (not scenarios or problem.scenario in scenarios) and (numbers is None or problem.number in numbers)
     ]
     if not chosen:
-        raise srmp.InvalidArgument("no problem has the numbers asked for.")
+        raise srmp.InvalidArgument("no problem has these numbers.")
     return chosen
 
 
@@ -176,8 +181,8 @@ def _directories(path: Path) -> list[str]:
     return sorted(child.name for child in path.iterdir() if child.is_dir()) if path.is_dir() else []
 
 
-def _nearest(word: str, known: Sequence[str]) -> str:
-    near = difflib.get_close_matches(word, known, n=1)
+def _nearest(name: str, known: Sequence[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=1)
     return f", did you mean '{near[0]}'?" if near else ""
 
 
@@ -252,7 +257,7 @@ class Runner:
 
 
 def certificate_row(certificate: srmp.Certificate | None) -> dict[str, Any] | None:
-    """What a result keeps of a certificate; None: there is none."""
+    """The part of a certificate that results hold; None without one."""
     if certificate is None:
         return None
     kept = ("holds", "proved_free", "clearance", "clearance_proved", "deviation", "goal_error")
@@ -260,11 +265,11 @@ def certificate_row(certificate: srmp.Certificate | None) -> dict[str, Any] | No
 
 
 def straight_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
-    """Straight from the path's start to its end, continuous joints by the short way: no path is shorter [rad]."""
-    way = path[-1] - path[0]
+    """Length [rad] of the straight motion from the path's start to its end, continuous joints the short way round."""
+    motion = path[-1] - path[0]
     continuous = np.isinf(planner.get_joint_limits(robot)).all(axis=1)
-    way[continuous] = (way[continuous] + np.pi) % (2 * np.pi) - np.pi
-    return float(np.linalg.norm(way))
+    motion[continuous] = (motion[continuous] + np.pi) % (2 * np.pi) - np.pi
+    return float(np.linalg.norm(motion))
 
 
 def end_effector_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
@@ -321,6 +326,7 @@ def solve_all(
 
 
 def run_header(benchmark: str, complete: bool, options: Mapping[str, Any], **more: Any) -> dict[str, Any]:
+    """The header of a run: header(), and whether it is complete, when it began, the cores and the options."""
     created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     return header(benchmark, complete=complete, created=created, cores=os.cpu_count(), options=options, **more)
 
@@ -331,11 +337,12 @@ def status_name(status: Any) -> str:
 
 
 def header(benchmark: str, **more: Any) -> dict[str, Any]:
-    """What a result file begins with: what was measured, by which versions, on which CPU, and `more`."""
+    """The header of a result file: what was measured, by which versions, on which CPU, and `more`."""
     return {"benchmark": benchmark, "versions": versions(), "cpu": cpu_name(), **more}
 
 
 def versions() -> dict[str, str]:
+    """The versions of srmp, Python and the libraries that decide speed."""
     found = {"srmp": srmp.__version__, "python": platform.python_version()}
     for name in ("numpy", "libpinocchio", "libcoal"):
         with contextlib.suppress(importlib.metadata.PackageNotFoundError):
@@ -344,6 +351,7 @@ def versions() -> dict[str, str]:
 
 
 def cpu_name() -> str:
+    """The name of the CPU, as far as the system tells it."""
     with contextlib.suppress(OSError):
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines():
             if line.startswith("model name"):
@@ -356,7 +364,7 @@ def cpu_name() -> str:
 
 @dataclass(frozen=True)
 class ScenarioStatistics:
-    """Times [s] and costs are over the solved problems and NaN when there is none; invalid problems are no failures."""
+    """Times [s] and costs are over the solved problems, NaN when there is none; invalid problems are not failures."""
 
     scenario: str
     solved: int

@@ -20,11 +20,14 @@ _STATISTICS = (*mbm.STATISTICS, "path_cost_rad", "bound", "tree_nodes", "makespa
 
 @dataclass(frozen=True)
 class Numbered:
+    """A problem of a scenario, by its number."""
+
     scenario: str
     number: int
 
     @property
     def name(self) -> str:
+        """The name in result files, such as "ring/0001"."""
         return f"{self.scenario}/{self.number:04d}"
 
 
@@ -42,7 +45,7 @@ class Runner:
         return self._scenario.world.to_dict(self._planner)
 
     def run(self, numbered: Numbered) -> dict[str, Any]:
-        """One row of the result file. Only problems that cannot even be posed raise."""
+        """One row of the result file. Raises only for problems that cannot be set up."""
         problem = self._scenario.problem(numbered.number)
         goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, q) for name, q in problem.goals.items()}
         trajectory, reason = None, ""
@@ -53,7 +56,7 @@ class Runner:
             status, reason = mbm.status_name(error.status), str(error)
         row: dict[str, Any] = {"problem": numbered.name, "status": status, "reason": reason, **problem.about}
         stats = self._planner.get_planning_stats()
-        row.update((key, stats.get(key)) for key in _STATISTICS)  # of a refused question: fewer
+        row.update((key, stats.get(key)) for key in _STATISTICS)  # fewer for a refused request
         row["robots"] = {name: self._robot_row(name, problem, stats, trajectory) for name in problem.starts}
         for cost in ("straight_cost_rad", "ee_cost_m"):
             row[cost] = None if trajectory is None else sum(robot[cost] for robot in row["robots"].values())
@@ -162,7 +165,7 @@ def variation(rows: Sequence[Mapping[str, Any]]) -> float:
 
 
 def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
-    """The table that `srmp bench multi` prints: that of `srmp bench mbm`, then what several robots have besides."""
+    """The table that `srmp bench multi` prints: that of `srmp bench mbm`, then columns of several robots."""
     entry, *_ = mbm.statistics(rows)
     solved = [row for row in rows if row["status"] == "solved"]
     clearances = [row["certificate"]["clearance"] for row in solved if row["certificate"]]
@@ -171,7 +174,9 @@ def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:
     clearance = f"{1e3 * min(clearances):.2g} mm" if clearances else "–"
     header = [*mbm.COLUMNS, "nodes", "makespan", "clearance"]
     table = format_table(header, [[*mbm.cells(entry), nodes, makespan, clearance]])
-    share = variation(rows)
-    if math.isnan(share):
+    coefficient = variation(rows)
+    if math.isnan(coefficient):
         return table
-    return f"{table}\nrepetitions: the summed end-effector length varies by {share:.1%} (standard deviation by mean)"
+    return (
+        f"{table}\nrepetitions: the summed end-effector length varies by {coefficient:.1%} (standard deviation by mean)"
+    )

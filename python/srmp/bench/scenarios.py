@@ -2,7 +2,7 @@
 
 A file says where the robots stand, boxes, held cylinders and named states of all robots together; each ordered pair
 of two states is a problem. A generator places N robots and draws problems by inverse kinematics: the same scenario,
-robots, seed and number give the same problem, whatever else is asked for.
+robots, seed and number give the same problem.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from srmp.bench.mbm import GROUPS, robot_files
 Configurations = dict[str, np.ndarray]
 """Robot name: (dof,) [rad]."""
 Target = Callable[[np.random.Generator], srmp.Pose]
-"""Draws where a robot's tool is to be: its tip at the position, z the direction in which it points."""
+"""Draws the target of a robot's tool: its end at the position, z the direction in which it points."""
 
 DOWN = srmp.Pose.from_rpy([0, 0, 0], [np.pi, 0, 0])
 FORWARD = srmp.Pose.from_rpy([0, 0, 0], [np.pi, -np.pi / 2, 0])
@@ -35,12 +35,12 @@ TRIES = 200
 CLEARANCE = 0.01  # of starts and goals [m]
 
 
-# --- what stands where ------------------------------------------------------------------------------------------------
+# --- scenes ----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Model:
-    """A kind of robot. `tip`: from the end effector's link to the tip of its tool, along the link's z [m]."""
+    """A robot model. `tool_length`: from the end effector's link to the end of its tool, along the link's z [m]."""
 
     urdf: Path
     srdf: Path | None = None
@@ -49,26 +49,30 @@ class Model:
     fixed_joints: Mapping[str, float] = field(default_factory=dict)
     _: dataclasses.KW_ONLY
     base_link: str
-    """What stands on a table, never moves, and may therefore touch the objects."""
+    """The link that stands on the table: it never moves, and may therefore touch the objects."""
     end_effector: str
     home: tuple[float, ...]
-    tip: float
+    tool_length: float
     reach: tuple[float, float]
-    """How far from its base it reaches the table, tool down: least and most [m]."""
+    """How far from its base it reaches the table, tool down: minimum and maximum [m]."""
 
 
 @dataclass(frozen=True)
 class Robot:
+    """A robot of a scene, its base on the floor: position [m], yaw [rad]."""
+
     name: str
     model: Model
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     yaw: float = 0.0
 
     def at(self, x: float, y: float, yaw: float = 0.0) -> Robot:
+        """The same robot at another place: x, y [m], yaw [rad]."""
         return dataclasses.replace(self, position=(float(x), float(y), 0.0), yaw=float(yaw))
 
     @property
     def base(self) -> srmp.Pose:
+        """The pose of its base in the world."""
         return srmp.Pose.from_rpy(self.position, [0, 0, self.yaw])
 
 
@@ -82,12 +86,14 @@ class Shape:
     pose: srmp.Pose
 
     def add_to(self, planner: srmp.PlannerInterface) -> None:
+        """Adds the shape to the planner's world."""
         if self.kind == "box":
             planner.add_box(self.name, self.size, self.pose)
         else:
             planner.add_cylinder(self.name, *self.size, self.pose)
 
     def to_dict(self) -> dict[str, Any]:
+        """The shape as result files hold it."""
         return {"name": self.name, "type": self.kind, "size": self.size, "pose": list(self.pose)}
 
 
@@ -101,25 +107,30 @@ class Held:
     may_touch: tuple[str, ...]
 
     def add_to(self, planner: srmp.PlannerInterface) -> None:
+        """Adds the shape to the planner's world, and attaches it."""
         self.shape.add_to(planner)
         planner.attach_object(self.shape.name, self.robot, self.link, list(self.may_touch), self.shape.pose)
 
     def to_dict(self) -> dict[str, Any]:
+        """The attached shape as result files hold it."""
         return {**self.shape.to_dict(), "robot": self.robot, "link": self.link, "may_touch": self.may_touch}
 
 
 @dataclass(frozen=True)
 class World:
+    """Robots, objects and attached objects of a scenario."""
+
     robots: tuple[Robot, ...]
     shapes: tuple[Shape, ...]
     held: tuple[Held, ...] = ()
 
     @property
     def models(self) -> list[Model]:
-        """Each once."""
+        """The robot models, each once."""
         return list({robot.model.urdf: robot.model for robot in self.robots}.values())
 
     def build(self) -> srmp.PlannerInterface:
+        """A planner with this scene."""
         planner = srmp.PlannerInterface()
         for robot in self.robots:
             planner.add_articulation(
@@ -139,7 +150,7 @@ class World:
         return planner
 
     def to_dict(self, planner: srmp.PlannerInterface) -> dict[str, Any]:
-        """All that somebody else needs to build it again; poses: x, y, z [m], quaternion x, y, z, w.
+        """All that is needed to build it again elsewhere; poses: x, y, z [m], quaternion x, y, z, w.
 
         planner: as built; knows which links always touch where no SRDF says it.
         """
@@ -164,21 +175,26 @@ class World:
 
 @dataclass(frozen=True)
 class Problem:
+    """One problem of a scenario: starts and goals of all robots."""
+
     number: int
     starts: Configurations
     goals: Configurations
     about: Mapping[str, Any]
-    """What else the result is to say of it."""
+    """Further entries of its row in the result file."""
 
 
 class Scenario(Protocol):
+    """A scene, and numbered problems in it."""
+
     name: str
     world: World
     numbers: range
-    """The problems there are, or, of generators, which there are as many of as one likes, those run by default."""
+    """The numbers of its problems; of generators, which have endlessly many, of those that are run by default."""
     endless: bool
 
-    def problem(self, number: int) -> Problem: ...
+    def problem(self, number: int) -> Problem:
+        """The problem of this number; the same number gives the same problem."""
 
 
 # --- robots -----------------------------------------------------------------------------------------------------------
@@ -194,7 +210,7 @@ def example_robot_data() -> Path | None:
 
 
 # Files as example-robot-data has them.
-ARMS = {
+MODELS = {
     "panda": Model(
         Path("panda_description/urdf/panda.urdf"),
         Path("panda_description/srdf/panda.srdf"),
@@ -203,7 +219,7 @@ ARMS = {
         base_link="panda_link0",
         end_effector="panda_hand",
         home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
-        tip=0.1034,
+        tool_length=0.1034,
         reach=(0.35, 0.7),
     ),
     "ur5": Model(
@@ -211,7 +227,7 @@ ARMS = {
         base_link="base_link",
         end_effector="tool0",
         home=(0.0, -1.8, 1.9, -1.67, -1.57, 0.0),
-        tip=0.2,
+        tool_length=0.2,
         reach=(0.35, 0.65),
     ),
     "xarm7": Model(
@@ -219,7 +235,7 @@ ARMS = {
         base_link="link_base",
         end_effector="link_eef",
         home=(0.0, -0.6, 0.0, 0.9, 0.0, 1.5, 0.0),
-        tip=0.1,
+        tool_length=0.1,
         reach=(0.3, 0.55),
     ),
     "ur10": Model(
@@ -227,7 +243,7 @@ ARMS = {
         base_link="base_link",
         end_effector="tool0",
         home=(0.0, -1.8, 2.1, -1.87, -1.57, 0.0),
-        tip=0.1,
+        tool_length=0.1,
         reach=(0.45, 0.9),
     ),
 }
@@ -240,7 +256,7 @@ def find_model(name: str, data: str | Path | None) -> Model:
     if data is not None:
         files = robot_files(data, name, "urdf")
         return dataclasses.replace(
-            ARMS[name],
+            MODELS[name],
             urdf=files.urdf,
             srdf=files.srdf,
             package_dirs=(str(files.directory),),
@@ -252,9 +268,9 @@ def find_model(name: str, data: str | Path | None) -> Model:
         raise srmp.FileError(
             f"There is no {name}: say where MotionBenchMaker's robots are (--data), or pip install example-robot-data."
         )
-    arm = ARMS[name]
-    srdf = directory / arm.srdf if arm.srdf else None
-    return dataclasses.replace(arm, urdf=directory / arm.urdf, srdf=srdf, package_dirs=(str(directory.parents[1]),))
+    model = MODELS[name]
+    srdf = directory / model.srdf if model.srdf else None
+    return dataclasses.replace(model, urdf=directory / model.urdf, srdf=srdf, package_dirs=(str(directory.parents[1]),))
 
 
 # --- files ------------------------------------------------------------------------------------------------------------
@@ -274,7 +290,7 @@ class FileScenario:
             self._load(content, panda)
         except (KeyError, TypeError, ValueError, IndexError) as error:
             what = f"there is no {error}" if isinstance(error, KeyError) else str(error)
-            raise srmp.FileError(f"{self._path} is no scenario of several robots: {what}.") from error
+            raise srmp.FileError(f"{self._path} is not a scenario of several robots: {what}.") from error
         self._pairs = list(itertools.permutations(self._states, 2))
         self.numbers = range(1, len(self._pairs) + 1)
 
@@ -284,7 +300,7 @@ class FileScenario:
         except (OSError, ValueError) as error:
             raise srmp.FileError(f"{self._path} cannot be read: {error}.") from error
         if not isinstance(content, dict):
-            raise srmp.FileError(f"{self._path} is no scenario of several robots: it is not a JSON object.")
+            raise srmp.FileError(f"{self._path} is not a scenario of several robots: it is not a JSON object.")
         return content
 
     def _load(self, content: Mapping[str, Any], panda: Model) -> None:
@@ -313,6 +329,7 @@ class FileScenario:
             }
 
     def problem(self, number: int) -> Problem:
+        """From one named state to another."""
         start, goal = self._pairs[number - 1]
         return Problem(number, self._states[start], self._states[goal], {"from": start, "to": goal})
 
@@ -344,14 +361,16 @@ def _numbers(values: Sequence[Any], count: int, what: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Layout:
+    """The scene of a generated scenario, and where its targets are drawn."""
+
     world: World
     targets: Callable[[np.random.Generator], Sequence[Target]]
-    """Where the robots' tools are to be, all together: one Target a robot."""
+    """Draws the targets of all robots' tools together: one Target for each robot."""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A generator: robots it is run with, robots it can have, repetitions of each problem with goals moved a little."""
+    """A generator: the default and allowed numbers of robots, repetitions of each problem with goals moved a little."""
 
     make: Callable[[Sequence[Robot]], Layout]
     """Places the robots."""
@@ -360,11 +379,11 @@ class Kind:
     repetitions: int = 1
     problems: int = 50
     mixed: bool = False
-    """Not Pandas alone: all ARMS there are, in turns."""
+    """Whether the robots are of all MODELS, one after the other, instead of Pandas alone."""
 
 
 class GeneratedScenario:
-    """All starts are free together, and so are all goals, as PlannerInterface.is_state_colliding sees it.
+    """All starts together are collision-free, and so are all goals, by PlannerInterface.is_state_colliding.
 
     With repetitions, problem k is repetition (k - 1) % n of base problem (k - 1) // n: repetition 0 as drawn, the goals
     of the others moved by up to 2 degrees in one joint of each robot, as in Shaoul et al. 2024.
@@ -383,7 +402,7 @@ class GeneratedScenario:
         self.name = name
         self.numbers = range(1, kind.problems + 1)
         self._repetitions, self._seed = kind.repetitions, seed
-        names = (tuple(ARMS) if data is None else OF_DATA) if kind.mixed else ("panda",)
+        names = (tuple(MODELS) if data is None else OF_DATA) if kind.mixed else ("panda",)
         models = {model: find_model(model, data) for model in names[:robots]}
         layout = kind.make([Robot(f"{n}_{k}", models[n]) for k, n in zip(range(robots), itertools.cycle(names))])
         self.world, self._targets = layout.world, layout.targets
@@ -394,6 +413,7 @@ class GeneratedScenario:
         return self.world.build()
 
     def problem(self, number: int) -> Problem:
+        """The problem of this number; the same number gives the same problem."""
         base, repetition = divmod(number - 1, self._repetitions)
         starts, goals = self._base(base)
         about = {} if self._repetitions == 1 else {"base": base, "repetition": repetition}
@@ -415,7 +435,7 @@ class GeneratedScenario:
         raise srmp.Error(f"no problem {base} of '{self.name}' was found in {TRIES} tries.")
 
     def _place_all(self, random: np.random.Generator) -> Configurations | None:
-        """Robot after robot, free of those that stand already and of the others at home."""
+        """Places robot after robot, free of those that are placed already and of the others at home."""
         for robot in self.world.robots:
             self._planner.set_qpos(robot.name, robot.model.home)
         placed: Configurations = {}
@@ -427,7 +447,7 @@ class GeneratedScenario:
         return placed
 
     def _place(self, robot: Robot, target: Target, random: np.random.Generator) -> np.ndarray | None:
-        to_link = srmp.Pose(p=[0, 0, -robot.model.tip])
+        to_link = srmp.Pose(p=[0, 0, -robot.model.tool_length])
         for _ in range(10):
             pose = target(random) @ to_link
             for q in self._planner.compute_ik(robot.name, pose, robot.model.home, max_solutions=2, seeds=8):
@@ -489,7 +509,7 @@ def _always(targets: Sequence[Target]) -> Callable[[np.random.Generator], Sequen
 
 
 def _grid(robots: Sequence[Robot]) -> Layout:
-    """Rows and columns 1 m apart, hands anywhere around their arms: those of neighbours meet."""
+    """Rows and columns 1 m apart, tools anywhere around their robots: neighbours share workspace."""
     columns = int(np.ceil(np.sqrt(len(robots))))
     places = [divmod(k, columns) for k in range(len(robots))]
     middle = np.mean(places, axis=0)

@@ -1,1 +1,1 @@
-"""Other planners' words for this one: `srmp.compat.mplib`."""
+"""Interfaces of other planners, implemented with this one: `srmp.compat.mplib`."""

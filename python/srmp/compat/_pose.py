@@ -1,4 +1,4 @@
-"""Poses in MPLib's words, and the screw motion between two."""
+"""Poses with MPLib's interface, and the screw motion between two."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Pose:
 
     @property
     def p(self) -> Array:
-        """Position x, y, z [m]."""
+        """Position x, y, z, (3,) [m]."""
         return np.array(self._pose.p)
 
     @p.setter
@@ -39,7 +39,7 @@ class Pose:
 
     @property
     def q(self) -> Array:
-        """Quaternion w, x, y, z."""
+        """Quaternion w, x, y, z, (4,)."""
         return np.roll(self._pose.q, 1)
 
     @q.setter
@@ -47,7 +47,7 @@ class Pose:
         self._pose = _from_wxyz(self.p, q)
 
     def inv(self) -> Pose:
-        """The transform the other way."""
+        """The inverse transform."""
         return Pose(self._pose.inverse())
 
     def to_transformation_matrix(self) -> Array:
@@ -57,8 +57,8 @@ class Pose:
     def distance(self, other: Any) -> float:
         """norm(p - other.p) + the smaller of norm(q - other.q) and norm(q + other.q), as in MPLib."""
         there = Pose(other)
-        turn = min(np.linalg.norm(self.q - there.q), np.linalg.norm(self.q + there.q))
-        return float(np.linalg.norm(self.p - there.p) + turn)
+        rotation = min(np.linalg.norm(self.q - there.q), np.linalg.norm(self.q + there.q))
+        return float(np.linalg.norm(self.p - there.p) + rotation)
 
     def __mul__(self, other: Any) -> Any:
         """Pose * Pose, or Pose * point (3,)."""
@@ -81,7 +81,7 @@ def _from_wxyz(p: Any, q: Any) -> srmp.Pose:
 
 def to_pose(value: Any) -> srmp.Pose:
     """Whatever MPLib, SAPIEN and ManiSkill call a pose."""
-    if isinstance(value, srmp.Pose):  # its q is [x, y, z, w]: not to be asked for
+    if isinstance(value, srmp.Pose):  # its q is [x, y, z, w]: which must not be read
         return value
     if isinstance(value, Pose):
         return value._pose
@@ -100,22 +100,22 @@ def to_pose(value: Any) -> srmp.Pose:
 
 
 def screw(start: srmp.Pose, goal: srmp.Pose) -> Callable[[float], srmp.Pose]:
-    """The pose after a share, 0..1, of the screw motion that leads from start to goal (Chasles): a turn, of pi at most,
+    """The pose after a fraction, 0..1, of the screw motion from start to goal (Chasles): a rotation, of pi at most,
     about an axis, and a slide along it."""
     motion = goal @ start.inverse()
     q = motion.q if motion.q[3] >= 0 else -motion.q
     sine = float(np.linalg.norm(q[:3]))
     angle = 2 * math.atan2(sine, q[3])
     if angle < 1e-9:
-        return lambda share: srmp.Pose(start.p + share * motion.p, start.q)
+        return lambda fraction: srmp.Pose(start.p + fraction * motion.p, start.q)
     axis = q[:3] / sine
     slide = (axis @ motion.p) * axis
     across = motion.p - slide
     centre = (across + np.cross(axis, across) / math.tan(angle / 2)) / 2  # a point of the axis
 
-    def pose_at(share: float) -> srmp.Pose:
-        turn = np.append(math.sin(share * angle / 2) * axis, math.cos(share * angle / 2))
-        about_origin = srmp.Pose([0, 0, 0], turn)
-        return srmp.Pose(centre - about_origin @ centre + share * slide, turn) @ start
+    def pose_at(fraction: float) -> srmp.Pose:
+        rotation = np.append(math.sin(fraction * angle / 2) * axis, math.cos(fraction * angle / 2))
+        about_origin = srmp.Pose([0, 0, 0], rotation)
+        return srmp.Pose(centre - about_origin @ centre + fraction * slide, rotation) @ start
 
     return pose_at

@@ -1,4 +1,4 @@
-"""A robot and what is around it, in the words of MPLib's ArticulatedModel and PlanningWorld."""
+"""A robot and the objects around it, with the interface of MPLib's ArticulatedModel and PlanningWorld."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Cylinder(NamedTuple):
 
 
 class Cone(NamedTuple):
-    """Its tip at lz/2 on z, its base at -lz/2 [m]."""
+    """Its apex at lz/2 on z, its base at -lz/2 [m]."""
 
     radius: float
     lz: float
@@ -76,7 +76,7 @@ class WorldCollisionResult(NamedTuple):
 
 @dataclass(frozen=True)
 class _Body:
-    """An object that this module made, so that it can be replaced, set aside and put back."""
+    """An object that this module made, so that it can be replaced, removed for one plan and put back."""
 
     add: Callable[..., None]  # of name and pose
     pose: srmp.Pose  # in the world, or in the link that holds it
@@ -279,32 +279,32 @@ class World:
     def update_attached_box(
         self, size: ArrayLike, pose: Any, art_name: str | None = None, link_id: int | str = -1
     ) -> None:
-        """Attach a box with edge lengths `size` (3,) [m], named "<robot>_<link number>_box", the same way."""
+        """Attach a box with edge lengths `size` (3,) [m], named "<robot>_<link number>_box"; see attach_object."""
         self._attach("box", functools.partial(self.srmp.add_box, size=size), pose, art_name, link_id)
 
     def update_attached_mesh(
         self, mesh_path: str | Path, pose: Any, art_name: str | None = None, link_id: int | str = -1
     ) -> None:
-        """Attach a mesh file's surface named "<robot>_<link number>_mesh", the same way."""
+        """Attach a mesh file's surface named "<robot>_<link number>_mesh"; see attach_object."""
         self._attach("mesh", functools.partial(self.srmp.add_mesh, path=str(mesh_path)), pose, art_name, link_id)
 
     # --- beneath: where the robot stands
 
-    def _stand(self, qpos: ArrayLike, mercy: float = math.inf) -> Array:
-        """The robot stands at qpos, inside limits. Returns the planned joints, moved by `mercy` at most for that."""
-        wanted = self.pad_move_group_qpos(qpos)
-        inside = np.clip(wanted, *self.joint_limits.T)
+    def _stand(self, qpos: ArrayLike, tolerance: float = math.inf) -> Array:
+        """Sets the robot to qpos, inside limits. Returns the planned joints, moved by `tolerance` at most for that."""
+        given = self.pad_move_group_qpos(qpos)
+        inside = np.clip(given, *self.joint_limits.T)
         positions = dict(zip(self.user_joint_names, inside.tolist(), strict=True))
         self.srmp.set_joint_positions(self._name, {n: q for n, q in positions.items() if n not in self._driven})
         self._qpos = inside
-        return np.where(np.abs(wanted - inside) <= mercy, inside, wanted)[self.move_group_joint_indices]
+        return np.where(np.abs(given - inside) <= tolerance, inside, given)[self.move_group_joint_indices]
 
     @contextlib.contextmanager
     def _standing(self, state: ArrayLike | None) -> Iterator[Array]:
-        """For a question; its planned joints as they are asked about."""
+        """The robot at `state` during one query; yields its planned joints."""
         before = self._qpos
         try:
-            yield self._stand(before if state is None else state, mercy=0)
+            yield self._stand(before if state is None else state, tolerance=0)
         finally:
             self._stand(before)
 
@@ -314,7 +314,7 @@ class World:
     # --- beneath: objects
 
     def _put(self, name: str, body: _Body) -> None:
-        """In place of what had the name; that stays if the new one is refused."""
+        """Replaces the object of this name, which stays if the new one is refused."""
         old = self._bodies.get(name)
         if old is not None:
             self.srmp.remove_object(name)
@@ -333,18 +333,18 @@ class World:
 
     @contextlib.contextmanager
     def _without(self, use_point_cloud: bool, use_attach: bool) -> Iterator[None]:
-        """Clouds, or what is attached, set aside."""
-        aside = {
+        """Removes clouds, or what is attached, for one plan."""
+        removed = {
             name: body
             for name, body in self._bodies.items()
             if (body.is_cloud and not use_point_cloud) or (body.link is not None and not use_attach)
         }
-        for name in aside:
+        for name in removed:
             self.srmp.remove_object(name)
         try:
             yield
         finally:
-            for name, body in aside.items():
+            for name, body in removed.items():
                 self._make(name, body)
 
     def _attach(self, kind: str, add: Callable[..., None], pose: Any, art_name: str | None, link_id: int | str) -> None:

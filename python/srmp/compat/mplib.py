@@ -1,4 +1,4 @@
-"""MPLib's planner, in MPLib's words, on this one: `from srmp.compat.mplib import Planner, Pose`.
+"""MPLib's planner interface, implemented with this planner: `from srmp.compat.mplib import Planner, Pose`.
 
 The calls of MPLib 0.2.1 (https://github.com/haosulab/MPlib), and those of 0.1 that ManiSkill's solvers make. Lengths in
 m, angles in rad, times in s; quaternions are [w, x, y, z] here, and nowhere else in srmp. docs/compat-mplib.md says
@@ -54,13 +54,13 @@ class _ScrewFailed(Exception):
 
 @refuses_unknown
 class Planner(World):
-    """One robot in a world, asked in MPLib's words; `srmp` is the srmp.PlannerInterface that answers.
+    """One robot in a world, with MPLib's interface; `srmp` is the srmp.PlannerInterface that plans.
 
     A configuration (qpos) has a number for every joint of user_joint_names, or for those of the move group alone; then
     the others stay where they were. A pose is whatever Pose takes. Plans are dictionaries: status ("Success", or why
     there is none) and, with success, time (n,), position, velocity and acceleration (n, joints of the move group), and
     duration; rows are evenly spread, at most time_step apart. The motion is proved free between rows too, and the same
-    question has the same answer. Raises srmp.InvalidArgument for wrong arguments, srmp.NotSupported for what cannot be
+    request has the same result. Raises srmp.InvalidArgument for wrong arguments, srmp.NotSupported for what cannot be
     done here, and TypeError for unknown keywords.
     """
 
@@ -82,7 +82,7 @@ class Planner(World):
     ) -> None:
         """As MPLib's.
 
-        move_group: the link that goals speak of; the joints that move it are planned. srdf: default the URDF's name
+        move_group: the link that goals refer to; the joints that move it are planned. srdf: default the URDF's name
         with .srdf, if there is such a file, else allowed collisions are sampled; only an SRDF's rules of collisions are
         read. new_package_keyword: stands in for "package://". user_joint_names: all movable joints, in the order of
         qpos; default as MPLib has them. user_link_names: what link_id counts; default all. joint_vel_limits,
@@ -180,15 +180,15 @@ class Planner(World):
         wrt_world: bool = True,
         verbose: bool = False,
     ) -> Result:
-        """Along the screw motion that leads to the pose: without a turn, a straight line. Leaves it by 1 mm at most,
-        measured half-way between waypoints.
+        """Along the screw motion that leads to the pose: without a rotation, a straight line. Leaves it by 1 mm at
+        most, measured half-way between waypoints.
 
         qpos_step: joint-space length [rad or m] between two waypoints at most. The others as in plan_pose.
         """
         require_positive(qpos_step=qpos_step, time_step=time_step)
         goal = self._in_world(goal_pose, wrt_world)
         with self._without(use_point_cloud, use_attach):
-            start = self._stand(current_qpos, mercy=1e-3)
+            start = self._stand(current_qpos, tolerance=1e-3)
             try:
                 trajectory = self._in_time(self._follow_screw(start, goal, qpos_step), start)
             except _ScrewFailed as failure:
@@ -211,7 +211,7 @@ class Planner(World):
         there are none, None).
 
         The nearest to start_qpos first; return_closest: that one alone. n_init_qpos: starts of the search. threshold:
-        the largest Pose.distance that will do.
+        the largest Pose.distance that is accepted.
         """
         self._refuse_held("mask", None if mask is None else np.flatnonzero(mask).tolist())
         target, start = self._in_world(goal_pose, wrt_world=False), self._stand(start_qpos)
@@ -232,7 +232,7 @@ class Planner(World):
         require_positive(time_step=options.time_step, planning_time=options.planning_time)
         if options.constraint_function or options.constraint_jacobian or options.constraint_tolerance != 1e-3:
             raise srmp.NotSupported(
-                "constraint_function, constraint_jacobian, constraint_tolerance: plans keep no constraints on the way"
+                "constraint_function, constraint_jacobian, constraint_tolerance: path constraints are not supported"
             )
         if options.rrt_range != 0.1:
             self._warn("rrt_range", "a search on a lattice takes its place, with steps of its own")
@@ -275,7 +275,7 @@ class Planner(World):
             step /= 2
             if step < 1e-5:
                 raise _ScrewFailed(
-                    f"After {100 * along:.0f} % of the way no configuration within limits is less than "
+                    f"After {100 * along:.0f} % of the screw motion no configuration within limits is less than "
                     f"{qpos_step:g} rad further on; the "
                     f"joints are at {np.round(here, 3).tolist()}."
                 )
@@ -297,19 +297,19 @@ class Planner(World):
             raise _ScrewFailed("; ".join(fault.text for fault in certificate.faults) + ".")
         return trajectory
 
-    # --- beneath: words
+    # --- beneath: messages
 
     def _refuse_held(self, argument: str, joints: Sequence[int] | None) -> None:
         for index in () if joints is None else joints:
             if not -len(self._qpos) <= index < len(self._qpos):
-                raise srmp.InvalidArgument(f"{argument} speaks of joint {index}; there are {len(self._qpos)}")
+                raise srmp.InvalidArgument(f"{argument} names joint {index}; there are {len(self._qpos)}")
             if (name := self.user_joint_names[index]) in self._planned:
                 raise srmp.NotSupported(
                     f"{argument} holds '{name}', which is planned; a Planner with a URDF where it is fixed can do that"
                 )
 
     def _warn(self, argument: str, sentence: str, stacklevel: int = 5) -> None:
-        """Once a Planner, at the line of the user."""
+        """Warns once for each Planner, at the line of the user."""
         if argument not in self._warned:
             warnings.warn(f"{argument} has no effect: {sentence}", stacklevel=stacklevel)
         self._warned.add(argument)

@@ -42,12 +42,13 @@ def execute(
     planner: PlannerInterface,
     trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
     robot: str | None = None,
+    *,
     real_time: bool = False,
     settle_time: float = 0.5,
     on_step: Callable[[float], bool | None] | None = None,
 ) -> Execution:
     """Plays the trajectory in the simulator that the planner has read; what SimulatedWorld.execute does."""
-    return world_of(planner).execute(trajectory, robot, real_time, settle_time, on_step)
+    return world_of(planner).execute(trajectory, robot, real_time=real_time, settle_time=settle_time, on_step=on_step)
 
 
 def open_simulator(sim: Any, kind: str) -> Simulator:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from srmp.sim.simulator import Touch
-
-if TYPE_CHECKING:
-    from srmp.sim.world import SimulatedWorld
+from srmp.sim.world_view import WorldView
 
 Pair = tuple[str, str]  # objects, and links as "robot/link"; sorted
 
 
 def sorted_pair(a: str, b: str) -> Pair:
+    """The two names as a pair, sorted."""
     return (a, b) if a < b else (b, a)
 
 
 class ContactNames:
     """Shapes that the simulator does not tell apart in its contacts are one here, called as the first of them."""
 
-    def __init__(self, world: SimulatedWorld) -> None:
+    def __init__(self, world: WorldView) -> None:
         self._world = world
         known = world.names_of_keys()
         self._by_key = {key: min(names) for key, names in known.items()}

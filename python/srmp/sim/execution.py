@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +15,9 @@ from srmp import Error, InvalidArgument, MultiTrajectory, Trajectory
 from srmp.sim.contacts import ContactNames, Pair
 from srmp.sim.robots import Robot, require_known
 from srmp.sim.simulator import diverged
+from srmp.sim.world_view import WorldView
 
-if TYPE_CHECKING:
-    from srmp.sim.world import SimulatedWorld
-
-START_SLACK = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
+START_TOLERANCE = 0.05  # [rad or m]: a robot that is farther from where its trajectory starts would jump
 
 
 @dataclass(frozen=True)
@@ -39,7 +36,7 @@ class TouchEvent:
 
 @dataclass(frozen=True)
 class Execution:
-    """What was measured, at the end of every step. By robot: (n, dof), in the order of the trajectory's joints."""
+    """Measurements at the end of every step. By robot: (n, dof), in the order of the trajectory's joints."""
 
     times: NDArray[np.float64]  # (n,) [s] since the start
     positions: dict[str, NDArray[np.float64]]  # [rad or m]
@@ -48,23 +45,24 @@ class Execution:
 
     @property
     def largest_error(self) -> float:
-        """[rad or m] of any joint at any step."""
+        """The largest tracking error of any joint at any step [rad or m]."""
         return max(float(np.abs(self.positions[name] - target).max()) for name, target in self.targets.items())
 
     @property
     def final_error(self) -> float:
-        """[rad or m] of any joint at the end."""
+        """The largest tracking error of any joint at the end [rad or m]."""
         return max(float(np.abs(self.positions[name][-1] - target[-1]).max()) for name, target in self.targets.items())
 
     @property
     def unexpected_contacts(self) -> list[TouchEvent]:
+        """The contacts that are not allowed."""
         return [contact for contact in self.contacts if not contact.allowed]
 
 
 def by_robot(
-    world: SimulatedWorld, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
+    world: WorldView, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory], robot: str | None
 ) -> dict[str, Trajectory]:
-    """The trajectories by robot; whose a single one is, its joints say."""
+    """The trajectories by robot; the robot of a single one is found by its joints."""
     if not isinstance(trajectory, Trajectory | MultiTrajectory | Mapping):
         raise InvalidArgument(
             f"a {type(trajectory).__name__} cannot be executed; give a Trajectory, a MultiTrajectory, or a dict of "
@@ -83,13 +81,13 @@ def by_robot(
     for name, each in trajectories.items():
         known = require_known("robot", name, world.robots)
         if not isinstance(each, Trajectory):
-            raise InvalidArgument(f"that of robot '{name}' is a {type(each).__name__}, not a Trajectory")
+            raise InvalidArgument(f"the trajectory of robot '{name}' is a {type(each).__name__}, not a Trajectory")
         for joint in each.joint_names:
             require_known(f"joint of robot '{name}'", joint, known.joints)
     return trajectories
 
 
-def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
+def _only_owner(world: WorldView, trajectory: Trajectory) -> str:
     owners = [name for name, robot in world.robots.items() if set(trajectory.joint_names) <= set(robot.joints)]
     if len(owners) != 1:
         raise InvalidArgument(
@@ -100,7 +98,7 @@ def _only_owner(world: SimulatedWorld, trajectory: Trajectory) -> str:
 
 
 def play(
-    world: SimulatedWorld,
+    world: WorldView,
     trajectories: Mapping[str, Trajectory],
     real_time: bool,
     settle_time: float,
@@ -149,7 +147,7 @@ def play(
 class _Player:
     """One robot's trajectory, sampled at the simulator's steps."""
 
-    def __init__(self, world: SimulatedWorld, robot: Robot, trajectory: Trajectory, times: NDArray[np.float64]) -> None:
+    def __init__(self, world: WorldView, robot: Robot, trajectory: Trajectory, times: NDArray[np.float64]) -> None:
         self.world = world
         self.robot = robot
         self.trajectory = trajectory
@@ -163,7 +161,7 @@ class _Player:
         now = self.world.simulator.joint_positions(self.robot.articulation)
         first = self.trajectory.sample(0.0)
         for ours, theirs, target in zip(self.trajectory.joint_names, self.names, first, strict=True):
-            if abs(now[theirs] - target) > START_SLACK:
+            if abs(now[theirs] - target) > START_TOLERANCE:
                 raise InvalidArgument(
                     f"joint '{ours}' of robot '{self.robot.name}' is at {now[theirs]:.4g}, and the trajectory starts "
                     f"at {target:.4g}; plan from where the robot is (get_qpos after refresh)"
@@ -182,9 +180,9 @@ class _Player:
 
 
 class _Contacts:
-    """Notes who touches whom, by the planner's names."""
+    """Records contacts, by the planner's names."""
 
-    def __init__(self, world: SimulatedWorld) -> None:
+    def __init__(self, world: WorldView) -> None:
         self.simulator = world.simulator
         self.names = ContactNames(world)
         self.first: dict[Pair, tuple[float, float]] = {}

@@ -174,14 +174,14 @@ class Genesis(Simulator):
                 continue
             kind = kinds.get(joint.type, "unreadable")
             anchor = np.asarray(joint.pos, dtype=float)
-            turns = kind == "revolute"
-            axis = np.asarray(joint.desc.dofs_motion_ang[0] if turns else joint.desc.dofs_motion_vel[0], dtype=float)
+            revolute = kind == "revolute"
+            axis = np.asarray(joint.desc.dofs_motion_ang[0] if revolute else joint.desc.dofs_motion_vel[0], dtype=float)
             lower, upper = self._limits(joint)
-            if turns and not (np.isfinite(lower) and np.isfinite(upper)):
+            if revolute and not (np.isfinite(lower) and np.isfinite(upper)):
                 kind = "continuous"
             origin = offset @ Pose(p=anchor)
             if kind != "unreadable":
-                origin = origin @ _moved(turns, axis, -float(joint.init_qpos[0]))
+                origin = origin @ _moved(revolute, axis, -float(joint.init_qpos[0]))
             child = f"{self._link_names[link.idx]}:{names[joint.idx]}"
             chain.append(Joint(names[joint.idx], kind, parent, child, origin, axis, lower, upper))
             parent, offset = child, Pose(p=-anchor)
@@ -288,8 +288,8 @@ class Genesis(Simulator):
         """Of all links."""
         self.solver.update_forward_pos()
         positions = _array(self.solver.get_links_pos()).reshape(-1, 3)
-        turns = _array(self.solver.get_links_quat()).reshape(-1, 4)
-        return [_pose(p, q) for p, q in zip(positions, turns, strict=True)]
+        rotations = _array(self.solver.get_links_quat()).reshape(-1, 4)
+        return [_pose(p, q) for p, q in zip(positions, rotations, strict=True)]
 
     def _row(self, tensor: Any) -> NDArray[np.float64]:
         """Without the dimension of environments."""
@@ -448,8 +448,8 @@ def _array(tensor: Any) -> NDArray[np.float64]:
 
 
 def _pose(position: Any, wxyz: Any) -> Pose:
-    turn = np.asarray(wxyz, dtype=float)
-    return Pose.from_wxyz(np.asarray(position, dtype=float), turn / np.linalg.norm(turn))
+    quaternion = np.asarray(wxyz, dtype=float)
+    return Pose.from_wxyz(np.asarray(position, dtype=float), quaternion / np.linalg.norm(quaternion))
 
 
 def _free_name(name: str, taken: Iterable[str]) -> str:
@@ -458,8 +458,8 @@ def _free_name(name: str, taken: Iterable[str]) -> str:
     return next(each for each in (name, *(f"{name}_{k}" for k in range(2, len(taken) + 3))) if each not in taken)
 
 
-def _moved(turns: bool, axis: NDArray[np.float64], value: float) -> Pose:
-    if not turns:
+def _moved(revolute: bool, axis: NDArray[np.float64], value: float) -> Pose:
+    if not revolute:
         return Pose(p=value * axis)
     return Pose.from_wxyz([0, 0, 0], [np.cos(value / 2), *(np.sin(value / 2) * axis)])
 

@@ -83,9 +83,11 @@ class MuJoCo(Simulator):
         for body in range(1, m.nbody):
             if m.body_parentid[body] == 0:
                 visit(body)
-        wanted = {root: self._articulation_names(root) for root in roots}
-        taken = Counter(name for names in wanted.values() for name in names)
-        return {next((name for name in names if taken[name] == 1), names[-1]): root for root, names in wanted.items()}
+        candidates = {root: self._articulation_names(root) for root in roots}
+        taken = Counter(name for names in candidates.values() for name in names)
+        return {
+            next((name for name in names if taken[name] == 1), names[-1]): root for root, names in candidates.items()
+        }
 
     def _articulation_names(self, root: int) -> list[str]:
         """Those that it may have, the best first: "a" and "a/b" if all its bodies are "a/b/…", and that of its root."""
@@ -153,7 +155,7 @@ class MuJoCo(Simulator):
         return Body(self._body_name(body), pose, tuple(geometries))
 
     def _counts(self, geom: int) -> bool:
-        """Not only to look at."""
+        """Returns whether the geom collides, not only shows."""
         m = self.model
         return bool(m.geom_contype[geom] or m.geom_conaffinity[geom]) or any(geom in pair for pair in self._pairs)
 
@@ -384,9 +386,9 @@ class _Control:
         ours = self.named | ~self.others  # the rest is held by what the user tells their actuators
         error, rate = self.target - data.qpos[self.addresses], self.velocity - data.qvel[self.dofs]
         pull = np.where(self.servo, 0.0, STIFFNESS * error + DAMPING * rate)
-        wanted, force = np.zeros(m.nv), np.zeros(m.nv)
-        wanted[self.dofs] = np.where(ours, self.acceleration + pull, 0.0)
-        mj.mj_mulM(m, data, force, wanted)
+        required, force = np.zeros(m.nv), np.zeros(m.nv)
+        required[self.dofs] = np.where(ours, self.acceleration + pull, 0.0)
+        mj.mj_mulM(m, data, force, required)
         torque = (force + data.qfrc_bias - data.qfrc_passive)[self.dofs]
         for i in np.flatnonzero(ours):
             motors = [actuator for actuator in self.actuators[i] if not actuator.servo]

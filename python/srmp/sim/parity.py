@@ -51,10 +51,12 @@ class ParityReport:
 
     @property
     def unexplained(self) -> list[Difference]:
+        """The differences without a known reason."""
         return [difference for difference in self.differences if not difference.reason]
 
     @property
     def links_agree(self) -> bool:
+        """Whether all link poses agree, to 1e-5 m and 1e-5 rad."""
         return max(self.link_error_m, self.link_error_rad) <= SAME_POSE
 
     def __bool__(self) -> bool:
@@ -81,7 +83,7 @@ def check_parity(
     seed: int = 0,
     margin: float | None = None,
 ) -> ParityReport:
-    """Puts the robots into random states in both worlds, and compares link poses and collision verdicts.
+    """Puts the robots into random states in both worlds, and compares link poses and collision states.
 
     planner: one whose scene was read by read_sim, from `sim`; it is refreshed first. samples, seed: how many states,
     drawn evenly between the joint limits. margin: [m], default the simulator's own: touches no deeper than that are no

@@ -33,10 +33,10 @@ HULL_MARGIN = 1e-3  # [m] by which Bullet lets convex hulls collide before they 
 OVERLAP = 1e-3  # [m] as deep as two shapes have to be in each other before a missing contact means a filter
 MIN_STATES, MAX_STATES = 200, 2000  # random ones in which filters among a body's own links are looked for
 UNLIMITED = 1e5  # [N or Nm] the force of motors whose joints have no limit
-FAR = 1e3  # [m] above everything: where a body is looked at alone
-RAYS = 16000  # in one question
+FAR = 1e3  # [m] above everything: where a body is measured alone
+RAYS = 16000  # in one query
 SAMPLES = 200  # triangles by which meshes are compared
-BOX_SLACK = 5e-3  # [m] by which Bullet makes bounding boxes larger
+BOX_TOLERANCE = 5e-3  # [m] by which Bullet makes bounding boxes larger
 
 REVOLUTE, PRISMATIC, FIXED = 0, 1, 4  # JOINT_… of pybullet
 SPHERE, BOX, CYLINDER, MESH, PLANE, CAPSULE = 2, 3, 4, 5, 6, 7  # GEOM_…
@@ -49,7 +49,7 @@ Link = tuple[int, int]  # unique id of the body, and number of the link, -1 for 
 
 
 class _Client:
-    """pybullet's functions, asked of one client."""
+    """pybullet's functions for one client."""
 
     def __init__(self, module: ModuleType, number: int) -> None:
         self.module, self.number = module, number
@@ -164,8 +164,8 @@ class PyBullet(Simulator):
         return Pose(p=dynamics[3], q=dynamics[4]) if dynamics[10] == MULTI_BODY else Pose()
 
     def _poses(self, body: int) -> dict[int, Pose]:
-        position, turn = self.p.getBasePositionAndOrientation(body)
-        poses = {-1: Pose(p=position, q=turn) @ self._inertial(body, -1).inverse()}
+        position, rotation = self.p.getBasePositionAndOrientation(body)
+        poses = {-1: Pose(p=position, q=rotation) @ self._inertial(body, -1).inverse()}
         if count := self.p.getNumJoints(body):
             states = self.p.getLinkStates(body, list(range(count)), computeForwardKinematics=1)
             poses |= {link: Pose(p=state[4], q=state[5]) for link, state in enumerate(states)}
@@ -216,7 +216,7 @@ class PyBullet(Simulator):
     def _still(self, body: int, link: int, pose: Pose, known: _Shapes) -> bool:
         if not self._fills_its_box(body, link, pose, known.reach):
             return False
-        if known.geometries and not known.data:  # a height field; to ask for its data again would print a warning
+        if known.geometries and not known.data:  # a height field; to read its data again would print a warning
             shape = known.geometries[0].shape
             return isinstance(shape, shapes.Mesh) and self._has_triangles(body, pose @ known.geometries[0].pose, shape)
         return self._data(body, link) == known.data and all(
@@ -238,15 +238,15 @@ class PyBullet(Simulator):
         if data in UNREADABLE:
             return _Shapes(data, {}, (Geometry("", shapes.Unreadable(UNREADABLE[data]), Pose(), key),), ENDLESS)
         found: list[tuple[Shape, Pose]] = []  # in the inertial frame
-        for k, (kind, dimensions, file, position, turn) in enumerate(data):
+        for k, (kind, dimensions, file, position, rotation) in enumerate(data):
             if kind != MESH:
-                found.append(_primitive(kind, dimensions, Pose(p=position, q=turn)))
+                found.append(_primitive(kind, dimensions, Pose(p=position, q=rotation)))
             elif file == NO_FILE and (points := self._corners(body, link, k)):
                 corners[k] = points
                 found.append((_hull(np.array(points)), Pose()))
             else:
                 found += self._mesh(body, link, k, data)
-        if not data and np.any(self._half_box(body, link) > BOX_SLACK):
+        if not data and np.any(self._half_box(body, link) > BOX_TOLERANCE):
             found.append((self._height_field(body, link), Pose()))
         reach = _reach(found)
         if not self._fills_its_box(body, link, pose, reach):
@@ -268,8 +268,8 @@ class PyBullet(Simulator):
             return True
         box = self._half_box(body, link)
         turned = np.abs((pose @ self._inertial(body, link)).matrix()[:3, :3]) @ reach
-        slack = BOX_SLACK + max(self.p.getDynamicsInfo(body, link)[11], 0.0)
-        return bool(np.all(box > turned / 3**0.5 - slack) and np.all(box < 1.2 * turned + 3 * slack))
+        tolerance = BOX_TOLERANCE + max(self.p.getDynamicsInfo(body, link)[11], 0.0)
+        return bool(np.all(box > turned / 3**0.5 - tolerance) and np.all(box < 1.2 * turned + 3 * tolerance))
 
     def _corners(self, body: int, link: int, k: int = -1) -> Any:
         """Of the hulls of the link's k-th shape, or of all, in the inertial frame; () for other shapes."""
@@ -278,11 +278,11 @@ class PyBullet(Simulator):
 
     def _mesh(self, body: int, link: int, k: int, data: tuple[Any, ...]) -> list[tuple[Shape, Pose]]:
         """Bullet takes the hull of each object of an OBJ file, of other files one hull, unless told `concave`."""
-        _, scale, name, position, turn = data[k]
+        _, scale, name, position, rotation = data[k]
         seen = name == NO_FILE  # made by createCollisionShape of triangles: at best the file is that of what is seen
         if seen:
             name, scale = self._seen_mesh(body, link)
-        pose, path = Pose(p=position, q=turn), find_file(name.decode())
+        pose, path = Pose(p=position, q=rotation), find_file(name.decode())
         if path is None or path.suffix.lower() not in (".obj", ".stl"):
             points = () if seen else self._corners(body, link, k)
             if points:
@@ -358,7 +358,7 @@ class PyBullet(Simulator):
     # --- contacts
 
     def may_collide(self, a: Any, b: Any) -> bool:
-        """PyBullet has no question for its filters, so the two are brought into each other to see if they touch."""
+        """PyBullet has no query for its filters, so the two are moved into each other to see if they touch."""
         if a[0] == b[0]:
             through, ghost = self._filtered_links(a[0])
             return not ghost and frozenset((a[1], b[1])) not in through
@@ -407,9 +407,9 @@ class PyBullet(Simulator):
         if all(is_surface for shapes_of in points for _, is_surface in shapes_of):
             return False
         with self.probe():
-            position, turn = (np.array(each) for each in self.p.getBasePositionAndOrientation(b[0]))
+            position, rotation = (np.array(each) for each in self.p.getBasePositionAndOrientation(b[0]))
             for (here, _), (there, _) in itertools.product(*points):
-                self.p.resetBasePositionAndOrientation(b[0], position + here - there, turn)
+                self.p.resetBasePositionAndOrientation(b[0], position + here - there, rotation)
                 if self._depth(a, b) >= OVERLAP:
                     self.p.performCollisionDetection()
                     return bool(self.p.getContactPoints(a[0], b[0], a[1], b[1]))
@@ -435,7 +435,7 @@ class PyBullet(Simulator):
             self.p.removeState(state)
 
     def touching(self) -> list[Touch]:
-        """Contact points say which pairs count; how deep these are is asked anew.
+        """Contact points say which pairs count; their depths are queried anew.
 
         The points are kept from step to step, so they may be of a state before, or hide a deeper one of a mesh.
         """

@@ -61,8 +61,8 @@ def grid_surface(heights: Heights, spread: float) -> tuple[Floats, NDArray[np.in
     at_few = heights(*few)
     if not np.all(np.isfinite(at_few)):
         return None
-    columns = _cells(lambda share: np.append(heights(share, 0 * share), heights(share, 0 * share + 1)))
-    rows = _cells(lambda share: np.append(heights(0 * share, share), heights(0 * share + 1, share)))
+    columns = _cells(lambda x: np.append(heights(x, 0 * x), heights(x, 0 * x + 1)))
+    rows = _cells(lambda y: np.append(heights(0 * y, y), heights(0 * y + 1, y)))
     sizes = itertools.product(range(columns, LARGEST_GRID + 1, columns), range(rows, LARGEST_GRID + 1, rows))
     for size in itertools.islice(sorted(sizes, key=lambda each: each[0] * each[1]), MAX_GRIDS):
         for rising in (True, False):

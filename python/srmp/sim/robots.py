@@ -34,15 +34,16 @@ def short_names(names: Iterable[str]) -> dict[str, str]:
     return {name: name[cut:] for name in full}
 
 
-def only_tip(robot: str, articulation: Articulation, links: Mapping[str, str]) -> str:
+def only_end(robot: str, articulation: Articulation, links: Mapping[str, str]) -> str:
+    """The only leaf link of the articulation, by the planner's name. Raises InvalidArgument where there are several."""
     parents = {joint.parent for joint in articulation.joints}
-    tips = [links[link.name] for link in articulation.links if link.name not in parents]
-    if len(tips) > 1:
+    ends = [links[link.name] for link in articulation.links if link.name not in parents]
+    if len(ends) > 1:
         raise InvalidArgument(
-            f"robot '{robot}' has {len(tips)} links at its ends ({', '.join(tips)}); say which one goals speak of: "
+            f"robot '{robot}' has {len(ends)} links at its ends ({', '.join(ends)}); say which one goals refer to: "
             f"articulations={{'{robot}': {{'end_effector': …}}}}"
         )
-    return tips[0]
+    return ends[0]
 
 
 def match_robot(
@@ -99,7 +100,7 @@ def _merged(planner: PlannerInterface, robot: str, links: Mapping[str, str]) -> 
     """Links that the simulator does not have, but which never move against one that it has: to that one."""
     limits = planner.get_joint_limits(robot)[:, :2]
     lower, upper = np.maximum(limits[:, 0], -1.0), np.minimum(limits[:, 1], 1.0)
-    states = [lower + share * (upper - lower) for share in (0.2, 0.7)]
+    states = [lower + fraction * (upper - lower) for fraction in (0.2, 0.7)]
 
     def stands_still(link: str, other: str) -> bool:
         a, b = (
@@ -134,6 +135,7 @@ def _pair(ours: Sequence[str], theirs: Sequence[str]) -> dict[str, str]:
 
 
 def require_known(what: str, name: str, known: Mapping[str, Any]) -> Any:
+    """The value of `name` in `known`. Raises InvalidArgument with the nearest name where there is none."""
     if not isinstance(name, str) or name not in known:
         raise InvalidArgument(
             f"unknown {what} {name!r}"

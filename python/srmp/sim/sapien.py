@@ -110,11 +110,11 @@ class Sapien(Simulator):
         }
         return self._found
 
-    def _name(self, owner: Any, wanted: str) -> None:
+    def _name(self, owner: Any, preferred: str) -> None:
         if owner not in self._names:
-            taken, name, number = set(self._names.values()), wanted, 2
+            taken, name, number = set(self._names.values()), preferred, 2
             while name in taken:
-                name, number = f"{wanted}_{number}", number + 1
+                name, number = f"{preferred}_{number}", number + 1
             self._names[owner] = name
 
     def articulations(self) -> list[Articulation]:
@@ -264,7 +264,7 @@ class Sapien(Simulator):
 
 
 class _Probe(Probe):
-    """Two scenes of copies: PhysX has two ways to find contacts (PCM and SAT), and each misses some."""
+    """Two scenes of copies: PhysX has two algorithms for contacts (PCM and SAT), and each misses some."""
 
     def __init__(self, simulator: Sapien) -> None:
         self.simulator = simulator
@@ -472,7 +472,7 @@ def _touches(system: Any) -> list[Touch]:
 
 
 def _groups_meet(a: list[int], b: list[int]) -> bool:
-    """SAPIEN's filter: set_collision_groups says what the four words are."""
+    """SAPIEN's filter: set_collision_groups says what the four integers are."""
     if a[3] >> 16 != b[3] >> 16 or (a[2] & b[2] and a[3] & 0xFFFF == b[3] & 0xFFFF):
         return False
     return bool(a[0] & b[1] or a[1] & b[0])

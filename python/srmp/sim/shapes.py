@@ -12,33 +12,43 @@ from srmp import InvalidArgument, NotSupported, PlannerInterface, Pose, convex_h
 
 PLANE_REACH = 20.0  # [m] half the edge of the box that stands for a plane, and its depth
 LAYER_DEPTH = 0.04  # [m] between the sheets that fill a height field: no link is thinner
-ELLIPSOID_EXCESS = 1e-3  # the polyhedron around an ellipsoid reaches out by less than this share of its semi-axes
+ELLIPSOID_TOLERANCE = 1e-3  # the polyhedron around an ellipsoid reaches out by less than this fraction of its semi-axes
 
 
 @dataclass(frozen=True)
 class Box:
+    """A box, centred."""
+
     size: NDArray[np.float64]  # (3,) full edge lengths
 
 
 @dataclass(frozen=True)
 class Sphere:
+    """A sphere, centred."""
+
     radius: float
 
 
 @dataclass(frozen=True)
 class Cylinder:
+    """A cylinder along z, centred."""
+
     radius: float
     length: float  # along z
 
 
 @dataclass(frozen=True)
 class Capsule:
+    """A cylinder along z with a half sphere on each end, centred."""
+
     radius: float
     length: float  # along z, without the half spheres
 
 
 @dataclass(frozen=True)
 class Ellipsoid:
+    """An ellipsoid along the axes, centred."""
+
     semi_axes: NDArray[np.float64]  # (3,)
 
 
@@ -49,6 +59,8 @@ class Plane:
 
 @dataclass(frozen=True)
 class Mesh:
+    """A triangle mesh as a surface, or a convex hull."""
+
     vertices: NDArray[np.float64]  # (n, 3)
     triangles: NDArray[np.int64] | None  # (m, 3); None: the convex hull of the vertices, as a solid
 
@@ -74,6 +86,7 @@ Shape = Box | Sphere | Cylinder | Capsule | Ellipsoid | Plane | Mesh | HeightFie
 
 
 def same_shape(a: Shape, b: Shape) -> bool:
+    """Whether the two shapes are equal, number by number."""
     if a is b:
         return True
     if type(a) is not type(b):
@@ -118,6 +131,7 @@ def placed_pose(shape: Shape, pose: Pose) -> Pose:
 
 
 def require_readable(shape: Shape) -> None:
+    """Raises NotSupported for an Unreadable shape."""
     if isinstance(shape, Unreadable):
         raise NotSupported(f"{shape.what} cannot be read")
 
@@ -144,7 +158,7 @@ def hull(shape: Mesh) -> Mesh:
 
 
 def _directions() -> NDArray[np.float64]:
-    """Corners of a polyhedron that holds the unit sphere: an icosahedron whose faces were split four times, blown up."""
+    """Corners of a polyhedron that holds the unit sphere: an icosahedron with faces split four times, scaled."""
     golden = (1 + 5**0.5) / 2
     corners = np.array(
         [[s * 1.0, t * golden, 0.0] for s in (-1, 1) for t in (-1, 1)]

@@ -1,4 +1,4 @@
-"""What SRMP asks of a simulator. srmp.sim.mujoco, .sapien, .genesis and .pybullet answer, each for one.
+"""The interface that SRMP needs of a simulator; srmp.sim.mujoco, .sapien, .genesis and .pybullet implement it.
 
 Poses are in the world frame unless said otherwise. Joints and links go by the simulator's own names.
 """
@@ -37,6 +37,7 @@ def import_simulator(module: str, package: str) -> ModuleType:
 
 
 def diverged(what: str) -> Error:
+    """The error for a simulation whose numbers are not finite."""
     return Error(f"the simulation diverged: {what}; a smaller time step or softer controllers may help")
 
 
@@ -92,14 +93,15 @@ class Touch(NamedTuple):
 
 
 class Probe(ABC):
-    """A copy of the world, or the world itself before it is put back, in which joints are set and questions asked."""
+    """A copy of the world, or the world itself before it is put back, in which joints are set and contacts queried."""
 
     @abstractmethod
     def put(self, articulation: str, positions: Positions) -> None:
         """Sets these joints; others stay."""
 
     @abstractmethod
-    def link_poses(self, articulation: str) -> dict[str, Pose]: ...
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        """World poses of the links of an articulation, by name."""
 
     @abstractmethod
     def touching(self) -> list[Touch]:
@@ -110,26 +112,27 @@ class Simulator(ABC):
     """One scene of one simulator."""
 
     kind: ClassVar[str]
-    margin: ClassVar[float]  # [m] by which its verdict on contact may be off the shapes that it says it has
+    margin: ClassVar[float]  # [m] by which its contacts may deviate from the shapes that it says it has
 
     @abstractmethod
     def is_of(self, sim: Any) -> bool:
-        """Was this made of that scene?"""
+        """Returns whether this was made of that scene."""
 
     @abstractmethod
     def articulations(self) -> list[Articulation]:
-        """All of them, robots or not, as they stand."""
+        """All articulations, robots or not, in their current state."""
 
     @abstractmethod
     def bodies(self) -> list[Body]:
-        """All bodies with collision shapes that belong to no articulation, as they stand."""
+        """All bodies with collision shapes that belong to no articulation, in their current state."""
 
     @abstractmethod
     def joint_positions(self, articulation: str) -> dict[str, float]:
-        """Of all joints but the fixed ones [rad or m]."""
+        """Positions of all joints but the fixed ones, by name [rad or m]."""
 
     @abstractmethod
-    def link_poses(self, articulation: str) -> dict[str, Pose]: ...
+    def link_poses(self, articulation: str) -> dict[str, Pose]:
+        """World poses of the links of an articulation, by name."""
 
     def name_of(self, handle: Any) -> str:
         """The name of an articulation, of which the simulator's users may hold something else (an id, an object)."""
@@ -139,36 +142,37 @@ class Simulator(ABC):
 
     @abstractmethod
     def may_collide(self, a: Hashable, b: Hashable) -> bool:
-        """Would contact of the two geometries count?"""
+        """Returns whether contact of the two geometries counts, that is, is not filtered."""
 
     def may_differ(self, a: Hashable, b: Hashable, seen_by: str) -> str:
-        """Why `seen_by`, "planner" or this kind, may be alone to see that the two touch; "" = that is not known."""
+        """Why `seen_by`, "planner" or this kind, may be alone to report that the two touch; "" = not known."""
         return ""
 
     def self_collision(self, articulation: str) -> bool:
-        """Does contact among links of this articulation count at all?"""
+        """Returns whether contact among links of this articulation counts at all."""
         return True
 
     @abstractmethod
     def probe(self) -> AbstractContextManager[Probe]:
-        """For what-if questions: when it is left, the scene is as it was."""
+        """A context for what-if queries: on leaving it, the scene is as it was."""
 
     # --- motion
     @property
     @abstractmethod
     def time_step(self) -> float:
-        """[s]"""
+        """Duration of one step [s]."""
 
     @abstractmethod
     def hold(self, articulation: str) -> None:
-        """Begins to control all joints, at where they are: those that no command names stay there."""
+        """Begins to control all joints at their current positions; those that no command names stay there."""
 
     @abstractmethod
     def command(self, articulation: str, positions: Positions, velocities: Positions, accelerations: Positions) -> None:
         """Targets at the end of the next step, for the simulator's own controllers."""
 
     @abstractmethod
-    def step(self) -> None: ...
+    def step(self) -> None:
+        """Advances the simulation by one time step."""
 
     @abstractmethod
     def touching(self) -> list[Touch]:
@@ -176,6 +180,7 @@ class Simulator(ABC):
 
 
 def geometries_of(bodies: tuple[Body, ...] | list[Body]) -> Iterator[tuple[Body, Geometry]]:
+    """The geometries of all bodies, each with its body."""
     for body in bodies:
         for geometry in body.geometries:
             yield body, geometry

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from srmp import Error, InvalidArgument, MultiTrajectory, PlannerInterface, Pose, Trajectory
 from srmp._names import did_you_mean
 from srmp.sim.execution import Execution, by_robot, play
-from srmp.sim.robots import Robot, match_robot, only_tip, require_known, short_names
+from srmp.sim.robots import Robot, match_robot, only_end, require_known, short_names
 from srmp.sim.shapes import Shape, add_object, object_pose, placed_pose, require_readable, same_shape
 from srmp.sim.simulator import Articulation, Body, Geometry, Simulator
 from srmp.sim.urdf import to_urdf
@@ -24,7 +24,7 @@ from srmp.sim.urdf import to_urdf
 logger = logging.getLogger("srmp.sim")
 
 SAME_POSE = 1e-5  # [m] and [rad]: frames closer than that are one frame
-LIMIT_SLACK = 0.02  # [rad or m] by which a simulated joint, whose stop is soft, may be past its limit
+LIMIT_TOLERANCE = 0.02  # [rad or m] by which a simulated joint, whose stop is soft, may be past its limit
 
 # What `articulations` may say of a robot: these, and what add_articulation is told.
 _OWN_KEYS = ("articulation", "self_collisions")
@@ -46,9 +46,9 @@ class _Object:
 
 
 class SimulatedWorld:
-    """What PlannerInterface.read_sim read, and the way back into the simulator.
+    """The scene that PlannerInterface.read_sim read, and the connection to its simulator.
 
-    An object is called as its body, or "body/shape" where the body has several; of "world" bodies, as the shape.
+    An object is named as its body, or "body/shape" where the body has several; of "world" bodies, as the shape.
     """
 
     def __init__(self, planner: PlannerInterface, simulator: Simulator, exclude: Sequence[str] = ()) -> None:
@@ -61,7 +61,7 @@ class SimulatedWorld:
 
     @property
     def differences(self) -> list[str]:
-        """What URDFs and simulator say differently about the robots, as sentences."""
+        """The differences between URDFs and simulator about the robots, as sentences."""
         return [sentence for robot in self.robots.values() for sentence in robot.differences]
 
     # --- reading
@@ -91,7 +91,7 @@ class SimulatedWorld:
             require_known("object in exclude:", name, dict.fromkeys(sorted(known)))
 
     def refresh(self, sim: Any = None) -> None:
-        """Moves what moved, robots too, adds what is new, and removes what is gone; held objects move in the hand.
+        """Moves what moved, robots too, adds what is new, and removes what is gone; held objects move with their link.
 
         What the planner's user moved or removed of it is put back. sim: the scene in its new form, where the simulator
         makes another (a MuJoCo model that was compiled again). Raises InvalidArgument for a robot that is gone, has
@@ -143,7 +143,7 @@ class SimulatedWorld:
             joints = short_names(joint.name for joint in articulation.joints)
             options["urdf_text"] = to_urdf(articulation, links, joints)
             if "end_effector" not in options:
-                options["end_effector"] = only_tip(name, articulation, links)
+                options["end_effector"] = only_end(name, articulation, links)
         try:
             self.planner.add_articulation(name=name, **options)
         except TypeError as error:
@@ -194,7 +194,7 @@ class SimulatedWorld:
             lower, upper = limits[ours]
             value = positions[theirs]
             within[ours] = float(np.clip(value, lower, upper))
-            if not abs(within[ours] - value) <= LIMIT_SLACK:  # NaN neither
+            if not abs(within[ours] - value) <= LIMIT_TOLERANCE:  # NaN neither
                 raise InvalidArgument(
                     f"joint '{theirs}' stands at {value:.4g} in {self.simulator.kind}, outside the limits "
                     f"[{lower:.4g}, {upper:.4g}] of joint '{ours}' of robot '{robot.name}'"
@@ -234,7 +234,7 @@ class SimulatedWorld:
     # --- objects
 
     def _read_objects(self, found: Mapping[str, Articulation]) -> dict[str, _Object]:
-        """Shapes of bodies, and of links of articulations that are no robots, by names that no other has."""
+        """Shapes of bodies, and of links of articulations that are not robots, by names that no other has."""
         robots = {robot.articulation for robot in self.robots.values()}
         bodies = self.simulator.bodies()
         bodies += [link for name, other in found.items() if name not in robots for link in other.links]
@@ -310,7 +310,7 @@ class SimulatedWorld:
         return any(self.simulator.may_collide(x.key, y.key) for x in a for y in b)
 
     def names_of_keys(self) -> dict[Hashable, list[str]]:
-        """What the planner calls each of the simulator's geometries: objects, and links as "robot/link"."""
+        """The planner's names of each of the simulator's geometries: objects, and links as "robot/link"."""
         names: dict[Hashable, list[str]] = {}
         for name, item in self._objects.items():
             names.setdefault(item.key, []).append(name)
@@ -322,7 +322,7 @@ class SimulatedWorld:
         return names
 
     def objects_of(self, body: Any) -> list[str]:
-        """The planner's objects that a body of the simulator became."""
+        """The planner's objects that were made of a body of the simulator."""
         body = body if isinstance(body, str) else self.simulator.name_of(body)
         names = [name for name, item in self._objects.items() if body in (item.body, name)]
         if not names:
@@ -334,15 +334,15 @@ class SimulatedWorld:
         return names
 
     def is_of_robot(self, name: str) -> bool:
-        """A link, or an object that a robot holds?"""
+        """Returns whether this is a link of a robot, or an object that a robot holds."""
         return name in self._held or (name not in self._objects and self.split(name)[0] in self.robots)
 
     def is_held(self, name: str) -> bool:
-        """An object that a robot holds?"""
+        """Returns whether a robot holds this object."""
         return name in self._held
 
     def is_of_simulator(self, name: str) -> bool:
-        """Was this object, or the robot of this link, read; not added by the planner's user?"""
+        """Returns whether this object, or the robot of this link, was read, not added by the planner's user."""
         return name in self._objects or bool(self.split(name)[0])
 
     def split(self, name: str) -> tuple[str, str]:
@@ -352,11 +352,11 @@ class SimulatedWorld:
         return robot, name.removeprefix(f"{robot}/") if robot else name
 
     def may_touch_in_simulator(self, a: str, b: str) -> bool:
-        """Does the simulator count contact of these two, objects or links as "robot/link"?"""
+        """Returns whether the simulator counts contact of these two, objects or links as "robot/link"."""
         return any(self.simulator.may_collide(x, y) for x in self._keys_of(a) for y in self._keys_of(b))
 
     def why_differ(self, a: str, b: str, seen_by: str) -> str:
-        """Why `seen_by`, "planner" or the simulator's kind, may be alone to see that these two touch; "" = unknown."""
+        """Why `seen_by`, "planner" or the simulator's kind, may alone report that these two touch; "" = not known."""
         pairs = [(x, y) for x in self._keys_of(a) for y in self._keys_of(b)]
         if seen_by == "planner" and not all(self.simulator.may_collide(x, y) for x, y in pairs):
             return f"{self.simulator.kind} counts contact of some of their shapes only, the planner of all"
@@ -398,7 +398,7 @@ class SimulatedWorld:
     # --- hands
 
     def grasp(self, body: Any, robot: str, link: str = "", touch_links: Sequence[str] | None = None) -> None:
-        """The body is in the robot's hand from now on, at its pose there in the simulator.
+        """Attaches the body to the robot, at its pose in the simulator.
 
         `link`: that it moves with; default the end effector. `touch_links`: links it may touch beside that; default
         those that it touches now in the simulator. Everything else is refreshed too. Raises InvalidArgument for
@@ -423,7 +423,7 @@ class SimulatedWorld:
             self._held[name] = (robot, link, touched)
 
     def release(self, body: Any) -> None:
-        """The body is let go: an object of the world again, where it is in the simulator.
+        """Detaches the body: an object of the world again, where it is in the simulator.
 
         Raises InvalidArgument when it is not held.
         """
@@ -442,13 +442,14 @@ class SimulatedWorld:
         self,
         trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],
         robot: str | None = None,
+        *,
         real_time: bool = False,
         settle_time: float = 0.5,
         on_step: Callable[[float], bool | None] | None = None,
     ) -> Execution:
         """Plays a trajectory, or those of several robots on one clock, with the simulator's own controllers.
 
-        robot: whose a single trajectory is, where joint names do not say it. real_time: no faster than the clock.
+        robot: that a single trajectory is of, where joint names do not say it. real_time: no faster than the clock.
         settle_time: [s] in which the last row stays the target. on_step: called after every step with the time [s];
         False stops. Afterwards the planner's world is refreshed, and the controllers hold what they last held.
 
@@ -493,7 +494,7 @@ class SimulatedWorld:
 
 @contextlib.contextmanager
 def _naming(name: str) -> Iterator[None]:
-    """Errors say which object they are about."""
+    """Prefixes errors with the name of the object."""
     try:
         yield
     except Error as error:
@@ -501,7 +502,7 @@ def _naming(name: str) -> Iterator[None]:
 
 
 def require_names(argument: str, names: Any) -> list[str]:
-    """The names, of which there may be one alone. Raises InvalidArgument for anything else."""
+    """The names; one alone may be a string. Raises InvalidArgument for anything else."""
     found = [names] if isinstance(names, str) else list(names) if isinstance(names, Iterable) else [names]
     if not all(isinstance(name, str) for name in found):
         raise InvalidArgument(f"{argument} is {names!r}; it is to be a list of names")
@@ -509,12 +510,13 @@ def require_names(argument: str, names: Any) -> list[str]:
 
 
 def require_planner(planner: Any) -> None:
+    """Raises InvalidArgument unless this is a PlannerInterface."""
     if not isinstance(planner, PlannerInterface):
         raise InvalidArgument(f"planner is a {type(planner).__name__}; it is to be a PlannerInterface")
 
 
 def world_of(planner: PlannerInterface) -> SimulatedWorld:
-    """What the planner has read. Raises InvalidArgument for none."""
+    """The simulated world of the planner. Raises InvalidArgument when there is none."""
     require_planner(planner)
     if not isinstance(planner.simulated_world, SimulatedWorld):
         raise InvalidArgument("the planner has read no simulator; call read_sim first")
@@ -551,9 +553,9 @@ def _named(bodies: Iterable[Body]) -> dict[str, tuple[Body, Geometry]]:
     """All shapes by the names of their objects; where one is taken already, it gets a number."""
     seen: dict[str, tuple[Body, Geometry]] = {}
     for body in bodies:
-        for wanted, geometry in _object_names(body):
-            name, number = wanted, 2
+        for preferred, geometry in _object_names(body):
+            name, number = preferred, 2
             while name in seen:
-                name, number = f"{wanted}_{number}", number + 1
+                name, number = f"{preferred}_{number}", number + 1
             seen[name] = body, geometry
     return seen

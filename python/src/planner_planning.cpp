@@ -1,0 +1,231 @@
+#include "planner_interface.hpp"
+
+namespace srmp::python {
+
+namespace {
+
+using Self = PyPlannerInterface;
+
+/// Called while planning without the GIL; true after Ctrl-C.
+bool python_interrupted() {
+  const nb::gil_scoped_acquire gil;
+  return PyErr_CheckSignals() != 0;
+}
+
+/// Runs `plan` without the GIL. A Ctrl-C that ended it is raised.
+template <class Plan>
+auto run_interruptible(Plan&& plan) {
+  auto result = [&] {
+    const nb::gil_scoped_release no_gil;
+    return plan();
+  }();
+  if (PyErr_Occurred()) throw nb::python_error();
+  return result;
+}
+
+/// The same; a PlanningError carries the planner's statistics.
+template <class Plan>
+auto run_plan(const PlannerInterface& planner, Plan&& plan) {
+  try {
+    return run_interruptible(plan);
+  } catch (const PlanningError& error) {
+    if (error.status() == Status::cancelled && PyErr_Occurred()) throw nb::python_error();
+    raise(error, to_dict(planner.get_planning_stats()));
+  }
+}
+
+std::vector<PlanResult> plan_many(PlannerInterface& planner, const std::vector<PlanRequest>& requests,
+                                  std::optional<int> threads, const std::optional<nb::callable>& progress) {
+  PlannerInterface::Progress report;
+  if (progress)
+    report = [&progress](std::size_t done, std::size_t total) {
+      const nb::gil_scoped_acquire gil;
+      (*progress)(done, total);
+    };
+  return run_interruptible([&] { return planner.plan_many(requests, threads, python_interrupted, report); });
+}
+
+std::string only_robot(nb::handle robots) {
+  const std::vector<std::string> names = to_names(robots);
+  if (names.size() != 1)
+    throw InvalidArgument("plan is for one robot, but " + std::to_string(names.size()) +
+                          " were named; use plan_multi for many");
+  return names[0];
+}
+
+/// The callback may keep its arguments, which are copies; only False stops the search.
+OnSolution to_on_solution(const nb::object& callback) {
+  if (callback.is_none()) return {};
+  if (!PyCallable_Check(callback.ptr()))
+    throw InvalidArgument("on_solution must be a function of a dict and an array, or None");
+  return [&callback](const Solution& solution, ConstRows waypoints) {
+    const nb::gil_scoped_acquire gil;
+    const nb::object go_on = callback(to_dict(solution), to_numpy_rows(RowMatrix(waypoints)));
+    return go_on.ptr() != Py_False;
+  };
+}
+
+}  // namespace
+
+void bind_planning(PlannerClass& cls) {
+  cls.def(
+         "make_planner",
+         [](Self& self, nb::handle robots, nb::handle options) {
+           const auto names = to_names(robots);
+           const OptionMap map = to_option_map(options);
+           self.use([&](auto& p) { p.make_planner(names, map); });
+         },
+         nb::arg("names"), nb::arg("options"),
+         nb::sig("def make_planner(self, names: str | collections.abc.Sequence[str], options: dict | object) -> None"),
+         R"(Chooses the planner of these robots, from a dictionary ("planner_id", "time_limit", …; numbers may be strings) or
+typed options such as srmp.WAStar(weight=10). Options left out have their defaults.
+
+Astar        A* (Hart, Nilsson, Raphael 1968)
+wAstar       weighted A* (Pohl 1970) with lazy edges (Cohen, Phillips, Likhachev 2014)
+ARAstar      ARA* (Likhachev, Gordon, Thrun 2003), anytime
+MHAstar      MHA* (Aine et al. 2016), several heuristics
+wPASE        ePA*SE (Mukherjee, Aine, Likhachev 2022), parallel
+auto         RRT-Connect and a portfolio of heuristic searches from both ends; the default
+CBS          conflict-based search (Sharon et al. 2015), many robots: optimal on their lattices
+ECBS         (Barer et al. 2014), many robots: within a bound
+xECBS        (Shaoul, Mishani, Likhachev, Li 2024), many robots: ECBS with experience; quick
+prioritised  priority-based search (Ma et al. 2019), many robots: quick, without a bound
+
+Raises InvalidArgument for an unknown robot, planner or option (with the nearest name) or a value out of range.)")
+      .def(
+          "add_heuristic",
+          [](Self& self, const std::string& name, const nb::callable& function, bool consistent) {
+            self.add_heuristic(name, function, consistent);
+          },
+          nb::arg("name"), nb::arg("function"), nb::kw_only(), nb::arg("consistent") = false,
+          nb::sig("def add_heuristic(self, name: str, function: collections.abc.Callable[[numpy.typing.NDArray"
+                  "[numpy.float64], numpy.typing.NDArray[numpy.float64]], numpy.typing.ArrayLike], "
+                  "*, consistent: bool = False) -> None"),
+          R"(Registers a heuristic: from now on `name` may stand where options name one, for any robot.
+
+function(configurations, goals): (n, dof) and (m, dof) [rad or m] to (n,) estimates of the joint-space path length
+to the nearest goal, each finite and >= 0; it is not called for the goals themselves, which are 0. A search from the
+goals leads to the start: `goals` is the start then. The same arguments must give the same values. It must not use
+this PlannerInterface, which is planning when it is called; what it raises ends the plan and is raised there.
+
+consistent: you declare that h(a) <= |b - a| + h(b) for all configurations; without it no bound counts as proven
+(but that of `auto`).
+
+Raises InvalidArgument for a name in use, empty, or with spaces, commas or brackets; plan raises it for values that
+are not finite and >= 0, with the value and the configuration.)")
+      .def(
+          "remove_heuristic", [](Self& self, const std::string& name) { self.remove_heuristic(name); }, nb::arg("name"),
+          R"(Removes a heuristic of add_heuristic; planners that name it refuse to plan.
+
+Raises InvalidArgument for an unknown name.)")
+      .def_prop_ro(
+          "heuristic_names",
+          [](Self& self) { return self.use([](const PlannerInterface& p) { return p.heuristic_names(); }); },
+          "Names of the heuristics of add_heuristic, sorted.")
+      .def(
+          "plan",
+          [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
+            const std::string name = only_robot(robot);
+            const OnSolution report = to_on_solution(on_solution);
+            const Eigen::VectorXd q = start.vector("start of '" + name + "'");
+            const std::vector<GoalConstraint> goals = to_goals(goal);
+            return self.use([&](PlannerInterface& p) {
+              return run_plan(p, [&] { return p.plan(name, q, goals, python_interrupted, report); });
+            });
+          },
+          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(),
+          nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
+                  "goal: GoalConstraint | collections.abc.Sequence[GoalConstraint], "
+                  "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
+                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
+          R"(A timed, collision-free trajectory of one robot from `start` (dof,) [rad or m] to any one of the goals; other robots
+stand still. The same request gives the same result, bit for bit. The GIL is released; Ctrl-C stops the plan.
+
+on_solution(solution, waypoints) receives every path that is better than those before, while planners that improve
+theirs run; when it returns False, that path is good enough. solution has time_s, cost_rad, bound and graph (see
+get_planning_stats); waypoints are (n, dof) [rad or m], from the end of the start-state recovery on (option
+recover_start: the path is not free before). It must not use this planner; what it raises ends the plan.
+
+Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or
+cancelled, its text says why, its statistics are those of get_planning_stats. Raises InvalidArgument for an invalid
+request: unknown robot, no make_planner, wrong size, NaN.)")
+      .def(
+          "plan_many",
+          [](Self& self, const std::vector<PlanRequest>& requests, std::optional<int> threads,
+             const std::optional<nb::callable>& progress) {
+            return self.use([&](PlannerInterface& p) { return plan_many(p, requests, threads, progress); });
+          },
+          nb::arg("requests"), nb::arg("threads") = nb::none(), nb::arg("progress") = nb::none(),
+          nb::sig("def plan_many(self, requests: collections.abc.Sequence[PlanRequest], threads: int | None = None, "
+                  "progress: collections.abc.Callable[[int, int], object] | None = None) -> list[PlanResult]"),
+          R"(Plans many requests in the scene as it is, independently of each other, on `threads` threads (> 0; default: one for
+each core).
+
+Results are in the order of the requests, and each is what plan alone would have found, bit for bit, for any number
+of threads. A request that has no trajectory does not disturb the others: its PlanResult says why. Every request has
+its own time limit, which begins with its own plan; only a limit that stops a plan can make a difference, and it
+does so earlier the more threads share a core. `progress` is called with the number of requests done and of all. The
+GIL is released; Ctrl-C, or an exception of `progress`, stops all plans and is raised. get_planning_stats stays as
+it was.
+
+Raises InvalidArgument for an invalid request, as plan does, with its number; before anything is planned where it
+can.)")
+      .def(
+          "plan_multi",
+          [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles) {
+            const MultiPlanRequest r = to_multi_request(starts, goals, obstacles);
+            return self.use([&](PlannerInterface& p) {
+              return run_plan(p, [&] { return p.plan_multi(r.starts, r.goals, r.obstacles, python_interrupted); });
+            });
+          },
+          nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
+          nb::sig("def plan_multi(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
+                  "goals: collections.abc.Mapping[str, GoalConstraint], "
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> MultiTrajectory"),
+          R"(Motions of many robots together, on one clock, collision-free among each other too, from `starts` (dof,) [rad or m]
+to `goals`, both by robot name.
+
+A robot with a start and no goal holds still, as with GoalConstraint.hold(); one with GoalConstraint.any() may move
+out of the others' way; robots without a start stand where set_qpos put them. Every trajectory has a certificate
+that covers the others, those of robots that hold too. Planned by the planner that make_planner chose for the robots
+of `starts`. The GIL is released; Ctrl-C stops it.
+
+obstacles: timed trajectories by robot name, that other robots of the scene are committed to. They begin at time 0
+too, and the robots rest where they end and are not planned for. The planned motions begin together, as early as
+they pass the obstacles, in steps of 0.1 s, at rest at the starts until then; or, where that fails or begins late,
+each robot moves and waits as suits the others (not complete). Certificates cover the obstacles.
+
+Raises PlanningError, with a status and a reason, when there are none: a start where an obstacle begins is
+start_invalid (one where it ends too, unless the robot can leave before), a goal where one ends is goal_invalid;
+exhausted names links and time when no motions are found. Raises InvalidArgument for a goal without a start, wrong
+sizes and NaN, when no robot is to move, and for an obstacle that has a start, has no times, does not begin at time
+0, leaves the joint limits or does not have the robot's joints.)")
+      .def(
+          "get_planning_stats",
+          [](Self& self) { return self.use([](auto& p) { return to_dict(p.get_planning_stats()); }); },
+          nb::sig("def get_planning_stats(self) -> dict[str, typing.Any]"),
+          R"(Statistics of the last plan, solved or not; status `exhausted` with zeros before the first.
+
+status, reason, note; plan_time_s (until the path is ready), total_time_s, and of these ik_time_s, heuristic_time_s,
+search_time_s, shortcut_time_s, timing_time_s, verification_time_s [s]; expansions, generated, states, edge_checks,
+edges_free_by_spheres, edges_colliding_by_spheres, edges_free_by_coal, edges_colliding_by_coal (their sum is
+edge_checks), configurations, narrow_phase (counts); memory_bytes; recovery_waypoints (the path is free from this
+waypoint on: above 0, it began in collision, see recover_start) and recovery_cost_rad, its length up to there, which
+no other cost counts; search_cost_rad and path_cost_rad, before and after the shortcut [rad, prismatic joints m];
+bound (path_cost_rad is at most this times the optimum of bound_graph; inf: none proven); solutions (a list: the
+time_s, cost_rad, bound and graph of every path that was better than those before); goal_index (which target was
+reached, counted over all goals; -1: none).
+
+After plan_multi also robot_cost_rad (by robot; path_cost_rad is their sum), tree_nodes (of the constraint tree),
+makespan_s and flow_time_s (sum of the robots' times of arrival) [s].)")
+      .def(
+          "print_available_planners",
+          [](Self&) {
+            nb::object print = nb::module_::import_("builtins").attr("print");
+            for (const PlannerInfo& info : available_planners())
+              print((info.id + std::string(13 - info.id.size(), ' ') + info.summary).c_str());
+          },
+          "Prints the planner ids and what each is for.");
+}
+
+}  // namespace srmp::python

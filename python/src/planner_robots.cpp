@@ -1,0 +1,78 @@
+#include "planner_interface.hpp"
+
+namespace srmp::python {
+
+using Self = PyPlannerInterface;
+
+void bind_robots(PlannerClass& cls) {
+  cls.def(
+         "add_articulation",
+         [](Self& self, const std::string& urdf_path, const std::string& srdf_path, const std::string& name,
+            const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
+            const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
+            const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
+            const std::string& urdf_directory) {
+           const RobotDescription description{.urdf_path = urdf_path,
+                                              .urdf_text = urdf_text,
+                                              .urdf_directory = urdf_directory,
+                                              .srdf_path = srdf_path,
+                                              .srdf_text = srdf_text,
+                                              .name = name,
+                                              .end_effector = end_effector,
+                                              .group = group,
+                                              .joint_names = joint_names,
+                                              .fixed_joints = fixed_joints,
+                                              .package_dirs = package_dirs};
+           self.use([&](PlannerInterface& p) { p.add_articulation(description, base_pose); });
+         },
+         nb::arg("urdf_path") = "", nb::arg("srdf_path") = "", nb::arg("name") = "", nb::arg("end_effector") = "",
+         nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
+         nb::arg("fixed_joints") = std::map<std::string, double>{},
+         nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
+         nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "",
+         R"(Adds a robot from a URDF and, where there is one, an SRDF; `base_pose` is the pose of its root link in the world.
+
+name: unique; default the URDF's. end_effector: the link that goals refer to. Planned joints: joint_names, else the
+SRDF group, else the chain to the end effector. fixed_joints: values [rad or m] of all other joints. package_dirs:
+directories where meshes are searched besides the URDF's. urdf_text, srdf_text: the URDF and the SRDF themselves
+instead of their files; urdf_directory: where the file of urdf_text would lie, for its meshes.
+
+The planned joints stand at the values nearest to 0 within their limits. Without an SRDF, adjacent links may touch,
+and so may links that touch with all joints at 0 and in more than 95 % of the sampled configurations
+(get_always_colliding).
+
+Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and
+InvalidArgument (a name in use; unknown group, joint or link, with the nearest name).)")
+      .def(
+          "remove_articulation",
+          [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_articulation(name); }); },
+          nb::arg("name"), "Removes a robot, its planners and its attachments: what it held stays in the world.")
+      .def(
+          "set_base_pose",
+          [](Self& self, const std::string& name, const Pose& pose) {
+            self.use([&](auto& p) { p.set_base_pose(name, pose); });
+          },
+          nb::arg("name"), nb::arg("pose"), "Places the robot's root link at its pose in the world.")
+      .def(
+          "set_qpos",
+          [](Self& self, const std::string& name, const ArrayLike& q) {
+            const Eigen::VectorXd v = q.vector("q of '" + name + "'");
+            self.use([&](auto& p) { p.set_qpos(name, v); });
+          },
+          nb::arg("name"), nb::arg("q"),
+          R"(Sets the planned joints (dof,) [rad or m]: the robot stands there while others plan, and attach_object and
+detach_object use it.
+
+Raises InvalidArgument for a wrong size, NaN, or a joint outside its limits.)")
+      .def(
+          "set_joint_positions",
+          [](Self& self, const std::string& name, const std::map<std::string, double>& positions) {
+            self.use([&](auto& p) { p.set_joint_positions(name, positions); });
+          },
+          nb::arg("name"), nb::arg("positions"),
+          R"(Sets positions [rad or m] of any joints by name, planned or not (a gripper's, say); joints not named stay.
+
+Raises InvalidArgument for an unknown joint, NaN, or a joint outside its limits.)");
+}
+
+}  // namespace srmp::python

@@ -1,0 +1,163 @@
+#include <algorithm>
+
+#include "planner_interface.hpp"
+
+namespace srmp::python {
+
+namespace {
+
+using Self = PyPlannerInterface;
+
+bool is_number(nb::handle value) {
+  if (nb::isinstance<nb::str>(value) || nb::isinstance<nb::bool_>(value)) return false;
+  return nb::hasattr(value, "__float__") && nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(value)) == 0;
+}
+
+/// Limits as users give them: None keeps what is, a number is for every joint, a dictionary for the joints it names.
+Eigen::VectorXd to_limits(nb::handle value, const Eigen::VectorXd& now, const std::vector<std::string>& joints,
+                          const std::string& what) {
+  const auto text = [](nb::handle any) { return nb::cast<std::string>(nb::repr(any)); };
+  const auto number = [](nb::handle any) { return nb::cast<double>(nb::float_(any)); };
+  Eigen::VectorXd limits = now;
+  if (value.is_none()) return limits;
+  if (is_number(value)) return limits.setConstant(number(value));
+  if (nb::isinstance<nb::str>(value) || nb::isinstance<nb::bool_>(value))
+    throw InvalidArgument(what + " limits must be a number, one a joint, or a dictionary of joints, but are " +
+                          text(value));
+  if (!nb::hasattr(value, "keys")) return ArrayLike{nb::borrow<nb::object>(value)}.vector(what + " limits");
+  for (const auto [key, item] : nb::cast<nb::dict>(nb::module_::import_("builtins").attr("dict")(value))) {
+    const std::string name = nb::cast<std::string>(nb::str(key));
+    const auto joint = std::find(joints.begin(), joints.end(), name);
+    if (joint == joints.end()) {
+      const std::string nearest = did_you_mean(name, joints);
+      throw InvalidArgument(what + " limits name '" + name + "', which is no planned joint" +
+                            (nearest.empty() ? "; these are " + quoted_list(joints) : nearest));
+    }
+    if (!is_number(item))
+      throw InvalidArgument(name + ": the " + what + " limit is " + text(item) + "; it must be a number");
+    limits[joint - joints.begin()] = number(item);
+  }
+  return limits;
+}
+
+void set_motion_limits(PlannerInterface& planner, const std::string& robot, nb::handle velocity,
+                       nb::handle acceleration, nb::handle jerk) {
+  const std::vector<std::string> joints = planner.get_joint_names(robot);
+  MotionLimits limits = planner.motion_limits(robot);
+  limits.velocity = to_limits(velocity, limits.velocity, joints, "velocity");
+  limits.acceleration = to_limits(acceleration, limits.acceleration, joints, "acceleration");
+  limits.jerk = to_limits(jerk, limits.jerk, joints, "jerk");
+  planner.set_motion_limits(robot, limits);
+}
+
+}  // namespace
+
+void bind_verification(PlannerClass& cls) {
+  cls.def(
+         "motion_limits",
+         [](Self& self, const std::string& robot) {
+           return self.use([&](const PlannerInterface& p) { return p.motion_limits(robot); });
+         },
+         nb::arg("robot"),
+         R"(The limits of the robot's joints, as MotionLimits: velocities of the URDF, and default_limits for the others, until
+set_motion_limits.)")
+      .def(
+          "set_motion_limits",
+          [](Self& self, const std::string& robot, nb::handle velocity, nb::handle acceleration, nb::handle jerk) {
+            self.use([&](PlannerInterface& p) { set_motion_limits(p, robot, velocity, acceleration, jerk); });
+          },
+          nb::arg("robot"), nb::arg("velocity") = nb::none(), nb::arg("acceleration") = nb::none(),
+          nb::arg("jerk") = nb::none(),
+          nb::sig("def set_motion_limits(self, robot: str, "
+                  "velocity: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
+                  "acceleration: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
+                  "jerk: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None) -> None"),
+          R"(Sets the limits of all plans that follow, dof entries each: velocity [rad/s or m/s], acceleration [rad/s^2 or
+m/s^2], jerk [rad/s^3 or m/s^3].
+
+Each is a number for all joints, (dof,) numbers, or a dictionary {joint name: number}; what is not named stays.
+
+Raises InvalidArgument for an unknown robot or joint (with the nearest name), a wrong size, and limits that are not
+above 0 and finite.)")
+      .def(
+          "load_joint_limits",
+          [](Self& self, const std::string& robot, const nb::object& path) {
+            return self.use([&](PlannerInterface& p) { return p.load_joint_limits(robot, to_path(path)); });
+          },
+          nb::arg("robot"), nb::arg("path"),
+          nb::sig("def load_joint_limits(self, robot: str, path: str | os.PathLike[str]) -> list[str]"),
+          R"(Replaces the limits that were set by those of a MoveIt joint_limits.yaml (rad, m, s).
+
+Read are max_velocity, max_acceleration and max_jerk where has_…_limits is not false;
+default_velocity_scaling_factor and default_acceleration_scaling_factor multiply those of all joints, the latter
+jerks too. What the file does not say is as in default_limits. Returns the joints in it that are not planned ones:
+they were not used.
+
+Raises FileError, with the line, for a missing file, unknown keys (with the nearest), and values out of range;
+NotSupported for position limits narrower than the URDF's, limits of deceleration or effort, and soft limits.)")
+      .def(
+          "verify",
+          [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
+             nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,
+             std::optional<double> max_deviation, double gap_tolerance) {
+            VerifyOptions options{
+                .limits = limits, .jerk = jerk, .max_deviation = max_deviation, .gap_tolerance = gap_tolerance};
+            if (start) options.start = start->vector("start of '" + robot + "'");
+            if (!goals.is_none()) options.goals = to_goals(goals);
+            return self.use([&](const PlannerInterface& p) {
+              const nb::gil_scoped_release no_gil;
+              return p.verify(robot, trajectory, options);
+            });
+          },
+          nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
+          nb::arg("limits") = nb::none(), nb::kw_only(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
+          nb::arg("gap_tolerance") = 0.5,
+          nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
+                  "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint] | None = None, "
+                  "limits: MotionLimits | None = None, *, jerk: bool = False, max_deviation: float | None = None, "
+                  "gap_tolerance: float = 0.5) -> Certificate"),
+          R"(A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
+nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and goals.
+Faults are reported, not raised.
+
+start: (dof,) [rad or m] where it should begin. goals: it should reach one of them. limits: default
+motion_limits(robot). jerk: verify the jerk limits too. max_deviation: [m] that it may leave its waypoints by.
+gap_tolerance: in (0, 1), relative gap tolerance of the clearance that is proved. The GIL is released.
+
+Raises InvalidArgument for an unknown robot and options out of range.)")
+      .def(
+          "verify_multi",
+          [](Self& self, nb::handle trajectory, nb::handle starts, nb::handle goals, nb::handle obstacles, bool jerk,
+             std::optional<double> max_deviation, double gap_tolerance) {
+            const MultiTrajectory motions{to_trajectories(trajectory, "the trajectories")};
+            const nb::dict none;
+            const auto given = [&](nb::handle mapping) { return mapping.is_none() ? nb::handle(none) : mapping; };
+            MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles);
+            const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
+                                             max_deviation,       gap_tolerance};
+            return self.use([&](const PlannerInterface& p) {
+              const nb::gil_scoped_release no_gil;
+              return p.verify_multi(motions, options);
+            });
+          },
+          nb::arg("trajectory").none(), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
+          nb::arg("obstacles") = nb::none(), nb::kw_only(), nb::arg("jerk") = false,
+          nb::arg("max_deviation") = nb::none(), nb::arg("gap_tolerance") = 0.5,
+          nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
+                  "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
+                  "goals: collections.abc.Mapping[str, GoalConstraint] | None = None, "
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, *, jerk: bool = False, "
+                  "max_deviation: float | None = None, gap_tolerance: float = 0.5) -> dict[str, Certificate]"),
+          R"(verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,
+which rest where their motions end. Robots not named stand still.
+
+starts: by robot name, (dof,) [rad or m]: where they should begin. goals: by robot name: what they should reach; a
+robot with a goal of type HOLD should end where it should begin, or where it does begin if that is not given.
+obstacles: by robot name: motions that are not verified themselves. The other arguments are those of verify. The GIL
+is released.
+
+Raises InvalidArgument for an unknown robot, starts and goals of robots without a trajectory, and options out of
+range.)");
+}
+
+}  // namespace srmp::python
