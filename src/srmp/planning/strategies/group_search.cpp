@@ -130,17 +130,18 @@ std::string GroupSearch::describe_lattices() const {
 
 // --- roadmaps
 
-RoadmapSearch& GroupSearch::roadmaps(std::size_t level) {
+CompositeRoadmap& GroupSearch::roadmaps(std::size_t level) {
   const std::lock_guard lock(mutex_);
   auto& slot = roadmaps_[level];
-  if (!slot) slot = std::make_unique<RoadmapSearch>(world_, 2 << level);
+  if (!slot)
+    slot = std::make_unique<CompositeRoadmap>(world_, CompositeRoadmapOptions{.retreats = std::size_t{2} << level});
   return *slot;
 }
 
-RoadmapSearch::Result GroupSearch::on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
-                                               const RoadmapSearch::Effort& effort, const Deadline& deadline,
-                                               PlanStatistics& statistics) {
-  RoadmapSearch::Result found = roadmaps(level).run(arms, effort, deadline);
+CompositeRoadmap::Result GroupSearch::on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
+                                                  const CompositeRoadmap::SearchBudget& effort,
+                                                  const Deadline& deadline, PlanStatistics& statistics) {
+  CompositeRoadmap::Result found = roadmaps(level).run(arms, effort, deadline);
   statistics.expansions += found.expansions;
   note_memory(statistics, found.memory);
   return found;
@@ -151,7 +152,7 @@ RoadmapSearch::Result GroupSearch::on_roadmaps(const std::vector<std::size_t>& a
 std::optional<JointPath> GroupSearch::on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
                                                   std::uint64_t effort, double most, const Deadline& deadline,
                                                   PlanStatistics& statistics) {
-  RoadmapSearch::Result best = on_roadmaps(arms, level, {max_expansions, 2'000 * effort}, deadline, statistics);
+  CompositeRoadmap::Result best = on_roadmaps(arms, level, {max_expansions, 2'000 * effort}, deadline, statistics);
   if (best.status != Status::solved || best.path.length() > most) return std::nullopt;
   // Other searches may follow this one.
   const Deadline until(share_for_shorter * deadline.remaining(), [&] { return deadline.cancelled(); });
@@ -159,7 +160,8 @@ std::optional<JointPath> GroupSearch::on_roadmaps(const std::vector<std::size_t>
     for (const double greed : {3.0, 1.5}) {
       if (!may_be_shorter(best.path) || until.stop_requested()) return std::move(best.path);
       const double below = std::min(best.cost, most);
-      RoadmapSearch::Result found = on_roadmaps(arms, level, {max_expansions, 8'000, greed, below}, until, statistics);
+      CompositeRoadmap::Result found =
+          on_roadmaps(arms, level, {max_expansions, 8'000, greed, below}, until, statistics);
       if (found.status == Status::solved) best = std::move(found);
     }
   return std::move(best.path);
@@ -168,8 +170,8 @@ std::optional<JointPath> GroupSearch::on_roadmaps(const std::vector<std::size_t>
 /// By number in the world, of arms that were planned on roadmaps.
 std::vector<std::vector<Eigen::VectorXd>> GroupSearch::places_aside(const std::vector<std::size_t>& arms) const {
   std::vector<std::vector<Eigen::VectorXd>> places(world_.size());
-  if (const RoadmapSearch* first = roadmaps_.front().get())
-    for (const std::size_t i : arms) places[i] = first->places_aside(i);
+  if (const CompositeRoadmap* first = roadmaps_.front().get())
+    for (const std::size_t i : arms) places[i] = first->retreats(i);
   return places;
 }
 

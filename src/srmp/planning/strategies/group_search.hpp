@@ -47,10 +47,10 @@ class GroupSearch {
  private:
   static constexpr std::size_t max_levels = 4;  // of roadmaps
 
-  RoadmapSearch& roadmaps(std::size_t level);
-  RoadmapSearch::Result on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
-                                    const RoadmapSearch::Effort& effort, const Deadline& deadline,
-                                    PlanStatistics& statistics);
+  CompositeRoadmap& roadmaps(std::size_t level);
+  CompositeRoadmap::Result on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level,
+                                       const CompositeRoadmap::SearchBudget& effort, const Deadline& deadline,
+                                       PlanStatistics& statistics);
   std::optional<JointPath> on_roadmaps(const std::vector<std::size_t>& arms, std::size_t level, std::uint64_t effort,
                                        double most, const Deadline& deadline, PlanStatistics& statistics);
   bool may_be_shorter(const JointPath& known) const;
@@ -59,8 +59,8 @@ class GroupSearch {
 
   MultiRobotWorld& world_;
   const PlannerOptions& options_;
-  std::mutex mutex_;                                      // of the making of roadmaps
-  std::vector<std::unique_ptr<RoadmapSearch>> roadmaps_;  // richer and richer; null: not made yet
+  std::mutex mutex_;                                         // of the making of roadmaps
+  std::vector<std::unique_ptr<CompositeRoadmap>> roadmaps_;  // richer and richer; null: not made yet
 };
 
 }  // namespace srmp
