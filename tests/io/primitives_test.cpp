@@ -97,11 +97,11 @@ BOOST_AUTO_TEST_CASE(mistakes_are_refused_with_their_line) {
   check_refused("[[10, 10], [10, -10]]", "[10]", ":10: by must be 2 numbers, not 1");
   check_refused("[[10, 10], [10, -10]]", "[[10, 10], [10]]", "an alternative of by must be 2 numbers, not 1");
   check_refused("[[10, 10], [10, -10]]", "[[10, 10], 3]", "must be a list");
-  check_refused("[[10, 10], [10, -10]]", "[[10, 10], [-10, -10]]", "is there already");
+  check_refused("[[10, 10], [10, -10]]", "[[10, 10], [-10, -10]]", "is repeated");
   check_refused("[[10, 10], [10, -10]]", "[0, 0]", "is zero");
   check_refused("[[10, 10], [10, -10]]", "[]", "empty list");
   check_refused("joints: [turn, wrist]\n    by: [[10, 10], [10, -10]]", "joints: [turn, slide]\n    by: 3",
-                "some of the joints turn and some slide");
+                "some of the joints are revolute and some prismatic");
   check_refused("name: both", "name: long", ":8: there are two families named 'long'");
   check_refused("name: both", "name: ''", "name is empty");
   check_refused("degrees", "degree", "units are 'degree'; they must be degrees or radians");

@@ -122,7 +122,7 @@ BOOST_AUTO_TEST_CASE(damaged_files_are_refused_with_the_place) {
   const std::string text = text_of_every_kind();
   const auto changed = [&](const std::string& from, const std::string& to) { return replaced(text, from, to); };
   check_refused(changed("\"padding\": 0.01", "\"padding\": \"0.01\""),
-                "scene.objects[1].padding must be a number, or one of the texts 'inf', '-inf' and 'nan', not '0.01'");
+                "scene.objects[1].padding must be a number, or one of the strings 'inf', '-inf' and 'nan', not '0.01'");
   check_refused(changed("\"padding\": 0.01", "\"padding\": \"inf\""), "scene.objects[1]: padding of object 'box'");
   check_refused(changed("\"padding\": 0.01", "\"padding\": []"), "scene.objects[1].padding must be a number");
   check_refused(changed("\"padding\": 0.01", "\"pading\": 0.01"), "scene.objects[1]: it has no 'padding'");

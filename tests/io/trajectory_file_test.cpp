@@ -117,7 +117,7 @@ BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_refused_both_ways) {
   check_refused(replaced(text, "[\"a\", \"b\"]", "[\"a\"]"), "positions has 3 rows of 2 numbers; there are");
   check_refused(replaced(text, "\"velocities\": [\n", "\"velocities\": [[1, 2], \n"), "velocities has 4 rows");
   check_refused(replaced(text, "\"nan\"", "null"), "times must be a number, not nothing");
-  check_refused(replaced(text, "\"nan\"", "\"NaN\""), "one of the texts");
+  check_refused(replaced(text, "\"nan\"", "\"NaN\""), "one of the strings");
   check_refused(replaced(text, "\"times\"", "\"tims\""), "it has no 'times'");
 }
 

@@ -27,8 +27,9 @@ bool always_free(std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd&) { 
 
 Lattice make_lattice(const RobotModel& robot, const Vector2d& start, std::vector<Eigen::VectorXd> goals,
                      double step_degrees = 10, MotionValidator validator = always_free,
-                     double snap = search::infinity) {
-  Lattice::Options options{axis_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), snap, {}};
+                     double connection_distance = search::infinity) {
+  Lattice::Options options{
+      axis_primitives(robot.joints(), Vector2d::Constant(step_degrees * degree)), connection_distance, {}};
   return Lattice(robot, {start}, std::move(goals), options, std::move(validator));
 }
 
@@ -44,13 +45,13 @@ BOOST_AUTO_TEST_CASE(every_joint_moves_by_a_step_and_near_the_ends_by_a_third_of
   const auto robot = robots::planar();
   Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30);
   const auto from_start = successors(lattice, 0);
-  BOOST_TEST(from_start.size() == 1 + 4 + 4);                            // snap, whole, third
+  BOOST_TEST(from_start.size() == 1 + 4 + 4);                            // connection, whole, third
   BOOST_TEST(successors(lattice, from_start[1].state).size() == 1 + 4);  // 30 degrees away: far from both ends
   Lattice no_connection = make_lattice(*robot, {0, 0}, {Vector2d(2, 2)}, 30, always_free, 1.0);
   BOOST_TEST(successors(no_connection, 0).size() == 4 + 4);
 }
 
-BOOST_AUTO_TEST_CASE(the_default_is_rich_with_short_moves_within_half_a_step_of_the_ends) {
+BOOST_AUTO_TEST_CASE(default_primitives_are_the_rich_ones_and_short_moves_near_the_ends) {
   const auto robot = robots::planar3();
   const Eigen::VectorXd step = Eigen::Vector3d::Constant(30 * degree);
   const auto pairs = parallel_pairs(*robot);
@@ -99,7 +100,7 @@ BOOST_AUTO_TEST_CASE(edge_costs_are_joint_space_lengths_and_the_heuristic_is_con
   }
 }
 
-/// The laws of joint_euclidean: h(a) <= cost(a, b) + h(b) on the edges of random walks, h = 0 at the targets.
+/// The laws of the joint-space distance: h(a) <= cost(a, b) + h(b) on the edges of random walks, h = 0 at the targets.
 void check_consistency(const RobotModel& robot) {
   std::mt19937 random(7);
   const auto draw = [&] {
@@ -122,7 +123,7 @@ void check_consistency(const RobotModel& robot) {
         const auto next = successors(lattice, at);
         for (const search::Successor& edge : next) {
           BOOST_TEST(h(at) <= edge.cost + h(edge.state) + 1e-9);
-          BOOST_TEST(h(edge.state) <= edge.cost + h(at) + 1e-9);  // the same edge in a search from the other end
+          BOOST_TEST(h(edge.state) <= edge.cost + h(at) + 1e-9);  // the same edge in a backward search
         }
         if (lattice.is_goal(at = next[random() % next.size()].state)) break;
       }
@@ -152,14 +153,14 @@ BOOST_AUTO_TEST_CASE(continuous_joints_wrap_and_paths_unwrap) {
   BOOST_TEST(std::abs(result.cost - (2 * std::numbers::pi - 6.0)) < 1e-9);
   const auto path = lattice.configurations(result.path);
   BOOST_TEST(std::abs(path.back()[0] - (2 * std::numbers::pi - 3.0)) < 1e-9);
-  // All the way round on the grid comes back to the same state.
+  // A full turn on the grid ends in the same state.
   Lattice round = make_lattice(*robot, {0, 0}, {Vector2d(0, 3)}, 90, always_free, 0.0);
   search::StateId state = 0;
   for (int quarter = 0; quarter < 4; ++quarter) state = successors(round, state)[0].state;
   BOOST_TEST(state == 0u);
 }
 
-BOOST_AUTO_TEST_CASE(a_wall_is_walked_around_and_a_closed_room_is_exhausted) {
+BOOST_AUTO_TEST_CASE(paths_lead_around_a_wall_and_a_closed_room_is_exhausted) {
   const auto robot = robots::planar();
   const auto wall = [](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     const auto blocked = [](const Eigen::VectorXd& q) { return std::abs(q[0] - 1.0) < 0.3 && q[1] < 1.5; };
@@ -198,7 +199,7 @@ BOOST_AUTO_TEST_CASE(all_joints_at_once_move_towards_each_target) {
   Lattice lattice(*robot, {start}, goals, {rich_primitives(robot->joints(), step, parallel_pairs(*robot)), 0.0},
                   always_free);
   const auto next = successors(lattice, 0);
-  // The first and the last target ask for the same; the second leaves two joints to turn, which is a pair's matter.
+  // The first and the last target give the same move; the second leaves two joints to move, which give none.
   BOOST_REQUIRE(next.size() == 1 + 6 + 3 * 4);
   const Eigen::VectorXd there = lattice.configuration(next[0].state);
   BOOST_TEST(std::abs(std::remainder(there[0] - 3.0 - step[0], 2 * std::numbers::pi)) < 1e-5);  // over the seam
@@ -232,17 +233,17 @@ BOOST_AUTO_TEST_CASE(rich_lattices_keep_the_laws) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(ways_to_the_targets_by_several_measures) {
+BOOST_AUTO_TEST_CASE(several_distances_to_the_targets) {
   const auto robot = robots::planar();
   Lattice lattice = make_lattice(*robot, {0, 0}, {Vector2d(2, 1), Vector2d(0, -2)});
   RowMatrix weights(2, 2);
   weights << 1.0, 1.0, 0.5, 2.0;
   std::array<double, 3> out{};
-  lattice.measure_to_targets(0, weights, out);
+  lattice.distances_to_targets(0, weights, out);
   BOOST_TEST(std::abs(out[0] - 2.0) < 1e-12);
   BOOST_TEST(std::abs(out[1] - std::sqrt(5.0)) < 1e-12);
   BOOST_TEST(std::abs(out[2] - 2.0) < 1e-12);
-  lattice.measure_to_targets(1, weights, out);  // a target
+  lattice.distances_to_targets(1, weights, out);  // a target
   BOOST_TEST((out == std::array<double, 3>{}));
 }
 
@@ -251,7 +252,7 @@ BOOST_AUTO_TEST_CASE(ways_to_the_targets_by_several_measures) {
 namespace {
 
 /// The planar arm among discs in its joint space. Any q with q0 + q1 = 2 is a goal, as of a redundant arm; only
-/// `targets` are known beforehand, of the others a state within 0.6 sees the nearest, and at times a second one.
+/// `targets` are known beforehand; a state within 0.6 of the others is connected with the nearest, at times with two.
 struct ConnectionWorld {
   explicit ConnectionWorld(unsigned seed) : dice(seed) {
     for (unsigned i = 0; i < 10 + seed / 3; ++i) discs.emplace_back(in(-2.5, 2.5), in(-2.5, 2.5));
@@ -282,9 +283,9 @@ struct ConnectionWorld {
     return goals;
   }
 
-  Lattice lattice(const RobotModel& robot, bool snaps) const {
+  Lattice lattice(const RobotModel& robot, bool connections) const {
     Lattice::Options options{axis_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, {}};
-    if (snaps) options.goal_connection = goals_near;
+    if (connections) options.goal_connection = goals_near;
     return Lattice(robot, {start}, targets, options,
                    [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); });
   }
@@ -321,123 +322,138 @@ std::pair<double, double> brute_force(Lattice& lattice) {
   return {any, target};
 }
 
+/// How many of the results below were of which kind.
+struct Counts {
+  int by_connection{}, cheaper{}, only_by_connection{}, exhausted{};
+};
+
+/// The result is a path of the lattice with goal connections and keeps its bound on the optimum without them, `target`;
+/// `any` is the optimum with them.
+void check_connection_result(const ConnectionWorld& world, const Lattice& lattice, const search::Result& result,
+                             double weight, double any, double target, Counts& counts) {
+  if (any == search::infinity) {
+    ++counts.exhausted;
+    BOOST_TEST((result.status == Status::exhausted));
+    return;
+  }
+  BOOST_REQUIRE(result.status == Status::solved);
+  BOOST_TEST(lattice.is_goal(result.path.back()));
+  const auto path = lattice.configurations(result.path);
+  double cost = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    cost += lattice.distance(path[i - 1], path[i]);
+    BOOST_TEST(world.is_free(path[i - 1], path[i]));
+  }
+  BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
+  BOOST_TEST(result.cost >= any - 1e-9);
+  BOOST_TEST(result.bound <= weight);
+  BOOST_TEST(result.cost <= result.bound * target + 1e-9);
+  BOOST_TEST(result.cost / result.bound <= target + 1e-9);
+  const ConnectedGoal* connected = lattice.connected_goal(result.path.back());
+  counts.by_connection += connected != nullptr;
+  counts.only_by_connection += target == search::infinity;
+  counts.cheaper += result.cost < target - 1e-9;
+  if (connected) BOOST_TEST((connected->goal == 7 || connected->goal == 8));
+  if (connected) BOOST_TEST((path.back() - connected->q).norm() < 1e-12);
+}
+
+/// Calls check(weight, run) for searches with guarantees; run(lattice, heuristic) gives the result.
+template <class Check>
+void for_each_search(double target, Check&& check) {
+  using namespace search;
+  for (const double w : {1.0, 3.0, 50.0}) {
+    check(w, [&](Lattice& g, const auto& h) { return weighted_astar(g, g.starts(), h, {.weight = w}, Deadline()); });
+    for (const std::size_t batch : {1, 4})
+      check(w, [&](Lattice& g, const auto& h) {
+        return wpase(g, g.starts(), h, {.weight = w, .batch_size = batch}, Deadline());
+      });
+    check(w * 2.0, [&](Lattice& g, const auto& h) {
+      const std::vector<InadmissibleHeuristic> others{[&](StateId s) { return g.distance_from_roots(s); }};
+      return mha_star(g, g.starts(), h, others, {.w1 = w, .w2 = 2.0}, Deadline());
+    });
+    check(w, [&](Lattice& g, const auto& h) {
+      const auto values = [&](std::span<const StateId> states, std::span<double> out) {
+        std::transform(states.begin(), states.end(), out.begin(), [&](StateId s) { return h(s); });
+      };
+      AlternatingSearch search(g, h, InadmissibleHeuristics{1, values}, w);
+      search.add_starts(g.starts());
+      return search.result(search.improve(Deadline(), 1'000'000));
+    });
+  }
+  check(1.0, [&](Lattice& g, const auto& h) {
+    AraOptions options{.initial_weight = 50.0, .weight_delta = 20.0, .final_weight = 1.0, .on_solution = {}};
+    options.on_solution = [&](const Result& better) {
+      BOOST_TEST(better.cost <= better.bound * target + 1e-9);
+      return true;
+    };
+    return ara_star(g, g.starts(), h, options, Deadline());
+  });
+}
+
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(goal_snaps_leave_every_bound_true_of_the_lattice_without_them) {
-  using namespace search;
+BOOST_AUTO_TEST_CASE(goal_connections_keep_every_bound_of_the_lattice_without_them) {
   const auto robot = robots::planar();
-  int by_connection = 0, cheaper = 0, only_by_connection = 0, exhausted = 0;
+  Counts counts;
   for (unsigned seed = 0; seed < 40; ++seed) {
     const ConnectionWorld world(seed);
     Lattice whole = world.lattice(*robot, true), plain = world.lattice(*robot, false);
     const auto [any, target] = brute_force(whole);
-    BOOST_TEST(target == brute_force(plain).second);  // goal snaps change no other cost
-    const auto check = [&](double weight, const auto& run) {
+    BOOST_TEST(target == brute_force(plain).second);  // goal connections change no other cost
+    for_each_search(target, [&, any = any, target = target](double weight, const auto& run) {
       Lattice lattice = world.lattice(*robot, true);
-      const auto h = [&](StateId s) { return lattice.distance_to_targets(s); };
-      const Result result = run(lattice, h);
-      if (any == infinity) {
-        ++exhausted;
-        BOOST_TEST((result.status == Status::exhausted));
-        return;
-      }
-      BOOST_REQUIRE(result.status == Status::solved);
-      BOOST_TEST(lattice.is_goal(result.path.back()));
-      const auto path = lattice.configurations(result.path);
-      double cost = 0.0;
-      for (std::size_t i = 1; i < path.size(); ++i) {
-        cost += lattice.distance(path[i - 1], path[i]);
-        BOOST_TEST(world.is_free(path[i - 1], path[i]));
-      }
-      BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
-      BOOST_TEST(result.cost >= any - 1e-9);
-      BOOST_TEST(result.bound <= weight);
-      BOOST_TEST(result.cost <= result.bound * target + 1e-9);
-      BOOST_TEST(result.cost / result.bound <= target + 1e-9);
-      const ConnectedGoal* snapped = lattice.connected_goal(result.path.back());
-      by_connection += snapped != nullptr;
-      only_by_connection += target == infinity;
-      cheaper += result.cost < target - 1e-9;
-      if (snapped) BOOST_TEST((snapped->goal == 7 || snapped->goal == 8));
-      if (snapped) BOOST_TEST((path.back() - snapped->q).norm() < 1e-12);
-    };
-    for (const double w : {1.0, 3.0, 50.0}) {
-      check(w, [&](Lattice& g, const auto& h) { return weighted_astar(g, g.starts(), h, {.weight = w}, Deadline()); });
-      for (const std::size_t batch : {1, 4})
-        check(w, [&](Lattice& g, const auto& h) {
-          return wpase(g, g.starts(), h, {.weight = w, .batch_size = batch}, Deadline());
-        });
-      check(w * 2.0, [&](Lattice& g, const auto& h) {
-        const std::vector<InadmissibleHeuristic> others{[&](StateId s) { return g.distance_from_roots(s); }};
-        return mha_star(g, g.starts(), h, others, {.w1 = w, .w2 = 2.0}, Deadline());
-      });
-      check(w, [&](Lattice& g, const auto& h) {
-        const auto values = [&](std::span<const StateId> states, std::span<double> out) {
-          std::transform(states.begin(), states.end(), out.begin(), [&](StateId s) { return h(s); });
-        };
-        AlternatingSearch search(g, h, InadmissibleHeuristics{1, values}, w);
-        search.add_starts(g.starts());
-        return search.result(search.improve(Deadline(), 1'000'000));
-      });
-    }
-    check(1.0, [&](Lattice& g, const auto& h) {
-      AraOptions options{.initial_weight = 50.0, .weight_delta = 20.0, .final_weight = 1.0, .on_solution = {}};
-      options.on_solution = [&](const Result& better) {
-        BOOST_TEST(better.cost <= better.bound * target + 1e-9);
-        return true;
-      };
-      return ara_star(g, g.starts(), h, options, Deadline());
+      const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+      check_connection_result(world, lattice, run(lattice, h), weight, any, target, counts);
     });
   }
-  BOOST_TEST(by_connection > 100);  // the worlds are not all of one kind
-  BOOST_TEST(cheaper > 20);
-  BOOST_TEST(only_by_connection > 0);
-  BOOST_TEST(exhausted > 0);
+  BOOST_TEST(counts.by_connection > 100);  // the worlds are of every kind
+  BOOST_TEST(counts.cheaper > 20);
+  BOOST_TEST(counts.only_by_connection > 0);
+  BOOST_TEST(counts.exhausted > 0);
 }
 
-BOOST_AUTO_TEST_CASE(goal_snaps_asked_for_again_are_the_same_states) {
+BOOST_AUTO_TEST_CASE(goal_connections_generated_again_are_the_same_states) {
   const auto robot = robots::planar();
-  Lattice snapping(
-      *robot, {Vector2d(1, 0.95)}, {Vector2d(2, 0)},
-      {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, ConnectionWorld::goals_near},
-      always_free);
-  const auto first = successors(snapping, 0), again = successors(snapping, 0);
+  Lattice lattice(*robot, {Vector2d(1, 0.95)}, {Vector2d(2, 0)},
+                  {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.0, ConnectionWorld::goals_near},
+                  always_free);
+  const auto first = successors(lattice, 0), again = successors(lattice, 0);
   BOOST_REQUIRE_EQUAL(first.size(), again.size());
   for (std::size_t i = 0; i < first.size(); ++i) BOOST_TEST(first[i].state == again[i].state);
-  BOOST_TEST(snapping.connected_goal(first[0].state)->goal == 7);
-  BOOST_TEST(snapping.connected_goal(first[1].state)->goal == 8);
+  BOOST_TEST(lattice.connected_goal(first[0].state)->goal == 7);
+  BOOST_TEST(lattice.connected_goal(first[1].state)->goal == 8);
   for (int i : {0, 1}) {
     const auto goal = first[static_cast<std::size_t>(i)].state;
-    BOOST_TEST(snapping.is_goal(goal));
-    BOOST_TEST(snapping.distance_to_targets(goal) == 0.0);
-    BOOST_TEST(successors(snapping, goal).empty());
-    BOOST_TEST(std::abs(snapping.configuration(goal).sum() - 2.0) < 1e-12);
+    BOOST_TEST(lattice.is_goal(goal));
+    BOOST_TEST(lattice.distance_to_targets(goal) == 0.0);
+    BOOST_TEST(successors(lattice, goal).empty());
+    BOOST_TEST(std::abs(lattice.configuration(goal).sum() - 2.0) < 1e-12);
   }
-  BOOST_TEST(snapping.connected_goal(1) == nullptr);  // a target
-  BOOST_TEST(snapping.is_goal(1));
-  BOOST_TEST(!snapping.is_goal(0));
+  BOOST_TEST(lattice.connected_goal(1) == nullptr);  // a target
+  BOOST_TEST(lattice.is_goal(1));
+  BOOST_TEST(!lattice.is_goal(0));
 }
 
-BOOST_AUTO_TEST_CASE(a_snap_leads_to_every_via_which_has_a_grid_of_its_own) {
+BOOST_AUTO_TEST_CASE(every_state_is_connected_with_every_waypoint_which_has_a_grid_of_its_own) {
   const auto robot = robots::planar();
-  const Vector2d via(0.567, -0.321);
+  const Vector2d waypoint(0.567, -0.321);
   Lattice lattice(*robot, {Vector2d(0, 0)}, {Vector2d(2, 2)},
-                  {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), search::infinity, {}, {via}},
+                  {axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), search::infinity, {}, {waypoint}},
                   always_free);
   const auto find = [&](search::StateId from, const Vector2d& q) {
     for (const auto& next : successors(lattice, from))
-      if ((lattice.configuration(next.state) - q).norm() < 1e-5) return std::optional(next);  // two units of the grid
+      if ((lattice.configuration(next.state) - q).norm() < 1e-5) return std::optional(next);  // two grid units
     return std::optional<search::Successor>();
   };
-  const auto snap = find(0, via);
-  BOOST_REQUIRE(snap);
-  BOOST_TEST(snap->cost == via.norm(), boost::test_tools::tolerance(1e-12));
-  BOOST_TEST(!lattice.is_goal(snap->state));
+  const auto edge = find(0, waypoint);
+  BOOST_REQUIRE(edge);
+  BOOST_TEST(edge->cost == waypoint.norm(), boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(!lattice.is_goal(edge->state));
   BOOST_TEST(lattice.starts().size() == 1u);
   BOOST_TEST(lattice.root_count() == 1u);
-  BOOST_TEST(find(successors(lattice, 0)[3].state, via).has_value());  // from everywhere
-  BOOST_TEST(find(snap->state, via + Vector2d(10 * degree, 0)).has_value());
-  BOOST_TEST(find(snap->state, Vector2d(2, 2)).has_value());
+  BOOST_TEST(find(successors(lattice, 0)[3].state, waypoint).has_value());  // from every state
+  BOOST_TEST(find(edge->state, waypoint + Vector2d(10 * degree, 0)).has_value());
+  BOOST_TEST(find(edge->state, Vector2d(2, 2)).has_value());
 }
 
 BOOST_AUTO_TEST_CASE(joints_of_two_robots_make_one_lattice) {

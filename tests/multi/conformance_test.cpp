@@ -42,7 +42,7 @@ ConflictSearchResult plan(World& world, const ConflictSearchOptions& options) {
 
 BOOST_AUTO_TEST_CASE(every_planner_keeps_its_bound_on_random_worlds) {
   for (const Planner& planner : all_planners()) {
-    for (const auto& [seed, optimum] : questions()) {
+    for (const auto& [seed, optimum] : solvable_worlds()) {
       BOOST_TEST_CONTEXT(planner.name << " seed " << seed) {
         const auto world = random_world(seed);
         check_result(*world, plan(*world, planner.options), planner.options.bound(), optimum);
@@ -51,22 +51,22 @@ BOOST_AUTO_TEST_CASE(every_planner_keeps_its_bound_on_random_worlds) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(no_guide_breaks_the_bound) {
+BOOST_AUTO_TEST_CASE(no_inadmissible_heuristic_breaks_the_bound) {
   for (const Planner& planner : all_planners()) {
-    for (std::size_t i = 0; i < questions().size(); i += 4) {
-      const auto& [seed, optimum] = questions()[i];
+    for (std::size_t i = 0; i < solvable_worlds().size(); i += 4) {
+      const auto& [seed, optimum] = solvable_worlds()[i];
       BOOST_TEST_CONTEXT(planner.name << " seed " << seed) {
         const auto world = random_world(seed);
-        misguide(*world, seed);
+        set_random_heuristics(*world, seed);
         check_result(*world, plan(*world, planner.options), planner.options.bound(), optimum);
       }
     }
   }
 }
 
-BOOST_AUTO_TEST_CASE(priorities_alone_give_ways_that_never_meet) {
+BOOST_AUTO_TEST_CASE(priorities_alone_give_collision_free_paths) {
   std::size_t solved = 0;
-  for (const auto& [seed, optimum] : questions()) {
+  for (const auto& [seed, optimum] : solvable_worlds()) {
     BOOST_TEST_CONTEXT("seed " << seed) {
       const auto world = random_world(seed);
       const ConflictSearchOptions options{.priorities_only = true};
@@ -76,34 +76,34 @@ BOOST_AUTO_TEST_CASE(priorities_alone_give_ways_that_never_meet) {
       ++solved;
     }
   }
-  BOOST_TEST(solved > questions().size() * 9 / 10);
+  BOOST_TEST(solved > solvable_worlds().size() * 9 / 10);
 }
 
-BOOST_AUTO_TEST_CASE(the_same_question_has_the_same_answer) {
+BOOST_AUTO_TEST_CASE(the_same_world_gives_the_same_result) {
   for (const Planner& planner : all_planners()) {
     for (unsigned seed = 0; seed < 40; ++seed) {
-      const auto world = random_world(questions()[seed].seed);
+      const auto world = random_world(solvable_worlds()[seed].seed);
       const ConflictSearchResult once = plan(*world, planner.options);
       check_same(once, plan(*world, planner.options));
-      check_same(once, plan(*random_world(questions()[seed].seed), planner.options));
+      check_same(once, plan(*random_world(solvable_worlds()[seed].seed), planner.options));
     }
   }
 }
 
-BOOST_AUTO_TEST_CASE(an_agent_at_its_goal_rests_and_costs_nothing) {
+BOOST_AUTO_TEST_CASE(an_agent_at_its_goal_stays_at_no_cost) {
   for (const Planner& planner : all_planners()) {
     GridWorld world = grid({"a.b"}, {"a.b"});
     const ConflictSearchResult result = plan(world, planner.options);
     check_result(world, result, 1.0, 0.0);
     BOOST_TEST(result.statistics.tree_nodes == 1u);
-    GridWorld nobody;
-    const ConflictSearchResult nothing = plan(nobody, planner.options);
+    GridWorld empty;
+    const ConflictSearchResult nothing = plan(empty, planner.options);
     BOOST_TEST((nothing.status == Status::solved));
     BOOST_TEST(nothing.cost == 0.0);
   }
 }
 
-BOOST_AUTO_TEST_CASE(exhausted_tells_whose_graph_holds_no_way) {
+BOOST_AUTO_TEST_CASE(an_exhausted_result_names_the_agent_without_a_path) {
   for (const bool hidden : {false, true}) {  // hidden: the wall shows only when the edge is evaluated
     for (const Planner& planner : all_planners()) {
       GridWorld world = grid({"a...", "###.", "b#.."}, {"...a", "###.", ".#b."});
@@ -120,10 +120,10 @@ BOOST_AUTO_TEST_CASE(exhausted_tells_whose_graph_holds_no_way) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(exhausted_when_no_way_holds_under_the_constraints) {
+BOOST_AUTO_TEST_CASE(a_world_without_paths_under_the_constraints_is_exhausted) {
   for (const Planner& planner : all_planners()) {
     RandomWorld world = random_graphs(1);
-    world.density = 1.0;  // wherever they are
+    world.density = 1.0;  // at any two places
     world.by_step = true;
     const ConflictSearchResult result = plan(world, planner.options);
     BOOST_TEST((result.status == Status::exhausted));
@@ -131,7 +131,7 @@ BOOST_AUTO_TEST_CASE(exhausted_when_no_way_holds_under_the_constraints) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(every_planner_stops_when_time_is_up_or_the_caller_cancels) {
+BOOST_AUTO_TEST_CASE(every_planner_stops_at_the_deadline_and_when_cancelled) {
   for (const Planner& planner : all_planners()) {
     GridWorld world = grid({"a.b"}, {"b.a"});
     const ConflictSearchResult late = conflict_search(world, planner.options, Deadline(0.0));
@@ -141,7 +141,7 @@ BOOST_AUTO_TEST_CASE(every_planner_stops_when_time_is_up_or_the_caller_cancels) 
     BOOST_TEST(late.statistics.low.expansions == 0u);
     const ConflictSearchResult cancelled = conflict_search(world, planner.options, Deadline(1e9, [] { return true; }));
     BOOST_TEST((cancelled.status == Status::cancelled));
-    // They cannot pass each other, and a search by constraints alone never learns it.
+    // They cannot pass each other, which a search by constraints alone never proves.
     const ConflictSearchResult endless = conflict_search(world, planner.options, Deadline(0.02));
     BOOST_TEST((endless.status == Status::timed_out));
     BOOST_TEST(endless.lower >= 4.0);
@@ -150,11 +150,11 @@ BOOST_AUTO_TEST_CASE(every_planner_stops_when_time_is_up_or_the_caller_cancels) 
   }
 }
 
-BOOST_AUTO_TEST_CASE(whatever_effort_is_allowed_what_is_said_is_true) {
+BOOST_AUTO_TEST_CASE(results_are_correct_for_every_budget) {
   for (const Planner& planner : all_planners()) {
     int late = 0;
-    for (std::size_t i = 0; i < questions().size(); i += 5) {
-      const auto& [seed, optimum] = questions()[i];
+    for (std::size_t i = 0; i < solvable_worlds().size(); i += 5) {
+      const auto& [seed, optimum] = solvable_worlds()[i];
       BOOST_TEST_CONTEXT(planner.name << " seed " << seed) {
         const auto world = random_world(seed);
         ConflictSearchOptions options = planner.options;
@@ -174,7 +174,7 @@ BOOST_AUTO_TEST_CASE(whatever_effort_is_allowed_what_is_said_is_true) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(priorities_alone_learn_that_two_cannot_pass) {
+BOOST_AUTO_TEST_CASE(priorities_alone_prove_that_two_cannot_pass) {
   GridWorld world = grid({"a.b"}, {"b.a"});
   const ConflictSearchResult result = plan(world, {.priorities_only = true});
   BOOST_TEST((result.status == Status::exhausted));
@@ -199,7 +199,7 @@ BOOST_AUTO_TEST_CASE(agents_that_break_their_contract_are_refused) {
     check_throws<InvalidArgument>([&] { plan(world, {}); }, "the heuristic of state 1 is " + to_text(bad));
     world = good;
     world.agents[0].inadmissible_heuristics = {0.0, bad, 0.0};
-    check_throws<InvalidArgument>([&] { plan(world, {}); }, "the guide of state 1 is " + to_text(bad));
+    check_throws<InvalidArgument>([&] { plan(world, {}); }, "the inadmissible heuristic of state 1 is " + to_text(bad));
   }
   for (const double bad : {std::nan(""), 0.0, -1.0, infinity}) {
     GridWorld world = good;
@@ -220,6 +220,6 @@ BOOST_AUTO_TEST_CASE(agents_that_break_their_contract_are_refused) {
     check_throws<InvalidArgument>([&] { plan(world, {}); }, "agent 0: wait_cost is " + to_text(bad));
   }
   GridWorld world = good;
-  world.agents[0].least = 0;
+  world.agents[0].min_steps = 0;
   check_throws<InvalidArgument>([&] { plan(world, {}); }, "agent 0: the edge from state 0 to 1 takes 0 steps");
 }

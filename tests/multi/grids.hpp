@@ -15,7 +15,7 @@
 #include "search/graphs.hpp"
 #include "srmp/multi/conflict_search.hpp"
 
-/// Worlds of agents for the tests, and brute force to judge the answers by.
+/// Worlds of agents for the tests, and brute force to check the results against.
 namespace srmp::multi::test {
 
 using search::infinity;
@@ -32,10 +32,10 @@ inline std::uint64_t mixed(std::initializer_list<std::uint64_t> values) {
   return hash;
 }
 
-/// A problem of the search tests whose edges take `least` to `longest` steps.
+/// A problem of the search tests whose edges take `min_steps` to `max_steps` steps.
 struct TestAgent : Agent {
   Problem problem;
-  int least{1}, longest{1};
+  int min_steps{1}, max_steps{1};
   double wait{1.0};
   std::vector<double> inadmissible_heuristics;  ///< by state; empty: the heuristic
 
@@ -46,11 +46,11 @@ struct TestAgent : Agent {
   double evaluate(StateId from, StateId to) override { return problem.graph.find(from, to)->cost; }
   bool is_goal(StateId s) override { return problem.graph.is_goal(s); }
   double heuristic(StateId s) override { return problem.h[s]; }
-  double guide(StateId s) override {
+  double inadmissible_heuristic(StateId s) override {
     return inadmissible_heuristics.empty() ? problem.h[s] : inadmissible_heuristics[s];
   }
   int duration(StateId from, StateId to) override {
-    return least + static_cast<int>(mixed({from, to}) % static_cast<std::uint64_t>(longest - least + 1));
+    return min_steps + static_cast<int>(mixed({from, to}) % static_cast<std::uint64_t>(max_steps - min_steps + 1));
   }
   double wait_cost() override { return wait; }
 };
@@ -60,29 +60,29 @@ struct Place {
   StateId from{}, to{};
 };
 
-/// Agents of which two may not be at certain places at the same time: they meet in a step, by where they are in it.
+/// Agents that collide if two of them are at certain places in the same step.
 struct TestWorld : World {
   std::vector<TestAgent> agents;
 
-  /// May the two not be there in the same step? The same when asked the other way round.
-  virtual bool clash(std::size_t a, Place in_a, std::size_t b, Place in_b) const = 0;
+  /// Do the two collide if they are there in the same step? Symmetric.
+  virtual bool collide(std::size_t a, Place in_a, std::size_t b, Place in_b) const = 0;
 
   std::size_t size() const override { return agents.size(); }
   Agent& agent(std::size_t i) override { return agents[i]; }
   bool may_conflict(std::size_t, std::size_t) const override { return true; }
-  bool meet(std::size_t a, const Move& in_a, std::size_t b, const Move& in_b) override {
+  bool in_conflict(std::size_t a, const Move& in_a, std::size_t b, const Move& in_b) override {
     const auto [first, last] = overlap(in_a, in_b);
-    return first < last && clash(a, {in_a.from, in_a.to}, b, {in_b.from, in_b.to});
+    return first < last && collide(a, {in_a.from, in_a.to}, b, {in_b.from, in_b.to});
   }
 };
 
 /// Cells of a 4-connected grid, numbered by rows; edges and waits cost 1 and take 1 step. Two agents may not be at the
 /// same cell, nor swap cells.
 struct GridWorld : TestWorld {
-  bool clash(std::size_t, Place a, std::size_t, Place b) const override {
+  bool collide(std::size_t, Place a, std::size_t, Place b) const override {
     return a.to == b.to || a.from == b.from || (a.from == b.to && a.to == b.from);
   }
-  /// Of two at a cell: not to be there at that step. Of a swap: not to make this move.
+  /// Two agents at a cell: the constrained one may not be there at that step. A swap: it may not make this move.
   bool forbids(const Constraint& constraint, const Move& move) const override {
     const Move& mine = constraint.conflict.moves[constraint.side];
     const Move& other = constraint.conflict.moves[1 - constraint.side];
@@ -91,7 +91,7 @@ struct GridWorld : TestWorld {
   }
 };
 
-/// A grid drawn in rows: '#' is a wall, a letter an agent's start, the same letter in `goals` its goal.
+/// A grid drawn in rows: '#' is a wall, a letter an agent's start, and the same letter in `goals` its goal.
 inline GridWorld grid(const std::vector<std::string>& starts, const std::vector<std::string>& goals) {
   const int height = static_cast<int>(starts.size()), width = static_cast<int>(starts.front().size());
   TestGraph graph(static_cast<std::size_t>(width * height));
@@ -121,7 +121,7 @@ inline GridWorld grid(const std::vector<std::string>& starts, const std::vector<
   return world;
 }
 
-/// `count` agents in a grid; about the share `walls` of the cells where none starts or ends is walls.
+/// `count` agents in a grid; a fraction of about `walls` of the cells where none starts or ends is walls.
 inline GridWorld random_grid(Dice& dice, unsigned width, unsigned height, unsigned count, double walls) {
   std::vector<std::string> starts(height, std::string(width, '.')), goals = starts;
   for (std::vector<std::string>* rows : {&starts, &goals}) {
@@ -137,20 +137,20 @@ inline GridWorld random_grid(Dice& dice, unsigned width, unsigned height, unsign
   return grid(starts, goals);
 }
 
-/// Each agent its own directed graph, with edges of 1 to 3 steps that may be dearer than they look, or missing, and its
-/// own cost of waiting. Which places clash is thrown for each pair of agents and of places: a state or an edge against
-/// a state or an edge. An edge is one place from its beginning to its end, so that two moves meet if and only if they
-/// last in the same step anywhere: parts of moves mean what the whole ones do.
+/// Each agent its own directed graph, with edges of 1 to 3 steps that may cost more than their lower bounds, or not
+/// exist, and its own cost of waiting. Which places collide is random for each pair of agents and of places: a state or
+/// an edge against a state or an edge. An edge is one place from its beginning to its end, so that two moves collide
+/// if and only if they last in the same step anywhere, and parts of moves collide as whole ones do.
 struct RandomWorld : TestWorld {
   unsigned seed{};
-  double density{};  ///< share of the pairs of places that clash
+  double density{};  ///< fraction of the pairs of places that collide
   bool by_step{};    ///< constraints forbid the place at the conflict's step, in place of the one move
 
   static bool strangers(std::size_t a, std::size_t b) { return a + b == 3; }  // 0 and 3, 1 and 2
 
   bool may_conflict(std::size_t a, std::size_t b) const override { return !strangers(a, b); }
-  bool clash(std::size_t a, Place in_a, std::size_t b, Place in_b) const override {
-    if (a > b) return clash(b, in_b, a, in_a);
+  bool collide(std::size_t a, Place in_a, std::size_t b, Place in_b) const override {
+    if (a > b) return collide(b, in_b, a, in_a);
     const std::uint64_t dice = mixed({seed, a, in_a.from, in_a.to, b, in_b.from, in_b.to});
     return !strangers(a, b) && static_cast<double>(dice >> 11) * 0x1p-53 < density;
   }
@@ -183,7 +183,7 @@ inline RandomWorld random_graphs(unsigned seed) {
     for (unsigned k = 0; k <= dice.below(2); ++k) problem.graph.goals[dice.below(states)] = 1;
     problem.set_heuristic(dice.chance(0.2) ? 0.0 : dice.unit());
     world.agents.emplace_back(std::move(problem));
-    world.agents.back().longest = 3;
+    world.agents.back().max_steps = 3;
     world.agents.back().wait = ties ? 1.0 : 0.1 + dice.unit();
   }
   return world;
@@ -198,8 +198,8 @@ inline std::unique_ptr<TestWorld> random_world(unsigned seed) {
       random_grid(dice, 2 + dice.below(side), 2 + dice.below(side), count, 0.3 * dice.unit()));
 }
 
-/// InadmissibleHeuristics that know nothing.
-inline void misguide(TestWorld& world, unsigned seed) {
+/// Gives every agent a random inadmissible heuristic.
+inline void set_random_heuristics(TestWorld& world, unsigned seed) {
   Dice dice(seed);
   for (TestAgent& agent : world.agents) {
     for (std::size_t s = 0; s < agent.problem.h.size(); ++s) agent.inadmissible_heuristics.push_back(8.0 * dice.unit());
@@ -207,7 +207,7 @@ inline void misguide(TestWorld& world, unsigned seed) {
 }
 
 /// The least sum of costs, by Dijkstra's algorithm over the joint states: where each agent is, how many steps of its
-/// edge are left, whether it rests for good. Infinity: there is no solution.
+/// edge are left, whether it stays for good. Infinity: there is no solution.
 class BruteForce {
  public:
   explicit BruteForce(TestWorld& world) : world_(world) {}
@@ -221,7 +221,7 @@ class BruteForce {
       queue_.pop();
       if (cost > best_.at(code)) continue;
       const std::vector<Stage> joint = decode(code);
-      if (std::ranges::all_of(joint, &Stage::rests)) return cost;
+      if (std::ranges::all_of(joint, &Stage::stays)) return cost;
       std::vector<Place> places;
       std::vector<Stage> next;
       step(joint, places, next, cost);
@@ -233,7 +233,7 @@ class BruteForce {
   struct Stage {
     Place place;
     unsigned left{};  // steps on the edge
-    bool rests{};
+    bool stays{};
   };
   using Entry = std::pair<double, std::uint64_t>;
 
@@ -241,7 +241,7 @@ class BruteForce {
     std::uint64_t code = 0;
     for (const Stage& s : joint) {
       code = code << 16 | std::uint64_t{s.place.from} << 9 | std::uint64_t{s.place.to} << 3 |
-             std::uint64_t{s.left} << 1 | std::uint64_t{s.rests};
+             std::uint64_t{s.left} << 1 | std::uint64_t{s.stays};
     }
     return code;
   }
@@ -266,11 +266,11 @@ class BruteForce {
   void step(const std::vector<Stage>& joint, std::vector<Place>& places, std::vector<Stage>& next, double cost) {
     const std::size_t i = next.size();
     if (i == joint.size()) return reach(next, cost);
-    const auto take = [&](Place place, unsigned left, bool rests, double more) {
+    const auto go_on = [&](Place place, unsigned left, bool stays, double more) {
       for (std::size_t k = 0; k < i; ++k)
-        if (world_.clash(k, places[k], i, place)) return;
+        if (world_.collide(k, places[k], i, place)) return;
       places.push_back(place);
-      next.push_back({left > 0 ? place : Place{place.to, place.to}, left, rests});
+      next.push_back({left > 0 ? place : Place{place.to, place.to}, left, stays});
       step(joint, places, next, cost + more);
       places.pop_back();
       next.pop_back();
@@ -278,13 +278,13 @@ class BruteForce {
     const Stage& now = joint[i];
     TestAgent& agent = world_.agents[i];
     const StateId at = now.place.to;
-    if (now.rests) return take(now.place, 0, true, 0.0);
-    if (now.left > 0) return take(now.place, now.left - 1, false, 0.0);
-    if (agent.is_goal(at)) take({at, at}, 0, true, 0.0);
-    take({at, at}, 0, false, agent.wait);
+    if (now.stays) return go_on(now.place, 0, true, 0.0);
+    if (now.left > 0) return go_on(now.place, now.left - 1, false, 0.0);
+    if (agent.is_goal(at)) go_on({at, at}, 0, true, 0.0);
+    go_on({at, at}, 0, false, agent.wait);
     for (const search::test::Arc& arc : agent.problem.graph.arcs[at]) {
       if (arc.cost < infinity)
-        take({at, arc.to}, static_cast<unsigned>(agent.duration(at, arc.to) - 1), false, arc.cost);
+        go_on({at, arc.to}, static_cast<unsigned>(agent.duration(at, arc.to) - 1), false, arc.cost);
     }
   }
 
@@ -293,17 +293,17 @@ class BruteForce {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
-/// A random world that has a solution, and what the best one costs.
-struct Question {
+/// A random world that has a solution, and its optimal cost.
+struct SolvableWorld {
   unsigned seed{};
   double optimum{};
 };
 
-/// More than 300. Left out: jams, whose solution costs far more than the agents' ways alone; a conflict-based search
-/// takes time exponential in the difference.
-inline const std::vector<Question>& questions() {
-  static const std::vector<Question> all = [] {
-    std::vector<Question> found;
+/// More than 300 worlds. Those whose solution costs far more than the agents' single-agent paths are left out: a
+/// conflict-based search takes time exponential in the difference.
+inline const std::vector<SolvableWorld>& solvable_worlds() {
+  static const std::vector<SolvableWorld> all = [] {
+    std::vector<SolvableWorld> found;
     for (unsigned seed = 0; seed < 500; ++seed) {
       const auto world = random_world(seed);
       double alone = 0.0;
@@ -325,7 +325,7 @@ inline Place place_at(const TimedPath& path, int step) {
   return {};
 }
 
-/// A solved result holds ways of these agents that never meet, and its numbers are true.
+/// A solved result holds collision-free paths of these agents, and its costs are correct.
 inline void check_paths(TestWorld& world, const ConflictSearchResult& result) {
   BOOST_REQUIRE(result.status == Status::solved);
   BOOST_REQUIRE_EQUAL(result.paths.size(), world.size());
@@ -359,12 +359,12 @@ inline void check_paths(TestWorld& world, const ConflictSearchResult& result) {
   for (int step = 0; step <= end; ++step) {
     for (std::size_t a = 0; a < world.size(); ++a) {
       for (std::size_t b = a + 1; b < world.size(); ++b)
-        BOOST_REQUIRE(!world.clash(a, place_at(result.paths[a], step), b, place_at(result.paths[b], step)));
+        BOOST_REQUIRE(!world.collide(a, place_at(result.paths[a], step), b, place_at(result.paths[b], step)));
     }
   }
 }
 
-/// The same, and the bound is kept: towards the optimum, and as the result itself tells.
+/// The same, and the bound holds: with the optimum, and with the result's own lower bound.
 inline void check_result(TestWorld& world, const ConflictSearchResult& result, double bound, double optimum) {
   check_paths(world, result);
   constexpr double eps = 1e-9;

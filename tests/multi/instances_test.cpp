@@ -34,8 +34,8 @@ void check_small(const GridWorld& world, double optimum) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(two_swap_in_a_corridor_with_a_siding) {
-  // 4 + 4 alone. One must go into the siding and out again (+2). It gets there at step 3 at the soonest, so that the
-  // other, who could be at the junction at step 2, waits for a step (+1).
+  // 4 + 4 without conflicts. One must go into the siding and out again (+2). It gets there at step 3 at the earliest,
+  // so the other, which could be at the junction at step 2, waits for a step (+1).
   check_small(grid({"a...b",  //
                     "##.##"},
                    {"b...a",  //
@@ -44,19 +44,19 @@ BOOST_AUTO_TEST_CASE(two_swap_in_a_corridor_with_a_siding) {
 }
 
 BOOST_AUTO_TEST_CASE(two_swap_in_a_square) {
-  // They may not swap directly, and whoever waits finds the other's cell taken: one goes round (3), the other goes
-  // straight behind its back (1).
+  // They may not swap directly, and an agent that waits finds the other's cell taken: one goes around (3), the other
+  // goes straight after it has left (1).
   check_small(grid({"ab", ".."}, {"ba", ".."}), 4.0);
 }
 
-BOOST_AUTO_TEST_CASE(four_turn_round_in_a_square) {
-  // Everyone follows the next: a rotation is no swap.
+BOOST_AUTO_TEST_CASE(four_rotate_in_a_square) {
+  // Each follows the next: a rotation is no swap.
   check_small(grid({"ab", "dc"}, {"da", "cb"}), 4.0);
 }
 
 BOOST_AUTO_TEST_CASE(three_cross_at_a_junction) {
   // Each needs 2 steps through the middle, which holds one at a time: they are there at steps 1, 2, 3 and done a step
-  // later. c's goal is where b starts, who is gone by then.
+  // later. c's goal is where b starts, agents is gone by then.
   check_small(grid({"#b#",  //
                     "a..",  //
                     "#c#"},
@@ -67,7 +67,7 @@ BOOST_AUTO_TEST_CASE(three_cross_at_a_junction) {
 }
 
 BOOST_AUTO_TEST_CASE(one_at_its_goal_makes_room) {
-  // b is where it wants to be, and in a's way: down and up again (2) while a passes (2).
+  // b is at its goal, which a must pass: down and up again (2) while a passes (2).
   check_small(grid({"ab.",  //
                     "#.#"},
                    {".ba",  //
@@ -76,7 +76,8 @@ BOOST_AUTO_TEST_CASE(one_at_its_goal_makes_room) {
 }
 
 BOOST_AUTO_TEST_CASE(three_leave_by_a_door) {
-  // 7 + 7 + 4 alone, all through the gap in the wall, where c can be at step 1, a and b at step 3: one of them waits.
+  // 7 + 7 + 4 without conflicts, all through the gap in the wall, where c can be at step 1, a and b at step 3: one of
+  // them waits.
   check_small(grid({"a.#...",  //
                     ".c....",  //
                     "b.#..."},
@@ -89,7 +90,7 @@ BOOST_AUTO_TEST_CASE(three_leave_by_a_door) {
 namespace {
 
 /// Increasing cost tree search (Sharon, Stern, Goldenberg, Felner 2013), for grids: sums of costs from the least on,
-/// and for each all ways to share it out; are there ways of just these costs that never meet?
+/// and for each all distributions over the agents; are there collision-free paths of just these costs?
 class IncreasingCostTree {
  public:
   explicit IncreasingCostTree(GridWorld& world) : world_(world) {}
@@ -101,7 +102,7 @@ class IncreasingCostTree {
     while (true) {
       std::set<std::vector<int>> next;
       for (const std::vector<int>& costs : level) {
-        if (fits(costs)) return std::accumulate(costs.begin(), costs.end(), 0.0);
+        if (has_paths(costs)) return std::accumulate(costs.begin(), costs.end(), 0.0);
         for (std::size_t i = 0; i < costs.size(); ++i) {
           std::vector<int> more = costs;
           ++more[i];
@@ -117,46 +118,46 @@ class IncreasingCostTree {
 
   static int to_go(const TestAgent& agent, StateId cell) { return static_cast<int>(agent.problem.h[cell]); }
 
-  /// Pairs first: most that do not fit are found out there.
-  bool fits(const std::vector<int>& costs) {
+  /// Pairs first: they rule out most distributions.
+  bool has_paths(const std::vector<int>& costs) {
     for (std::size_t a = 0; a < costs.size(); ++a) {
       for (std::size_t b = a + 1; b < costs.size(); ++b) {
         const auto [known, first] = pairs_.try_emplace({a, costs[a], b, costs[b]}, false);
-        if (first) known->second = together({a, b}, costs);
+        if (first) known->second = have_joint_paths({a, b}, costs);
         if (!known->second) return false;
       }
     }
     std::vector<std::size_t> all(costs.size());
     std::iota(all.begin(), all.end(), 0u);
-    return together(all, costs);
+    return have_joint_paths(all, costs);
   }
 
-  bool together(const std::vector<std::size_t>& who, const std::vector<int>& costs) {
-    who_ = who;
+  bool have_joint_paths(const std::vector<std::size_t>& agents, const std::vector<int>& costs) {
+    agents_ = agents;
     costs_ = costs;
-    hopeless_.clear();
+    dead_ends_.clear();
     Cells cells;
-    for (const std::size_t i : who) cells.push_back(world_.agents[i].start());
+    for (const std::size_t i : agents) cells.push_back(world_.agents[i].start());
     return from(cells, 0);
   }
 
-  /// Can all get to their goals in time from here?
+  /// Can all agents reach their goals in time from here?
   bool from(const Cells& cells, int step) {
     bool arrived = true;
-    for (std::size_t k = 0; k < who_.size(); ++k) arrived = arrived && step >= costs_[who_[k]];
+    for (std::size_t k = 0; k < agents_.size(); ++k) arrived = arrived && step >= costs_[agents_[k]];
     if (arrived) return true;
     Cells all = cells;
     all.push_back(static_cast<StateId>(step));
-    return !hopeless_.contains(all) && (go(cells, {}, step) || !hopeless_.insert(all).second);
+    return !dead_ends_.contains(all) && (go(cells, {}, step) || !dead_ends_.insert(all).second);
   }
 
-  /// The same, those before number next.size() having gone on.
+  /// The same, after the agents before number next.size() have moved.
   bool go(const Cells& cells, const Cells& next, int step) {
     const std::size_t k = next.size();
     if (k == cells.size()) return from(next, step + 1);
-    const TestAgent& agent = world_.agents[who_[k]];
+    const TestAgent& agent = world_.agents[agents_[k]];
     const auto enter = [&](StateId to) {
-      if (step + 1 + to_go(agent, to) > std::max(costs_[who_[k]], step + 1)) return false;
+      if (step + 1 + to_go(agent, to) > std::max(costs_[agents_[k]], step + 1)) return false;
       for (std::size_t i = 0; i < k; ++i)
         if (next[i] == to || (next[i] == cells[k] && cells[i] == to)) return false;
       Cells more = next;
@@ -170,9 +171,9 @@ class IncreasingCostTree {
 
   GridWorld& world_;
   std::map<std::tuple<std::size_t, int, std::size_t, int>, bool> pairs_;
-  std::vector<std::size_t> who_;
+  std::vector<std::size_t> agents_;
   std::vector<int> costs_;
-  std::set<Cells> hopeless_;
+  std::set<Cells> dead_ends_;
 };
 
 }  // namespace
@@ -199,5 +200,5 @@ BOOST_AUTO_TEST_CASE(ten_agents_in_a_grid_of_8_by_8) {
       check_optimum(world, optimum);
     }
   }
-  BOOST_TEST(lost > 5.0);  // they do meet
+  BOOST_TEST(lost > 5.0);  // there are conflicts
 }

@@ -12,18 +12,18 @@ namespace {
 
 constexpr std::size_t me = 0;
 
-/// Everybody's way alone, and how the world's first agent gets along with the others' ways and its own constraints.
+/// Every agent's single-agent path, and searches of the first agent among the others' paths under constraints.
 struct Scene {
   explicit Scene(unsigned seed) : world(random_world(seed)) {
     for (std::size_t i = 0; i < world->size(); ++i) {
-      TimedSearchResult alone = timed_search(*world, i, {}, {}, {}, nullptr, {}, Deadline());
-      if (alone.status != Status::solved) return;
-      ways.push_back(std::move(alone.path));
+      TimedSearchResult found = timed_search(*world, i, {}, {}, {}, nullptr, {}, Deadline());
+      if (found.status != Status::solved) return;
+      paths.push_back(std::move(found.path));
     }
-    for (std::size_t i = 1; i < ways.size(); ++i) others.push_back({i, &ways[i]});
+    for (std::size_t i = 1; i < paths.size(); ++i) others.push_back({i, &paths[i]});
   }
 
-  bool solvable_alone() const { return ways.size() == world->size(); }
+  bool solvable_alone() const { return paths.size() == world->size(); }
 
   TimedSearchResult search(const TimedSearchOptions& options, const TimedPath* experience = nullptr) {
     return timed_search(*world, me, constraints, avoid, others, experience, options, Deadline());
@@ -34,13 +34,13 @@ struct Scene {
       if (world->forbids(constraint, move)) return false;
     for (int step = move.start; step < move.end; ++step)
       for (const OtherPath& other : avoid)
-        if (world->clash(me, {move.from, move.to}, other.agent, place_at(*other.path, step))) return false;
+        if (world->collide(me, {move.from, move.to}, other.agent, place_at(*other.path, step))) return false;
     return true;
   }
 
-  /// Cheapest way, step by step over all states; infinity: there is none.
+  /// The cost of the cheapest path, step by step over all states; infinity: there is none.
   double optimum() {
-    constexpr int end = 60;  // all others have long arrived, and whoever has a way has got there
+    constexpr int end = 60;  // later than all others arrive, and than any optimal path ends
     TestAgent& agent = world->agents[me];
     const std::size_t states = agent.problem.h.size();
     std::vector<std::vector<double>> cost(end + 4, std::vector<double>(states, infinity));
@@ -50,9 +50,9 @@ struct Scene {
       const auto now = static_cast<std::size_t>(step);
       for (StateId s = 0; s < states; ++s) {
         if (cost[now][s] == infinity) continue;
-        bool rests = agent.is_goal(s);
-        for (int t = step; rests && t < end; ++t) rests = may_make({s, s, t, t + 1});
-        if (rests) best = std::min(best, cost[now][s]);
+        bool stays = agent.is_goal(s);
+        for (int t = step; stays && t < end; ++t) stays = may_make({s, s, t, t + 1});
+        if (stays) best = std::min(best, cost[now][s]);
         const auto go = [&](StateId to, int duration, double more) {
           double& there = cost[now + static_cast<std::size_t>(duration)][to];
           if (may_make({s, to, step, step + duration})) there = std::min(there, cost[now][s] + more);
@@ -65,7 +65,7 @@ struct Scene {
   }
 
   std::unique_ptr<TestWorld> world;
-  std::vector<TimedPath> ways;
+  std::vector<TimedPath> paths;
   std::vector<OtherPath> others, avoid;
   std::vector<Constraint> constraints;
 };
@@ -79,7 +79,7 @@ const std::vector<TimedSearchOptions> all_options{
     {.bound = infinity, .low_level_weight = 5.0, .focal = 5.0},
 };
 
-void check_way(Scene& scene, const TimedSearchResult& result, double bound, double optimum) {
+void check_path(Scene& scene, const TimedSearchResult& result, double bound, double optimum) {
   if (optimum == infinity) {
     BOOST_REQUIRE(result.status == Status::exhausted);
     return;
@@ -98,7 +98,7 @@ void check_way(Scene& scene, const TimedSearchResult& result, double bound, doub
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(a_way_around_others_costs_what_brute_force_says) {
+BOOST_AUTO_TEST_CASE(a_path_among_others_costs_what_brute_force_says) {
   int solved = 0, exhausted = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     BOOST_TEST_CONTEXT("seed " << seed) {
@@ -108,8 +108,8 @@ BOOST_AUTO_TEST_CASE(a_way_around_others_costs_what_brute_force_says) {
       const double optimum = scene.optimum();
       ++(optimum < infinity ? solved : exhausted);
       for (const TimedSearchOptions& options : all_options) {
-        check_way(scene, scene.search(options), options.bound, optimum);
-        check_way(scene, scene.search(options, &scene.ways[me]), options.bound, optimum);
+        check_path(scene, scene.search(options), options.bound, optimum);
+        check_path(scene, scene.search(options, &scene.paths[me]), options.bound, optimum);
       }
     }
   }
@@ -117,63 +117,63 @@ BOOST_AUTO_TEST_CASE(a_way_around_others_costs_what_brute_force_says) {
   BOOST_TEST(exhausted > 10);
 }
 
-BOOST_AUTO_TEST_CASE(constraints_one_after_another_are_kept_with_and_without_experience) {
-  int most = 0;
+BOOST_AUTO_TEST_CASE(constraints_are_kept_with_and_without_experience) {
+  int max_count = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     BOOST_TEST_CONTEXT("seed " << seed) {
       Scene scene(seed);
       if (!scene.solvable_alone()) continue;
       const TimedSearchOptions& options = all_options[seed % all_options.size()];
-      TimedPath last = scene.ways[me];
-      for (int count = 0; count < 12; ++count) {  // whatever meets the first of the others that it meets is forbidden
+      TimedPath last = scene.paths[me];
+      for (int count = 0; count < 12; ++count) {  // the first conflict with any of the others is forbidden
         PathConflicts found;
         for (const OtherPath& other : scene.others)
           if (found.count == 0) found = conflicts_of(*scene.world, {me, &last}, other);
         if (found.count == 0) break;
         scene.constraints.push_back({found.first, 0});
-        most = std::max(most, count + 1);
+        max_count = std::max(max_count, count + 1);
         const double optimum = scene.optimum();
-        check_way(scene, scene.search(options), options.bound, optimum);
+        check_path(scene, scene.search(options), options.bound, optimum);
         const TimedSearchResult again = scene.search(options, &last);
-        check_way(scene, again, options.bound, optimum);
+        check_path(scene, again, options.bound, optimum);
         if (again.status != Status::solved) break;
         BOOST_REQUIRE(again.path.moves != last.moves);
         last = again.path;
       }
     }
   }
-  BOOST_TEST(most == 12);
+  BOOST_TEST(max_count == 12);
 }
 
-BOOST_AUTO_TEST_CASE(others_are_met_as_little_as_the_bound_allows) {
+BOOST_AUTO_TEST_CASE(conflicts_with_others_are_as_few_as_the_bound_allows) {
   GridWorld world = grid({"a..b", "...."}, {"b..a", "...."});
   const TimedPath straight = timed_search(world, 1, {}, {}, {}, nullptr, {}, Deadline()).path;
   const OtherPath other{1, &straight};
-  const auto met = [&](const TimedSearchOptions& options) {
+  const auto conflicts = [&](const TimedSearchOptions& options) {
     const TimedSearchResult found = timed_search(world, 0, {}, {}, {&other, 1}, nullptr, options, Deadline());
     return std::pair(found.path.cost, conflicts_of(world, {0, &found.path}, other).count);
   };
-  BOOST_TEST((met({}) == std::pair(3.0, 1)));
-  BOOST_TEST((met({.bound = 1.7, .focal = 1.7}) == std::pair(5.0, 0)));
+  BOOST_TEST((conflicts({}) == std::pair(3.0, 1)));
+  BOOST_TEST((conflicts({.bound = 1.7, .focal = 1.7}) == std::pair(5.0, 0)));
 }
 
-BOOST_AUTO_TEST_CASE(conflicts_of_finds_the_first_step_in_which_two_meet) {
-  int met = 0;
+BOOST_AUTO_TEST_CASE(conflicts_of_finds_the_first_step_in_which_two_collide) {
+  int conflicts = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
     BOOST_TEST_CONTEXT("seed " << seed) {
       Scene scene(seed);
       if (!scene.solvable_alone()) continue;
       for (const OtherPath& other : scene.others) {
-        const TimedPath& mine = scene.ways[me];
+        const TimedPath& mine = scene.paths[me];
         int first = -1;
         for (int step = 0; first < 0 && step <= std::max(mine.arrival(), other.path->arrival()); ++step)
-          if (scene.world->clash(me, place_at(mine, step), other.agent, place_at(*other.path, step))) first = step;
+          if (scene.world->collide(me, place_at(mine, step), other.agent, place_at(*other.path, step))) first = step;
         const PathConflicts found = conflicts_of(*scene.world, {me, &mine}, other);
         BOOST_REQUIRE_EQUAL(found.count > 0, first >= 0);
         if (first < 0) continue;
-        ++met;
+        ++conflicts;
         BOOST_REQUIRE_EQUAL(found.first.step, first);
-        BOOST_REQUIRE(scene.world->meet(me, found.first.moves[0], other.agent, found.first.moves[1]));
+        BOOST_REQUIRE(scene.world->in_conflict(me, found.first.moves[0], other.agent, found.first.moves[1]));
         for (const Move& move : found.first.moves) {
           BOOST_REQUIRE(move.start <= first && first < move.end);
           BOOST_REQUIRE(move.end < forever);
@@ -182,13 +182,13 @@ BOOST_AUTO_TEST_CASE(conflicts_of_finds_the_first_step_in_which_two_meet) {
       }
     }
   }
-  BOOST_TEST(met > 100);
+  BOOST_TEST(conflicts > 100);
 }
 
-BOOST_AUTO_TEST_CASE(a_search_stops_after_as_many_looks_as_allowed) {
+BOOST_AUTO_TEST_CASE(a_search_stops_after_max_evaluations) {
   GridWorld world = grid({"a....", "....."}, {".....", "....a"});
-  const auto search = [&](std::uint64_t most) {
-    return timed_search(world, 0, {}, {}, {}, nullptr, {.max_evaluations = most}, Deadline());
+  const auto search = [&](std::uint64_t max_evaluations) {
+    return timed_search(world, 0, {}, {}, {}, nullptr, {.max_evaluations = max_evaluations}, Deadline());
   };
   const std::uint64_t needed = search(1000).statistics.evaluations;
   BOOST_TEST((search(needed).status == Status::solved));
@@ -198,7 +198,7 @@ BOOST_AUTO_TEST_CASE(a_search_stops_after_as_many_looks_as_allowed) {
   BOOST_TEST(less.path.moves.empty());
 }
 
-BOOST_AUTO_TEST_CASE(a_start_without_a_goal_is_exhausted_whatever_is_known) {
+BOOST_AUTO_TEST_CASE(a_start_without_a_goal_is_exhausted_even_with_experience) {
   GridWorld world = grid({"a#."}, {".#a"});
   const TimedPath known{{{0, 0, 0, 1}, {0, 0, 1, forever}}, 1.0};
   const TimedSearchResult result = timed_search(world, 0, {}, {}, {}, &known, {}, Deadline());

@@ -67,7 +67,7 @@ Problem improvable() {
   }
 }
 
-BOOST_AUTO_TEST_CASE(ara_stops_when_the_callback_says_so) {
+BOOST_AUTO_TEST_CASE(ara_stops_when_on_solution_returns_false) {
   Problem problem = improvable();
   Result first;
   const Result result = plan(problem, {.on_solution = [&](const Result& solution) {
@@ -78,7 +78,7 @@ BOOST_AUTO_TEST_CASE(ara_stops_when_the_callback_says_so) {
   BOOST_TEST(result.bound > 1.0);
 }
 
-BOOST_AUTO_TEST_CASE(ara_returns_the_best_so_far_when_time_is_up) {
+BOOST_AUTO_TEST_CASE(ara_returns_the_best_path_so_far_at_the_deadline) {
   Problem problem = improvable();
   Result first;
   const Deadline deadline(0.2);

@@ -12,7 +12,7 @@ using namespace srmp::search::test;
 
 namespace {
 
-/// A* that evaluates every edge it generates to a state that is not closed: how many is that?
+/// The number of evaluations of an A* that evaluates every edge it generates to a state that is not closed.
 std::uint64_t eager_evaluations(Problem& problem) {
   using Key = std::tuple<double, double, std::uint64_t, StateId>;
   std::set<Key> open;

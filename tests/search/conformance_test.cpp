@@ -60,8 +60,8 @@ Planner mha_with(double w1, double w2, std::vector<InadmissibleHeuristic> others
           }};
 }
 
-/// `guides` of them: each a number from the state's, the first none at all.
-Planner portfolio_of_one(double weight, std::uint64_t turn, std::size_t inadmissible_heuristics) {
+/// Each of the inadmissible heuristics is a hash of the state, the first is 0.
+Planner portfolio_of_one(double weight, std::uint64_t slice, std::size_t inadmissible_heuristics) {
   return {"portfolio " + to_text(weight) + " with " + std::to_string(inadmissible_heuristics), weight,
           [=](auto& graph, auto starts, auto& h, auto& deadline) {
             const InadmissibleHeuristics values{
@@ -74,7 +74,7 @@ Planner portfolio_of_one(double weight, std::uint64_t turn, std::size_t inadmiss
             const auto make = [&](std::size_t) {
               return PortfolioMember<AnyGraph, AnyHeuristic>{&graph, {starts.begin(), starts.end()}, &h, values};
             };
-            return portfolio<AnyGraph, AnyHeuristic>(1, make, {weight, turn}, deadline).result;
+            return portfolio<AnyGraph, AnyHeuristic>(1, make, {weight, slice}, deadline).result;
           }};
 }
 
@@ -119,7 +119,7 @@ BOOST_AUTO_TEST_CASE(every_planner_keeps_its_bound_on_random_problems) {
         Problem problem = random_problem(seed);
         const Result result = planner(problem);
         check_result(problem, result, planner.bound);
-        BOOST_REQUIRE_LE(problem.graph.max_asked(), 1);
+        BOOST_REQUIRE_LE(problem.graph.max_evaluations(), 1);
         solvable += result.status == Status::solved;
       }
     }
@@ -138,7 +138,7 @@ BOOST_AUTO_TEST_CASE(every_planner_repeats_itself) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(memory_is_at_min_that_of_the_states_expanded) {
+BOOST_AUTO_TEST_CASE(memory_is_at_least_that_of_the_states_expanded) {
   for (const Planner& planner : all_planners()) {
     BOOST_TEST_CONTEXT(planner.name) {
       Problem problem = random_problem(3);
@@ -149,7 +149,7 @@ BOOST_AUTO_TEST_CASE(memory_is_at_min_that_of_the_states_expanded) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(every_planner_walks_the_corridor) {
+BOOST_AUTO_TEST_CASE(every_planner_finds_the_path_through_the_corridor) {
   for (const Planner& planner : all_planners()) {
     Problem problem = corridor();
     const Result result = planner(problem);
@@ -176,7 +176,7 @@ BOOST_AUTO_TEST_CASE(every_planner_says_exhausted) {
   for (const Planner& planner : all_planners()) {
     Problem bridge = broken_bridge();
     check_result(bridge, planner(bridge), planner.bound);
-    BOOST_TEST(bridge.graph.max_asked() == 1);
+    BOOST_TEST(bridge.graph.max_evaluations() == 1);
     Problem island{TestGraph(2), {0}, {infinity, 0.0}};  // pruned at the start
     island.graph.goals[1] = 1;
     BOOST_TEST((planner(island).status == Status::exhausted));
@@ -206,7 +206,7 @@ BOOST_AUTO_TEST_CASE(the_nearest_of_several_starts_wins) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(every_planner_stops_at_once_when_time_is_up_or_the_caller_cancels) {
+BOOST_AUTO_TEST_CASE(every_planner_stops_at_the_deadline_and_when_cancelled) {
   for (const Planner& planner : all_planners()) {
     Problem problem = corridor();
     const Result late = planner(problem, Deadline(0.0));
@@ -219,7 +219,7 @@ BOOST_AUTO_TEST_CASE(every_planner_stops_at_once_when_time_is_up_or_the_caller_c
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_deadline_is_asked_after_every_evaluation) {
+BOOST_AUTO_TEST_CASE(the_deadline_is_polled_after_every_evaluation) {
   for (const Planner& planner : all_planners()) {
     Problem problem = corridor();
     const Deadline deadline(0.005);

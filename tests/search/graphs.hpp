@@ -12,14 +12,14 @@
 
 #include "srmp/search/graph.hpp"
 
-/// Graphs for the search tests, and brute force to judge the answers by.
+/// Graphs for the search tests, and brute force to check the results against.
 namespace srmp::search::test {
 
 struct Arc {
   StateId to{no_state};
-  double lower{};  ///< what successors() says
-  double cost{};   ///< the truth; infinity: no such edge
-  int asked{};     ///< times evaluated
+  double lower{};     ///< as successors() has it
+  double cost{};      ///< the true cost; infinity: no such edge
+  int evaluations{};  ///< times evaluated
 };
 
 /// A graph written out. Evaluates with `threads` threads, each its own part of the batch.
@@ -57,23 +57,24 @@ struct TestGraph {
     for (std::thread& helper : helpers) helper.join();
     for (const Edge& edge : edges) {
       Arc& arc = *find(edge.from, edge.to);
-      ++arc.asked;
+      ++arc.evaluations;
       BOOST_REQUIRE_EQUAL(arc.lower, edge.cost);
     }
   }
 
   bool is_goal(StateId s) const { return goals[s]; }
 
-  int max_asked() const {
-    int most = 0;
+  int max_evaluations() const {
+    int maximum = 0;
     for (const auto& out : arcs) {
-      for (const Arc& arc : out) most = std::max(most, arc.asked);
+      for (const Arc& arc : out) maximum = std::max(maximum, arc.evaluations);
     }
-    return most;
+    return maximum;
   }
 };
 
-/// Distances from `sources` over the costs that `cost_of(arc)` gives; against the arrows if `backwards`.
+/// Distances from `sources` over the costs that `cost_of(arc)` gives; against the direction of the edges if
+/// `backwards`.
 template <class CostOf>
 std::vector<double> dijkstra(const TestGraph& graph, const std::vector<StateId>& sources, CostOf&& cost_of,
                              bool backwards = false) {
@@ -100,7 +101,7 @@ std::vector<double> dijkstra(const TestGraph& graph, const std::vector<StateId>&
 inline double lower_of(const Arc& arc) { return arc.lower; }
 inline double cost_of(const Arc& arc) { return arc.cost; }
 
-/// A graph, where to start, and a consistent heuristic: a part of the way to the nearest goal over the lower bounds.
+/// A graph, where to start, and a consistent heuristic: a fraction of the cost-to-go over the lower bounds.
 struct Problem {
   TestGraph graph;
   std::vector<StateId> starts;
@@ -108,13 +109,13 @@ struct Problem {
 
   double operator()(StateId s) const { return h[s]; }  // a Heuristic
 
-  void set_heuristic(double part) {
+  void set_heuristic(double fraction) {
     std::vector<StateId> goals;
     for (StateId s = 0; s < graph.goals.size(); ++s) {
       if (graph.goals[s]) goals.push_back(s);
     }
     h = dijkstra(graph, goals, lower_of, true);
-    for (double& value : h) value = value < infinity ? part * value : infinity;
+    for (double& value : h) value = value < infinity ? fraction * value : infinity;
   }
 
   double optimum() const {
@@ -139,10 +140,10 @@ class Dice {
   std::mt19937 engine_;
 };
 
-/// The truth about an edge with this lower bound: mostly the same, sometimes dearer, sometimes no edge at all.
-inline double true_cost(Dice& dice, double lower, double dearer, double missing) {
+/// The true cost of an edge with this lower bound: mostly the same, sometimes more, sometimes no edge at all.
+inline double true_cost(Dice& dice, double lower, double costlier, double missing) {
   if (dice.chance(missing)) return infinity;
-  return dice.chance(dearer) ? lower * (1.0 + 3.0 * dice.unit()) : lower;
+  return dice.chance(costlier) ? lower * (1.0 + 3.0 * dice.unit()) : lower;
 }
 
 /// 5 to 80 states with a few edges each; whole-numbered costs (many ties) or not; often without a path.
@@ -150,14 +151,14 @@ inline Problem random_digraph(unsigned seed) {
   Dice dice(seed);
   const unsigned n = 5 + dice.below(76), degree = 1 + dice.below(5);
   const bool ties = dice.chance(0.5);
-  const double dearer = 0.4 * dice.unit(), missing = 0.3 * dice.unit();
+  const double costlier = 0.4 * dice.unit(), missing = 0.3 * dice.unit();
   Problem problem{TestGraph(n), {}, {}};
   for (StateId s = 0; s < n; ++s) {
     for (unsigned k = 0; k < degree; ++k) {
       const StateId to = dice.below(n);
       const double lower = ties ? 1.0 + dice.below(4) : 0.1 + 9.9 * dice.unit();
       if (to != s && !problem.graph.find(s, to)) {
-        problem.graph.add(s, to, lower, true_cost(dice, lower, dearer, missing));
+        problem.graph.add(s, to, lower, true_cost(dice, lower, costlier, missing));
       }
     }
   }
@@ -172,7 +173,7 @@ inline Problem random_grid(unsigned seed) {
   Dice dice(seed);
   const int width = 2 + static_cast<int>(dice.below(13)), height = 2 + static_cast<int>(dice.below(13));
   const bool eight = dice.chance(0.5), hidden = dice.chance(0.7);
-  const double walls = 0.45 * dice.unit(), dearer = dice.chance(0.5) ? 0.3 : 0.0;
+  const double walls = 0.45 * dice.unit(), costlier = dice.chance(0.5) ? 0.3 : 0.0;
   std::vector<char> wall(static_cast<std::size_t>(width * height));
   for (char& cell : wall) cell = dice.chance(walls);
   Problem problem{TestGraph(wall.size()), {0}, {}};
@@ -186,7 +187,7 @@ inline Problem random_grid(unsigned seed) {
         const StateId to = static_cast<StateId>(ny * width + nx);
         if (wall[to] && !hidden) continue;
         const double lower = std::hypot(dx, dy);
-        const double cost = wall[to] ? infinity : true_cost(dice, lower, dearer, 0.0);
+        const double cost = wall[to] ? infinity : true_cost(dice, lower, costlier, 0.0);
         problem.graph.add(static_cast<StateId>(y * width + x), to, lower, cost);
       }
     }
@@ -208,18 +209,18 @@ inline Problem corridor() {
   return problem;
 }
 
-///      1?         1?: looks like 1, costs 9
+///      1?         1?: lower bound 1, costs 9
 ///  0 ----> 2 -1-> 3*
 ///   \-1-> 1 -1.5-^2
-inline Problem false_shortcut(double truth) {
+inline Problem false_shortcut(double true_cost) {
   Problem problem{TestGraph(4), {0}, {}};
-  problem.graph.add(0, 2, 1.0, truth).add(0, 1, 1.0).add(1, 2, 1.5).add(2, 3, 1.0);
+  problem.graph.add(0, 2, 1.0, true_cost).add(0, 1, 1.0).add(1, 2, 1.5).add(2, 3, 1.0);
   problem.graph.goals[3] = 1;
   problem.set_heuristic(1.0);
   return problem;
 }
 
-/// 0 -1-> 1 -1?-> 2*    1?: is not there
+/// 0 -1-> 1 -1?-> 2*    1?: does not exist
 inline Problem broken_bridge() {
   Problem problem{TestGraph(3), {0}, {}};
   problem.graph.add(0, 1, 1.0).add(1, 2, 1.0, infinity);
@@ -228,7 +229,7 @@ inline Problem broken_bridge() {
   return problem;
 }
 
-/// A solved result is a path of this problem and keeps its bound; an unsolved one is right to be.
+/// A solved result is a path of this problem and keeps its bound; an unsolved one has none.
 inline void check_result(Problem& problem, const Result& result, double guaranteed_bound) {
   const double optimum = problem.optimum();
   if (optimum == infinity) {
@@ -244,7 +245,7 @@ inline void check_result(Problem& problem, const Result& result, double guarante
   for (std::size_t i = 0; i + 1 < result.path.size(); ++i) {
     const Arc* arc = problem.graph.find(result.path[i], result.path[i + 1]);
     BOOST_REQUIRE(arc != nullptr);
-    BOOST_REQUIRE(arc->asked > 0);
+    BOOST_REQUIRE(arc->evaluations > 0);
     cost += arc->cost;
   }
   BOOST_REQUIRE_EQUAL(cost, result.cost);

@@ -24,8 +24,7 @@ BOOST_AUTO_TEST_CASE(mha_keeps_its_bound_with_misleading_heuristics) {
   }
 }
 
-/// An anchor that knows nothing and another heuristic that knows the way: a 60 x 60 grid needs little more than its
-/// path.
+/// An anchor heuristic of 0 beside the Manhattan distance: on a 60 x 60 grid, little more than the path is expanded.
 BOOST_AUTO_TEST_CASE(mha_follows_a_good_inadmissible_heuristic) {
   constexpr StateId width = 60;
   Problem problem{TestGraph(width * width), {0}, std::vector<double>(width * width, 0.0)};

@@ -11,7 +11,7 @@ namespace {
 
 using Key = std::tuple<double, double, std::uint64_t>;
 
-/// What OPEN should be, slowly.
+/// A slow reference implementation of OPEN.
 struct Model {
   std::map<StateId, Key> keys;
   std::uint64_t next{};
@@ -50,7 +50,7 @@ BOOST_AUTO_TEST_CASE(open_list_keeps_the_number_of_an_unchanged_or_restored_key)
   open.restore(entry);
   BOOST_TEST(open.top().state == 4u);
   open.set(4, 2.0, 1.0);
-  open.set(4, 1.0, 1.0);  // changed and changed back: now the last to come
+  open.set(4, 1.0, 1.0);  // changed and changed back: now the last inserted
   for (const StateId expected : {5u, 6u, 4u}) BOOST_TEST(open.pop().state == expected);
 }
 

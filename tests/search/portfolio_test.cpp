@@ -11,7 +11,7 @@ namespace {
 
 using Member = PortfolioMember<TestGraph, Problem>;
 
-/// Two guides: the problem's own heuristic, and one that knows nothing.
+/// Two inadmissible heuristics: the problem's own heuristic, and a hash.
 InadmissibleHeuristics inadmissible_heuristics(const Problem& problem) {
   return {2, [&problem](std::span<const StateId> states, std::span<double> out) {
             for (std::size_t i = 0; i < states.size(); ++i) {
@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(a_portfolio_keeps_the_bound_of_its_winner_and_fails_only_wh
   BOOST_TEST(second > 20);
 }
 
-BOOST_AUTO_TEST_CASE(a_portfolio_refuses_nonsense) {
+BOOST_AUTO_TEST_CASE(a_portfolio_refuses_invalid_options) {
   Problem problem = random_problem(0);
   check_throws<InvalidArgument>([&] { run({}); }, "at least one search");
   check_throws<InvalidArgument>([&] { run({member(problem)}, {0.5}); }, "weight");
@@ -71,7 +71,7 @@ BOOST_AUTO_TEST_CASE(a_portfolio_says_which_graphs_hold_no_path) {
   BOOST_TEST((none.exhausted == std::vector<char>{1}));
 }
 
-BOOST_AUTO_TEST_CASE(a_portfolio_gives_up_after_as_many_expansions_as_it_may) {
+BOOST_AUTO_TEST_CASE(a_portfolio_stops_after_max_expansions) {
   Problem problem = corridor();
   const PortfolioResult found = run({member(problem)}, {1.0, 1, 2});
   BOOST_TEST((found.result.status == Status::timed_out));
@@ -79,7 +79,7 @@ BOOST_AUTO_TEST_CASE(a_portfolio_gives_up_after_as_many_expansions_as_it_may) {
   BOOST_TEST(found.result.statistics.expansions == 2u);
 }
 
-BOOST_AUTO_TEST_CASE(a_member_is_made_when_its_turn_comes) {
+BOOST_AUTO_TEST_CASE(a_member_is_made_before_its_first_slice) {
   Problem problem = corridor();
   std::size_t made = 0;
   const auto make = [&](std::size_t) {
@@ -90,7 +90,7 @@ BOOST_AUTO_TEST_CASE(a_member_is_made_when_its_turn_comes) {
   BOOST_TEST(made == 1u);
 }
 
-/// The heuristic may say that no path through a state is short enough; when nothing is left, none is.
+/// A heuristic of infinity says that no path through a state is short enough; an exhausted graph then holds none.
 BOOST_AUTO_TEST_CASE(a_graph_exhausted_within_a_limit_holds_no_path_below_it) {
   int proven = 0, solved = 0;
   for (unsigned seed = 0; seed < random_problems; ++seed) {
@@ -99,8 +99,8 @@ BOOST_AUTO_TEST_CASE(a_graph_exhausted_within_a_limit_holds_no_path_below_it) {
       const double optimum = problem.optimum();
       if (optimum == infinity) continue;
       const std::vector<double> from_start = dijkstra(problem.graph, problem.starts, lower_of);
-      for (const double share : {0.8, 0.999, 1.001, 1.5}) {
-        const double limit = share * optimum;
+      for (const double fraction : {0.8, 0.999, 1.001, 1.5}) {
+        const double limit = fraction * optimum;
         Problem within = problem;
         for (StateId s = 0; s < within.h.size(); ++s)
           if (from_start[s] + within.h[s] > limit) within.h[s] = infinity;

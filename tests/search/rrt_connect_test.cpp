@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t many = 100'000;
 
-/// A unit square with walls from both sides, each with a narrow gap at one end.
+/// A unit square with two walls, each with a narrow gap at its opposite end.
 bool is_free(const VectorXd& q) {
   const double x = q[0], y = q[1];
   const bool first = std::abs(x - 0.35) < 0.05 && y < 0.92;
@@ -35,7 +35,7 @@ RrtSpace maze() {
   RrtSpace space;
   space.starts = {Vector2d(0.1, 0.1)};
   space.goals = {Vector2d(0.9, 0.9), Vector2d(0.95, 0.5)};
-  space.longest_step = 0.3;
+  space.max_step = 0.3;
   space.sample = [](RandomSequence& random) -> VectorXd {
     const double x = random.next();
     return Vector2d(x, random.next());
@@ -44,12 +44,12 @@ RrtSpace maze() {
   return space;
 }
 
-void check(const std::vector<VectorXd>& way, const RrtSpace& space) {
-  BOOST_TEST((way.front() == space.starts.front()));
-  BOOST_TEST((std::find(space.goals.begin(), space.goals.end(), way.back()) != space.goals.end()));
-  for (std::size_t i = 1; i < way.size(); ++i) {
-    BOOST_TEST(space.is_motion_free(way[i - 1], way[i]));
-    BOOST_TEST((way[i] - way[i - 1]).norm() <= space.longest_step * (1 + 1e-12));
+void check(const std::vector<VectorXd>& path, const RrtSpace& space) {
+  BOOST_TEST((path.front() == space.starts.front()));
+  BOOST_TEST((std::find(space.goals.begin(), space.goals.end(), path.back()) != space.goals.end()));
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    BOOST_TEST(space.is_motion_free(path[i - 1], path[i]));
+    BOOST_TEST((path[i] - path[i - 1]).norm() <= space.max_step * (1 + 1e-12));
   }
 }
 
@@ -66,33 +66,33 @@ std::string refusal(const RrtSpace& space) {
 
 BOOST_AUTO_TEST_SUITE(rrt_connect)
 
-BOOST_AUTO_TEST_CASE(trees_find_a_free_way_through_a_maze) {
+BOOST_AUTO_TEST_CASE(rrt_connect_finds_a_free_path_through_a_maze) {
   const RrtSpace space = maze();
-  for (std::uint64_t sequence = 0; sequence < 50; ++sequence) {
-    RrtConnect trees(space, sequence);
-    const auto way = trees.grow(many, {});
-    BOOST_REQUIRE(way.has_value());
-    check(*way, space);
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    RrtConnect trees(space, seed);
+    const auto path = trees.grow(many, {});
+    BOOST_REQUIRE(path.has_value());
+    check(*path, space);
     BOOST_TEST(trees.memory() > 0u);
   }
 }
 
-BOOST_AUTO_TEST_CASE(the_straight_way_is_taken_where_it_is_free) {
+BOOST_AUTO_TEST_CASE(the_straight_path_is_taken_where_it_is_free) {
   RrtSpace space = maze();
   space.goals = {Vector2d(0.9, 0.9), Vector2d(0.1, 0.8)};
   RrtConnect trees(space);
-  const auto way = trees.grow(1, {});
-  BOOST_REQUIRE(way.has_value());
-  check(*way, space);
-  BOOST_TEST((way->back() == space.goals[1]));
-  BOOST_TEST(way->size() == 4u);
-  for (const VectorXd& q : *way) BOOST_TEST(q[0] == 0.1);
+  const auto path = trees.grow(1, {});
+  BOOST_REQUIRE(path.has_value());
+  check(*path, space);
+  BOOST_TEST((path->back() == space.goals[1]));
+  BOOST_TEST(path->size() == 4u);
+  for (const VectorXd& q : *path) BOOST_TEST(q[0] == 0.1);
   space.goals = space.starts;
   BOOST_TEST(RrtConnect(space).grow(1, {}).value().size() == 2u);
 }
 
-BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_another) {
-  const auto grown = [](std::uint64_t sequence) { return *RrtConnect(maze(), sequence).grow(many, {}); };
+BOOST_AUTO_TEST_CASE(a_seed_gives_the_same_path_every_time_and_another_seed_another) {
+  const auto grown = [](std::uint64_t seed) { return *RrtConnect(maze(), seed).grow(many, {}); };
   const auto first = grown(0);
   BOOST_TEST((grown(0) == first));
   BOOST_TEST((grown(1) != first));
@@ -102,23 +102,23 @@ BOOST_AUTO_TEST_CASE(a_sequence_is_the_same_every_time_and_its_number_makes_anot
   BOOST_TEST((*found == first));
 }
 
-BOOST_AUTO_TEST_CASE(numbers_of_a_sequence_are_spread_over_the_unit_interval) {
+BOOST_AUTO_TEST_CASE(a_random_sequence_is_spread_over_the_unit_interval) {
   RandomSequence random(7);
   std::vector<int> tenths(10);
   for (int i = 0; i < 10'000; ++i) ++tenths[static_cast<std::size_t>(10 * random.next())];  // throws outside [0, 1)
   for (const int count : tenths) BOOST_TEST(std::abs(count - 1000) < 150);
 }
 
-BOOST_AUTO_TEST_CASE(an_angle_may_go_round) {
+BOOST_AUTO_TEST_CASE(an_angle_may_wrap_around) {
   RrtSpace space = maze();
   space.starts = {Vector2d(3.0, 0.0)};
   space.goals = {Vector2d(-3.0, 0.0)};
-  space.turns = {1, 0};
-  // What is in between by the long way is not free.
+  space.wraps = {1, 0};
+  // The longer way around is not free.
   space.is_motion_free = [](const VectorXd& a, const VectorXd& b) {
-    const double way = std::remainder(b[0] - a[0], 2 * std::numbers::pi);
+    const double path = std::remainder(b[0] - a[0], 2 * std::numbers::pi);
     for (int i = 0; i <= 100; ++i)
-      if (std::abs(std::remainder(a[0] + way * i / 100, 2 * std::numbers::pi)) < 2.5) return false;
+      if (std::abs(std::remainder(a[0] + path * i / 100, 2 * std::numbers::pi)) < 2.5) return false;
     return true;
   };
   space.sample = [](RandomSequence& random) -> VectorXd {
@@ -126,11 +126,11 @@ BOOST_AUTO_TEST_CASE(an_angle_may_go_round) {
     return Vector2d(x, random.next());
   };
   BOOST_TEST(RrtConnect(space).grow(many, {}).has_value());
-  space.turns = {};
+  space.wraps = {};
   BOOST_TEST(!RrtConnect(space).grow(2'000, {}).has_value());
 }
 
-BOOST_AUTO_TEST_CASE(trees_stop_when_they_are_told_to) {
+BOOST_AUTO_TEST_CASE(rrt_connect_stops_after_its_attempts_and_at_the_deadline) {
   RrtSpace closed = maze();
   closed.is_motion_free = [](const VectorXd&, const VectorXd&) { return false; };
   RrtConnect stuck(closed);
@@ -144,16 +144,16 @@ BOOST_AUTO_TEST_CASE(trees_stop_when_they_are_told_to) {
   BOOST_TEST(!RrtConnect(nowhere).grow(many, {}).has_value());
 }
 
-BOOST_AUTO_TEST_CASE(nonsense_is_refused) {
+BOOST_AUTO_TEST_CASE(invalid_spaces_are_refused) {
   RrtSpace space = maze();
-  space.longest_step = 0.0;
-  BOOST_TEST(refusal(space) == "longest_step is 0, it must be finite and more than 0");
+  space.max_step = 0.0;
+  BOOST_TEST(refusal(space) == "max_step is 0, it must be finite and more than 0");
   space = maze();
   space.goals.push_back(VectorXd::Zero(3));
-  BOOST_TEST(refusal(space) == "starts and goals of trees have 2 and 3 components, they must have equally many");
+  BOOST_TEST(refusal(space) == "starts and goals have 2 and 3 components, they must have equally many");
   space = maze();
-  space.turns = {1};
-  BOOST_TEST(refusal(space) == "turns has 1 entries, it must have 2 or none");
+  space.wraps = {1};
+  BOOST_TEST(refusal(space) == "wraps has 1 entries, it must have 2 or none");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -63,7 +63,7 @@ BOOST_AUTO_TEST_CASE(wpase_with_batches_of_one_is_weighted_astar) {
   }
 }
 
-/// Calls to evaluate() are what threads and lanes speed up: batches need fewer of them.
+/// Threads and SIMD lanes speed up calls of evaluate(); batches need fewer calls.
 BOOST_AUTO_TEST_CASE(wpase_needs_fewer_calls_than_edges) {
   struct CountingGraph : TestGraph {
     std::uint64_t calls{};

@@ -9,20 +9,20 @@
 #include "srmp/scene/scene.hpp"
 #include "srmp/scene/shape.hpp"
 
-/// Files. What MoveIt writes as YAML (moveit_msgs/PlanningScene, moveit_msgs/MotionPlanRequest; MotionBenchMaker's
-/// scene*.yaml and request*.yaml), as plain names and numbers: no robot is needed to read one.
+/// Readers of MoveIt's YAML files (moveit_msgs/PlanningScene, moveit_msgs/MotionPlanRequest; MotionBenchMaker's
+/// scene*.yaml and request*.yaml). Results are plain names and numbers: no robot is needed to read a file.
 namespace srmp::io {
 
 /// One shape of a collision object. An object of several shapes gives "id", "id_1", "id_2", …
 struct SceneObject {
   std::string name;   ///< unique in the file
-  std::string id;     ///< of the collision object it belongs to
-  std::string frame;  ///< that `pose` is given in; "" = the planning frame
+  std::string id;     ///< of its collision object
+  std::string frame;  ///< of `pose`; "" = the planning frame
   Shape shape;
   Pose pose;  ///< object pose * shape pose
 };
 
-/// A collision object in the robot's hand.
+/// A collision object that is attached to a link.
 struct AttachedObject {
   std::string link;
   std::vector<SceneObject> objects;
@@ -35,11 +35,11 @@ struct RobotState {
   std::vector<AttachedObject> attached;
 };
 
-/// entries[i][k]: may names[i] and names[k] touch?
+/// entries[i][k]: may names[i] and names[k] be in contact?
 struct AllowedCollisionMatrix {
   std::vector<std::string> names;
   std::vector<std::vector<bool>> entries;
-  std::map<std::string, bool> defaults;  ///< name → allowed with everything that has no entry
+  std::map<std::string, bool> defaults;  ///< name → contact allowed with everything that has no entry
 };
 
 struct FixedFrame {
@@ -64,7 +64,7 @@ struct JointConstraint {
   double tolerance_below{};  ///< [rad or m], >= 0
 };
 
-/// The origin of a link must be in a region.
+/// The origin of a link must lie in a region.
 struct PositionConstraint {
   std::string link;
   std::string frame;  ///< of `pose`; "" = the planning frame
@@ -77,10 +77,11 @@ struct OrientationConstraint {
   std::string frame;  ///< "" = the planning frame
   Eigen::Quaterniond orientation{Eigen::Quaterniond::Identity()};
   Eigen::Vector3d tolerance{Eigen::Vector3d::Zero()};  ///< [rad] about x, y, z, >= 0
-  bool rotation_vector{false};  ///< tolerance bounds the rotation vector's parts; otherwise intrinsic x, y, z angles
+  bool rotation_vector{
+      false};  ///< tolerance bounds the rotation vector's components; otherwise intrinsic x, y, z angles
 };
 
-/// One way to reach the goal: all of its constraints must hold.
+/// One of the alternative goals: all of its constraints must hold.
 struct GoalAlternative {
   std::string name;
   std::vector<JointConstraint> joints;
@@ -100,8 +101,8 @@ struct RequestFile {
   std::string planner_id;
   std::string pipeline_id;
   RobotState start_state;
-  std::vector<GoalAlternative> goals;           ///< at least one; reaching any is enough
-  std::optional<double> allowed_planning_time;  ///< [s], > 0; MoveIt's 0 means "not said"
+  std::vector<GoalAlternative> goals;           ///< at least one; any may be reached
+  std::optional<double> allowed_planning_time;  ///< [s], > 0; MoveIt's 0 means "not given"
   double velocity_scaling{1.0};                 ///< in (0, 1]; MoveIt's 0 means 1
   double acceleration_scaling{1.0};             ///< in (0, 1]; MoveIt's 0 means 1
   std::optional<WorkspaceBounds> workspace;
@@ -109,24 +110,24 @@ struct RequestFile {
 
 /// Both throw FileError, with file and line, for anything missing, misspelt (with the nearest known key), NaN, zero
 /// quaternions (they are [x, y, z, w], or a map), sizes not above 0, or numbers that do not match; and NotSupported for
-/// what is right but not done here (planes, octomaps, link padding; path constraints, …). Nothing is skipped silently
-/// but colours, stamps, object types, subframes, and joint velocities and efforts.
+/// what is valid but not supported (planes, octomaps, link padding; path constraints, …). Only colours, stamps, object
+/// types, subframes, and joint velocities and efforts are ignored.
 SceneFile read_moveit_scene(const std::string& path);
 RequestFile read_moveit_request(const std::string& path);
 
-/// Puts the file's objects, attached objects and their allowed collisions into the scene, or throws and changes
-/// nothing.
+/// Adds the file's objects, attached objects and their allowed collisions to the scene. Throws InvalidArgument or
+/// NotSupported and then changes nothing.
 ///
-/// `planning_frame` is where the file's planning frame is in the world: for MotionBenchMaker the base of the robot.
-/// Frames of objects are looked up among the file's fixed frames, then the links of the scene's robots (where set_qpos
-/// put them). Robots are not moved: robot_state is for the caller to judge.
+/// `planning_frame` is the pose of the file's planning frame in the world: for MotionBenchMaker the base of the robot.
+/// Frames of objects are looked up among the file's fixed frames, then the links of the scene's robots (as placed by
+/// set_qpos). Robots are not moved: robot_state is left to the caller.
 ///
-/// Of the allowed-collision matrix only the entries that concern an object of the file are taken. Those between two
-/// links repeat the SRDF's (or are older than it) and the scene's robot has its own rules; names of links or objects
+/// Only those entries of the allowed collision matrix are applied that concern an object of the file: entries between
+/// two links repeat the SRDF's (or are older than it), which the scene's robot has already. Names of links or objects
 /// that are neither in the file nor in the scene are refused when an object's entry allows contact with them.
 void apply(const SceneFile& file, Scene& scene, const Pose& planning_frame = {});
 
-/// Adds and attaches the objects that a request's start state holds, or throws and changes nothing.
+/// Attaches the objects of a request's start state. Throws as apply() and then changes nothing.
 void apply_attached(const RequestFile& file, Scene& scene, const Pose& planning_frame = {});
 
 }  // namespace srmp::io

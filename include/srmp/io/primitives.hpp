@@ -10,7 +10,7 @@ namespace srmp::io {
 
 /// Reads motion primitives for a robot's planned joints from YAML:
 ///
-///     units: degrees            # or radians, for `by` of joints that turn; prismatic joints are always in metres
+///     units: degrees            # or radians, for `by` of revolute joints; prismatic joints are always in metres
 ///     near_distance: 0.4        # joint-space distance to the goal [rad] where near replaces far (default 0.4)
 ///     prismatic: 0.05           # [m] step of prismatic joints in families of `each` joint (default 0.05)
 ///     families:
@@ -24,7 +24,7 @@ namespace srmp::io {
 /// the file, then that of `joints`, + before -.
 ///
 /// Throws FileError with file and line for: a missing or empty file, unknown keys or joints (with the nearest known
-/// name), a move of zero, by more than half a turn, or that is there already in its family, a wrong number of values,
+/// name), a move of zero, by more than half a turn, or repeated in its family, a wrong number of values,
 /// NaN, a family name used twice, and a set without moves near or far from the goal.
 PrimitiveSet read_primitives(const std::string& path, const std::vector<Joint>& joints);
 

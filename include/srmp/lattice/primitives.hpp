@@ -9,17 +9,17 @@
 
 namespace srmp {
 
-/// Where on the way a family of motion primitives is used.
+/// At which states a family of motion primitives is used.
 enum class PrimitiveUse {
   always,
-  far,   ///< only from states farther than PrimitiveSet::near_distance from both ends of the path
-  near,  ///< only from the others
-  /// Everywhere, but the signs say nothing: each joint turns by its entry towards the target, those nearer to it than
-  /// half of that stay. Where fewer than three are left to turn there is no such move.
-  towards,
+  far,   ///< only at states farther than PrimitiveSet::near_distance from both ends of the path
+  near,  ///< only at the others
+  /// At all states. Each joint moves by the absolute value of its entry towards the target; joints that are nearer to
+  /// it than half of that stay. Where fewer than three joints would move there is no such move.
+  to_targets,
 };
 
-/// Moves that belong together. A move is a joint displacement [rad or m], one entry a planned joint.
+/// Moves that belong together. A move is a joint displacement [rad or m], one entry per planned joint.
 struct PrimitiveFamily {
   std::string name;
   PrimitiveUse use{PrimitiveUse::always};
@@ -34,28 +34,29 @@ struct PrimitiveSet {
   double near_distance{0.4};  ///< joint-space distance to the start or a goal [rad, prismatic joints m], >= 0
 };
 
-/// Configurations of a lattice are whole multiples of this away from their anchor: 1e-4 degree [rad], or 1e-6 m.
+/// Configurations of a lattice differ from their root by whole multiples of this: 1e-4 degree [rad], or 1e-6 m.
 double grid_unit(const Joint& joint);
 
-/// One step a joint: `turn` [rad], or `slide` [m] where it is prismatic.
-Eigen::VectorXd lattice_step(const std::vector<Joint>& joints, double turn, double slide);
+/// One step per joint: `revolute` [rad], or `prismatic` [m] where it is prismatic.
+Eigen::VectorXd lattice_step(const std::vector<Joint>& joints, double revolute, double prismatic);
 
-/// Every planned joint alone, both ways: by one step everywhere and, near the ends of the path, where room is scarce
-/// and precision wanted, by a third of a step too. `step` has one entry a joint [rad or m], > 0.
+/// Every planned joint alone, in both directions: by one step at all states and, near the ends of the path, where space
+/// is scarce and precision is needed, by a third of a step too. `step` has one entry per joint [rad or m]. Throws
+/// InvalidArgument for steps that are not positive.
 PrimitiveSet axis_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step);
 
-/// Two planned joints that turn about parallel axes when all stand at 0, neighbours or with one joint between them:
-/// turned against each other they shift what they carry, and keep its orientation.
+/// Two planned joints, next to each other or with one joint between them, whose axes are parallel when all joints are
+/// at 0: by opposite rotations they translate what they carry and keep its orientation.
 using JointPair = std::pair<Eigen::Index, Eigen::Index>;
 std::vector<JointPair> parallel_pairs(const RobotModel& robot);
 
-/// For several lattices side by side: by one step, all planned joints at once towards the other end, every joint alone,
-/// and the two of each pair, all four ways. Short moves would only crowd them.
+/// For several lattices that are searched in a portfolio: by one step, all planned joints at once to the target, every
+/// joint alone, and the two of each pair, in all four combinations of directions. Short moves would only add states.
 PrimitiveSet rich_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
                              const std::vector<JointPair>& pairs);
 
 /// For one lattice: the rich ones and, within half a step of the ends, every joint by a third of a step. A coarse
-/// lattice may have no way out of a narrow end; short moves anywhere farther would be tried by the thousand there.
+/// lattice may have no path out of a narrow end; farther away, short moves would make thousands of states.
 PrimitiveSet default_primitives(const std::vector<Joint>& joints, const Eigen::VectorXd& step,
                                 const std::vector<JointPair>& pairs);
 

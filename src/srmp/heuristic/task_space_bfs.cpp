@@ -16,37 +16,38 @@ namespace srmp {
 namespace {
 
 constexpr float unreached = std::numeric_limits<float>::infinity();
-constexpr float wall = -1.0f;
+constexpr float occupied_cell = -1.0f;
 constexpr std::size_t max_cells = 50'000'000;
 
 coal::Transform3s to_coal(const Pose& pose) { return {pose.q.toRotationMatrix(), pose.p}; }
 
-/// Fills a grid piece by piece, since a large one takes long; false when time was up.
+/// Fills a grid in blocks, since a large one takes long; false when the deadline has passed.
 template <class T>
 bool fill(std::vector<T>& cells, std::size_t count, T value, const Deadline& deadline) {
-  constexpr std::size_t piece = 1 << 18;
+  constexpr std::size_t block = 1 << 18;
   cells.reserve(count);
   while (cells.size() < count) {
     if (deadline.stop_requested()) return false;
-    cells.resize(std::min(count, cells.size() + piece), value);
+    cells.resize(std::min(count, cells.size() + block), value);
   }
   return true;
 }
 
-/// From a solid shape to a point in its frame; nothing where it is no formula.
+/// From a solid shape to a point in its frame; nothing for shapes without a formula.
 std::optional<double> distance(const Shape& shape, const Eigen::Vector3d& p) {
   const auto outside = [](double d) { return std::max(d, 0.0); };
   const double across = std::hypot(p.x(), p.y()), along = std::abs(p.z());
   if (const auto* box = std::get_if<Box>(&shape)) return (p.cwiseAbs() - box->size / 2).cwiseMax(0.0).norm();
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return outside(p.norm() - sphere->radius);
-  if (const auto* rod = std::get_if<Cylinder>(&shape))
-    return std::hypot(outside(across - rod->radius), outside(along - rod->length / 2));
-  if (const auto* pill = std::get_if<Capsule>(&shape))
-    return outside(std::hypot(across, outside(along - pill->length / 2)) - pill->radius);
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape))
+    return std::hypot(outside(across - cylinder->radius), outside(along - cylinder->length / 2));
+  if (const auto* capsule = std::get_if<Capsule>(&shape))
+    return outside(std::hypot(across, outside(along - capsule->length / 2)) - capsule->radius);
   return std::nullopt;
 }
 
-/// Does a sphere meet an object? By the formula, else by the object's field, and by Coal where that leaves it open.
+/// Does a sphere collide with an object? By a formula, else by the object's distance field, and by Coal where its
+/// bounds leave it open.
 class SphereTest {
  public:
   SphereTest(const Object& object, double radius)
@@ -104,24 +105,25 @@ TaskSpaceBfs::TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const
     distance_.clear();
     return;
   }
-  wall_in();
+  add_border();
   for (const auto& [name, object] : scene.objects())
     if (!scene.attachments().contains(name)) mark(object, std::max(options.radius, 1e-6), deadline);
   flood(goals, deadline);
 }
 
-/// Cells from -1 to size, the wall included.
+/// Of cells from -1 to size, the border included.
 std::size_t TaskSpaceBfs::index(const Cell& c) const {
   return static_cast<std::size_t>(
       ((c[2] + 1) * (size_[1] + std::ptrdiff_t{2}) + c[1] + 1) * (size_[0] + std::ptrdiff_t{2}) + c[0] + 1);
 }
 
-void TaskSpaceBfs::wall_in() {
+void TaskSpaceBfs::add_border() {
   for (int z = -1; z <= size_[2]; ++z)
     for (int y = -1; y <= size_[1]; ++y) {
       const bool outside = z < 0 || z == size_[2] || y < 0 || y == size_[1];
-      if (outside) std::fill_n(distance_.begin() + static_cast<std::ptrdiff_t>(index({-1, y, z})), size_[0] + 2, wall);
-      distance_[index({-1, y, z})] = distance_[index({size_[0], y, z})] = wall;
+      if (outside)
+        std::fill_n(distance_.begin() + static_cast<std::ptrdiff_t>(index({-1, y, z})), size_[0] + 2, occupied_cell);
+      distance_[index({-1, y, z})] = distance_[index({size_[0], y, z})] = occupied_cell;
     }
 }
 
@@ -154,13 +156,14 @@ void TaskSpaceBfs::mark(const Object& object, double radius, const Deadline& dea
       if (deadline.stop_requested()) return;
       for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
         float& cell = distance_[index(c)];
-        if (cell != wall && hits(low_ + resolution_ * Eigen::Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5))) cell = wall;
+        if (cell != occupied_cell && hits(low_ + resolution_ * Eigen::Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5)))
+          cell = occupied_cell;
       }
     }
 }
 
-/// Dijkstra's algorithm with a bucket for each `resolution`, the shortest step: what is in the lowest bucket cannot
-/// become shorter (Denardo, Fox 1979), so it needs no order.
+/// Dijkstra's algorithm with one bucket for each `resolution` of distance (Denardo, Fox 1979): no step is shorter, so
+/// distances in the lowest bucket are final and need no order.
 void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline& deadline) {
   struct Step {
     std::ptrdiff_t offset;
@@ -175,15 +178,15 @@ void TaskSpaceBfs::flood(std::span<const Eigen::Vector3d> goals, const Deadline&
           steps.push_back({static_cast<std::ptrdiff_t>(index({x, y, z})) - middle,
                            static_cast<float>(resolution_ * std::sqrt(double(x * x + y * y + z * z)))});
   using Entry = std::pair<float, std::ptrdiff_t>;
-  std::array<std::vector<Entry>, 4> buckets;  // of which at most three hold anything: no step is two resolutions long
+  std::array<std::vector<Entry>, 4> buckets;  // at most three are in use: no step is two resolutions long
   const auto reach = [&](std::ptrdiff_t cell, float d) {
     distance_[static_cast<std::size_t>(cell)] = d;
     buckets[static_cast<std::size_t>(d / static_cast<float>(resolution_)) % buckets.size()].emplace_back(d, cell);
   };
   for (const Eigen::Vector3d& goal : goals) reach(static_cast<std::ptrdiff_t>(index(cell_of(goal))), 0.0f);
   std::size_t polled = 0, empty = 0;
-  for (std::size_t turn = 0; empty < buckets.size(); ++turn) {
-    std::vector<Entry>& bucket = buckets[turn % buckets.size()];
+  for (std::size_t lowest = 0; empty < buckets.size(); ++lowest) {
+    std::vector<Entry>& bucket = buckets[lowest % buckets.size()];
     empty = bucket.empty() ? empty + 1 : 0;
     while (!bucket.empty()) {
       if (polled++ % 1024 == 0 && deadline.stop_requested()) return;

@@ -9,11 +9,11 @@
 
 namespace srmp {
 
-/// Breadth-first distances in the workspace: how far a sphere of `radius` must travel from the goal positions around
-/// the scene's objects (Cohen, Chitta, Likhachev 2010). 26-connected grid; steps cost their length.
+/// Shortest distances in the workspace for a sphere of `radius` around the scene's objects to the nearest goal position
+/// (the 3D search heuristic of Cohen, Chitta, Likhachev 2010), on a 26-connected grid whose edges cost their length.
 ///
-/// InadmissibleHeuristics the end effector, not the arm: neither admissible nor consistent for joint-space costs. Use
-/// it with a weight, or beside a consistent anchor in MHA*.
+/// It guides the end effector alone, not the robot: neither admissible nor consistent for joint-space costs. Use it as
+/// an inadmissible heuristic beside a consistent anchor in MHA*.
 class TaskSpaceBfs {
  public:
   struct Options {
@@ -22,14 +22,17 @@ class TaskSpaceBfs {
   };
 
   /// The grid is the box `low`..`high` (world frame), grown where needed to hold the goals. Objects of the scene that
-  /// are not attached to a robot are obstacles. Once the deadline has passed, the rest of the grid stays undone.
+  /// are not attached to a robot are obstacles. Throws InvalidArgument for a resolution that is not positive or makes
+  /// more than 50 million cells. Once the deadline has passed, the grid stays incomplete: distances are then wrong, but
+  /// can be queried.
   TaskSpaceBfs(const Scene& scene, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                std::span<const Eigen::Vector3d> goals, const Options& options, const Deadline& deadline = {});
 
-  /// Travelled distance [m] from `point` to the nearest goal; 0 in a goal's cell; infinity where walls leave no way.
-  /// Points outside the grid count from the nearest cell; points inside obstacles from the nearest free neighbour.
+  /// Shortest distance [m] from `point` (world frame) to the nearest goal; 0 in a goal's cell; infinity where there is
+  /// no path. Points outside the grid count as in the nearest cell, points in obstacles as in the nearest free
+  /// neighbour cell.
   double distance(const Eigen::Vector3d& point) const;
-  /// Is the middle of this point's cell nearer than the radius to an object?
+  /// Is the centre of this point's cell nearer to an object than the radius?
   bool occupied(const Eigen::Vector3d& point) const;
   std::size_t memory() const { return distance_.capacity() * sizeof(float); }
 
@@ -37,14 +40,14 @@ class TaskSpaceBfs {
   using Cell = std::array<int, 3>;
   Cell cell_of(const Eigen::Vector3d& point) const;
   std::size_t index(const Cell& cell) const;
-  void wall_in();
+  void add_border();
   void mark(const Object& object, double radius, const Deadline& deadline);
   void flood(std::span<const Eigen::Vector3d> goals, const Deadline& deadline);
 
   double resolution_;
   Eigen::Vector3d low_;
-  Cell size_{};                  // without the wall around the grid, which saves asking where it ends
-  std::vector<float> distance_;  // by cell, x runs fastest; negative in walls and obstacles
+  Cell size_{};                  // without the border, which saves range checks
+  std::vector<float> distance_;  // by cell, x runs fastest; negative in the border and in obstacles
 };
 
 }  // namespace srmp

@@ -13,7 +13,7 @@ namespace {
 using YAML::Node;
 using Names = std::vector<std::string>;
 
-constexpr double rounding = 1e-5;  // [rad or m] of position limits: a pi written with six digits is no narrower limit
+constexpr double rounding = 1e-5;  // [rad or m]: a position limit of pi, written with six digits, is not narrower
 
 const Names file_keys{"joint_limits", "default_velocity_scaling_factor", "default_acceleration_scaling_factor"};
 const Names joint_keys{"has_position_limits",
@@ -77,7 +77,7 @@ class JointLimitsReader {
     for (const char* key : {"has_deceleration_limits", "has_effort_limits", "has_soft_limits"})
       if (flag(node, joint.name, key).value_or(false))
         file_.unsupported(node[key], joint.name + ": " + key + " is true, but only limits of velocity, acceleration " +
-                                         "and jerk are planned with; say false");
+                                         "and jerk are supported; set it to false");
     const auto wraps = flag(node, joint.name, "angle_wraparound");
     if (wraps && *wraps != (joint.kind == JointKind::continuous))
       file_.unsupported(node["angle_wraparound"], joint.name + ": angle_wraparound is " + (*wraps ? "true" : "false") +
@@ -96,7 +96,7 @@ class JointLimitsReader {
     return file_.number(node, what);
   }
 
-  /// Of max_<what>; none: the file does not limit it.
+  /// max_<what>; none: the file does not limit it.
   std::optional<double> above_zero(const Node& node, const std::string& joint, const std::string& what) const {
     const std::string has = "has_" + what + "_limits", max = "max_" + what;
     const auto limited = flag(node, joint, has);

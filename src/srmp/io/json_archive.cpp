@@ -36,7 +36,7 @@ double real(const YamlFile& file, const Node& node, const std::string& place) {
   if (node.Scalar() == "-inf") return -inf;
   if (node.Scalar() == "nan") return nan;
   file.fail(node,
-            place + " must be a number, or one of the texts 'inf', '-inf' and 'nan', not '" + node.Scalar() + "'");
+            place + " must be a number, or one of the strings 'inf', '-inf' and 'nan', not '" + node.Scalar() + "'");
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ void JsonWriter::write(double value) {
   else if (std::isinf(value))
     emitter_ << (value > 0 ? "inf" : "-inf");
   else if (value == 0.0 && std::signbit(value))
-    emitter_ << YAML::Auto << "-0.0";  // "-0" would be a whole number, without a sign, to many a reader
+    emitter_ << YAML::Auto << "-0.0";  // many readers take "-0" for an integer, which has no negative zero
   else
     emitter_ << YAML::Auto << to_text(value);
 }
@@ -140,7 +140,7 @@ void JsonReader::read(const Node& node, const std::string& place, Eigen::Vector3
 
 void JsonReader::read(const Node& node, const std::string& place, Pose& value) const {
   const std::vector<double> v = numbers(node, place, 7);
-  value = {{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};  // not normalised: to the last bit as it was
+  value = {{v[0], v[1], v[2]}, {v[6], v[3], v[4], v[5]}};  // not normalised, so that it reads back bit for bit
 }
 
 void JsonReader::read(const Node& node, const std::string& place, RowMatrix& value) const {

@@ -1,15 +1,15 @@
 #pragma once
 
-// Internal (not installed: no header of ours shows yaml-cpp to users).
+// Internal (not installed: no public header includes yaml-cpp).
 //
-// One list of fields a struct, `describe(archive, value)`, both writes it and reads it:
+// One function per struct, `describe(archive, value)`, lists its fields for both writing and reading:
 //
 //   template <class Archive>
 //   void describe(Archive& archive, Ref<Archive, Sphere> sphere) {
 //     archive("radius", sphere.radius);
 //   }
 //
-// Numbers read back bit for bit; JSON has no infinity and no NaN, they are the texts "inf", "-inf" and "nan".
+// Numbers read back bit for bit. JSON has no infinity and no NaN: they are the strings "inf", "-inf" and "nan".
 
 #include <Eigen/Core>
 #include <array>
@@ -35,21 +35,22 @@ namespace srmp::io {
 template <class Archive, class T>
 using Ref = typename Archive::template Ref<T>;
 
-/// to_string's word as one of an enum's values, which count from 0; nullopt: it has no such word.
+/// The value of an enum, whose values count from 0, with this name by to_string; nullopt: there is none, and `known`
+/// holds all names.
 template <class Enum>
-std::optional<Enum> enum_of(const std::string& word, std::vector<std::string>& known) {
+std::optional<Enum> enum_of(const std::string& text, std::vector<std::string>& known) {
   for (int i = 0;; ++i) {
     const std::string name(to_string(static_cast<Enum>(i)));
     if (name == "unknown") return std::nullopt;
-    if (name == word) return static_cast<Enum>(i);
+    if (name == text) return static_cast<Enum>(i);
     known.push_back(name);
   }
 }
 
-/// A value that may be of several kinds.
+/// A value of one of several types.
 using JsonValue = std::variant<bool, double, std::string, std::vector<std::string>>;
 
-/// JSON text: every key and every row of numbers on a line of its own, so that complaints can name the line.
+/// Writes JSON with every key and every row of numbers on a line of its own, so that errors can name the line.
 class JsonWriter {
  public:
   template <class T>
@@ -60,9 +61,9 @@ class JsonWriter {
   JsonWriter();
   /// Begins a file of this format.
   explicit JsonWriter(const std::string& format);
-  /// Ends it.
+  /// Ends the map.
   std::string text();
-  /// Ends it and writes it, whole or not at all. Throws FileError.
+  /// Ends the map and writes the file atomically. Throws FileError.
   void save(const std::string& path);
 
   template <class T>
@@ -145,7 +146,7 @@ class JsonWriter {
   YAML::Emitter emitter_;
 };
 
-/// Reads one map of a file. Every complaint is a FileError that names file, line and place, such as
+/// Reads one map of a file. Every error is a FileError that names file, line and place, such as
 /// "scene.objects[2].pose".
 class JsonReader {
  public:
@@ -154,7 +155,7 @@ class JsonReader {
   static constexpr bool reading = true;
 
   JsonReader(const YamlFile& file, const YAML::Node& map, std::string place);
-  /// To be called when all has been read: refuses keys that nobody asked for.
+  /// To be called when all has been read: refuses keys that were not read.
   void finish() const;
 
   bool has(const std::string& key) const { return map_[key].IsDefined(); }
@@ -163,7 +164,7 @@ class JsonReader {
   /// A reader for each map in the list under the key.
   std::vector<JsonReader> items(const char* key);
   [[noreturn]] void fail(const std::string& what) const;
-  /// Runs `call`; what it throws becomes a complaint about this place.
+  /// Runs `call`; errors that it throws are reported for this place.
   template <class Call>
   auto guarded(Call&& call) const {
     try {

@@ -7,10 +7,11 @@ namespace srmp::io {
 
 namespace {
 
-/// Changes a copy of the scene, so that a file that is refused half-way leaves nothing behind.
-class Writer {
+/// Changes a copy of the scene, so that a refused file leaves the scene as it was.
+class SceneUpdate {
  public:
-  Writer(const std::string& path, const Scene& scene, const std::vector<FixedFrame>& frames, const Pose& planning_frame)
+  SceneUpdate(const std::string& path, const Scene& scene, const std::vector<FixedFrame>& frames,
+              const Pose& planning_frame)
       : path_(path), scene_(scene), frames_(frames), planning_frame_(planning_frame) {}
 
   void add(const SceneObject& object) {
@@ -31,8 +32,8 @@ class Writer {
   void allow(const AllowedCollisionMatrix& matrix) {
     for (const auto& [name, allowed] : matrix.defaults)
       if (allowed && is_added(name))
-        throw NotSupported(path_ + ": the allowed collision matrix lets object '" + name +
-                           "' touch everything, which is not supported; remove the object instead");
+        throw NotSupported(path_ + ": the allowed collision matrix allows object '" + name +
+                           "' contact with everything, which is not supported; remove the object instead");
     for (std::size_t i = 0; i < matrix.names.size(); ++i)
       for (std::size_t k = 0; k < matrix.names.size(); ++k)
         if (matrix.entries[i][k] && i != k && (is_added(matrix.names[i]) || is_added(matrix.names[k])))
@@ -43,7 +44,7 @@ class Writer {
   Scene take() { return std::move(scene_); }
 
  private:
-  /// The robot that has the link; there must be exactly one.
+  /// The one robot that has the link.
   std::string robot_of(const std::string& link) const {
     std::vector<std::string> robots, links;
     for (const auto& [name, robot] : scene_.robots())
@@ -82,7 +83,7 @@ class Writer {
     return std::any_of(added_.begin(), added_.end(), [&](const SceneObject* object) { return object->id == id; });
   }
 
-  /// All shapes of an object of the file; or the name itself.
+  /// The names of all shapes of an object of the file; of others, the name itself.
   std::vector<std::string> shapes_of(const std::string& id) const {
     std::vector<std::string> names;
     for (const SceneObject* object : added_)
@@ -100,18 +101,18 @@ class Writer {
 }  // namespace
 
 void apply(const SceneFile& file, Scene& scene, const Pose& planning_frame) {
-  Writer writer(file.path, scene, file.fixed_frames, planning_frame);
-  for (const SceneObject& object : file.objects) writer.add(object);
-  for (const AttachedObject& attached : file.robot_state.attached) writer.attach(attached);
-  writer.allow(file.allowed_collisions);
-  scene = writer.take();
+  SceneUpdate update(file.path, scene, file.fixed_frames, planning_frame);
+  for (const SceneObject& object : file.objects) update.add(object);
+  for (const AttachedObject& attached : file.robot_state.attached) update.attach(attached);
+  update.allow(file.allowed_collisions);
+  scene = update.take();
 }
 
 void apply_attached(const RequestFile& file, Scene& scene, const Pose& planning_frame) {
   const std::vector<FixedFrame> no_frames;
-  Writer writer(file.path, scene, no_frames, planning_frame);
-  for (const AttachedObject& attached : file.start_state.attached) writer.attach(attached);
-  scene = writer.take();
+  SceneUpdate update(file.path, scene, no_frames, planning_frame);
+  for (const AttachedObject& attached : file.start_state.attached) update.attach(attached);
+  scene = update.take();
 }
 
 }  // namespace srmp::io

@@ -70,7 +70,7 @@ class PrimitiveReader {
     if (joints.IsScalar())
       read_each(joints, by, family);
     else
-      read_together(joint_indices(joints, what), by, family);
+      read_joint_list(joint_indices(joints, what), by, family);
     return family;
   }
 
@@ -85,8 +85,8 @@ class PrimitiveReader {
 
   /// Every planned joint alone; prismatic ones by the file's step.
   void read_each(const Node& joints, const Node& by, PrimitiveFamily& family) const {
-    const std::string word = file_.text(joints, "joints");
-    if (word != "each") file_.fail(joints, "joints is '" + word + "'; it must be 'each' or a list of joint names");
+    const std::string text = file_.text(joints, "joints");
+    if (text != "each") file_.fail(joints, "joints is '" + text + "'; it must be 'each' or a list of joint names");
     const double step = file_.number(by, "by, for each joint,");
     for (std::size_t j = 0; j < joints_.size(); ++j)
       add(by, {j}, {joints_[j].kind == JointKind::prismatic && step != 0.0 ? prismatic_step_ : to_native(step, j)},
@@ -113,7 +113,7 @@ class PrimitiveReader {
     return indices;
   }
 
-  void read_together(const std::vector<std::size_t>& joints, const Node& by, PrimitiveFamily& family) const {
+  void read_joint_list(const std::vector<std::size_t>& joints, const Node& by, PrimitiveFamily& family) const {
     if (by.IsScalar()) {
       require_one_unit(by, joints);
       add_native(by, joints, std::vector<double>(joints.size(), file_.number(by, "by")), family);
@@ -129,11 +129,12 @@ class PrimitiveReader {
       add_native(alternative, joints, file_.numbers(alternative, "an alternative of by", joints.size()), family);
   }
 
-  /// One number for joints that turn and joints that slide would be degrees and metres at once.
+  /// One number for revolute and prismatic joints would be degrees and metres at once.
   void require_one_unit(const Node& by, const std::vector<std::size_t>& joints) const {
-    const auto slides = [&](std::size_t j) { return joints_[j].kind == JointKind::prismatic; };
-    if (std::any_of(joints.begin(), joints.end(), slides) && !std::all_of(joints.begin(), joints.end(), slides))
-      file_.fail(by, "by is one number, but some of the joints turn and some slide; write one number a joint");
+    const auto prismatic = [&](std::size_t j) { return joints_[j].kind == JointKind::prismatic; };
+    if (std::any_of(joints.begin(), joints.end(), prismatic) && !std::all_of(joints.begin(), joints.end(), prismatic))
+      file_.fail(
+          by, "by is one number, but some of the joints are revolute and some prismatic; write one number per joint");
   }
 
   double to_native(double value, std::size_t joint) const {
@@ -161,8 +162,7 @@ class PrimitiveReader {
       file_.fail(at, "a move of family '" + family.name + "' is zero; at least one joint must move");
     for (const Eigen::VectorXd& other : family.moves)
       if (other == move)
-        file_.fail(at,
-                   "a move of family '" + family.name + "' is there already (every move is made in both directions)");
+        file_.fail(at, "a move of family '" + family.name + "' is repeated (every move is made in both directions)");
     family.moves.push_back(move);
     family.moves.push_back(-move);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Internal: a scene as a map in a file.
+// Internal: scenes as maps in files.
 
 #include "srmp/io/json_archive.h"
 #include "srmp/scene/scene.hpp"

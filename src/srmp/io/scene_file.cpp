@@ -8,7 +8,7 @@ namespace {
 
 const std::vector<std::string> formats{scene_format, problem_format};
 
-/// A robot with all that scenes know of it.
+/// A robot and its state in the scene.
 struct RobotText {
   RobotDescription description;
   Pose base;
@@ -17,7 +17,7 @@ struct RobotText {
   double padding{};
 };
 
-/// An object; while attached its pose is in the link's frame.
+/// An object; the pose of an attached one is in the link's frame.
 struct ObjectText {
   std::string name;
   Shape shape{Box{Eigen::Vector3d::Zero()}};
@@ -87,7 +87,7 @@ void describe(Archive& archive, Ref<Archive, PointCloud> cloud) {
   archive("points", cloud.points);
 }
 
-/// An empty shape of the kind that shape_kind names.
+/// An empty shape of this kind, as shape_kind names it.
 Shape shape_of_kind(const JsonReader& reader, const std::string& kind) {
   std::vector<std::string> known;
   for (const Shape& shape : std::initializer_list<Shape>{Box{Eigen::Vector3d::Zero()}, Sphere{}, Cylinder{}, Capsule{},
@@ -141,9 +141,9 @@ RobotText robot_text(const RobotInstance& robot) {
 }
 
 ObjectText object_text(const Scene& scene, const Object& object) {
-  const auto held = scene.attachments().find(object.name);
+  const auto attached = scene.attachments().find(object.name);
   return {object.name, object.shape, object.pose, object.padding,
-          held == scene.attachments().end() ? std::nullopt : std::optional(held->second)};
+          attached == scene.attachments().end() ? std::nullopt : std::optional(attached->second)};
 }
 
 void add(Scene& scene, RobotText robot, const std::vector<std::string>& package_dirs) {
@@ -158,12 +158,12 @@ void add(Scene& scene, RobotText robot, const std::vector<std::string>& package_
 
 void add(Scene& scene, const ObjectText& object) {
   scene.add_object(object.name, object.shape, object.pose, object.padding);
-  if (const auto& held = object.attachment)
-    scene.attach_object(object.name, held->robot, held->link, {held->touch_links.begin(), held->touch_links.end()},
-                        object.pose);
+  if (const auto& attachment = object.attachment)
+    scene.attach_object(object.name, attachment->robot, attachment->link,
+                        {attachment->touch_links.begin(), attachment->touch_links.end()}, object.pose);
 }
 
-/// Calls add(item) for each map of the list, whose mistakes are those of the file.
+/// Calls add(item) for each map of the list; its errors are reported for the map's place in the file.
 template <class Item, class Add>
 void read_each(JsonReader& reader, const char* key, Add&& add) {
   for (JsonReader& each : reader.items(key)) {

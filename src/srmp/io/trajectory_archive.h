@@ -1,6 +1,6 @@
 #pragma once
 
-// Internal: fields of trajectories, as files have them.
+// Internal: trajectories as maps in files.
 
 #include "srmp/io/json_archive.h"
 #include "srmp/trajectory/trajectory.hpp"
@@ -61,8 +61,9 @@ void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("time_s", certificate.time_s);
 }
 
-/// "" when the arrays fit together; else a sentence. Of those that were read, the empty ones get their columns.
+/// "" when the arrays have matching sizes; otherwise an error message.
 std::string misfit(const Trajectory& trajectory);
+/// Empty arrays do not tell their columns in a file: gives them one per joint.
 void give_columns(Trajectory& trajectory);
 
 template <class Archive>

@@ -8,7 +8,7 @@ namespace {
 
 const std::vector<std::string> formats{trajectory_format, problem_format};
 
-/// What `srmp plan -o` writes (python/srmp/result.py) has no format; of it, only the trajectory is read.
+/// Results of `srmp plan -o` (python/srmp/result.py) have no format field; only their trajectory is read.
 Trajectory result_trajectory(const YamlFile& file) {
   const YAML::Node& root = file.root();
   if (!root["positions"].IsDefined())
@@ -88,7 +88,7 @@ Trajectory load_trajectory(const std::string& path) {
         "it holds the trajectories of a plan_multi, not one; load the file as a PlannerInterface, whose last_result "
         "has them");
   if (!root.has("result") || !root.inner("result").has("trajectory"))
-    root.fail("it holds no trajectory: nothing was planned, or without success");
+    root.fail("it holds no trajectory: nothing was planned, or planning failed");
   root.inner("result")("trajectory", trajectory);
   return trajectory;
 }

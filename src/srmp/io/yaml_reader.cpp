@@ -11,14 +11,14 @@ namespace srmp::io {
 
 namespace {
 
-/// rostopic and friends end a file with "---": an empty document behind the real one.
+/// rostopic ends files with "---", which starts another, empty document.
 YAML::Node only_document(const std::string& path, const std::vector<YAML::Node>& documents) {
   const YAML::Node* found = nullptr;
   for (const YAML::Node& document : documents) {
     if (document.IsNull()) continue;
     if (found)
       throw FileError(path + ":" + std::to_string(document.Mark().line + 1) +
-                      ": a second document starts here; only one a file is read");
+                      ": a second document starts here; only one document per file is supported");
     found = &document;
   }
   if (!found) throw FileError(path + ": the file is empty");

@@ -1,6 +1,6 @@
 #pragma once
 
-// Internal (not installed: no header of ours shows yaml-cpp to users).
+// Internal (not installed: no public header includes yaml-cpp).
 
 #include <yaml-cpp/yaml.h>
 
@@ -10,25 +10,25 @@
 
 namespace srmp::io {
 
-/// A YAML file with one document. Every complaint is a FileError that names file and line.
+/// A YAML file with one document. Every error is a FileError that names file and line.
 class YamlFile {
  public:
-  /// `language`: what the file is said to be written in, where it is not valid; all JSON is YAML.
+  /// `language`: of the file, for errors about its syntax (all JSON is YAML).
   explicit YamlFile(const std::string& path, const std::string& language = "YAML");
 
   const YAML::Node& root() const { return root_; }
   const std::string& path() const { return path_; }
 
-  /// "path:line", or "path" where the node has no place.
+  /// "path:line", or "path" for a node without a position.
   std::string where(const YAML::Node& node) const;
   [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const;
-  /// For what is right but not done here: NotSupported.
+  /// Throws NotSupported, for what is valid but not supported.
   [[noreturn]] void unsupported(const YAML::Node& node, const std::string& what) const;
 
-  /// `node` is a map with none but the known keys, each once. `what` names it in complaints.
+  /// Requires that `node` is a map of known keys, each once. `what` names it in errors.
   void require_map(const YAML::Node& node, const std::string& what, std::span<const std::string> known) const;
   void require_list(const YAML::Node& node, const std::string& what) const;
-  /// The value of a key that must be there.
+  /// The value of a required key.
   YAML::Node require(const YAML::Node& map, const std::string& key, const std::string& what) const;
 
   double number(const YAML::Node& node, const std::string& what) const;  ///< finite

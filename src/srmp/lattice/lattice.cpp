@@ -10,17 +10,18 @@ namespace srmp {
 
 namespace {
 
-constexpr std::int32_t turn = 3'600'000;  // grid units in 360 degrees
-// Goals are on nobody's grid. First key entry of targets; those below: the state's first, second, … goal snap. The
-// second entry is the target's number, or the state.
-constexpr std::int32_t target_anchor = -1;
+constexpr std::int32_t full_turn = 3'600'000;  // grid units in 360 degrees
+// Goals lie on no grid. Their first key entry is `target_root` for targets, and less than that for the first, second, …
+// goal connection of a state; the second entry is the number of the target, or of the state.
+constexpr std::int32_t target_root = -1;
 constexpr double limit_tolerance = 1e-9;
+constexpr double min_cost = 1e-12;  // of edges, whose costs must be more than 0
 
 double shortest(double difference) { return std::remainder(difference, 2.0 * std::numbers::pi); }
 
 }  // namespace
 
-RowMatrix measure_weights(std::size_t dof) {
+RowMatrix distance_weights(std::size_t dof) {
   RowMatrix weights = RowMatrix::Ones(3, static_cast<Eigen::Index>(dof));
   for (Eigen::Index j = 0; j < weights.cols(); ++j) {
     const double along = dof > 1 ? static_cast<double>(j) / static_cast<double>(dof - 1) : 0.0;
@@ -46,33 +47,34 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
       ends_(workers, {q_, q_}),
       workers_(workers) {
   for (const Joint& joint : joints_) unit_.push_back(grid_unit(joint));
-  for (const PrimitiveFamily& family : options.primitives.families) {
-    Family& added = families_.emplace_back(Family{family.use, {}});
-    for (const Eigen::VectorXd& delta : family.moves) {
-      Move move{{}, 0.0};
-      for (std::size_t j = 0; j < joints_.size(); ++j) {
-        move.steps.push_back(static_cast<std::int32_t>(std::lround(delta[static_cast<Eigen::Index>(j)] / unit_[j])));
-      }
-      move.cost = move_cost(move);
-      if (move.cost == 0.0)
-        throw InvalidArgument("motion primitive family '" + family.name + "' has a move of zero length");
-      added.moves.push_back(std::move(move));
-    }
-  }
+  for (const PrimitiveFamily& family : options.primitives.families) add_family(family);
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     scratch_key_[0] = static_cast<std::int32_t>(i);
     table_.insert(scratch_key_);
   }
-  scratch_key_[0] = target_anchor;
+  scratch_key_[0] = target_root;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     scratch_key_[1] = static_cast<std::int32_t>(i);
     table_.insert(scratch_key_);
   }
   scratch_key_[1] = 0;
-  for (Eigen::VectorXd& via : options.vias) {
+  for (Eigen::VectorXd& waypoint : options.waypoints) {
     scratch_key_[0] = static_cast<std::int32_t>(roots_.size());
-    roots_.push_back(std::move(via));
+    roots_.push_back(std::move(waypoint));
     table_.insert(scratch_key_);
+  }
+}
+
+void Lattice::add_family(const PrimitiveFamily& family) {
+  Family& added = families_.emplace_back(Family{family.use, {}});
+  for (const Eigen::VectorXd& delta : family.moves) {
+    Move move{{}, 0.0};
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+      move.steps.push_back(static_cast<std::int32_t>(std::lround(delta[static_cast<Eigen::Index>(j)] / unit_[j])));
+    move.cost = move_cost(move);
+    if (move.cost == 0.0)
+      throw InvalidArgument("motion primitive family '" + family.name + "' has a move of zero length");
+    added.moves.push_back(std::move(move));
   }
 }
 
@@ -84,14 +86,14 @@ std::vector<search::StateId> Lattice::starts() const {
 
 void Lattice::read_configuration(search::StateId state, Eigen::VectorXd& q) const {
   if (is_goal(state)) {
-    const ConnectedGoal* snapped = connected_goal(state);
-    q = snapped ? snapped->q : targets_[state - root_count()];
+    const ConnectedGoal* connected = connected_goal(state);
+    q = connected ? connected->q : targets_[state - root_count()];
     return;
   }
   const auto key = table_.key(state);
-  const Eigen::VectorXd& anchor = roots_[static_cast<std::size_t>(key[0])];
+  const Eigen::VectorXd& root = roots_[static_cast<std::size_t>(key[0])];
   for (std::size_t j = 0; j < joints_.size(); ++j)
-    q[static_cast<Eigen::Index>(j)] = anchor[static_cast<Eigen::Index>(j)] + key[j + 1] * unit_[j];
+    q[static_cast<Eigen::Index>(j)] = root[static_cast<Eigen::Index>(j)] + key[j + 1] * unit_[j];
 }
 
 const ConnectedGoal* Lattice::connected_goal(search::StateId state) const {
@@ -100,8 +102,8 @@ const ConnectedGoal* Lattice::connected_goal(search::StateId state) const {
 }
 
 std::size_t Lattice::memory() const {
-  const std::size_t snapped = sizeof(decltype(connected_goals_)::value_type) + joints_.size() * sizeof(double);
-  return table_.memory() + connected_goals_.size() * snapped;
+  const std::size_t connected = sizeof(decltype(connected_goals_)::value_type) + joints_.size() * sizeof(double);
+  return table_.memory() + connected_goals_.size() * connected;
 }
 
 Eigen::VectorXd Lattice::configuration(search::StateId state) const {
@@ -114,13 +116,13 @@ double Lattice::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) con
   double squared = 0.0;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto i = static_cast<Eigen::Index>(j);
-    const double d = way(j, a[i], b[i]);
+    const double d = difference(j, a[i], b[i]);
     squared += d * d;
   }
   return std::sqrt(squared);
 }
 
-double Lattice::way(std::size_t joint, double from, double to) const {
+double Lattice::difference(std::size_t joint, double from, double to) const {
   return joints_[joint].kind == JointKind::continuous ? shortest(to - from) : to - from;
 }
 
@@ -145,7 +147,7 @@ double Lattice::distance_from_roots(search::StateId state) const {
   return least;
 }
 
-void Lattice::measure_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const {
+void Lattice::distances_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const {
   std::fill(out.begin(), out.end(), is_goal(state) ? 0.0 : search::infinity);
   if (is_goal(state)) return;
   read_configuration(state, q_);
@@ -154,7 +156,7 @@ void Lattice::measure_to_targets(search::StateId state, const RowMatrix& weights
       double squared = 0.0;
       for (std::size_t j = 0; j < joints_.size(); ++j) {
         const auto i = static_cast<Eigen::Index>(j);
-        squared += std::pow(weights(row, i) * way(j, q_[i], target[i]), 2);
+        squared += std::pow(weights(row, i) * difference(j, q_[i], target[i]), 2);
       }
       double& least = out[static_cast<std::size_t>(row)];
       least = std::min(least, std::sqrt(squared));
@@ -162,7 +164,7 @@ void Lattice::measure_to_targets(search::StateId state, const RowMatrix& weights
     double sum = 0.0;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       const auto i = static_cast<Eigen::Index>(j);
-      sum += std::abs(way(j, q_[i], target[i]));
+      sum += std::abs(difference(j, q_[i], target[i]));
     }
     out.back() = std::min(out.back(), sum);
   }
@@ -170,14 +172,14 @@ void Lattice::measure_to_targets(search::StateId state, const RowMatrix& weights
 
 bool Lattice::apply(search::StateId state, const Move& move) {
   const auto key = table_.key(state);
-  const Eigen::VectorXd& anchor = roots_[static_cast<std::size_t>(key[0])];
+  const Eigen::VectorXd& root = roots_[static_cast<std::size_t>(key[0])];
   scratch_key_[0] = key[0];
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     std::int32_t coordinate = key[j + 1] + move.steps[j];
     if (joints_[j].kind == JointKind::continuous) {
-      coordinate = (coordinate % turn + turn + turn / 2) % turn - turn / 2;
+      coordinate = (coordinate % full_turn + full_turn + full_turn / 2) % full_turn - full_turn / 2;
     } else if (move.steps[j] != 0) {
-      const double value = anchor[static_cast<Eigen::Index>(j)] + coordinate * unit_[j];
+      const double value = root[static_cast<Eigen::Index>(j)] + coordinate * unit_[j];
       if (value < joints_[j].lower - limit_tolerance || value > joints_[j].upper + limit_tolerance) return false;
     }
     scratch_key_[j + 1] = coordinate;
@@ -187,8 +189,8 @@ bool Lattice::apply(search::StateId state, const Move& move) {
 
 void Lattice::add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out) {
   for (const Move& move : family.moves)
-    if (family.use == PrimitiveUse::towards)
-      add_moves_towards(state, move, out);
+    if (family.use == PrimitiveUse::to_targets)
+      add_moves_to_targets(state, move, out);
     else
       add_move(state, move, out);
 }
@@ -199,21 +201,21 @@ void Lattice::add_move(search::StateId state, const Move& move, std::vector<sear
   if (next != state) out.push_back({next, move.cost});
 }
 
-/// Of the state at q_. Several targets may ask for the same move; parallel edges are not handed out.
-void Lattice::add_moves_towards(search::StateId state, const Move& steps, std::vector<search::Successor>& out) {
+/// From `state`, whose configuration is q_. Moves to different targets may be the same; parallel edges are left out.
+void Lattice::add_moves_to_targets(search::StateId state, const Move& steps, std::vector<search::Successor>& out) {
   const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (const Eigen::VectorXd& target : targets_) {
     scratch_move_ = steps;
-    std::size_t turning = 0;
+    std::size_t moving = 0;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       const auto i = static_cast<Eigen::Index>(j);
-      const double left = way(j, q_[i], target[i]);
+      const double to_go = difference(j, q_[i], target[i]);
       std::int32_t& step = scratch_move_.steps[j];
-      if (std::abs(left) < 0.5 * std::abs(step) * unit_[j]) step = 0;
-      if ((left < 0.0) != (step < 0)) step = -step;
-      turning += step != 0;
+      if (std::abs(to_go) < 0.5 * std::abs(step) * unit_[j]) step = 0;
+      if ((to_go < 0.0) != (step < 0)) step = -step;
+      moving += step != 0;
     }
-    if (turning < 3 || !apply(state, scratch_move_)) continue;
+    if (moving < 3 || !apply(state, scratch_move_)) continue;
     const search::StateId next = table_.insert(scratch_key_);
     if (std::none_of(out.begin() + first, out.end(), [&](const search::Successor& s) { return s.state == next; }))
       out.push_back({next, move_cost(scratch_move_)});
@@ -226,30 +228,30 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const double cost = distance(q_, targets_[t]);
     if (cost <= connection_distance_)
-      out.push_back({static_cast<search::StateId>(root_count() + t), std::max(cost, 1e-12)});
+      out.push_back({static_cast<search::StateId>(root_count() + t), std::max(cost, min_cost)});
   }
   for (std::size_t i = root_count_; i < roots_.size(); ++i) {
-    const auto via = static_cast<search::StateId>(i + targets_.size());
-    if (via != state) out.push_back({via, std::max(distance(q_, roots_[i]), 1e-12)});
+    const auto waypoint = static_cast<search::StateId>(i + targets_.size());
+    if (waypoint != state) out.push_back({waypoint, std::max(distance(q_, roots_[i]), min_cost)});
   }
   add_goal_connections(state, out);
   const bool near = near_an_end(q_);
   for (const Family& family : families_)
-    if (family.use == PrimitiveUse::always || family.use == PrimitiveUse::towards ||
+    if (family.use == PrimitiveUse::always || family.use == PrimitiveUse::to_targets ||
         (family.use == PrimitiveUse::near) == near)
       add_moves(state, family, out);
 }
 
-/// Of the state at q_. Asked again, the same goals have the same numbers.
+/// From `state`, whose configuration is q_. Generated again, the same goals have the same numbers.
 void Lattice::add_goal_connections(search::StateId state, std::vector<search::Successor>& out) {
   if (!goal_connection_) return;
   std::fill(scratch_key_.begin(), scratch_key_.end(), 0);
-  scratch_key_[0] = target_anchor;
+  scratch_key_[0] = target_root;
   scratch_key_[1] = static_cast<std::int32_t>(state);
   for (ConnectedGoal& goal : goal_connection_(q_)) {
     --scratch_key_[0];
     const search::StateId next = table_.insert(scratch_key_);
-    out.push_back({next, std::max(distance(q_, goal.q), 1e-12)});
+    out.push_back({next, std::max(distance(q_, goal.q), min_cost)});
     connected_goals_.emplace(next, std::move(goal));
   }
 }

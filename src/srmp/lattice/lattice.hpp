@@ -14,48 +14,47 @@
 
 namespace srmp {
 
-/// Is the straight motion from a to b free? `a` itself is known to be free. `worker` says whose scratch memory to use;
-/// the answer must not depend on it.
+/// Is the straight motion from a to b collision-free, given that `a` is? `worker` says whose scratch memory to use; the
+/// result must not depend on it.
 using MotionValidator = std::function<bool(std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b)>;
 
-/// A goal configuration, within limits, and which of the caller's goals it meets.
+/// A goal configuration, within limits, and which of the caller's goals it satisfies.
 struct ConnectedGoal {
   Eigen::VectorXd q;
   int goal{};
 };
 
-/// Further goal configurations near q, if any; they need not be free. The answer must depend on q alone.
+/// Further goal configurations near q, if any; they need not be free. The result must depend on q alone.
 using GoalConnection = std::function<std::vector<ConnectedGoal>(const Eigen::VectorXd& q)>;
 
-/// Weights of Lattice::measure_to_targets for a chain of so many joints, three rows: all joints alike; those near the
-/// base counting for more; those near the hand.
-RowMatrix measure_weights(std::size_t dof);
+/// Weights of Lattice::distances_to_targets for a chain of `dof` joints, three rows: all joints weighted alike;
+/// proximal joints weighted more; distal joints weighted more.
+RowMatrix distance_weights(std::size_t dof);
 
-/// The implicit graph of a robot's motions: what one can reach from the anchors by motion primitives, plus straight
-/// snaps to the targets. Models search::Graph; all edges are straight joint-space motions, so the reverse of a path is
-/// a path too and the same class serves a backward search (anchors = goals, targets = start).
+/// The implicit graph of a robot's motions: what can be reached from the roots by motion primitives, plus straight
+/// connections to the targets. Models search::Graph; all edges are straight joint-space motions, so the reverse of a
+/// path is a path too and the same class serves a backward search (roots = goals, targets = start).
 ///
-/// - States lie on a grid hung up at their anchor (grid unit 1e-4 degree or 1e-6 m, so that any mix of primitives meets
-///   exactly); continuous joints wrap. Anchors are states 0, 1, …; targets follow.
+/// - States lie on a grid around their root (grid unit 1e-4 degree or 1e-6 m, so that any mix of primitives meets
+///   exactly); continuous joints wrap. Roots are states 0, 1, …; targets follow.
 /// - An edge costs its joint-space length [rad; prismatic joints in m count as they are].
-/// - From every state a snap leads to each target within `connection_distance`, and to each of the `vias` (waypoints of
-/// paths
-///   that are known already), which hold up grids of their own.
-/// - `goal_connection` may add goals while the search runs: each has one edge, from the state for which it was found,
-/// and none
-///   on. The heuristics know the targets alone, and nothing of these goals but that they are goals. So no cost-to-come
-///   of other states changes, and what a search proves holds of the lattice *without* these goals: cost <= bound * the
-///   optimum there. The path found may cost less than that optimum; a lattice is exhausted only with its goal snaps.
+/// - From every state an edge leads to each target within `connection_distance` (analytic expansion: Dolgov et al.
+///   2010), and to each of the `waypoints` of paths that are known already, which are roots of grids of their own.
+/// - `goal_connection` may add goals during the search (adaptive motion primitives: Cohen et al. 2011): each has one
+///   edge, from the state for which it was found, and none leads on. The heuristics know the targets alone, and of
+///   these goals only that they are goals. So no cost-to-come of other states changes, and what a search proves holds
+///   of the lattice *without* these goals: cost <= bound * the optimum there. The path found may cost less than that
+///   optimum; `exhausted` covers these goals too.
 class Lattice {
  public:
   struct Options {
     PrimitiveSet primitives;
     double connection_distance{search::infinity};  ///< [rad], >= 0
     GoalConnection goal_connection{};              ///< may be empty
-    std::vector<Eigen::VectorXd> vias{};           ///< free configurations that a snap leads to from everywhere
+    std::vector<Eigen::VectorXd> waypoints{};      ///< free configurations that every state is connected with
   };
 
-  /// All anchors and targets must be free configurations within limits. Batches of edges are shared out to `workers`.
+  /// All roots and targets must be free configurations within limits. Batches of edges are distributed over `workers`.
   Lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> roots, std::vector<Eigen::VectorXd> targets,
           Options options, MotionValidator validator, std::size_t workers = 1)
       : Lattice(robot.joints(), std::move(roots), std::move(targets), std::move(options), std::move(validator),
@@ -73,24 +72,24 @@ class Lattice {
   Eigen::VectorXd configuration(search::StateId state) const;
   std::size_t root_count() const { return root_count_; }
   const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
-  /// What `goal_connection` said of a goal; null for other states, targets too.
+  /// The result of `goal_connection` that a goal stems from; null for other states, targets too.
   const ConnectedGoal* connected_goal(search::StateId state) const;
   /// Joint-space distance from a state to its nearest target: a consistent heuristic.
   double distance_to_targets(search::StateId state) const;
-  /// Joint-space distance from the nearest anchor: no path to the state is shorter.
+  /// Joint-space distance from the nearest root: no path to the state is shorter.
   double distance_from_roots(search::StateId state) const;
-  /// The way to the nearest target by several measures: Euclidean with each row of `weights` (n, dof), then the plain
+  /// Several distances to the nearest target by each: Euclidean, weighted by each row of `weights` (n, dof), then the
   /// sum over the joints; `out` has n + 1 entries.
-  void measure_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const;
+  void distances_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const;
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// The configurations of a path, continuous joints unwrapped so that neighbours differ by the short way.
+  /// The configurations of a path, continuous joints unwrapped so that neighbours differ by the shortest motion.
   std::vector<Eigen::VectorXd> configurations(std::span<const search::StateId> path) const;
   std::size_t size() const { return table_.size(); }
   std::size_t memory() const;
 
  private:
   struct Move {
-    std::vector<std::int32_t> steps;  // in grid units, one entry a joint
+    std::vector<std::int32_t> steps;  // in grid units, one entry per joint
     double cost;
   };
   struct Family {
@@ -98,18 +97,19 @@ class Lattice {
     std::vector<Move> moves;
   };
 
+  void add_family(const PrimitiveFamily& family);
   void add_goal_connections(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
-  void add_moves_towards(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
-  double way(std::size_t joint, double from, double to) const;
+  void add_moves_to_targets(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
+  double difference(std::size_t joint, double from, double to) const;
   double move_cost(const Move& move) const;
   bool near_an_end(const Eigen::VectorXd& q) const;
   bool apply(search::StateId state, const Move& move);  // into scratch_key_; false when a limit is broken
   void read_configuration(search::StateId state, Eigen::VectorXd& q) const;
 
   const std::vector<Joint>& joints_;
-  std::vector<Eigen::VectorXd> roots_;  // then the vias
+  std::vector<Eigen::VectorXd> roots_;  // then the waypoints
   std::size_t root_count_;
   std::vector<Eigen::VectorXd> targets_;
   double near_distance_;
@@ -118,12 +118,12 @@ class Lattice {
   std::map<search::StateId, ConnectedGoal> connected_goals_;
   MotionValidator validator_;
   std::vector<Family> families_;
-  std::vector<double> unit_;  // of the grid, one entry a joint [rad or m]
-  StateTable table_;          // key: anchor number, then grid coordinates; goals: see lattice.cpp
+  std::vector<double> unit_;  // of the grid, one entry per joint [rad or m]
+  StateTable table_;          // key: root number, then grid coordinates; goals: see lattice.cpp
   std::vector<std::int32_t> scratch_key_;
   Move scratch_move_;
   mutable Eigen::VectorXd q_;
-  std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ends_;  // of the motion a worker is at
+  std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>> ends_;  // of the motion that each worker checks
   WorkerPool workers_;
 };
 

@@ -9,8 +9,8 @@
 
 namespace srmp {
 
-/// Numbers integer vectors of one length 0, 1, 2, … in order of first sight. Whole keys are compared: a hash only says
-/// where to look. Open addressing; grows by doubling, never allocates per state.
+/// Numbers integer vectors of one length 0, 1, 2, … in order of insertion. Whole keys are compared; a hash only gives
+/// their slot. Open addressing; grows by doubling, without allocations per state.
 class StateTable {
  public:
   explicit StateTable(std::size_t width) : width_(width), slots_(1024, search::no_state) {}

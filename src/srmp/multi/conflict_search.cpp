@@ -17,7 +17,7 @@ double ConflictSearchOptions::bound() const {
 
 namespace {
 
-/// The conflict with the one step of every wait at which the two first meet.
+/// The conflict with each wait reduced to the one step at which the agents first collide.
 Conflict first_step(World& world, Conflict conflict) {
   const auto [first, last] = overlap(conflict.moves[0], conflict.moves[1]);
   conflict.step = first;
@@ -27,7 +27,7 @@ Conflict first_step(World& world, Conflict conflict) {
     for (const int side : {0, 1})
       if (whole[side].waits()) conflict.moves[side] = {whole[side].from, whole[side].from, step, step + 1};
     conflict.step = step;
-    if (world.meet(conflict.agents[0], conflict.moves[0], conflict.agents[1], conflict.moves[1])) break;
+    if (world.in_conflict(conflict.agents[0], conflict.moves[0], conflict.agents[1], conflict.moves[1])) break;
   }
   return conflict;
 }
@@ -36,9 +36,9 @@ Conflict first_step(World& world, Conflict conflict) {
 
 PathConflicts conflicts_of(World& world, const OtherPath& a, const OtherPath& b) {
   PathConflicts found;
-  const std::vector<Move> in_a = without_steps(a.path->moves), in_b = without_steps(b.path->moves);
+  const std::vector<Move> in_a = merged_waits(a.path->moves), in_b = merged_waits(b.path->moves);
   for (std::size_t i = 0, k = 0; i < in_a.size() && k < in_b.size();) {
-    if (world.meet(a.agent, in_a[i], b.agent, in_b[k]) && found.count++ == 0)
+    if (world.in_conflict(a.agent, in_a[i], b.agent, in_b[k]) && found.count++ == 0)
       found.first = first_step(world, {{a.agent, b.agent}, {in_a[i], in_b[k]}});
     const int end_a = in_a[i].end, end_b = in_b[k].end;
     i += end_a <= end_b;
@@ -48,6 +48,9 @@ PathConflicts conflicts_of(World& world, const OtherPath& a, const OtherPath& b)
 }
 
 namespace {
+
+/// Every how many nodes one is taken for its lower bound: fewer raise the bound earlier, more solve conflicts earlier.
+constexpr std::uint64_t lower_bound_period = 4;
 
 using PathPtr = std::shared_ptr<const TimedPath>;
 using Pair = std::pair<std::size_t, std::size_t>;  // first < second
@@ -62,34 +65,34 @@ struct TreeNode {
   std::vector<PathPtr> paths;
   std::vector<double> lower;  // by agent
   std::shared_ptr<const Link> constraints;
-  std::set<Pair> ahead;  // (a, b): b gives way to a
+  std::set<Pair> ahead;  // (a, b): b gives way to a, it has the lower priority
   std::map<Pair, PathConflicts> conflicts;
-  bool complete{true};  // only children that lose no solution led here
+  bool complete{true};  // no branching on the way here has lost a solution
   std::uint64_t number{};
 
   // Of the above, for the orders of OPEN:
   double cost{}, lower_sum{};
-  int meetings{};
+  int move_conflicts{};
 
   void sum_up() {
     cost = lower_sum = 0.0;
-    meetings = 0;
+    move_conflicts = 0;
     for (const PathPtr& path : paths) cost += path->cost;
     for (const double l : lower) lower_sum += l;
-    for (const auto& [pair, found] : conflicts) meetings += found.count;
+    for (const auto& [pair, found] : conflicts) move_conflicts += found.count;
   }
 };
 
 using NodePtr = std::shared_ptr<TreeNode>;
 
-/// Bytes of a node in OPEN, without its ways.
+/// Bytes of a node in OPEN, without its paths.
 std::uint64_t memory_of(const TreeNode& node) {
   constexpr std::size_t in_two_sets = 2 * (tree_node_overhead + sizeof(NodePtr));
   return sizeof(TreeNode) + in_two_sets + srmp::memory_of(node.paths) + srmp::memory_of(node.lower) +
          node.ahead.size() * (tree_node_overhead + sizeof(Pair)) + srmp::memory_of(node.conflicts);
 }
 
-/// Of what a node leaves to its descendants: the way that is its own, about as long as any, and its constraint.
+/// Bytes that a node's descendants keep: its own new path, about as long as any, and its constraint.
 std::uint64_t memory_left_by(const TreeNode& node) {
   std::size_t longest = 0;
   for (const PathPtr& path : node.paths) longest = std::max(longest, srmp::memory_of(path->moves));
@@ -108,10 +111,10 @@ struct ByCost {
   }
 };
 
-struct ByConflicts {  // the younger first
+struct ByConflicts {  // ties: the newer first
   bool operator()(const NodePtr& a, const NodePtr& b) const {
-    return std::tuple(a->conflicts.size(), a->meetings, a->cost, b->number) <
-           std::tuple(b->conflicts.size(), b->meetings, b->cost, a->number);
+    return std::tuple(a->conflicts.size(), a->move_conflicts, a->cost, b->number) <
+           std::tuple(b->conflicts.size(), b->move_conflicts, b->cost, a->number);
   }
 };
 
@@ -124,7 +127,7 @@ class ConflictSearch {
     if (!add_root()) return result_;
     while (true) {
       if (const auto stop = search::stop_status(deadline_)) return ended(*stop);
-      if (spent()) return ended(Status::timed_out);
+      if (budget_used_up()) return ended(Status::timed_out);
       if (open_.empty()) return ended(Status::exhausted);
       const NodePtr node = take();
       if (node->conflicts.empty()) return solved(*node);
@@ -133,10 +136,10 @@ class ConflictSearch {
   }
 
  private:
-  std::uint64_t effort() const { return result_.statistics.low.evaluations; }
-  bool spent() const { return effort() >= options_.max_evaluations; }
+  std::uint64_t evaluations() const { return result_.statistics.low.evaluations; }
+  bool budget_used_up() const { return evaluations() >= options_.max_evaluations; }
 
-  /// Opens a node; null: nothing.
+  /// Puts a node into OPEN; null: does nothing.
   void push(NodePtr node) {
     if (!node) return;
     node->number = result_.statistics.tree_nodes++;
@@ -145,17 +148,17 @@ class ConflictSearch {
     beyond_.insert(std::move(node));
   }
 
-  /// Takes out of OPEN the node within the bound that has the fewest conflicts; when there is none, and every fourth
-  /// time where there is something to prove, the one of the least lower bound, the oldest first: the bound rises, and
-  /// no node waits for ever behind a jam that looks nearly solved.
+  /// Takes out of OPEN the node within the bound that has the fewest conflicts. When there is none, and every
+  /// `lower_bound_period`-th time, it takes the one with the least lower bound, the oldest first: so the bound rises,
+  /// and no node waits for ever behind others that seem nearly solved.
   NodePtr take() {
     NodePtr node = *open_.begin();
-    if (node->complete) lower_ = std::max(lower_, node->lower_sum);  // what no solution costs less than
+    if (node->complete) lower_ = std::max(lower_, node->lower_sum);  // no solution costs less
     const double limit = options_.priorities_only ? search::infinity : options_.bound() * lower_ * (1.0 + 1e-12);
     for (; !beyond_.empty() && (*beyond_.begin())->cost <= limit; beyond_.erase(beyond_.begin()))
       focal_.insert(*beyond_.begin());
     const bool optimal = options_.bound() == 1.0 && !options_.priorities;  // all of focal_ has the least lower bound
-    proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++turn_ % 4 == 0);
+    proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++taken_ % lower_bound_period == 0);
     if (!proves_) node = *focal_.begin();
     held_ -= memory_of(*node);
     open_.erase(node);
@@ -196,9 +199,9 @@ class ConflictSearch {
       }
   }
 
-  /// The two children that lose no solution. True: in place of them the node itself, with a way found for one of them
-  /// that meets fewer others and is as good as the node's bound asks (bypass: Boyarski, Felner, Sharon, Stern 2015);
-  /// never where the bound is to rise.
+  /// Opens the two children that lose no solution. True: opened in place of them the node itself, with a path found for
+  /// one of them that has fewer conflicts and is within the node's bound (bypass: Boyarski, Felner, Sharon, Stern
+  /// 2015); never for a node that was taken to raise the bound.
   bool add_constrained(const TreeNode& node, const Conflict& conflict) {
     NodePtr children[2];
     for (const int side : {0, 1}) {
@@ -206,7 +209,7 @@ class ConflictSearch {
       auto child = std::make_shared<TreeNode>(node);
       child->constraints = std::make_shared<const Link>(Link{{conflict, side}, node.constraints});
       children[side] = child = replanned(std::move(child), agent);
-      if (!child || proves_ || child->meetings >= node.meetings ||
+      if (!child || proves_ || child->move_conflicts >= node.move_conflicts ||
           child->paths[agent]->cost > low_bound() * node.lower[agent])
         continue;
       child->constraints = node.constraints;
@@ -219,13 +222,13 @@ class ConflictSearch {
     return false;
   }
 
-  /// The earliest; of those the one of the first agents.
+  /// The earliest conflict; of several, that of the first agents.
   static Conflict choose(const TreeNode& node) {
     const auto earlier = [](const auto& a, const auto& b) { return a.second.first.step < b.second.first.step; };
     return std::min_element(node.conflicts.begin(), node.conflicts.end(), earlier)->second.first;
   }
 
-  /// Does `after` give way to `before`, itself or over others?
+  /// Does `after` give way to `before`, directly or through others?
   static bool gives_way(const TreeNode& node, std::size_t after, std::size_t before) {
     const std::vector<std::size_t> all = all_ahead_of(node, after);
     return std::find(all.begin(), all.end(), before) != all.end();
@@ -241,7 +244,7 @@ class ConflictSearch {
     return all;
   }
 
-  /// The child, with a new way for one agent; null: there is none, or time is up.
+  /// The child with a new path for one agent; null: there is none, or the deadline has passed.
   NodePtr replanned(NodePtr child, std::size_t agent) {
     const PathPtr last = child->paths[agent];
     if (replan(*child, agent, last.get(), all_ahead_of(*child, agent)) != Status::solved) return nullptr;
@@ -261,7 +264,7 @@ class ConflictSearch {
     }
     TimedSearchOptions options{
         .bound = low_bound(), .low_level_weight = options_.low_level_weight, .focal = options_.low_focal};
-    options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, effort());
+    options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, evaluations());
     if (!before.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
     TimedSearchResult found =
         timed_search(world_, agent, mine, avoid, others, options_.experience ? last : nullptr, options, deadline_);
@@ -278,7 +281,7 @@ class ConflictSearch {
     return Status::solved;
   }
 
-  /// A way costs at most this times the lower bound that its search found.
+  /// An agent's path costs at most this times the lower bound that its search found.
   double low_bound() const { return options_.low_level_weight * options_.low_focal; }
 
   void find_conflicts(TreeNode& node, std::size_t agent) {
@@ -317,7 +320,7 @@ class ConflictSearch {
   std::set<NodePtr, ByConflicts> focal_;  // the others
   double lower_{0.0};
   bool proves_{};  // the node was taken for its lower bound
-  std::uint64_t turn_{0};
+  std::uint64_t taken_{0};
   std::uint64_t held_{0};  // bytes of the tree
   ConflictSearchResult result_;
 };

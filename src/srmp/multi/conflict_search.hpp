@@ -10,21 +10,20 @@
 
 namespace srmp::multi {
 
-/// One algorithm, whose settings make it CBS (all as they are: optimal), ECBS (low_focal, high_focal), xECBS (all of
-/// it).
+/// The defaults make it CBS (optimal); low_focal and high_focal make it ECBS, and experience with it xECBS.
 struct ConflictSearchOptions {
-  double low_level_weight{1.0};  ///< of every agent's guide, >= 1
-  double low_focal{1.0};         ///< of the agents' searches, >= 1
-  double high_focal{1.0};        ///< of the constraint tree, >= 1
-  bool experience{false};        ///< an agent's search begins with what still holds of its last way
+  double low_level_weight{1.0};  ///< of every agent's inadmissible heuristic, >= 1
+  double low_focal{1.0};         ///< focal bound of the agents' searches, >= 1
+  double high_focal{1.0};        ///< focal bound of the constraint tree, >= 1
+  bool experience{false};        ///< an agent's search reuses what is still valid of its last path
   /// Beside the two children that lose no solution, each conflict has two in which one agent gives way to all of the
   /// other's path (constraints of any kind beside complete ones: Shaoul, Veerapaneni, Likhachev, Li 2024; priorities:
-  /// Ma, Harabor, Stuckey, Li, Koenig 2019). They find paths sooner and have no say in the bound.
+  /// Ma, Harabor, Stuckey, Li, Koenig 2019). They find paths earlier and have no effect on the bound.
   bool priorities{false};
-  bool priorities_only{false};  ///< no complete children: fast, and nothing is proved
-  /// Moves looked at by a search that gives way: more, and the child is dropped.
+  bool priorities_only{false};  ///< no complete children: fast, but nothing is proved
+  /// Moves evaluated by the search of an agent that gives way, after which the child is dropped.
   std::uint64_t max_priority_evaluations{20'000};
-  /// Moves looked at by all searches together: more, and the answer is timed_out.
+  /// Moves evaluated by all searches together, after which the result is timed_out.
   std::uint64_t max_evaluations{std::numeric_limits<std::uint64_t>::max()};
 
   /// cost <= bound() * optimum of the agents' graphs.
@@ -34,28 +33,29 @@ struct ConflictSearchOptions {
 struct ConflictSearchStatistics {
   std::uint64_t tree_nodes{};  ///< of the constraint tree
   search::Statistics low;      ///< of all agents' searches
-  std::uint64_t memory{};      ///< bytes: the most that the tree and an agent's search took together
+  std::uint64_t memory{};      ///< peak bytes of the tree and an agent's search together
 };
 
 inline constexpr std::size_t no_agent = std::numeric_limits<std::size_t>::max();
 
 struct ConflictSearchResult {
   Status status{Status::exhausted};
-  std::vector<TimedPath> paths;       ///< one an agent; empty unless solved
+  std::vector<TimedPath> paths;       ///< one per agent; empty unless solved
   double cost{search::infinity};      ///< sum over the agents
   double lower{};                     ///< no solution costs less
-  std::size_t stuck_agent{no_agent};  ///< exhausted: whose graph by itself holds no way; no_agent: each holds one
+  std::size_t stuck_agent{no_agent};  ///< exhausted: whose graph alone holds no path; no_agent: each holds one
   ConflictSearchStatistics statistics;
 };
 
 /// Conflict-based search (Sharon, Stern, Felner, Sturtevant 2015) with focal lists on both levels (Barer, Sharon,
-/// Stern, Felner 2014). Sum of costs at most options.bound() times the optimum. Deterministic: ties by number.
+/// Stern, Felner 2014). Sum of costs at most options.bound() times the optimum. Deterministic: ties are broken by node
+/// number.
 ///
-/// Exhausted: an agent has no way to its goal at all, or no way under the constraints of any node; a world that holds a
-/// way for each agent but none for all together may be searched without end.
+/// Exhausted: an agent has no path to its goal at all, or none under the constraints of any node. A world that holds a
+/// path for each agent but none for all together may be searched without end.
 ConflictSearchResult conflict_search(World& world, const ConflictSearchOptions& options, const Deadline& deadline);
 
-/// The first conflict of two ways, by step; and how many pairs of moves meet.
+/// The first conflict of two paths, by step, and how many pairs of their moves conflict.
 struct PathConflicts {
   int count{};
   Conflict first;

@@ -15,18 +15,18 @@ namespace srmp::multi {
 namespace {
 
 using NodeId = std::uint32_t;
-constexpr double rounding = 1e-9;  // that an edge's cost may fall short of its lower bound by
+constexpr double rounding = 1e-9;  // relative, by which an edge's cost may be below its lower bound
 constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
 
 struct Node {
-  Move move;      // that led here; of the start: a wait of no length
-  double g{};     // cost to come; a lower bound until evaluated
-  double f{};     // g + heuristic
-  double lead{};  // g + low_level_weight * guide
-  int met{};      // other agents met on the way; a lower bound until evaluated
+  Move move;          // that led here; of the start: a wait of no length
+  double g{};         // cost to come; a lower bound until evaluated
+  double f{};         // g + heuristic
+  double inflated{};  // g + low_level_weight * inadmissible heuristic
+  int conflicts{};    // conflicts on the path so far; a lower bound until evaluated
   NodeId parent{no_node};
   bool evaluated{};
-  bool final{};  // rests at move.to for good
+  bool final{};  // stays at move.to for good
   bool done{};   // out of OPEN
 };
 
@@ -35,7 +35,7 @@ struct OtherMoves {
   std::vector<Move> moves;
 };
 
-/// Lowest key first; ties by number: first come, first served.
+/// Lowest key first; equal keys are first in, first out.
 template <class Key>
 class Heap {
  public:
@@ -76,8 +76,8 @@ class TimedSearch {
     for (const Constraint& constraint : constraints) horizon_ = std::max(horizon_, end_of(constraint));
     for (const auto& paths : {avoid, others})
       for (const OtherPath& other : paths) horizon_ = std::max(horizon_, other.path->arrival());
-    for (const OtherPath& other : avoid) avoid_.push_back({other.agent, without_steps(other.path->moves)});
-    for (const OtherPath& other : others) others_.push_back({other.agent, without_steps(other.path->moves)});
+    for (const OtherPath& other : avoid) avoid_.push_back({other.agent, merged_waits(other.path->moves)});
+    for (const OtherPath& other : others) others_.push_back({other.agent, merged_waits(other.path->moves)});
   }
 
   TimedSearchResult run(const TimedPath* experience, const Deadline& deadline) {
@@ -102,8 +102,8 @@ class TimedSearch {
  private:
   using Key = std::pair<double, double>;
 
-  /// From the horizon on, nothing changes any more.
-  std::uint64_t key(StateId state, int step) const {
+  /// By state and step; from the horizon on, nothing changes any more.
+  std::uint64_t state_key(StateId state, int step) const {
     return std::uint64_t{state} << 32 | static_cast<std::uint32_t>(std::min(step, horizon_));
   }
 
@@ -120,7 +120,9 @@ class TimedSearch {
     const StateId state = node.move.to;
     node.f = node.g + (node.final ? 0.0 : estimate(agent_.heuristic(state), "heuristic", state));
     if (node.f == search::infinity) return no_node;
-    node.lead = node.g + options_.low_level_weight * (node.final ? 0.0 : estimate(agent_.guide(state), "guide", state));
+    node.inflated = node.g + options_.low_level_weight * (node.final ? 0.0
+                                                                     : estimate(agent_.inadmissible_heuristic(state),
+                                                                                "inadmissible heuristic", state));
     nodes_.push_back(node);
     const auto id = static_cast<NodeId>(nodes_.size() - 1);
     enter(id);
@@ -130,8 +132,8 @@ class TimedSearch {
   void enter(NodeId id) {
     const Node& node = nodes_[id];
     by_f_.push({node.f, -node.g}, id);
-    by_lead_.push({node.lead, -node.g}, id);
-    waiting_.push({node.lead, -node.g}, id);
+    by_inflated_.push({node.inflated, -node.g}, id);
+    waiting_.push({node.inflated, -node.g}, id);
   }
 
   void add_start() {
@@ -143,10 +145,14 @@ class TimedSearch {
     NodeId parent = 0;
     for (const Move& move : path.moves) {
       if (move.end == forever) return;
-      Node node{.move = move, .g = nodes_[parent].g, .met = nodes_[parent].met, .parent = parent, .evaluated = true};
+      Node node{.move = move,
+                .g = nodes_[parent].g,
+                .conflicts = nodes_[parent].conflicts,
+                .parent = parent,
+                .evaluated = true};
       node.g += move.waits() ? wait_cost_ : agent_.evaluate(move.from, move.to);
       if (forbidden(move)) return;
-      node.met += count_met(move);
+      node.conflicts += count_conflicts(move);
       parent = add(node);
       if (parent == no_node) return;
     }
@@ -156,21 +162,21 @@ class TimedSearch {
     for (const Constraint& constraint : constraints_)
       if (world_.forbids(constraint, move)) return true;
     for (const OtherMoves& other : avoid_)
-      if (meets(move, other)) return true;
+      if (conflicts_with(move, other)) return true;
     return false;
   }
 
-  bool meets(const Move& move, const OtherMoves& other) const {
-    const auto& its = other.moves;
-    auto at = std::ranges::upper_bound(its, move.start, {}, &Move::end);  // the first that lasts after its beginning
-    for (; at != its.end() && at->start < move.end; ++at)
-      if (world_.meet(me_, move, other.agent, *at)) return true;
+  bool conflicts_with(const Move& move, const OtherMoves& other) const {
+    const std::vector<Move>& moves = other.moves;
+    auto at = std::ranges::upper_bound(moves, move.start, {}, &Move::end);  // the first that ends later
+    for (; at != moves.end() && at->start < move.end; ++at)
+      if (world_.in_conflict(me_, move, other.agent, *at)) return true;
     return false;
   }
 
-  int count_met(const Move& move) const {
+  int count_conflicts(const Move& move) const {
     int count = 0;
-    for (const OtherMoves& other : others_) count += meets(move, other);
+    for (const OtherMoves& other : others_) count += conflicts_with(move, other);
     return count;
   }
 
@@ -178,30 +184,30 @@ class TimedSearch {
     while (!heap.empty() && (nodes_[heap.top()].done || nodes_[heap.top()].*value != heap.key().first)) heap.pop();
   }
 
-  /// The next state to look at; nothing when OPEN is empty.
+  /// The next node to evaluate or expand; none when OPEN is empty.
   std::optional<NodeId> select() {
     drop_stale(by_f_, &Node::f);
-    drop_stale(by_lead_, &Node::lead);
+    drop_stale(by_inflated_, &Node::inflated);
     if (by_f_.empty()) return std::nullopt;
     lower_ = std::max(lower_, by_f_.key().first);
-    const double band = options_.focal * by_lead_.key().first;
-    while (!waiting_.empty() && waiting_.key().first <= band) {
+    const double limit = options_.focal * by_inflated_.key().first;
+    while (!waiting_.empty() && waiting_.key().first <= limit) {
       const NodeId id = waiting_.top();
-      focal_.push({nodes_[id].met, waiting_.key()}, id);
+      focal_.push({nodes_[id].conflicts, waiting_.key()}, id);
       waiting_.pop();
     }
     while (!focal_.empty()) {
       const NodeId id = focal_.top();
-      const auto [met, lead] = focal_.key();
+      const auto [conflicts, key] = focal_.key();
       focal_.pop();
       Node& node = nodes_[id];
-      if (node.done || node.lead != lead.first || node.met != met) continue;
-      if (node.lead > band) {  // the best has come down since it was let in
-        waiting_.push(lead, id);
+      if (node.done || node.inflated != key.first || node.conflicts != conflicts) continue;
+      if (node.inflated > limit) {  // the best key has fallen since it entered the focal list
+        waiting_.push(key, id);
         continue;
       }
       if (node.f <= options_.bound * by_f_.key().first) return id;
-      waiting_.push(lead, id);
+      waiting_.push(key, id);
       break;
     }
     return by_f_.top();
@@ -213,10 +219,10 @@ class TimedSearch {
     nodes_[id].evaluated = true;
     const auto drop = [&] { nodes_[id].done = true; };
     if (node.final) {
-      if (!can_rest(node.move)) return drop();
-      node.met += count_met(node.move);
+      if (!can_stay(node.move)) return drop();
+      node.conflicts += count_conflicts(node.move);
     } else {
-      if (const auto known = best_.find(key(node.move.to, node.move.end));
+      if (const auto known = best_.find(state_key(node.move.to, node.move.end));
           known != best_.end() && known->second <= node.g)
         return drop();
       if (!node.move.waits()) {
@@ -226,37 +232,45 @@ class TimedSearch {
         if (cost == search::infinity) return drop();
         const double g = std::max(node.g, parent.g + cost);
         node.f += g - node.g;
-        node.lead += g - node.g;
+        node.inflated += g - node.g;
         node.g = g;
       }
       if (forbidden(node.move)) return drop();
-      node.met += count_met(node.move);
+      node.conflicts += count_conflicts(node.move);
     }
     node.evaluated = true;
     nodes_[id] = node;
     enter(id);
   }
 
-  bool can_rest(const Move& rest) const {
+  bool can_stay(const Move& stay) const {
     for (const Constraint& constraint : constraints_) {
-      for (int step = rest.start; step < end_of(constraint); ++step)
-        if (world_.forbids(constraint, {rest.from, rest.from, step, step + 1})) return false;
+      for (int step = stay.start; step < end_of(constraint); ++step)
+        if (world_.forbids(constraint, {stay.from, stay.from, step, step + 1})) return false;
     }
-    return std::none_of(avoid_.begin(), avoid_.end(), [&](const OtherMoves& other) { return meets(rest, other); });
+    return std::none_of(avoid_.begin(), avoid_.end(),
+                        [&](const OtherMoves& other) { return conflicts_with(stay, other); });
   }
 
   void expand(NodeId id) {
     const Node node = nodes_[id];
     const StateId state = node.move.to;
     const int step = node.move.end;
-    double& best = best_.try_emplace(key(state, step), search::infinity).first->second;
+    double& best = best_.try_emplace(state_key(state, step), search::infinity).first->second;
     if (best <= node.g) return;
     best = node.g;
     ++statistics_.expansions;
     if (agent_.is_goal(state))
-      add({.move = {state, state, step, forever}, .g = node.g, .met = node.met, .parent = id, .final = true});
+      add({.move = {state, state, step, forever},
+           .g = node.g,
+           .conflicts = node.conflicts,
+           .parent = id,
+           .final = true});
     if (step < horizon_)
-      add({.move = {state, state, step, step + 1}, .g = node.g + wait_cost_, .met = node.met, .parent = id});
+      add({.move = {state, state, step, step + 1},
+           .g = node.g + wait_cost_,
+           .conflicts = node.conflicts,
+           .parent = id});
     successors_.clear();
     agent_.successors(state, successors_);
     statistics_.generated += successors_.size();
@@ -267,10 +281,10 @@ class TimedSearch {
         refuse("the edge from state " + std::to_string(state) + " to " + std::to_string(next.state) + " takes " +
                std::to_string(duration) + " steps, it must be at least 1");
       const int end = step + duration;
-      if (const auto known = best_.find(key(next.state, end));
+      if (const auto known = best_.find(state_key(next.state, end));
           known != best_.end() && known->second <= node.g + next.cost)
         continue;
-      add({.move = {state, next.state, step, end}, .g = node.g + next.cost, .met = node.met, .parent = id});
+      add({.move = {state, next.state, step, end}, .g = node.g + next.cost, .conflicts = node.conflicts, .parent = id});
     }
   }
 
@@ -288,8 +302,8 @@ class TimedSearch {
     result.status = status;
     result.lower = lower_;
     result.statistics = statistics_;
-    result.statistics.memory =
-        memory_of(nodes_) + by_f_.memory() + by_lead_.memory() + waiting_.memory() + focal_.memory() + memory_of(best_);
+    result.statistics.memory = memory_of(nodes_) + by_f_.memory() + by_inflated_.memory() + waiting_.memory() +
+                               focal_.memory() + memory_of(best_);
     return result;
   }
 
@@ -302,7 +316,7 @@ class TimedSearch {
   double wait_cost_;
   int horizon_{0};
   std::vector<Node> nodes_;
-  Heap<Key> by_f_, by_lead_, waiting_;
+  Heap<Key> by_f_, by_inflated_, waiting_;
   Heap<std::pair<int, Key>> focal_;
   std::unordered_map<std::uint64_t, double> best_;  // cost to come at the last expansion
   std::vector<search::Successor> successors_;
@@ -312,7 +326,7 @@ class TimedSearch {
 
 }  // namespace
 
-std::vector<Move> without_steps(const std::vector<Move>& moves) {
+std::vector<Move> merged_waits(const std::vector<Move>& moves) {
   std::vector<Move> merged;
   for (const Move& move : moves) {
     if (!merged.empty() && merged.back().waits() && move.waits())

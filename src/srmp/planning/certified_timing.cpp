@@ -251,7 +251,7 @@ class CertifiedTiming {
   void set_times(const MultiTrajectory& result) {
     statistics_.makespan_s = result.duration();
     statistics_.flow_time_s = 0.0;
-    for (const auto& [robot, trajectory] : result.robots) statistics_.flow_time_s += arrival(trajectory);
+    for (const auto& [robot, trajectory] : result.robots) statistics_.flow_time_s += arrival_time(trajectory);
   }
 
   const std::string& name(std::size_t i) const { return problem_.robots[i].robot; }

@@ -25,7 +25,7 @@ class MultiRobotWorld::Arm : public multi::Agent {
         wait_cost_(0.1 * options.resolution),
         task_(std::move(task)),
         lattice_(robot_, {task_.start}, task_.targets,
-                 {.primitives = primitives(options), .vias = inner(task_.backbone)},
+                 {.primitives = primitives(options), .waypoints = inner(task_.backbone)},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
     double left = 0.0;
     rest_.assign(task_.backbone.size(), 0.0);
@@ -44,7 +44,7 @@ class MultiRobotWorld::Arm : public multi::Agent {
   }
 
   /// Along the backbone, from where one gets onto it.
-  double guide(StateId state) override {
+  double inadmissible_heuristic(StateId state) override {
     double least = heuristic(state);
     if (task_.backbone.size() < 3 || least == 0.0) return least;
     const Eigen::VectorXd q = lattice_.configuration(state);
@@ -230,8 +230,8 @@ Eigen::VectorXd MultiRobotWorld::at(std::size_t arm, const Move& move, int step)
   return from + share * a.robot().difference(from, to);
 }
 
-bool MultiRobotWorld::meet(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
-  if (a > b) return meet(b, move_b, a, move_a);
+bool MultiRobotWorld::in_conflict(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
+  if (a > b) return in_conflict(b, move_b, a, move_a);
   const auto [first, last] = multi::overlap(move_a, move_b);
   Pair* both = pair(a, b);
   if (first >= last || !both) return false;

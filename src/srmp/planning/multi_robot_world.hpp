@@ -40,7 +40,7 @@ class MultiRobotWorld : public multi::World {
   std::size_t size() const override { return arms_.size(); }
   multi::Agent& agent(std::size_t i) override;
   bool may_conflict(std::size_t a, std::size_t b) const override { return checkers_.may_conflict(a, b); }
-  bool meet(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override;
+  bool in_conflict(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override;
 
   /// Where the arm is at a step of its move.
   Eigen::VectorXd at(std::size_t arm, const multi::Move& move, int step) const;

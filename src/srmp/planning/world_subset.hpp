@@ -14,8 +14,8 @@ class WorldSubset : public multi::World {
   std::size_t size() const override { return arms_.size(); }
   multi::Agent& agent(std::size_t i) override { return world_.agent(arms_[i]); }
   bool may_conflict(std::size_t a, std::size_t b) const override { return world_.may_conflict(arms_[a], arms_[b]); }
-  bool meet(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override {
-    return world_.meet(arms_[a], move_a, arms_[b], move_b);
+  bool in_conflict(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override {
+    return world_.in_conflict(arms_[a], move_a, arms_[b], move_b);
   }
 
  private:

@@ -11,24 +11,26 @@
 
 namespace srmp::search {
 
-/// Estimates of the cost to the nearest goal, good or bad: each finite and >= 0. values(states, out) writes all `count`
+/// Estimates of the cost-to-go, which may overestimate it: each finite and >= 0. values(states, out) writes all `count`
 /// of the first state, then of the next.
 struct InadmissibleHeuristics {
   std::size_t count{};
   std::function<void(std::span<const StateId>, std::span<double>)> values;
 };
 
-/// The fastest way to some path, with a proof of its cost beside it: greedy best-first search in the orders of several
-/// heuristics that share their expansions.
+/// Finds some path quickly, and then proves or improves its cost: greedy best-first search in the orders of several
+/// heuristics that share their expansions, beside A*.
 ///
 /// Papers: Röger, Helmert 2010, "The More, the Merrier: Combining Heuristic Estimators for Satisficing Planning"
-/// (guides take turns, each expands its best state); Aine et al. 2016, "Multi-Heuristic A*" (the consistent anchor
+/// (queues alternate, each expands its best state); Aine et al. 2016, "Multi-Heuristic A*" (the consistent anchor
 /// beside them, no state expanded more than twice); lazy edges as in Cohen, Phillips, Likhachev 2014.
-/// The anchor holds all open states in the order of g + h, so no path costs less than its smallest. Until there is a
-/// path the guides expand; then, as long as it costs more than weight times that, the anchor does, as A* would.
+/// The anchor queue holds all open states in the order of g + h, so no path costs less than its smallest key. Until
+/// there is a path the inadmissible queues expand; then, as long as it costs more than weight times that key, the
+/// anchor does, as A* would.
+///
 /// Guarantee: cost <= bound * optimal cost, bound <= weight unless the deadline came first; no edge evaluated twice.
-/// Needs: a Graph, and a consistent heuristic for the anchor as weighted A* (astar.hpp); guides may be anything.
-/// Without guides it is A*.
+/// Needs: a Graph, and a consistent heuristic for the anchor as weighted A* (astar.hpp). Without inadmissible
+/// heuristics it is A*.
 template <Graph G, Heuristic H>
 class AlternatingSearch {
  public:
@@ -50,24 +52,24 @@ class AlternatingSearch {
   /// Nothing left to do: proven, or exhausted.
   bool finished() const {
     if (solved()) return cost() <= weight_ * anchor_.min_priority();
-    return queues_.empty() ? anchor_.empty() : queues_[0].empty();  // all guides hold the same states
+    return queues_.empty() ? anchor_.empty() : queues_[0].empty();  // these queues hold the same states
   }
 
-  /// Expands until finished, or as many states as `expansions` says. Says why when it had to stop earlier.
+  /// Expands until finished, or `expansions` states. Says why when it had to stop earlier.
   std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) {
     const std::uint64_t first = tree_.statistics.expansions;
     while (!finished() && tree_.statistics.expansions - first < expansions) {
       if (const auto stop = stop_status(deadline)) return stop;
-      const bool guided = !solved() && !queues_.empty();
-      const StateId s = (guided ? queues_[turn_ % queues_.size()] : anchor_).top().state;
+      const bool greedy = !solved() && !queues_.empty();
+      const StateId s = (greedy ? queues_[round_ % queues_.size()] : anchor_).top().state;
       if (!table().confirmed(s)) {
         const EdgeId e = table().best(s);
         tree_.evaluate({&e, 1});
         requeue(s);
         continue;
       }
-      ++turn_;
-      visit(s, guided ? by_guide : by_anchor);
+      ++round_;
+      visit(s, greedy ? by_inadmissible : by_anchor);
     }
     return std::nullopt;
   }
@@ -81,13 +83,13 @@ class AlternatingSearch {
   std::uint64_t expansions() const { return tree_.statistics.expansions; }
   Statistics statistics() const {
     Statistics statistics = tree_.statistics;
-    statistics.memory = table().memory() + anchor_.memory() + asked_.capacity() * sizeof(double);
+    statistics.memory = table().memory() + anchor_.memory() + values_of_.capacity() * sizeof(double);
     for (const OpenList& queue : queues_) statistics.memory += queue.memory();
     return statistics;
   }
 
  private:
-  static constexpr std::uint32_t by_guide = 1;
+  static constexpr std::uint32_t by_inadmissible = 1;
   static constexpr std::uint32_t by_anchor = 2;
 
   CandidateTable& table() { return tree_.table; }
@@ -104,7 +106,7 @@ class AlternatingSearch {
   }
 
   void requeue_reached() {
-    ask_guides();
+    evaluate_inadmissible();
     for (const StateId s : reached_) requeue(s);
   }
 
@@ -113,7 +115,8 @@ class AlternatingSearch {
     for (OpenList& queue : queues_) queue.erase(s);
   }
 
-  /// Puts `s` into the queues where its best candidate belongs. What a guide has expanded, only the anchor may again.
+  /// Moves `s` into the queues where its best candidate belongs. What an inadmissible
+  /// queue has expanded, only the anchor may expand again.
   void requeue(StateId s) {
     const CandidateTable::State& state = table()[s];
     if (state.best == no_edge) return dequeue(s);
@@ -121,19 +124,19 @@ class AlternatingSearch {
     const double g = table().best_cost(s);
     anchor_.set(s, g + state.heuristic, state.heuristic);
     if (state.closed) return;
-    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, asked_[at(s, i)], g);
+    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, values_of_[at(s, i)], g);
   }
 
   std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * queues_.size() + i; }
 
-  /// The guides' values of the states reached, each asked once, all in one call.
-  void ask_guides() {
+  /// The inadmissible heuristics of the states reached, each evaluated once, all in one call.
+  void evaluate_inadmissible() {
     const std::size_t count = queues_.size();
     if (count == 0) return;
     new_states_.clear();
     for (const StateId s : reached_) {
-      if (at(s, count) > asked_.size()) asked_.resize(at(s, count), -1.0);
-      if (asked_[at(s, 0)] < 0.0) new_states_.push_back(s);
+      if (at(s, count) > values_of_.size()) values_of_.resize(at(s, count), -1.0);
+      if (values_of_[at(s, 0)] < 0.0) new_states_.push_back(s);
     }
     if (new_states_.empty()) return;
     values_.resize(new_states_.size() * count);
@@ -141,9 +144,9 @@ class AlternatingSearch {
     for (std::size_t k = 0; k < values_.size(); ++k) {
       const StateId s = new_states_[k / count];
       if (!(values_[k] >= 0.0 && values_[k] < infinity))
-        throw InvalidArgument("guide " + std::to_string(k % count) + " of state " + std::to_string(s) + " is " +
-                              to_text(values_[k]) + ", it must be finite and at least 0");
-      asked_[at(s, k % count)] = values_[k];
+        throw InvalidArgument("inadmissible heuristic " + std::to_string(k % count) + " of state " + std::to_string(s) +
+                              " is " + to_text(values_[k]) + ", it must be finite and at least 0");
+      values_of_[at(s, k % count)] = values_[k];
     }
   }
 
@@ -151,13 +154,13 @@ class AlternatingSearch {
   InadmissibleHeuristics inadmissible_heuristics_;
   double weight_;
   OpenList anchor_;
-  std::vector<OpenList> queues_;     ///< one a guide
+  std::vector<OpenList> queues_;     ///< one per inadmissible heuristic
   std::vector<StateId> reached_;     ///< by the last expansion
-  std::vector<StateId> new_states_;  ///< of these, those not asked yet
+  std::vector<StateId> new_states_;  ///< of these, those not evaluated yet
   std::vector<double> values_;       ///< of these
-  std::vector<double> asked_;        ///< by state and guide; negative: not asked yet
+  std::vector<double> values_of_;    ///< by state and inadmissible heuristic; negative: not evaluated yet
   BestGoal goal_;
-  std::uint64_t turn_{};
+  std::uint64_t round_{};
 };
 
 }  // namespace srmp::search

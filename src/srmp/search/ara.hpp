@@ -21,7 +21,8 @@ struct AraOptions {
   double initial_weight{50.0};  ///< >= final_weight; of the first path
   double weight_delta{10.0};    ///< > 0; the weight falls by this, or straight to the proven bound when that is less
   double final_weight{1.0};     ///< >= 1; stop once this bound is proven
-  /// Sees each path that is cheaper or has a tighter bound than the one before; false stops the search. May be empty.
+  /// Is called with each path that is cheaper or has a tighter bound than the one before; false stops the search. May
+  /// be empty.
   std::function<bool(const Result&)> on_solution{};
 };
 
@@ -49,11 +50,11 @@ Result ara_star(G& graph, std::span<const StateId> starts, H& heuristic, const A
       return best;
     }
     Result now = search.result(weight, stop);
-    now.bound = std::min(now.bound, best.bound);  // proven for a dearer path, so for this one
-    const bool news = now.cost < best.cost || now.bound < best.bound;
+    now.bound = std::min(now.bound, best.bound);  // proven for a costlier path, so for this one
+    const bool improved = now.cost < best.cost || now.bound < best.bound;
     best = std::move(now);
     if (best.status != Status::solved) return best;
-    if (news && options.on_solution && !options.on_solution(best)) return best;
+    if (improved && options.on_solution && !options.on_solution(best)) return best;
     if (best.bound <= options.final_weight) return best;
     weight = std::max(options.final_weight, std::min(weight - options.weight_delta, best.bound));
     search.next_round(weight);

@@ -17,7 +17,7 @@
 namespace srmp::search {
 
 struct AstarOptions {
-  double weight{1.0};  ///< >= 1; 1 is A*, larger is greedier
+  double weight{1.0};  ///< >= 1; 1 is A*, more expands fewer states for costlier paths
 };
 
 /// Searches from all `starts` (cost 0 each) to the nearest goal. Throws InvalidArgument for options, starts, heuristic

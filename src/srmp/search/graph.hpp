@@ -16,7 +16,7 @@
 /// Graph search. Nothing here knows what a robot is; everything here is tested on grids and random graphs.
 namespace srmp::search {
 
-/// States are numbered 0, 1, 2, … in the order in which the graph first hands them out.
+/// States are numbered 0, 1, 2, … in the order in which the graph generates them.
 using StateId = std::uint32_t;
 inline constexpr StateId no_state = std::numeric_limits<StateId>::max();
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -33,10 +33,10 @@ struct Edge {
 };
 
 /// An implicit directed graph with lazily evaluated edges.
-/// - successors(s, out) appends s's outgoing edges to `out`, always in the same order; parallel edges and self-loops
-///   are not handed out.
-/// - evaluate(edges, costs) writes each edge's true cost: Edge::cost or more; infinity when there is no such edge after
-///   all. Expensive. Batches let the graph use lanes and threads; an edge's answer never depends on its batch.
+/// - successors(s, out) appends s's outgoing edges to `out`, always in the same order, without parallel edges and
+///   self-loops.
+/// - evaluate(edges, costs) writes each edge's true cost: Edge::cost or more; infinity when the edge does not exist
+///   after all. Expensive. Batches let the graph use SIMD lanes and threads; an edge's cost never depends on its batch.
 /// - is_goal(s) is cheap.
 template <class G>
 concept Graph =
@@ -52,15 +52,15 @@ concept Heuristic = requires(H& heuristic, StateId s) {
   { heuristic(s) } -> std::convertible_to<double>;
 };
 
-/// A heuristic may also be asked for many states in one call; the searches then ask for the successors of an expansion
-/// together. values(states, out) writes what heuristic(s) says of each.
+/// A heuristic that is evaluated for many states in one call: the searches do so for all successors of an expansion.
+/// values(states, out) writes heuristic(s) of each state.
 template <class H>
 concept BatchHeuristic =
     Heuristic<H> && requires(H& heuristic, std::span<const StateId> states, std::span<double> out) {
       { heuristic.values(states, out) } -> std::same_as<void>;
     };
 
-/// A heuristic by a function: of one state, or one that writes the values of many.
+/// A heuristic given by a function: of one state, or of many, whose values it writes.
 class AnyHeuristic {
  public:
   AnyHeuristic() = default;
@@ -88,9 +88,9 @@ class AnyHeuristic {
 
 struct Statistics {
   std::uint64_t expansions{};
-  std::uint64_t generated{};    ///< successors handed out
+  std::uint64_t generated{};    ///< successors generated
   std::uint64_t evaluations{};  ///< edges evaluated
-  std::uint64_t memory{};       ///< bytes of the search's tables and queues, which only grow: the most it held
+  std::uint64_t memory{};       ///< peak bytes of the search's tables and queues
 };
 
 struct Result {

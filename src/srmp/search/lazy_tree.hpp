@@ -15,11 +15,12 @@
 #include "srmp/core/error.hpp"
 #include "srmp/search/graph.hpp"
 
-/// What all planners with lazy edges share: the table of states and the edges that may lead to them.
+/// What all searches with lazy edges share: the table of states and the candidate edges that lead to them.
 ///
 /// Lazy edge evaluation (Cohen, Phillips, Likhachev 2014, "Planning Single-Arm Manipulations with N-Arm Robots"): an
 /// expansion offers its edges at their lower bounds. An edge is evaluated only once it is the best candidate of a state
-/// that has come to the top of OPEN; if it turns out dearer or not to exist, the state's next candidate takes over.
+/// that has come to the top of OPEN; if it costs more than its lower bound or does not exist, the state's next
+/// candidate takes over.
 namespace srmp::search {
 
 using EdgeId = std::uint32_t;
@@ -34,13 +35,13 @@ class CandidateTable {
  public:
   struct State {
     double cost{infinity};       ///< to come, at the last expansion; infinity before
-    double heuristic{-1.0};      ///< negative: not asked yet
-    EdgeId parent{no_edge};      ///< that `cost` came over
+    double heuristic{-1.0};      ///< negative: not evaluated yet
+    EdgeId parent{no_edge};      ///< the edge over which `cost` was reached
     EdgeId best{no_edge};        ///< first candidate
     EdgeId first_edge{no_edge};  ///< outgoing edges, one block; only when edges are remembered
     std::uint32_t edge_count{};
-    std::uint32_t closed{};  ///< the planner's mark
-    bool inconsistent{};     ///< in the planner's INCONS
+    std::uint32_t closed{};  ///< the search's mark
+    bool inconsistent{};     ///< in the search's INCONS
   };
 
   const State& operator[](StateId s) const { return states_[s]; }
@@ -49,7 +50,7 @@ class CandidateTable {
   /// Makes room for `s`.
   void ensure(StateId s) {
     if (s < states_.size()) return;
-    if (s == no_state) throw InvalidArgument("the graph handed out no_state (4294967295) as a state");
+    if (s == no_state) throw InvalidArgument("the graph generated no_state (4294967295) as a state");
     states_.resize(std::size_t{s} + 1);
   }
 
@@ -83,7 +84,7 @@ class CandidateTable {
   }
 
   /// Enters the true cost of an edge. It stays a candidate only if it exists.
-  void settle(EdgeId e, double true_cost) {
+  void set_true_cost(EdgeId e, double true_cost) {
     withdraw(e);
     edges_[e].evaluated = true;
     edges_[e].cost = true_cost;
@@ -175,8 +176,8 @@ class CandidateTable {
   std::vector<Candidate> edges_;
 };
 
-/// The cheapest path to a goal so far. It is kept as it was found: later expansions may lead its states over other
-/// parents, dearer for a while.
+/// The cheapest path to a goal so far, as it was found: later expansions may give its states other parents, over which
+/// they cost more for a while.
 class BestGoal {
  public:
   bool known() const { return !path_.empty(); }
@@ -190,7 +191,7 @@ class BestGoal {
     cost_ = cost;
   }
 
-  /// What is known; the bound is the caller's to say.
+  /// The path, if there is one; the caller sets the bound.
   Result result(const Statistics& statistics, std::optional<Status> stop) const {
     Result result;
     result.statistics = statistics;
@@ -206,7 +207,7 @@ class BestGoal {
   double cost_{infinity};
 };
 
-/// Throws InvalidArgument unless `value` may stand for a cost to the goal; `what` names it.
+/// Throws InvalidArgument unless `value` is a valid estimate of a cost-to-go; `what` names it.
 inline void require_estimate(double value, std::string_view what, StateId s) {
   if (value >= 0.0) return;
   throw InvalidArgument("the " + std::string(what) + " of state " + std::to_string(s) + " is " + to_text(value) +
@@ -231,7 +232,7 @@ inline void require_evaluation(const Edge& edge, double cost) {
 }
 
 /// The table together with the graph and the heuristic that fill it. `reached(s)` is called whenever the best candidate
-/// of s has improved; the planner answers by (re)queueing it.
+/// of s has improved; the search then puts s into its queue or changes its key.
 template <Graph G, Heuristic H>
 class LazyTree {
  public:
@@ -249,16 +250,16 @@ class LazyTree {
     }
   }
 
-  /// Offers the edges of a committed state: for planners that expand a state at most once.
+  /// Offers the edges of a committed state, for searches that expand a state at most once.
   template <class Reached>
   void expand_once(StateId s, Reached&& reached) {
-    const double cost = ask_successors(s);
+    const double cost = generate_successors(s);
     for (const Successor& next : successors_) {
       if (admit(s, next) && table.offer_new({s, next.state, next.cost}, cost + next.cost)) reached(next.state);
     }
   }
 
-  /// The same for planners that may expand a state again: edges and their true costs are remembered.
+  /// The same for searches that may expand a state again: edges and their true costs are remembered.
   template <class Reached>
   void expand(StateId s, Reached&& reached) {
     if (table[s].first_edge == no_edge) return expand_first(s, reached);
@@ -266,7 +267,7 @@ class LazyTree {
     for (EdgeId e = table[s].first_edge; e < table[s].first_edge + table[s].edge_count; ++e) offer(s, e, reached);
   }
 
-  /// Evaluates edges, all in one call to the graph. The states they lead to must be requeued by the caller.
+  /// Evaluates edges in one call to the graph. The caller must requeue the states they lead to.
   void evaluate(std::span<const EdgeId> edges) {
     batch_.clear();
     for (const EdgeId e : edges) batch_.push_back(table.edge(e));
@@ -275,30 +276,30 @@ class LazyTree {
     statistics.evaluations += edges.size();
     for (std::size_t i = 0; i < edges.size(); ++i) {
       require_evaluation(batch_[i], true_costs_[i]);
-      table.settle(edges[i], true_costs_[i]);
+      table.set_true_cost(edges[i], true_costs_[i]);
     }
   }
 
   bool is_goal(StateId s) { return graph_.is_goal(s); }
 
-  /// The heuristic of `s`, asked once.
+  /// The heuristic of `s`, evaluated once.
   double heuristic(StateId s) {
-    if (table[s].heuristic < 0.0) enter_heuristic(s, heuristic_(s));
+    if (table[s].heuristic < 0.0) set_heuristic(s, heuristic_(s));
     return table[s].heuristic;
   }
 
  private:
-  double ask_successors(StateId s) {
+  double generate_successors(StateId s) {
     ++statistics.expansions;
     successors_.clear();
     graph_.successors(s, successors_);
     statistics.generated += successors_.size();
-    if constexpr (BatchHeuristic<H>) ask_heuristics();
+    if constexpr (BatchHeuristic<H>) evaluate_heuristics();
     return table[s].cost;
   }
 
   /// The heuristics of all new successors in one call.
-  void ask_heuristics() {
+  void evaluate_heuristics() {
     new_states_.clear();
     for (const Successor& next : successors_) {
       table.ensure(next.state);
@@ -307,15 +308,15 @@ class LazyTree {
     if (new_states_.empty()) return;
     values_.assign(new_states_.size(), 0.0);
     heuristic_.values(std::span<const StateId>(new_states_), std::span<double>(values_));
-    for (std::size_t i = 0; i < values_.size(); ++i) enter_heuristic(new_states_[i], values_[i]);
+    for (std::size_t i = 0; i < values_.size(); ++i) set_heuristic(new_states_[i], values_[i]);
   }
 
-  void enter_heuristic(StateId s, double h) {
+  void set_heuristic(StateId s, double h) {
     require_estimate(h, "heuristic", s);
     table[s].heuristic = h;
   }
 
-  /// Checks a successor; false when it leads to no goal.
+  /// Checks a successor; false when the heuristic prunes it.
   bool admit(StateId from, const Successor& next) {
     require_edge({from, next.state, next.cost});
     table.ensure(next.state);
@@ -324,7 +325,7 @@ class LazyTree {
 
   template <class Reached>
   void expand_first(StateId s, Reached&& reached) {
-    ask_successors(s);
+    generate_successors(s);
     EdgeId first = no_edge;
     std::uint32_t count = 0;
     for (const Successor& next : successors_) {
@@ -333,7 +334,7 @@ class LazyTree {
       if (count++ == 0) first = e;
       offer(s, e, reached);
     }
-    table[s].first_edge = count > 0 ? first : 0;  // asked; perhaps there were none
+    table[s].first_edge = count > 0 ? first : 0;  // generated, though perhaps there were none
     table[s].edge_count = count;
   }
 

@@ -23,7 +23,7 @@ namespace srmp::search {
 
 struct MhaOptions {
   double w1{5.0};  ///< >= 1; inflates all heuristics
-  double w2{5.0};  ///< >= 1; how far the other queues may run ahead of the anchor's
+  double w2{5.0};  ///< >= 1; the other queues' keys may exceed the anchor's by this factor
 };
 
 using InadmissibleHeuristic = AnyHeuristic;
@@ -37,11 +37,11 @@ class MultiHeuristicSearch {
 
   Result run(std::span<const StateId> starts, const Deadline& deadline) {
     tree_.add_starts(starts, [this](StateId s) { reached_.push_back(s); });
-    ask_others();
+    evaluate_others();
     for (const StateId s : reached_) requeue(s);
-    for (std::size_t turn = 0; !queues_[0].empty();) {
+    for (std::size_t round = 0; !queues_[0].empty();) {
       if (const auto stop = stop_status(deadline)) return unsolved(*stop);
-      const std::size_t queue = queue_of(turn);
+      const std::size_t queue = queue_of(round);
       const StateId s = queues_[queue].top().state;
       if (!table().confirmed(s)) {
         const EdgeId e = table().best(s);
@@ -53,24 +53,24 @@ class MultiHeuristicSearch {
       if (tree_.is_goal(s)) return solved(s);
       reached_.clear();
       tree_.expand(s, [this](StateId next) { reached_.push_back(next); });
-      ask_others();
+      evaluate_others();
       for (const StateId next : reached_) requeue(next);
-      ++turn;
+      ++round;
     }
     return unsolved(Status::exhausted);
   }
 
  private:
-  static constexpr std::uint32_t closed_by_other = 1;
+  static constexpr std::uint32_t closed_by_inadmissible = 1;
   static constexpr std::uint32_t closed_by_anchor = 2;
 
   CandidateTable& table() { return tree_.table; }
   const CandidateTable& table() const { return tree_.table; }
 
-  /// Round robin over the other queues; the anchor steps in for one that has run too far ahead.
-  std::size_t queue_of(std::size_t turn) const {
+  /// Round robin over the other queues; the anchor's replaces one whose keys are too far above its own.
+  std::size_t queue_of(std::size_t round) const {
     if (others_.empty()) return 0;
-    const std::size_t queue = 1 + turn % others_.size();
+    const std::size_t queue = 1 + round % others_.size();
     if (queues_[queue].empty()) return 0;
     return queues_[queue].min_priority() <= options_.w2 * queues_[0].min_priority() ? queue : 0;
   }
@@ -78,10 +78,10 @@ class MultiHeuristicSearch {
   void close(StateId s, std::size_t queue) {
     for (OpenList& open : queues_) open.erase(s);
     table().commit(s);
-    table()[s].closed |= queue == 0 ? closed_by_anchor : closed_by_other;
+    table()[s].closed |= queue == 0 ? closed_by_anchor : closed_by_inadmissible;
   }
 
-  /// Puts `s` into the queues where its best candidate belongs.
+  /// Moves `s` into the queues where its best candidate belongs.
   void requeue(StateId s) {
     CandidateTable::State& state = table()[s];
     if (state.best == no_edge) {
@@ -94,9 +94,9 @@ class MultiHeuristicSearch {
     }
     const double g = table().best_cost(s), anchor = g + options_.w1 * state.heuristic;
     queues_[0].set(s, anchor, state.heuristic);
-    if (state.closed & closed_by_other) return;
+    if (state.closed & closed_by_inadmissible) return;
     for (std::size_t i = 0; i < others_.size(); ++i) {
-      const double h = asked_[at(s, i)], priority = g + options_.w1 * h;
+      const double h = values_of_[at(s, i)], priority = g + options_.w1 * h;
       if (h < infinity && priority <= options_.w2 * anchor) {
         queues_[i + 1].set(s, priority, h);
       } else {
@@ -107,13 +107,13 @@ class MultiHeuristicSearch {
 
   std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * others_.size() + i; }
 
-  /// The inadmissible heuristics of the states reached, each asked once, all states in one call.
-  void ask_others() {
+  /// The inadmissible heuristics of the states reached, each evaluated once, all states in one call.
+  void evaluate_others() {
     if (others_.empty()) return;
     new_states_.clear();
     for (const StateId s : reached_) {
-      if (at(s, others_.size()) > asked_.size()) asked_.resize(at(s, others_.size()), -1.0);
-      if (asked_[at(s, 0)] < 0.0) new_states_.push_back(s);
+      if (at(s, others_.size()) > values_of_.size()) values_of_.resize(at(s, others_.size()), -1.0);
+      if (values_of_[at(s, 0)] < 0.0) new_states_.push_back(s);
     }
     if (new_states_.empty()) return;
     values_.resize(new_states_.size());
@@ -125,7 +125,7 @@ class MultiHeuristicSearch {
                                 std::to_string(new_states_[k]) + " is " + to_text(values_[k]) +
                                 ", it must be 0 or more, or infinity");
         }
-        asked_[at(new_states_[k], i)] = values_[k];
+        values_of_[at(new_states_[k], i)] = values_[k];
       }
     }
   }
@@ -135,7 +135,7 @@ class MultiHeuristicSearch {
     result.status = status;
     result.statistics = tree_.statistics;
     result.statistics.memory =
-        table().memory() + asked_.capacity() * sizeof(double) + inconsistent_.capacity() * sizeof(StateId);
+        table().memory() + values_of_.capacity() * sizeof(double) + inconsistent_.capacity() * sizeof(StateId);
     for (const OpenList& open : queues_) result.statistics.memory += open.memory();
     return result;
   }
@@ -156,11 +156,11 @@ class MultiHeuristicSearch {
   std::span<const InadmissibleHeuristic> others_;
   MhaOptions options_;
   std::vector<OpenList> queues_;
-  std::vector<double> asked_;          ///< by state and inadmissible heuristic; negative: not asked yet
+  std::vector<double> values_of_;      ///< by state and inadmissible heuristic; negative: not evaluated yet
   std::vector<StateId> reached_;       ///< by the last expansion
-  std::vector<StateId> new_states_;    ///< of these, those not asked yet
+  std::vector<StateId> new_states_;    ///< of these, those not evaluated yet
   std::vector<double> values_;         ///< of these
-  std::vector<StateId> inconsistent_;  ///< closed by the anchor, but a cheaper candidate has turned up since
+  std::vector<StateId> inconsistent_;  ///< closed by the anchor, but a cheaper candidate was found since
 };
 
 /// Searches from all `starts` (cost 0 each) to the nearest goal, guided by `anchor` and any number of `others`.

@@ -11,11 +11,11 @@
 
 namespace srmp::search {
 
-/// OPEN: a 4-ary heap of states that knows where each state sits, so that keys can change in place.
+/// OPEN: a 4-ary heap of states that knows each state's position, so that keys can change in place.
 ///
 /// The order is total: smaller priority first, then smaller heuristic, then smaller insertion number (first in, first
-/// out). A state gets a new number whenever its key changes. Memory is two flat arrays; nothing is allocated beyond
-/// their amortised growth. Keys must not be NaN.
+/// out). A state gets a new number whenever its key changes. Memory is two flat arrays, with amortised growth. Keys
+/// must not be NaN.
 class OpenList {
  public:
   struct Entry {
@@ -36,15 +36,15 @@ class OpenList {
   /// All entries, in the order of the heap (deterministic, not sorted).
   std::span<const Entry> entries() const { return heap_; }
 
-  /// Puts `s` in, or changes its key (up or down). The same key again changes nothing.
+  /// Inserts `s`, or changes its key (up or down). Setting the same key again changes nothing.
   void set(StateId s, double priority, double heuristic) {
     if (!contains(s)) return insert({priority, heuristic, next_number_++, s});
     const std::size_t at = position_[s];
     if (heap_[at].priority == priority && heap_[at].heuristic == heuristic) return;
-    settle(at, {priority, heuristic, next_number_++, s});
+    move_to_place(at, {priority, heuristic, next_number_++, s});
   }
 
-  /// Puts an entry back that was popped, with its old insertion number.
+  /// Inserts an entry that was popped again, with its old insertion number.
   void restore(const Entry& entry) { insert(entry); }
 
   Entry pop() {
@@ -94,10 +94,10 @@ class OpenList {
     position_[heap_[at].state] = nowhere;
     const Entry last = heap_.back();
     heap_.pop_back();
-    if (at < heap_.size()) settle(at, last);
+    if (at < heap_.size()) move_to_place(at, last);
   }
 
-  void settle(std::size_t at, const Entry& entry) {
+  void move_to_place(std::size_t at, const Entry& entry) {
     if (at > 0 && before(entry, heap_[(at - 1) / arity])) return sift_up(at, entry);
     sift_down(at, entry);
   }
@@ -126,7 +126,7 @@ class OpenList {
   }
 
   std::vector<Entry> heap_;
-  std::vector<std::uint32_t> position_;  ///< by state: its place in heap_
+  std::vector<std::uint32_t> position_;  ///< by state: its index in heap_
   std::uint64_t next_number_{};
 };
 

@@ -9,19 +9,19 @@
 
 #include "srmp/search/alternating_search.hpp"
 
-/// Several guided searches of one question, each in a graph of its own, a few expansions at a time in turns: as quick
-/// as a few times the quickest of them, whichever that is.
+/// Several searches of one problem, each in a graph of its own, a slice of expansions at a time, round robin: takes at
+/// most a few times as long as the quickest of them, whichever that is.
 ///
 /// Paper: Huberman, Lukose, Hogg 1997, "An Economics Approach to Hard Computational Problems" (portfolios); the
 /// searches are AlternatingSearch's. Guarantee: cost <= bound * optimal cost in the graph of the search that finished
-/// first, bound <= weight unless the deadline came first. `exhausted` means that no graph holds a path. Turns are
-/// counted in expansions, so the answer does not depend on time.
+/// first, bound <= weight unless the deadline came first. `exhausted` means that no graph holds a path. Slices are
+/// counted in expansions, so the result does not depend on time.
 namespace srmp::search {
 
 struct PortfolioOptions {
-  double weight{1.0};     ///< >= 1
-  std::uint64_t turn{8};  ///< > 0: expansions of one search before it is the next one's turn
-  /// > 0; of one search; when all that are not exhausted have had as many, the answer is timed_out.
+  double weight{1.0};      ///< >= 1
+  std::uint64_t slice{8};  ///< > 0: expansions of one search before the next one continues
+  /// > 0; of one search; when all that are not exhausted have made as many, the result is timed_out.
   std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};
 };
 
@@ -51,7 +51,7 @@ class Portfolio {
       : make_(std::move(make)), options_(options), searches_(count) {
     require_weight(options.weight, "weight");
     if (count == 0) throw InvalidArgument("a portfolio needs at least one search");
-    if (options.turn == 0) throw InvalidArgument("a portfolio's turn must be at least one expansion");
+    if (options.slice == 0) throw InvalidArgument("a portfolio's slice must be at least one expansion");
   }
 
   /// A slice of every search that has not finished. Nothing: another round may help. Throws as AlternatingSearch does.
@@ -64,7 +64,7 @@ class Portfolio {
         gave_up = true;
         continue;
       }
-      if (const auto stop = searches_[i]->improve(deadline, options_.turn)) return result(i, stop);
+      if (const auto stop = searches_[i]->improve(deadline, options_.slice)) return result(i, stop);
       if (searches_[i]->finished() && searches_[i]->solved()) return result(i, std::nullopt);
       working = true;
     }

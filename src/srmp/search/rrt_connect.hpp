@@ -11,7 +11,8 @@
 
 namespace srmp::search {
 
-/// Numbers in [0, 1) that look random and are the same every time: splitmix64 (Steele, Lea, Flood 2014).
+/// A pseudo-random sequence of numbers in [0, 1): splitmix64 (Steele, Lea, Flood 2014, "Fast splittable pseudorandom
+/// number generators"). The same seed gives the same sequence on every machine.
 class RandomSequence {
  public:
   explicit RandomSequence(std::uint64_t seed) : state_(seed) {}
@@ -21,35 +22,36 @@ class RandomSequence {
   std::uint64_t state_;
 };
 
-/// Configurations, vectors of one size, between which motions are straight.
+/// The planning problem: configurations are vectors of one size, motions between them are straight.
 struct RrtSpace {
   std::vector<Eigen::VectorXd> starts;  ///< free
   std::vector<Eigen::VectorXd> goals;   ///< free
-  std::vector<char> turns{};            ///< by component: an angle that may go round [rad]; empty: none may
-  double longest_step{1.0};             ///< of a motion, > 0
+  std::vector<char> wraps{};            ///< by component: is it an angle that wraps around [rad]? empty: none
+  double max_step{1.0};                 ///< length of a motion, finite and > 0
   std::function<Eigen::VectorXd(RandomSequence&)> sample;
   std::function<bool(const Eigen::VectorXd& a, const Eigen::VectorXd& b)> is_motion_free;  ///< `a` is free
 };
 
-/// Two trees of motions, from the starts and from the goals, that grow towards each other (Kuffner, LaValle 2000,
-/// "RRT-Connect: An Efficient Approach to Single-Query Path Planning"), by a sequence of configurations that is the
-/// same every time. The first attempt is the straight way; then whichever is smaller grows, so the end in a narrow
-/// place has the most attempts. Quick where a lattice has no way that is found soon; proves nothing.
+/// RRT-Connect (Kuffner, LaValle 2000, "RRT-Connect: An Efficient Approach to Single-Query Path Planning") with a fixed
+/// pseudo-random sequence, so that results repeat: two trees of motions, from the starts and from the goals, grow
+/// towards each other. The first attempt is the straight motion; then the smaller tree grows, so the end in a narrow
+/// passage has the most attempts. Guarantee: paths are valid; none is ever proved not to exist.
 class RrtConnect {
  public:
-  /// `sequence`: another number is another sequence, which mostly leads to another path. Throws InvalidArgument for a
-  /// step that is not positive and for vectors of different sizes.
-  explicit RrtConnect(RrtSpace space, std::uint64_t sequence = 0);
+  /// Another `seed` mostly leads to another path. Throws InvalidArgument for a max_step that is not positive and for
+  /// vectors of different sizes.
+  explicit RrtConnect(RrtSpace space, std::uint64_t seed = 0);
 
-  /// Goes on until there is a path, from a start to a goal, or `attempts` were made since the first call.
+  /// Grows the trees until there is a path, from a start to a goal, or `attempts` were made since construction. May be
+  /// called again with more attempts.
   std::optional<std::vector<Eigen::VectorXd>> grow(std::uint64_t attempts, const Deadline& deadline);
   std::uint64_t attempts() const { return attempts_; }
   std::size_t memory() const;
 
  private:
   struct Tree {
-    std::vector<std::vector<double>> columns;  // one a component; rows are nodes
-    std::vector<std::size_t> parents;          // its own number: a root
+    std::vector<std::vector<double>> columns;  // one per component; rows are nodes
+    std::vector<std::size_t> parents;          // a root is its own parent
     std::size_t size() const { return parents.size(); }
   };
 
@@ -59,14 +61,14 @@ class RrtConnect {
   std::size_t nearest(const Tree& tree, const Eigen::VectorXd& q);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
   bool connect(Tree& tree, const Eigen::VectorXd& q);
-  std::optional<std::vector<Eigen::VectorXd>> straight_way() const;
+  std::optional<std::vector<Eigen::VectorXd>> straight_path() const;
   std::vector<Eigen::VectorXd> path() const;
 
   RrtSpace space_;
   Tree trees_[2];  // from the starts; from the goals
   std::uint64_t attempts_{};
   RandomSequence random_;
-  std::vector<double> distances_;  // scratch
+  std::vector<double> distances_;  // by node, scratch
 };
 
 }  // namespace srmp::search

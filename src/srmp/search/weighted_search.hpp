@@ -12,17 +12,17 @@
 
 namespace srmp::search {
 
-/// The machine inside the planners with one OPEN ordered by f = g + weight * h: OPEN, CLOSED, INCONS and the best goal.
+/// What searches with one OPEN ordered by f = g + weight * h share: OPEN, CLOSED, INCONS and the best goal.
 ///
-/// INCONS holds closed states for which a cheaper candidate has turned up since. No path can cost less than the
+/// INCONS holds closed states for which a cheaper candidate has been found since. No path can cost less than the
 /// smallest g + h over OPEN and INCONS: of an optimal path, the first state that was not expanded at its optimal cost
 /// is in one of them, at its optimal cost or a lower bound of it.
 template <Graph G, Heuristic H>
 class WeightedSearch {
  public:
   enum class Expand {
-    once,   ///< a state is never expanded again: forget edges that lost
-    again,  ///< remember all edges and their true costs
+    once,   ///< a state is never expanded again: edges that lost are forgotten
+    again,  ///< all edges and their true costs are remembered
   };
 
   WeightedSearch(G& graph, H& heuristic, double weight, Expand expand)
@@ -77,7 +77,7 @@ class WeightedSearch {
     }
   }
 
-  /// Puts `s` where its best candidate belongs: OPEN, INCONS or, without a candidate, nowhere.
+  /// Moves `s` to where its best candidate belongs: OPEN, INCONS or, without a candidate, nowhere.
   void requeue(StateId s) {
     CandidateTable::State& state = table()[s];
     if (state.best == no_edge) return open_.erase(s);

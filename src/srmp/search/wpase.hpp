@@ -15,19 +15,19 @@
 /// Papers: Phillips, Likhachev, Koenig 2014, "PA*SE: Parallel A* for Slow Expansions" (the independence check);
 /// Mukherjee, Aine, Likhachev 2022, "ePA*SE: Edge-Based Parallel A* for Slow Evaluations".
 /// What is parallel is the evaluation of edges: each round takes a batch of edges from OPEN, of a size that does not
-/// depend on the number of threads, has the graph evaluate them in one call, and merges the answers in the order of the
-/// batch. So the path is the same for any number of threads. While edges wait for their evaluation, a confirmed state
-/// behind them may be expanded if it is independent of them: no path through a waiting state can beat its cost within
-/// the weight.
+/// depend on the number of threads, has the graph evaluate them in one call, and merges the costs in the order of the
+/// batch, so the path is the same for any number of threads. While edges wait for their evaluation, a confirmed state
+/// after them in OPEN may be expanded if it is independent of them: no path through a waiting state can lower its cost
+/// by more than the weight.
 /// Guarantee: cost <= bound * optimal cost, bound <= weight; no state is expanded twice, no edge evaluated twice.
 /// Needs: as weighted A* (astar.hpp), and optionally a heuristic between pairs of states: pair(a, b) <= the cost of any
-/// path from a to b. Without it h(a) - h(b) serves, which is weaker.
+/// path from a to b. Without it h(a) - h(b) is used, a weaker bound.
 namespace srmp::search {
 
 struct WpaseOptions {
   double weight{1.0};  ///< >= 1
-  /// Edges a round, >= 1; 1 is weighted A*. As many as the graph evaluates at once: a larger batch evaluates more edges
-  /// that turn out not to matter. The deadline is asked between rounds.
+  /// Edges per round, >= 1; 1 is weighted A*. Best as many as the graph evaluates at once: a larger batch evaluates
+  /// more edges that are not needed. The deadline is polled between rounds.
   std::size_t batch_size{4};
 };
 
@@ -37,7 +37,7 @@ concept PairHeuristic = requires(P& pair, StateId a, StateId b) {
   { pair(a, b) } -> std::convertible_to<double>;
 };
 
-/// Stands for h(a) - h(b), which by consistency bounds the cost from a to b.
+/// Selects h(a) - h(b), which by consistency is a lower bound of the cost from a to b.
 struct HeuristicDifference {};
 
 /// The rounds of one wPA*SE search.
@@ -77,12 +77,12 @@ class BatchedSearch {
     return std::nullopt;
   }
 
-  /// Is the cost of `s` within the weight of optimal, even if the best path to it leads through a waiting state?
+  /// Is the cost of `s` within the weight of the optimum even if the best path to it leads through a waiting state?
   bool independent(StateId s) {
     const double g = search_.table().best_cost(s);
     return std::all_of(waiting_.begin(), waiting_.end(), [&](const OpenList::Entry& other) {
-      const double via = search_.table().best_cost(other.state);  // infinity once it has been expanded
-      return g <= via || g <= via + options_.weight * lower_bound(other.state, s);
+      const double g_other = search_.table().best_cost(other.state);  // infinity once it has been expanded
+      return g <= g_other || g <= g_other + options_.weight * lower_bound(other.state, s);
     });
   }
 

@@ -32,14 +32,14 @@ double table_height(const Eigen::VectorXd& q, double depth) {
   return free + depth;
 }
 
-Scene hand_in_table(double depth) {
+Scene gripper_in_table(double depth) {
   Scene scene;
   scene.add_robot(worlds::arm7());
   scene.add_object("table", Box{{0.4, 0.4, 0.02}}, at(0.35, 0.0, table_height(ready(), depth)));
   return scene;
 }
 
-PlannerInterface hand_in_table_planner(double depth, const PlannerOptions& options) {
+PlannerInterface gripper_in_table_planner(double depth, const PlannerOptions& options) {
   PlannerInterface planner;
   RobotDescription description = worlds::arm7()->description();
   planner.add_articulation(description);
@@ -48,7 +48,7 @@ PlannerInterface hand_in_table_planner(double depth, const PlannerOptions& optio
   return planner;
 }
 
-/// The rule, by code of its own and with other samples than the search's.
+/// The rule, by independent code and at other samples than the search's.
 void check_recovery(const Checker& checker, const Eigen::VectorXd& start, const Path& path) {
   BOOST_REQUIRE_GE(path.size(), 2);
   BOOST_CHECK(path.front() == start);
@@ -94,11 +94,11 @@ Scene planar_among(const std::vector<Eigen::Vector2d>& boxes) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_SUITE(escape)
+BOOST_AUTO_TEST_SUITE(start_recovery)
 
-BOOST_AUTO_TEST_CASE(a_hand_gets_out_of_a_table_by_a_short_way) {
+BOOST_AUTO_TEST_CASE(a_gripper_leaves_a_table_by_a_short_path) {
   for (const double depth : {0.0001, 0.001, 0.002, 0.003, 0.005, 0.009}) {
-    const Checker checker(hand_in_table(depth), "arm7");
+    const Checker checker(gripper_in_table(depth), "arm7");
     const Path path = recovery_of(checker, ready());
     check_recovery(checker, ready(), path);
     BOOST_CHECK_LT(length(path), 0.02 + 10.0 * depth);  // the fingers are a third of a metre from joints 2 and 4
@@ -106,12 +106,12 @@ BOOST_AUTO_TEST_CASE(a_hand_gets_out_of_a_table_by_a_short_way) {
 }
 
 BOOST_AUTO_TEST_CASE(it_goes_a_millimetre_beyond_contact_where_there_is_room) {
-  const Checker checker(hand_in_table(0.003), "arm7");
+  const Checker checker(gripper_in_table(0.003), "arm7");
   const auto nearest = checker.nearest(recovery_of(checker, ready()).back(), *checker.make_workspace());
   BOOST_CHECK_GT(nearest->distance, 0.5e-3);
 }
 
-BOOST_AUTO_TEST_CASE(several_pairs_at_once) {
+BOOST_AUTO_TEST_CASE(several_pairs_are_separated_at_once) {
   Scene scene = planar_among({{0.6, 0.097}, {1.5, 0.098}});
   const Checker both(scene, "planar");
   check_recovery(both, Eigen::Vector2d::Zero(), recovery_of(both, Eigen::Vector2d::Zero()));
@@ -139,22 +139,22 @@ BOOST_AUTO_TEST_CASE(every_kind_of_shape_can_be_left_and_padding_counts) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(a_joint_at_its_limit_leaves_it_to_the_others) {
+BOOST_AUTO_TEST_CASE(joints_at_their_limits_leave_the_separation_to_the_others) {
   const Checker checker(planar_among({{2.0 * std::cos(3.0) + 0.3, 2.0 * std::sin(3.0) - 0.14}}), "planar");
   const Eigen::Vector2d start(3.0, 0.0);  // the box is on the side that joint a could only leave beyond its limit
   BOOST_REQUIRE(!checker.is_free(start, *checker.make_workspace()));
   check_recovery(checker, start, recovery_of(checker, start));
 }
 
-BOOST_AUTO_TEST_CASE(closed_in_means_no_way_out) {
+BOOST_AUTO_TEST_CASE(there_is_no_path_where_every_motion_deepens_a_contact) {
   // The upper bar is held from both sides by the same depth.
   const Checker held(planar_among({{0.6, 0.095}, {0.6, -0.095}}), "planar");
   BOOST_CHECK(recovery_of(held, Eigen::Vector2d::Zero()).empty());
-  // Out of one box there is only the way into another.
+  // Every motion out of one box leads into another.
   const Checker between(planar_among({{0.9, 0.095}, {0.6, -0.101}, {0.3, -0.101}}), "planar");
   BOOST_CHECK(recovery_of(between, Eigen::Vector2d::Zero()).empty());
-  // What does not move cannot be left.
-  Scene rigid = hand_in_table(0.002);
+  // A link that no joint moves cannot be separated from an object.
+  Scene rigid = gripper_in_table(0.002);
   rigid.add_object("wall", Box{{0.1, 0.1, 0.1}}, at(0.0, 0.1, 0.05));
   const Checker walled(rigid, "arm7");
   BOOST_CHECK(recovery_of(walled, ready()).empty());
@@ -176,8 +176,8 @@ BOOST_AUTO_TEST_CASE(the_rule_is_broken_by_depth_by_new_pairs_and_by_an_end_in_c
   broken({start, out.back(), start, out.back()}, "link 'upper' and object 'box0'");           // back in again
 }
 
-BOOST_AUTO_TEST_CASE(the_same_way_every_time) {
-  const Checker exact(hand_in_table(0.004), "arm7"), coal(hand_in_table(0.004), "arm7", {CheckMode::coal});
+BOOST_AUTO_TEST_CASE(the_path_is_the_same_every_time) {
+  const Checker exact(gripper_in_table(0.004), "arm7"), coal(gripper_in_table(0.004), "arm7", {CheckMode::coal});
   const auto used = exact.make_workspace();
   const Path first = find_start_recovery(exact, ready(), *used);
   for (int i = 0; i < 3; ++i) BOOST_CHECK(find_start_recovery(exact, ready(), *used) == first);
@@ -185,11 +185,11 @@ BOOST_AUTO_TEST_CASE(the_same_way_every_time) {
   BOOST_CHECK(recovery_of(coal, ready()) == first);
 }
 
-BOOST_AUTO_TEST_CASE(every_look_may_end_it) {
-  const Checker checker(hand_in_table(0.004), "arm7");
-  int looks = 0;
+BOOST_AUTO_TEST_CASE(every_check_may_end_the_search) {
+  const Checker checker(gripper_in_table(0.004), "arm7");
+  int checks = 0;
   const auto stop = [&] {
-    if (++looks == 20) throw std::runtime_error("enough");
+    if (++checks == 20) throw std::runtime_error("enough");
   };
   BOOST_CHECK_THROW(find_start_recovery(checker, ready(), *checker.make_workspace(), stop), std::runtime_error);
 }
@@ -202,7 +202,7 @@ BOOST_AUTO_TEST_CASE(plans_begin_at_the_start_and_leave_it_by_the_rule) {
   const std::vector<PlannerOptions> all{Auto{common},    WAStar{common}, ARAStar{common, 50.0, 10.0, 20.0},
                                         MHAStar{common}, WPASE{common},  Auto{.common = common, .improve_time = 0.05}};
   for (const PlannerOptions& options : all) {
-    PlannerInterface planner = hand_in_table_planner(0.003, options);
+    PlannerInterface planner = gripper_in_table_planner(0.003, options);
     const Trajectory t = planner.plan("arm7", ready(), GoalConstraint::joints(goal));
     const PlanStatistics& statistics = planner.get_planning_stats();
     BOOST_CHECK(t.positions.row(0).transpose() == ready());
@@ -210,9 +210,9 @@ BOOST_AUTO_TEST_CASE(plans_begin_at_the_start_and_leave_it_by_the_rule) {
     BOOST_REQUIRE_GE(statistics.recovery_waypoints, 1);
     BOOST_TEST(statistics.note.find("'table' overlap by 3 mm): the trajectory begins with the way out of it") !=
                std::string::npos);
-    const Path way_out = unstack_waypoints(t.waypoints.topRows(statistics.recovery_waypoints + 1));
-    check_recovery(*planner.collision_checker("arm7"), ready(), way_out);
-    BOOST_CHECK_CLOSE(length(way_out), statistics.recovery_cost_rad, 1e-9);
+    const Path recovery = unstack_waypoints(t.waypoints.topRows(statistics.recovery_waypoints + 1));
+    check_recovery(*planner.collision_checker("arm7"), ready(), recovery);
+    BOOST_CHECK_CLOSE(length(recovery), statistics.recovery_cost_rad, 1e-9);
     BOOST_CHECK_CLOSE(path_length(t.waypoints), statistics.recovery_cost_rad + statistics.path_cost_rad, 1e-6);
     for (Eigen::Index i = statistics.recovery_waypoints + 1; i < t.waypoints.rows(); ++i)
       BOOST_CHECK(planner.is_motion_free("arm7", t.waypoints.row(i - 1).transpose(), t.waypoints.row(i).transpose()));
@@ -221,9 +221,9 @@ BOOST_AUTO_TEST_CASE(plans_begin_at_the_start_and_leave_it_by_the_rule) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(solutions_begin_where_the_escape_ends) {
+BOOST_AUTO_TEST_CASE(solutions_begin_where_the_recovery_ends) {
   const Eigen::VectorXd goal = ready() + (Eigen::VectorXd(7) << 1.5, 0, 0, 0, 0, 0, 0).finished();
-  PlannerInterface planner = hand_in_table_planner(0.003, WAStar{{.recover_start = true}});
+  PlannerInterface planner = gripper_in_table_planner(0.003, WAStar{{.recover_start = true}});
   Eigen::VectorXd first;
   const auto see = [&](const Solution&, ConstRows waypoints) {
     first = waypoints.row(0).transpose();
@@ -234,8 +234,8 @@ BOOST_AUTO_TEST_CASE(solutions_begin_where_the_escape_ends) {
 }
 
 BOOST_AUTO_TEST_CASE(a_free_start_is_left_alone) {
-  PlannerInterface with = hand_in_table_planner(-0.01, Auto{{.recover_start = true}}),
-                   without = hand_in_table_planner(-0.01, Auto{});
+  PlannerInterface with = gripper_in_table_planner(-0.01, Auto{{.recover_start = true}}),
+                   without = gripper_in_table_planner(-0.01, Auto{});
   const auto goal = GoalConstraint::joints(ready() + Eigen::VectorXd::Unit(7, 0));
   BOOST_CHECK(with.plan("arm7", ready(), goal).positions == without.plan("arm7", ready(), goal).positions);
   BOOST_CHECK_EQUAL(with.get_planning_stats().recovery_waypoints, 0);
@@ -243,14 +243,14 @@ BOOST_AUTO_TEST_CASE(a_free_start_is_left_alone) {
   BOOST_CHECK_EQUAL(with.get_planning_stats().note, "");
 }
 
-BOOST_AUTO_TEST_CASE(only_if_asked_for) {
-  PlannerInterface planner = hand_in_table_planner(0.003, Auto{});
+BOOST_AUTO_TEST_CASE(starts_are_recovered_on_request_only) {
+  PlannerInterface planner = gripper_in_table_planner(0.003, Auto{});
   const auto goal = GoalConstraint::joints(ready() + Eigen::VectorXd::Unit(7, 0));
   check_throws<PlanningError>([&] { planner.plan("arm7", ready(), goal); }, "'table' overlap by 3 mm");
   BOOST_CHECK(planner.get_planning_stats().status == Status::start_invalid);
 }
 
-BOOST_AUTO_TEST_CASE(what_cannot_be_escaped_says_so) {
+BOOST_AUTO_TEST_CASE(a_start_that_cannot_be_left_is_an_error) {
   PlannerInterface planner;
   planner.add_articulation(robots::planar_description());
   planner.add_box("above", {0.1, 0.1, 0.1}, at(0.6, 0.095, 0.0));
@@ -261,11 +261,11 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_escaped_says_so) {
                               "overlap by 5 mm, and no way out was found along which no pair gets deeper");
   BOOST_CHECK(planner.get_planning_stats().status == Status::start_invalid);
   check_throws<PlanningError>([&] { planner.plan("planar", Eigen::Vector2d(3.1, 0.0), goal); },
-                              "the start is invalid: a: 3.1");  // limits are not escaped from
+                              "the start is invalid: a: 3.1");  // starts outside of limits are not recovered
 }
 
-BOOST_AUTO_TEST_CASE(the_time_limit_and_the_callers_wish_hold_during_the_escape) {
-  PlannerInterface planner = hand_in_table_planner(0.003, Auto{{.time_limit = 1e-4, .recover_start = true}});
+BOOST_AUTO_TEST_CASE(the_deadline_and_cancellation_hold_during_the_recovery) {
+  PlannerInterface planner = gripper_in_table_planner(0.003, Auto{{.time_limit = 1e-4, .recover_start = true}});
   const auto goal = GoalConstraint::joints(ready() + Eigen::VectorXd::Unit(7, 0));
   check_throws<PlanningError>([&] { planner.plan("arm7", ready(), goal); }, "passed during the escape from the start");
   BOOST_CHECK(planner.get_planning_stats().status == Status::timed_out);

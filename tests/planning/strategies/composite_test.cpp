@@ -18,7 +18,7 @@ const std::vector<std::size_t> both{0, 1};
 
 srmp::WorldTask task_to(const Vector2d& goal) { return {start, {goal}, {start, goal}}; }
 
-/// Two planar arms face to face, 3 m apart, each 2 m long when straight, that pass each other's side.
+/// Two planar arms face to face, 3 m apart, each 2 m long when straight, that pass each other.
 ///
 ///     left ──────── ──────── right
 struct Pair {
@@ -56,7 +56,7 @@ struct Pair {
 
 BOOST_AUTO_TEST_SUITE(composite)
 
-BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
+BOOST_AUTO_TEST_CASE(rrt_connect_and_lattices_find_free_paths_from_start_to_goal) {
   Pair pair;
   const srmp::CompositeSpace space(*pair.world, both);
   srmp::search::RrtConnect trees(srmp::rrt_space(space));
@@ -73,16 +73,16 @@ BOOST_AUTO_TEST_CASE(trees_and_lattices_find_free_ways_from_start_to_goal) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(there_is_no_way_to_where_arms_are_in_each_other) {
-  Pair apart(Vector2d(0.0, 0.0));  // both straight: hands and elbows in each other
+BOOST_AUTO_TEST_CASE(no_path_leads_to_goals_in_collision) {
+  Pair apart(Vector2d(0.0, 0.0));  // both straight: the robots collide
   const srmp::CompositeSpace nowhere(*apart.world, both);
   BOOST_TEST(!srmp::search::RrtConnect(srmp::rrt_space(nowhere)).grow(1'000, {}).has_value());
 }
 
-BOOST_AUTO_TEST_CASE(an_arm_that_needs_no_detour_is_rerouted) {
+BOOST_AUTO_TEST_CASE(a_robot_that_needs_no_detour_is_rerouted) {
   Pair pair;
   const Vector2d goal(-1.2, 0.0), any(1.2, 2.0);
-  // The left one goes first; the right one, for nothing, by way of a place aside and waits there.
+  // The left one goes first; the right one makes a needless detour to a retreat and waits there.
   JointPath path = srmp::joint_path(*pair.world, both, {{start, start, goal, goal}, {start, any, any, goal}});
   const double before = path.length(1);
   const JointPath better = srmp::reroute_one_robot(path, *pair.world, {});
@@ -91,13 +91,13 @@ BOOST_AUTO_TEST_CASE(an_arm_that_needs_no_detour_is_rerouted) {
   BOOST_TEST(better.length(1) < 0.95 * before);
   BOOST_TEST((better.positions[1].row(0).transpose() == start));
   BOOST_TEST((better.positions[1].bottomRows(1).transpose() - goal).norm() < 1e-12);
-  const JointPath late = srmp::reroute_one_robot(path, *pair.world, srmp::Deadline(1e-9));
-  BOOST_TEST(late.length() == path.length());
+  const JointPath unchanged = srmp::reroute_one_robot(path, *pair.world, srmp::Deadline(1e-9));
+  BOOST_TEST(unchanged.length() == path.length());
 }
 
-BOOST_AUTO_TEST_CASE(an_arm_that_steps_aside_for_another_comes_back) {
+BOOST_AUTO_TEST_CASE(a_robot_that_retreats_for_another_comes_back) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), any(1.2, 0.5);
-  Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});  // the right one is in the left one's way
+  Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});  // the right one blocks the left one's path
   const JointPath path = srmp::joint_path(*pair.world, both, {{up, up, down, down}, {straight, any, any, straight}});
   pair.check_free(path);
   const JointPath better = srmp::reroute_one_robot(path, *pair.world, {});
@@ -105,7 +105,7 @@ BOOST_AUTO_TEST_CASE(an_arm_that_steps_aside_for_another_comes_back) {
   BOOST_TEST((better.positions[1].bottomRows(1).transpose() == straight));
 }
 
-BOOST_AUTO_TEST_CASE(an_arm_goes_by_a_place_that_is_nearer) {
+BOOST_AUTO_TEST_CASE(a_robot_is_rerouted_through_a_nearer_configuration) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), far(1.6, 1.0), near(1.2, 0.5);
   Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});
   const JointPath path = srmp::joint_path(*pair.world, both, {{up, up, down, down}, {straight, far, far, straight}});
@@ -116,7 +116,7 @@ BOOST_AUTO_TEST_CASE(an_arm_goes_by_a_place_that_is_nearer) {
   BOOST_TEST(better.length(1) < srmp::reroute_one_robot(path, *pair.world, {}).length(1));
 }
 
-BOOST_AUTO_TEST_CASE(ways_bend_no_more_than_they_must) {
+BOOST_AUTO_TEST_CASE(tightened_paths_detour_no_more_than_necessary) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), far(1.6, 1.0);
   Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});
   const JointPath path = srmp::joint_path(*pair.world, both, {{up, up, down, down}, {straight, far, far, straight}});
@@ -124,38 +124,39 @@ BOOST_AUTO_TEST_CASE(ways_bend_no_more_than_they_must) {
   pair.check_free(tight);
   BOOST_TEST(tight.length(0) <= path.length(0));
   BOOST_TEST(tight.length(1) < 0.95 * path.length(1));
-  for (std::size_t arm : both) {
-    BOOST_TEST((tight.positions[arm].row(0) == path.positions[arm].row(0)));
-    BOOST_TEST((tight.positions[arm].bottomRows(1) == path.positions[arm].bottomRows(1)));
+  for (std::size_t robot : both) {
+    BOOST_TEST((tight.positions[robot].row(0) == path.positions[robot].row(0)));
+    BOOST_TEST((tight.positions[robot].bottomRows(1) == path.positions[robot].bottomRows(1)));
   }
   BOOST_TEST(srmp::tightened(path, *pair.world, srmp::Deadline(1e-9)).length() == path.length());
 }
 
-BOOST_AUTO_TEST_CASE(roadmaps_hold_shorter_ways_for_who_is_less_greedy) {
+BOOST_AUTO_TEST_CASE(roadmaps_give_shorter_paths_for_smaller_weights) {
   const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
   Pair pair({up, {down}, {up, down}}, {straight, {straight}, {straight}});
-  srmp::RoadmapSearch roadmaps(*pair.world, 8);
-  using Effort = srmp::RoadmapSearch::Effort;
-  const auto run = [&](const Effort& effort) { return roadmaps.run(both, effort, {}); };
+  srmp::CompositeRoadmap roadmaps(*pair.world, {.retreats = 8});
+  using Budget = srmp::CompositeRoadmap::SearchBudget;
+  const auto run = [&](const Budget& budget) { return roadmaps.run(both, budget, {}); };
   const auto greedy = run({.max_expansions = 10'000, .max_checks = 10'000});
   BOOST_REQUIRE(greedy.status == srmp::Status::solved);
   pair.check_free(greedy.path);
   BOOST_TEST(greedy.path.length() <= greedy.cost);
-  const auto best = run({.max_expansions = 10'000, .max_checks = 10'000, .greed = 1.0});
+  const auto best = run({.max_expansions = 10'000, .max_checks = 10'000, .weight = 1.0});
   BOOST_REQUIRE(best.status == srmp::Status::solved);
   pair.check_free(best.path);
   BOOST_TEST(best.cost <= greedy.cost);
-  for (const double greed : {1.0, 1.5, 3.0}) {
-    const auto none = run({.max_expansions = 10'000, .max_checks = 10'000, .greed = greed, .below = best.cost});
+  for (const double weight : {1.0, 1.5, 3.0}) {
+    const auto none = run({.max_expansions = 10'000, .max_checks = 10'000, .weight = weight, .max_cost = best.cost});
     BOOST_TEST((none.status == srmp::Status::exhausted));  // no path costs less than the best
-    const auto some = run({.max_expansions = 10'000, .max_checks = 10'000, .greed = greed, .below = best.cost + 1e-9});
+    const auto some =
+        run({.max_expansions = 10'000, .max_checks = 10'000, .weight = weight, .max_cost = best.cost + 1e-9});
     BOOST_TEST((some.status == srmp::Status::solved));
     BOOST_TEST(some.cost <= best.cost + 1e-9);
   }
   BOOST_TEST((run({.max_expansions = 1, .max_checks = 10'000}).status == srmp::Status::timed_out));
 }
 
-BOOST_AUTO_TEST_CASE(arms_at_their_goals_are_there_exactly) {
+BOOST_AUTO_TEST_CASE(robots_arrive_at_their_goals_exactly) {
   const Vector2d goal(-1.1, 0.3);
   Pair pair(goal);
   const Vector2d by(0.7, -0.9);  // 1.2 + (by - 1.2) is not by

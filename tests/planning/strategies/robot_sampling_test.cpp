@@ -31,7 +31,7 @@ BOOST_AUTO_TEST_SUITE(robot_trees)
 BOOST_AUTO_TEST_CASE(max_samples_are_near_the_ends_and_all_within_limits) {
   const auto robot = robots::planar();
   const search::RrtSpace space = rrt_space(*robot, Vector2d(0.1, -2.9), {Vector2d(0.3, -2.5)});
-  BOOST_TEST((space.turns == std::vector<char>{0, 0}));
+  BOOST_TEST((space.wraps == std::vector<char>{0, 0}));
   search::RandomSequence random(1);
   int near = 0;
   for (int i = 0; i < 1000; ++i) {

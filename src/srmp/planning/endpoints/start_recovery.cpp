@@ -5,32 +5,30 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
+
+#include "srmp/search/best_first.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double probe = 1e-3;      // joint step of the numeric gradients [rad or m]
-constexpr double clearance = 1e-3;  // aimed at beyond contact [m]: closer than that, motions are hard to prove free
-constexpr int longest_walk = 400;   // samples
-constexpr int max_looks = 20'000;   // configurations looked at
+constexpr double damping = 1e-6;  // of the least squares, so that parallel gradients do no harm
 
 using PairName = std::pair<std::string, std::string>;
 using Depths = std::map<PairName, double>;  // of every pair in contact [m]
 
 PairName name_of(const Contact& contact) { return {contact.body_a, contact.body_b}; }
 
-/// What must fall: the sum of the depths, where a pair that merely touches counts too.
+/// What must fall along a path; a pair that merely touches counts too.
 double sum_of(const Depths& depths) {
   double sum = 0.0;
   for (const auto& [pair, depth] : depths) sum += std::max(depth, 0.0) + recovery_tolerance;
   return sum;
 }
 
-/// The contact that is new or deeper than `least` by more than the tolerance; null when there is none.
-const Contact* worse_than(const Depths& least, const std::vector<Contact>& contacts, double tolerance) {
+/// The contact that is new, or deeper than in `least` by more than the tolerance; null when there is none.
+const Contact* violation_of(const Depths& least, const std::vector<Contact>& contacts, double tolerance) {
   for (const Contact& contact : contacts) {
     const auto known = least.find(name_of(contact));
     if (known == least.end() || -contact.distance > known->second + tolerance) return &contact;
@@ -38,8 +36,8 @@ const Contact* worse_than(const Depths& least, const std::vector<Contact>& conta
   return nullptr;
 }
 
-/// The least depth that each pair still in contact has had so far.
-Depths lessened(const Depths& least, const std::vector<Contact>& contacts) {
+/// The least depth so far of each pair that is still in contact.
+Depths updated(const Depths& least, const std::vector<Contact>& contacts) {
   Depths result;
   for (const Contact& contact : contacts) {
     const auto known = least.find(name_of(contact));
@@ -48,46 +46,59 @@ Depths lessened(const Depths& least, const std::vector<Contact>& contacts) {
   return result;
 }
 
-/// Steps that sample the straight motion.
-int steps_between(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+/// Samples of a straight segment.
+int samples_between(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return std::max(1, static_cast<int>(std::ceil((b - a).cwiseAbs().maxCoeff() / recovery_step - 1e-6)));
 }
 
+/// A search::BestFirstProblem ordered by the sum of depths. A free node has the least sum there can be, so the search
+/// ends with the first that an expansion adds.
 class StartRecoverySearch {
  public:
-  StartRecoverySearch(const Checker& checker, Checker::Workspace& workspace, const std::function<void()>& keep_going)
-      : checker_(checker), robot_(checker.robot()), workspace_(workspace), keep_going_(keep_going) {}
-
-  std::vector<Eigen::VectorXd> run(const Eigen::VectorXd& start) {
-    add({start, lessened({}, look(start)), 0});
-    while (!open_.empty() && looks_ < max_looks) {
-      const std::size_t best = open_.begin()->second;
-      open_.erase(open_.begin());
-      for (const Eigen::VectorXd& direction : directions(nodes_[best])) {
-        const std::optional<Node> next = walk(best, direction);
-        if (!next) continue;
-        add(*next);
-        if (next->least.empty()) return path_to(nodes_.size() - 1);
-      }
-    }
-    return {};
-  }
-
- private:
   struct Node {
     Eigen::VectorXd q;
     Depths least;  // of all samples up to here; empty: free
-    std::size_t parent;
   };
 
-  void add(Node node) {
-    open_.emplace(sum_of(node.least), nodes_.size());
-    nodes_.push_back(std::move(node));
+  StartRecoverySearch(const Checker& checker, Checker::Workspace& workspace, const std::function<void()>& keep_going,
+                      const StartRecoveryOptions& options)
+      : checker_(checker), robot_(checker.robot()), workspace_(workspace), keep_going_(keep_going), options_(options) {}
+
+  std::vector<Eigen::VectorXd> run(const Eigen::VectorXd& start) {
+    add({start, updated({}, contacts_at(start))}, search::no_node);
+    std::vector<Eigen::VectorXd> path;
+    const search::BestFirstResult found = search_.run(*this, Deadline());
+    if (found.status == Status::solved)
+      for (const search::NodeId id : search_.path_to(found.goal)) path.push_back(search_[id].q);
+    return path;
   }
 
-  std::vector<Contact> look(const Eigen::VectorXd& q) {
+  bool is_dominated(const Node&) const { return false; }
+  bool is_valid(search::NodeId) const { return true; }
+  void close(const Node&) const {}
+  bool is_goal(const Node& node) const { return node.least.empty(); }
+  bool may_expand(std::uint64_t) const { return checks_ < options_.max_checks; }
+
+  void expand(search::NodeId id) {
+    const Node from = search_[id];
+    for (const Eigen::VectorXd& direction : directions(from)) {
+      std::optional<Node> next = segment_end(from, direction);
+      if (!next) continue;
+      const bool is_free = next->least.empty();
+      add(std::move(*next), id);
+      if (is_free) return;
+    }
+  }
+
+ private:
+  void add(Node node, search::NodeId parent) {
+    const double key = sum_of(node.least);
+    search_.add(std::move(node), key, parent);
+  }
+
+  std::vector<Contact> contacts_at(const Eigen::VectorXd& q) {
     if (keep_going_) keep_going_();
-    ++looks_;
+    ++checks_;
     return checker_.contacts(q, workspace_);
   }
 
@@ -96,63 +107,66 @@ class StartRecoverySearch {
     const Eigen::MatrixXd gradients = depth_gradients(node);
     Eigen::VectorXd depths(gradients.rows());
     std::transform(node.least.begin(), node.least.end(), depths.data(), [](const auto& pair) { return pair.second; });
-    const auto add_way_out = [&](const Eigen::MatrixXd& gradient, const Eigen::VectorXd& depth) {
-      const Eigen::VectorXd step = way_out(node.q, gradient, depth);
+    const auto add_separating = [&](const Eigen::MatrixXd& gradient, const Eigen::VectorXd& depth) {
+      const Eigen::VectorXd step = separating_step(node.q, gradient, depth);
       if (step.norm() > 0.0) result.emplace_back(step / step.cwiseAbs().maxCoeff());
     };
-    add_way_out(gradients, depths);
+    add_separating(gradients, depths);
     Eigen::Index deepest{};
     depths.maxCoeff(&deepest);
-    if (depths.size() > 1) add_way_out(gradients.row(deepest), depths.segment(deepest, 1));
+    if (depths.size() > 1) add_separating(gradients.row(deepest), depths.segment(deepest, 1));
     for (Eigen::Index j = 0; j < node.q.size(); ++j)
       for (const double sign : {1.0, -1.0}) result.emplace_back(sign * Eigen::VectorXd::Unit(node.q.size(), j));
     return result;
   }
 
-  /// One row a pair in contact: how its depth changes with each joint [m a rad or m].
+  /// One row a pair in contact: how its depth changes with each joint [m per rad or m].
   Eigen::MatrixXd depth_gradients(const Node& node) {
     Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(node.least.size()), node.q.size());
+    const double step = options_.gradient_step;
     for (Eigen::Index j = 0; j < node.q.size(); ++j)
       for (const double sign : {1.0, -1.0}) {
-        const auto contacts = look(node.q + sign * probe * Eigen::VectorXd::Unit(node.q.size(), j));
+        const auto contacts = contacts_at(node.q + sign * step * Eigen::VectorXd::Unit(node.q.size(), j));
         for (const Contact& contact : contacts)
           if (const auto pair = node.least.find(name_of(contact)); pair != node.least.end())
-            gradients(std::distance(node.least.begin(), pair), j) -= sign * contact.distance / (2.0 * probe);
+            gradients(std::distance(node.least.begin(), pair), j) -= sign * contact.distance / (2.0 * step);
       }
     return gradients;
   }
 
-  /// The shortest step that takes the pairs apart, to first order and where there is one; joints stay within limits.
-  Eigen::VectorXd way_out(const Eigen::VectorXd& q, Eigen::MatrixXd gradients, const Eigen::VectorXd& depths) const {
-    const Eigen::VectorXd wanted = -(depths.array() + clearance);
-    for (Eigen::Index tries = 0; tries <= q.size(); ++tries) {
+  /// The shortest step that separates the pairs to first order, without joints that are at their limits; zero when
+  /// there is none.
+  Eigen::VectorXd separating_step(const Eigen::VectorXd& q, Eigen::MatrixXd gradients,
+                                  const Eigen::VectorXd& depths) const {
+    const Eigen::VectorXd required = -(depths.array() + options_.clearance);
+    for (Eigen::Index attempt = 0; attempt <= q.size(); ++attempt) {
       Eigen::MatrixXd normal = gradients * gradients.transpose();
-      normal.diagonal().array() += 1e-6;
-      const Eigen::VectorXd step = gradients.transpose() * normal.ldlt().solve(wanted);
-      bool inside = true;
+      normal.diagonal().array() += damping;
+      const Eigen::VectorXd step = gradients.transpose() * normal.ldlt().solve(required);
+      bool within_limits = true;
       for (Eigen::Index j = 0; j < q.size(); ++j) {
         const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
         const double next = q[j] + std::copysign(recovery_step, step[j]);
         if (step[j] == 0.0 || (next >= joint.lower && next <= joint.upper)) continue;
-        gradients.col(j).setZero();  // it stands at a limit: the others must do it
-        inside = false;
+        gradients.col(j).setZero();  // the other joints must do it
+        within_limits = false;
       }
-      if (inside) return step;
+      if (within_limits) return step;
     }
     return Eigen::VectorXd::Zero(q.size());
   }
 
-  /// As far as the rule allows and the sum of the depths falls; none: not a step.
-  std::optional<Node> walk(std::size_t from, const Eigen::VectorXd& direction) {
-    const Eigen::VectorXd begin = nodes_[from].q;
-    Node at{begin, nodes_[from].least, from};
+  /// The end of the segment in this direction, as far as the rule allows and the sum of depths falls; none: not even a
+  /// step.
+  std::optional<Node> segment_end(const Node& from, const Eigen::VectorXd& direction) {
+    Node at = from;
     int steps = 0;
-    while (steps < longest_walk && looks_ < max_looks && !at.least.empty()) {
-      const Eigen::VectorXd q = begin + (steps + 1) * recovery_step * direction;
+    while (steps < options_.max_segment_samples && checks_ < options_.max_checks && !at.least.empty()) {
+      const Eigen::VectorXd q = from.q + (steps + 1) * recovery_step * direction;
       if (robot_.limit_violation(q)) break;
-      const std::vector<Contact> contacts = look(q);
-      if (worse_than(at.least, contacts, 0.25 * recovery_tolerance)) break;  // a margin for what lies between
-      Depths least = lessened(at.least, contacts);
+      const std::vector<Contact> contacts = contacts_at(q);
+      if (violation_of(at.least, contacts, options_.tolerance_fraction * recovery_tolerance)) break;
+      Depths least = updated(at.least, contacts);
       if (sum_of(least) >= sum_of(at.least) - 1e-9) break;
       at.q = q;
       at.least = std::move(least);
@@ -160,56 +174,51 @@ class StartRecoverySearch {
     }
     if (steps == 0) return std::nullopt;
     if (at.least.empty()) {
-      const double gain = sum_of(nodes_[from].least) / steps;
-      at.q += room_beyond(at.q, direction, std::ceil(clearance / std::max(gain, 1e-6))) * recovery_step * direction;
+      const double gain = sum_of(from.least) / steps;
+      const double required = std::ceil(options_.clearance / std::max(gain, 1e-6));
+      at.q += free_steps(at.q, direction, required) * recovery_step * direction;
     }
     return at;
   }
 
-  /// How many more steps to go in free space: `wanted`, or half-way to what stands in the way.
-  int room_beyond(const Eigen::VectorXd& q, const Eigen::VectorXd& direction, double wanted) {
-    const int most = static_cast<int>(std::min<double>(wanted, longest_walk));
-    for (int k = 1; k <= most; ++k) {
+  /// How many more steps to go in free space: `required`, or half of those there is room for.
+  int free_steps(const Eigen::VectorXd& q, const Eigen::VectorXd& direction, double required) {
+    const int max_steps = static_cast<int>(std::min<double>(required, options_.max_segment_samples));
+    for (int k = 1; k <= max_steps; ++k) {
       const Eigen::VectorXd next = q + k * recovery_step * direction;
-      if (robot_.limit_violation(next) || !look(next).empty()) return (k - 1) / 2;
+      if (robot_.limit_violation(next) || !contacts_at(next).empty()) return (k - 1) / 2;
     }
-    return most;
-  }
-
-  std::vector<Eigen::VectorXd> path_to(std::size_t node) const {
-    std::vector<Eigen::VectorXd> path{nodes_[node].q};
-    for (; node != 0; node = nodes_[node].parent) path.push_back(nodes_[nodes_[node].parent].q);
-    std::reverse(path.begin(), path.end());
-    return path;
+    return max_steps;
   }
 
   const Checker& checker_;
   const RobotModel& robot_;
   Checker::Workspace& workspace_;
   const std::function<void()>& keep_going_;
-  std::vector<Node> nodes_;
-  std::set<std::pair<double, std::size_t>> open_;  // sum of depths, number of the node
-  int looks_{0};
+  const StartRecoveryOptions& options_;
+  search::BestFirstSearch<Node, double> search_;
+  int checks_{0};
 };
 
 }  // namespace
 
 std::vector<Eigen::VectorXd> find_start_recovery(const Checker& checker, const Eigen::VectorXd& start,
-                                                 Checker::Workspace& workspace,
-                                                 const std::function<void()>& keep_going) {
-  return StartRecoverySearch(checker, workspace, keep_going).run(start);
+                                                 Checker::Workspace& workspace, const std::function<void()>& keep_going,
+                                                 const StartRecoveryOptions& options) {
+  return StartRecoverySearch(checker, workspace, keep_going, options).run(start);
 }
 
 std::string recovery_violation(const Checker& checker, const std::vector<Eigen::VectorXd>& path,
                                Checker::Workspace& workspace) {
   std::vector<Contact> contacts = checker.contacts(path.front(), workspace);
-  Depths least = lessened({}, contacts);
+  Depths least = updated({}, contacts);
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const int steps = steps_between(path[i - 1], path[i]);
-    for (int k = 1; k <= steps; ++k) {
-      contacts = checker.contacts(path[i - 1] + (path[i] - path[i - 1]) * (static_cast<double>(k) / steps), workspace);
-      if (const Contact* worse = worse_than(least, contacts, recovery_tolerance)) return worse->describe();
-      least = lessened(least, contacts);
+    const int samples = samples_between(path[i - 1], path[i]);
+    for (int k = 1; k <= samples; ++k) {
+      const Eigen::VectorXd q = path[i - 1] + (path[i] - path[i - 1]) * (static_cast<double>(k) / samples);
+      contacts = checker.contacts(q, workspace);
+      if (const Contact* worse = violation_of(least, contacts, recovery_tolerance)) return worse->describe();
+      least = updated(least, contacts);
     }
   }
   return contacts.empty() ? "" : contacts.front().describe();

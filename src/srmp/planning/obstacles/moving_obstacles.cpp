@@ -22,7 +22,7 @@ constexpr double min_gain = 0.1;        // [s]
 constexpr double min_gain_share = 0.1;  // of the time until all are there
 
 Trajectory rest_at(const Trajectory& motion, Eigen::Index row) {
-  return rest(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
+  return stationary(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
 }
 
 // --- the plan
@@ -39,7 +39,7 @@ class PlanAround {
         statistics_(statistics) {
     for (const auto* robots : {&problem.robots, &problem.stationary})
       for (const RobotProblem& robot : *robots)
-        waiting_.emplace(robot.robot, rest(robot.placed->model->joint_names(), robot.start.transpose(), 0.0));
+        waiting_.emplace(robot.robot, stationary(robot.placed->model->joint_names(), robot.start.transpose(), 0.0));
   }
 
   MultiTrajectory run() {
@@ -72,7 +72,7 @@ class PlanAround {
 
     const std::string robot, other;
     const std::vector<MovingRobot> its;
-    Watch watch;
+    CollisionMonitor watch;
   };
 
   [[noreturn]] void fail(Status status, const std::string& reason) const { throw PlanningError(status, reason); }
@@ -103,7 +103,7 @@ class PlanAround {
   void require_start(Pair& pair) {
     const Trajectory &here = waiting_.at(pair.robot), &motion = committed_.at(pair.other);
     const auto stands_on_it = [&](const Trajectory& at, const std::string& does) -> std::optional<PlanningError> {
-      const MotionProof proof = prove_collision_free(*pair.its.front().judge, here, at, {.gap_tolerance = 0.0});
+      const MotionProof proof = prove_collision_free(*pair.its.front().exact_checker, here, at, {.gap_tolerance = 0.0});
       if (proof.free) return std::nullopt;
       return PlanningError(Status::start_invalid,
                            "the committed motion of '" + pair.other + "' " + does + " '" + pair.robot +
@@ -135,13 +135,13 @@ class PlanAround {
     return "'" + full_name(pair.robot, a) + "' and '" + b + "'";
   }
 
-  std::string text(const Pair& pair, const Meeting& met) const {
-    return bodies(pair, met.body_a, met.body_b) + (met.touch ? " touch" : " cannot be proved apart") + " at " +
+  std::string text(const Pair& pair, const CollisionInterval& met) const {
+    return bodies(pair, met.body_a, met.body_b) + (met.contact ? " touch" : " cannot be proved apart") + " at " +
            to_text(met.from) + " s";
   }
 
   /// A robot that rests all the while.
-  std::optional<Meeting> meets_waiting(Pair& pair) {
+  std::optional<CollisionInterval> meets_waiting(Pair& pair) {
     const auto met = pair.watch.prove(waiting_.at(pair.robot));
     stop_if_late();
     return met;
@@ -201,16 +201,16 @@ class PlanAround {
     const auto first = [&](const auto& met_by) -> std::optional<Encounter> {
       for (const auto& pair : pairs_) {
         if (!moved.contains(pair->robot)) continue;
-        const std::optional<Meeting> met = met_by(pair->watch, moved.at(pair->robot));
+        const std::optional<CollisionInterval> met = met_by(pair->watch, moved.at(pair->robot));
         stop_if_late();
         if (met) return Encounter{met->from, text(*pair, *met)};
       }
       return std::nullopt;
     };
-    const auto seen = first([&](Watch& watch, const Trajectory& motion) {
-      return watch.look(motion, delay, std::numeric_limits<double>::infinity());
+    const auto seen = first([&](CollisionMonitor& watch, const Trajectory& motion) {
+      return watch.find_collision_at_samples(motion, delay, std::numeric_limits<double>::infinity());
     });
-    return seen ? seen : first([](Watch& watch, const Trajectory& motion) { return watch.prove(motion); });
+    return seen ? seen : first([](CollisionMonitor& watch, const Trajectory& motion) { return watch.prove(motion); });
   }
 
   /// Later than that nothing may begin.
@@ -281,7 +281,7 @@ class PlanAround {
     for (const auto& [name, motion] : planned_.robots) {
       statistics_.path_cost_rad += statistics_.robot_cost_rad[name] = path_length(motion.waypoints);
       statistics_.makespan_s = std::max(statistics_.makespan_s, end_of(motion));
-      statistics_.flow_time_s += arrival(motion);
+      statistics_.flow_time_s += arrival_time(motion);
     }
     statistics_.search_cost_rad = statistics_.path_cost_rad;
     statistics_.bound = search::infinity;

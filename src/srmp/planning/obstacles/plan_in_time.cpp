@@ -10,13 +10,10 @@ namespace srmp {
 
 namespace {
 
-constexpr std::size_t first_points = 128;  // of the first roadmap; then four times as many more, and again
-constexpr int max_repairs = 32;            // of ways that cannot be proved
-constexpr int max_rounds = 4;              // of improvements
-constexpr double min_gain = 1e-6;          // [s, rad] of an improvement
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double winding_tolerance = 1e-6;  // [rad] of a motion to differ from the shortest one by full turns
 
-/// One motion from rest to rest.
+/// One motion, stationary at both ends.
 struct Move {
   RowMatrix waypoints;
   double leaves{};    // [s]
@@ -37,8 +34,8 @@ RowMatrix without_row(const RowMatrix& rows, Eigen::Index left_out) {
   return kept;
 }
 
-/// The moves of two, one after the other.
-RowMatrix both(const RowMatrix& a, const RowMatrix& b) {
+/// Waypoints of two consecutive moves.
+RowMatrix joined(const RowMatrix& a, const RowMatrix& b) {
   RowMatrix rows(a.rows() + b.rows() - 1, a.cols());
   rows << a, b.bottomRows(b.rows() - 1);
   return rows;
@@ -46,143 +43,151 @@ RowMatrix both(const RowMatrix& a, const RowMatrix& b) {
 
 class PlanInTime {
  public:
-  PlanInTime(const TimedTask& task, const TimedEffort& effort)
+  PlanInTime(const TimedTask& task, const TimedBudget& budget, const PlanInTimeOptions& options)
       : task_(task),
-        effort_(effort),
-        workspace_(task.alone.make_workspace()),
-        map_(task, effort.deadline),
-        watch_(task.others, effort.deadline) {}
+        budget_(budget),
+        options_(options),
+        workspace_(task.checker.make_workspace()),
+        roadmap_(task, budget.deadline, options.roadmap),
+        monitor_(task.other_robots, budget.deadline) {}
 
-  TimedAnswer run() {
-    std::size_t points = first_points;
-    for (int k = 0; k < effort_.roadmaps && answer_.status == Status::exhausted; ++k, points *= 4) {
-      map_.add_points(points);
-      if (const auto moves = find()) answer_.motion = joined(improved(*moves));
+  TimedResult run() {
+    std::size_t vertices = options_.first_vertices;
+    for (int k = 0; k < budget_.roadmaps && result_.status == Status::exhausted; ++k, vertices *= options_.growth) {
+      roadmap_.add_vertices(vertices);
+      if (const auto moves = find()) result_.motion = in_sequence(improved(*moves));
     }
-    answer_.edge_checks = map_.edge_checks();
-    answer_.memory_bytes = map_.memory();
-    effort_.looks -= std::min(effort_.looks, looks());
-    return std::move(answer_);
+    result_.edge_checks = roadmap_.edge_checks();
+    result_.memory_bytes = roadmap_.memory();
+    budget_.checks -= std::min(budget_.checks, checks());
+    return std::move(result_);
   }
 
  private:
-  std::uint64_t looks() const { return map_.looks() + watch_.looks(); }
-  std::uint64_t looks_left() const { return effort_.looks - std::min(effort_.looks, looks()); }
+  std::uint64_t checks() const { return roadmap_.checks() + monitor_.checks(); }
+  std::uint64_t checks_left() const { return budget_.checks - std::min(budget_.checks, checks()); }
 
-  /// On this roadmap; where what was found cannot be proved, again without it.
+  /// Searches the roadmap until what is found can be proved; what cannot is forbidden.
   std::optional<Moves> find() {
-    for (int repair = 0; repair < max_repairs; ++repair) {
-      const SafeIntervals::Result found = map_.run(effort_.before, looks_left());
-      answer_.expansions += found.expansions;
-      answer_.status = found.status;
+    for (int repair = 0; repair < options_.max_repairs; ++repair) {
+      const SafeIntervals::Result found = roadmap_.run(budget_.max_arrival, checks_left());
+      result_.expansions += found.expansions;
+      result_.status = found.status;
       if (found.status != Status::solved) return std::nullopt;
       Moves moves = moves_of(found.stops);
-      const Trajectory motion = joined(moves);
-      const auto met = watch_.find(motion);
-      if (!met) return moves;
-      const Meeting all = watch_.extended(motion, *met);
-      map_.forbid(found.stops, all.from, all.to);
+      const Trajectory motion = in_sequence(moves);
+      const auto collision = monitor_.find(motion);
+      if (!collision) return moves;
+      const CollisionInterval whole = monitor_.extended(motion, *collision);
+      roadmap_.forbid(found.stops, whole.from, whole.to);
     }
-    answer_.status = Status::exhausted;
+    result_.status = Status::exhausted;
     return std::nullopt;
   }
 
   Moves moves_of(const std::vector<TimedStop>& stops) const {
-    std::vector<Eigen::VectorXd> places;
-    for (const TimedStop& stop : stops) places.push_back(stop.q);
-    const RowMatrix all = unwrap_waypoints(stack_waypoints(places), task_.limits.continuous);
+    std::vector<Eigen::VectorXd> configurations;
+    for (const TimedStop& stop : stops) configurations.push_back(stop.q);
+    const RowMatrix all = unwrap_waypoints(stack_waypoints(configurations), task_.limits.continuous);
     Moves moves;
     for (std::size_t k = 1; k < stops.size(); ++k) {
       const RowMatrix rows = all.middleRows(static_cast<Eigen::Index>(k - 1), 2);
-      if (rows.row(0) != rows.row(1)) moves.push_back({rows, stops[k - 1].leaves(), task_.in_time(rows)});
+      if (rows.row(0) != rows.row(1)) moves.push_back({rows, stops[k - 1].leaves(), task_.parameterize(rows)});
     }
     return moves;
   }
 
-  /// In a row, with the waits between them.
-  Trajectory joined(const Moves& moves) const {
-    if (moves.empty()) return rest(task_.alone.robot().joint_names(), task_.start.transpose(), 0.0);
+  /// The whole motion, with the waits between the moves.
+  Trajectory in_sequence(const Moves& moves) const {
+    if (moves.empty()) return stationary(task_.checker.robot().joint_names(), task_.start.transpose(), 0.0);
     Trajectory all = delayed(moves.front().motion, moves.front().leaves);
     for (std::size_t k = 1; k < moves.size(); ++k) {
       const double wait = moves[k].leaves - end_of(all);
-      all = all.followed_by(delayed(moves[k].motion, wait > min_gain ? wait : 0.0));
+      all = all.followed_by(delayed(moves[k].motion, wait > options_.min_gain ? wait : 0.0));
     }
     return all;
   }
 
-  // --- better
+  // --- improvement
 
-  /// Fewer waypoints, fewer stops, sooner: as long as the whole is proved apart from the others.
+  /// Fewer waypoints, fewer stops, earlier moves, as long as the whole can be proved.
   Moves improved(Moves moves) {
-    for (int round = 0; round < max_rounds; ++round) {
+    for (int round = 0; round < options_.max_rounds; ++round) {
       bool better = false;
       for (std::size_t k = 0; k < moves.size(); ++k) {
         while (k + 1 < moves.size() && merge(moves, k)) better = true;
         for (Eigen::Index row = 1; row + 1 < moves[k].waypoints.rows(); ++row)
           while (row + 1 < moves[k].waypoints.rows() && leave_out(moves, k, 1, moves[k].waypoints, row)) better = true;
-        if (replace(moves, k, 1, moves[k].waypoints)) better = true;  // sooner
-        if (stops()) return moves;
+        if (replace(moves, k, 1, moves[k].waypoints)) better = true;  // earlier
+        if (must_stop()) return moves;
       }
       if (!better) break;
     }
     return moves;
   }
 
-  bool stops() const { return effort_.improve_until.stop_requested() || looks_left() == 0; }
+  bool must_stop() const { return budget_.improve_until.stop_requested() || checks_left() == 0; }
 
+  /// Moves k and k + 1 become one.
   bool merge(Moves& moves, std::size_t k) {
-    const RowMatrix rows = both(moves[k].waypoints, moves[k + 1].waypoints);
+    const RowMatrix rows = joined(moves[k].waypoints, moves[k + 1].waypoints);
     return leave_out(moves, k, 2, rows, moves[k].waypoints.rows() - 1) || replace(moves, k, 2, rows);
   }
 
+  /// The same as replace(), without one of the waypoints.
   bool leave_out(Moves& moves, std::size_t k, std::size_t count, const RowMatrix& rows, Eigen::Index row) {
     const Eigen::VectorXd from = rows.row(row - 1).transpose(), to = rows.row(row + 1).transpose();
-    if ((task_.alone.robot().difference(from, to) - (to - from)).cwiseAbs().maxCoeff() > 1e-6) return false;  // winds
-    return task_.alone.is_motion_free(from, to, *workspace_, {.start_is_free = true}) &&
+    const Eigen::VectorXd shortest = task_.checker.robot().difference(from, to);
+    if ((shortest - (to - from)).cwiseAbs().maxCoeff() > winding_tolerance) return false;
+    return task_.checker.is_motion_free(from, to, *workspace_, {.start_is_free = true}) &&
            replace(moves, k, count, without_row(rows, row));
   }
 
-  /// One move along `rows` in place of moves[k] and those after it, `count` in all, begun as soon as it gets by. Taken
-  /// if it arrives sooner, or no later on a shorter way.
+  /// Puts one move along `rows` in place of `count` moves from moves[k] on, begun as early as it is collision-free. It
+  /// is taken if it arrives earlier, or no later on a shorter path.
   bool replace(Moves& moves, std::size_t k, std::size_t count, const RowMatrix& rows) {
     const auto first = moves.begin() + static_cast<std::ptrdiff_t>(k),
                last = first + static_cast<std::ptrdiff_t>(count);
     const double arrived = std::prev(last)->arrives();
     Moves now(moves.begin(), first);
-    now.push_back({rows, k > 0 ? moves[k - 1].arrives() : 0.0, task_.in_time(rows)});
+    now.push_back({rows, k > 0 ? moves[k - 1].arrives() : 0.0, task_.parameterize(rows)});
     now.insert(now.end(), last, moves.end());
-    const bool shorter = length(now) < length(moves) - min_gain;
+    const bool shorter = length(now) < length(moves) - options_.min_gain;
     Move& move = now[k];
-    const double latest = arrived - (shorter ? 0.0 : min_gain) - end_of(move.motion);
+    const double latest = arrived - (shorter ? 0.0 : options_.min_gain) - end_of(move.motion);
     for (double leaves = move.leaves; leaves <= latest; leaves += time_step) {
-      if (stops()) return false;
+      if (must_stop()) return false;
       move.leaves = leaves;
-      const Trajectory all = joined(now);
-      if (watch_.look(all, leaves, k + 1 < now.size() ? now[k + 1].leaves : infinity)) continue;
-      if (watch_.prove(all)) continue;
-      if (rows.rows() > 2 && !proved_alone(move.motion)) return false;
+      const Trajectory all = in_sequence(now);
+      const double until = k + 1 < now.size() ? now[k + 1].leaves : infinity;
+      if (monitor_.find_collision_at_samples(all, leaves, until)) continue;
+      if (monitor_.prove(all)) continue;
+      if (rows.rows() > 2 && !is_proved_among_static(move.motion)) return false;  // its corners were blended
       moves = std::move(now);
       return true;
     }
     return false;
   }
 
-  bool proved_alone(const Trajectory& motion) const {
-    return certify(motion, task_.judge, task_.limits,
-                   {.limits = false, .gap_tolerance = 0.01, .deadline = &effort_.deadline})
+  bool is_proved_among_static(const Trajectory& motion) const {
+    return certify(motion, task_.exact_checker, task_.limits,
+                   {.limits = false, .gap_tolerance = options_.gap_tolerance, .deadline = &budget_.deadline})
         .proved_free();
   }
 
   const TimedTask& task_;
-  const TimedEffort& effort_;
+  const TimedBudget& budget_;
+  const PlanInTimeOptions& options_;
   Checker::WorkspacePtr workspace_;
-  SafeIntervals map_;
-  Watch watch_;
-  TimedAnswer answer_;
+  SafeIntervals roadmap_;
+  CollisionMonitor monitor_;
+  TimedResult result_;
 };
 
 }  // namespace
 
-TimedAnswer plan_in_time(const TimedTask& task, const TimedEffort& effort) { return PlanInTime(task, effort).run(); }
+TimedResult plan_in_time(const TimedTask& task, const TimedBudget& budget, const PlanInTimeOptions& options) {
+  return PlanInTime(task, budget, options).run();
+}
 
 }  // namespace srmp

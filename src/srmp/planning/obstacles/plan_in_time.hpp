@@ -4,30 +4,44 @@
 
 namespace srmp {
 
-struct TimedAnswer {
-  /// solved, exhausted (none was found), timed_out (also when `looks` were used up) or cancelled
+struct TimedResult {
+  /// solved, exhausted (no motion was found), timed_out (also when the checks are used up) or cancelled
   Status status{Status::exhausted};
-  Trajectory motion;  ///< from time 0, waits included; proved apart from the others
+  Trajectory motion;  ///< from time 0, waits included; proved collision-free
   std::uint64_t expansions{};
-  std::uint64_t edge_checks{};   ///< motions looked at
+  std::uint64_t edge_checks{};
   std::uint64_t memory_bytes{};  ///< of the roadmap and the searches on it
 };
 
-/// How long to search.
-struct TimedEffort {
-  double before;         ///< [s] only motions that arrive sooner
-  int roadmaps;          ///< 1 to 3: each has more points than the one before
-  std::uint64_t& looks;  ///< that may be taken, at configurations among the others; less, afterwards
+struct TimedBudget {
+  double max_arrival;     ///< [s] only motions that arrive earlier
+  int roadmaps;           ///< > 0: how many are tried, each with more vertices than the one before
+  std::uint64_t& checks;  ///< of configurations against the other robots: those that are left, before and afterwards
   const Deadline& deadline;
-  const Deadline& improve_until;  ///< no later: time to prove what was found
+  const Deadline& improve_until;  ///< earlier than `deadline`, so that time is left to prove what was found
 };
 
-/// A motion of one arm around others whose motions are known: moves from rest to rest, with waits between them, found
-/// by SafeIntervals on roadmaps with more and more points; then moves become one, and begin sooner, where the whole is
-/// still proved apart.
+struct PlanInTimeOptions {
+  SafeIntervalOptions roadmap;
+  /// Sampled vertices of the first roadmap, and how many times as many each further one adds: more find motions in
+  /// narrower places, fewer find easy ones earlier.
+  std::size_t first_vertices{128};
+  std::size_t growth{4};
+  /// Searches of one roadmap that are repeated because what they found could not be proved.
+  int max_repairs{32};
+  /// Rounds of improvements over all moves, and the gain [s; rad, prismatic joints m] below which there is none.
+  int max_rounds{4};
+  double min_gain{1e-6};
+  /// Relative gap at which the proof of a move among static obstacles stops, in [0, 1).
+  double gap_tolerance{0.01};
+};
+
+/// A motion of one robot among others whose motions are known: moves, stationary at both ends, with waits between them,
+/// found by SafeIntervals on roadmaps with more and more vertices. Moves are then merged, and begin earlier, where the
+/// whole can still be proved.
 ///
-/// The motion is proved apart from the others between rows too, by Coal alone, and what was rounded from what stands
-/// still. Not complete, nor the soonest there is.
-TimedAnswer plan_in_time(const TimedTask& task, const TimedEffort& effort);
+/// The motion is proved collision-free with the other robots at all times, and its blended moves with static obstacles,
+/// both by exact geometry. Not complete, and not the earliest there is. Deterministic for a given budget of checks.
+TimedResult plan_in_time(const TimedTask& task, const TimedBudget& budget, const PlanInTimeOptions& options = {});
 
 }  // namespace srmp

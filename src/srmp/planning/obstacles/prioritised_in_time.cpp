@@ -98,14 +98,15 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_sooner(const M
 }
 
 /// Adds the robot's motion to `done`; false: none was found.
-bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const TimedEffort& effort, Motions& done) {
+bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const TimedBudget& effort, Motions& done) {
   const RobotProblem& part = problem_.robots[i];
   const std::vector<MovingRobot> others = others_of(i, done);
-  if (const auto known = at_once.find(part.robot); known != at_once.end() && end_of(known->second) < effort.before) {
+  if (const auto known = at_once.find(part.robot);
+      known != at_once.end() && end_of(known->second) < effort.max_arrival) {
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    Watch watch(others, effort.deadline);
+    CollisionMonitor watch(others, effort.deadline);
     const bool gets_by = !watch.find(known->second);
-    effort.looks -= std::min(effort.looks, watch.looks());
+    effort.checks -= std::min(effort.checks, watch.checks());
     if (gets_by) {
       done.emplace(part.robot, known->second);
       return true;
@@ -113,7 +114,7 @@ bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const Ti
   }
   const TimedTask task = task_of(i, at_once, others);
   const PhaseTimer timer(deadline_, statistics_.search_time_s);
-  TimedAnswer answer = plan_in_time(task, effort);
+  TimedResult answer = plan_in_time(task, effort);
   statistics_.expansions += answer.expansions;
   statistics_.edge_checks += answer.edge_checks;
   statistics_.memory_bytes = std::max(statistics_.memory_bytes, answer.memory_bytes);
@@ -156,7 +157,7 @@ TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, cons
     const Eigen::VectorXd end = known->second.positions.bottomRows(1).transpose();
     if (std::find(task.targets.begin(), task.targets.end(), end) == task.targets.end()) task.targets.push_back(end);
   }
-  task.in_time = [this, &checker, &workspace = *workspaces_[i], limits = task.limits](const RowMatrix& rows) {
+  task.parameterize = [this, &checker, &workspace = *workspaces_[i], limits = task.limits](const RowMatrix& rows) {
     TimingOptions timing = timing_options(common_, common_.blend_deviation);
     timing.reach = checker.reach();
     timing.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {

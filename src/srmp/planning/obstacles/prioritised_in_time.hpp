@@ -33,7 +33,7 @@ class PrioritisedInTime {
   std::optional<Motions> plan_sooner(const Motions& at_once, double before, const Deadline& until);
 
  private:
-  bool plan_one(std::size_t i, const Motions& at_once, const TimedEffort& effort, Motions& done);
+  bool plan_one(std::size_t i, const Motions& at_once, const TimedBudget& effort, Motions& done);
   std::vector<MovingRobot> others_of(std::size_t i, const Motions& done) const;
   TimedTask task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others);
   const RobotPath& way(std::size_t i);

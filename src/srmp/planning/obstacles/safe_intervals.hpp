@@ -16,113 +16,140 @@
 
 namespace srmp {
 
-/// What an arm is to do among robots that move. References outlive the call.
+/// One robot's problem among others that move. References outlive the call.
 struct TimedTask {
-  const Checker& alone;                  ///< the arm among all that stands still
-  const Checker& judge;                  ///< the same by Coal alone
-  std::vector<MovingRobot> others;       ///< that it can meet
-  Eigen::VectorXd start;                 ///< free
-  std::vector<Eigen::VectorXd> targets;  ///< free among all that stands still; none: it may end anywhere
-  std::vector<Eigen::VectorXd> way;      ///< from the start to a target among all that stands still; may be empty
-  MotionLimits limits;                   ///< scaled
-  /// Along waypoints (m, dof) as fast as it can, from rest to rest.
-  std::function<Trajectory(const RowMatrix&)> in_time;
+  const Checker& checker;                 ///< of the robot among all that is static: the quick one
+  const Checker& exact_checker;           ///< the same by exact geometry (Coal) alone
+  std::vector<MovingRobot> other_robots;  ///< that it may collide with
+  Eigen::VectorXd start;                  ///< free
+  std::vector<Eigen::VectorXd> targets;   ///< free among all that is static; none: it may end anywhere
+  std::vector<Eigen::VectorXd> path;      ///< free among all that is static, from start to a target; may be empty
+  MotionLimits limits;                    ///< scaled
+  /// The time-optimal trajectory along waypoints (m, dof), stationary at both ends.
+  std::function<Trajectory(const RowMatrix&)> parameterize;
 };
 
-/// Where an arm stops, and when it leaves.
+/// Where the robot stops, and when it leaves.
 struct TimedStop {
   static constexpr int never = std::numeric_limits<int>::max();
 
   Eigen::VectorXd q;
-  std::uint32_t point{};                              ///< of the roadmap
+  std::uint32_t vertex{};                             ///< of the roadmap
   int step{never};                                    ///< at which it leaves; never: it is at a target
   double leaves() const { return step * time_step; }  ///< [s], if it does
 };
 
-/// Safe interval path planning (Phillips, Likhachev 2011) on a roadmap of one arm, with lazy edges: straight motions
-/// from rest to rest between points at which it may wait. In steps of 50 ms; a state is a point and an interval of time
-/// during which the arm can rest there, so of all ways on the roadmap, in these steps, the one found arrives first (but
-/// for waits of more than 6 s: how long they last is tried in steps of a 64th).
+struct SafeIntervalOptions {
+  /// Nearest neighbours that a vertex is connected with, beside start and targets: more find shorter paths, and make
+  /// more edges to check.
+  std::size_t neighbours{12};
+  /// Distance between vertices along the given path [rad, prismatic joints m], > 0: less lets the robot wait in more
+  /// places.
+  double spacing{0.6};
+  /// Sampled vertices: the probability that a joint is displaced from the path, and how far at most [rad] and [m].
+  /// Larger displacements get farther out of the way of others, and are free more rarely.
+  double displaced_fraction{0.4};
+  double max_displacement{1.6};
+  double max_prismatic_displacement{0.5};
+  /// Samples drawn for a vertex, at most: more help where little is free, and cost time where nothing is.
+  std::size_t max_samples_per_vertex{50};
+  /// A departure that is not free is tried again after its wait so far divided by this, at least a step: more finds
+  /// earlier departures after long waits, with more checks.
+  int wait_divisor{64};
+  /// Steps of a wait that are checked between two polls of the deadline.
+  int block{256};
+};
+
+/// Safe-interval path planning (SIPP: Phillips, Likhachev 2011, "SIPP: Safe Interval Path Planning for Dynamic
+/// Environments") on a roadmap of one robot, with lazy edges: straight motions, stationary at both ends, between
+/// vertices at which the robot may wait. Time is discrete, in steps of `time_step`; a state is a vertex and an interval
+/// of time during which the robot can wait there.
 ///
-/// The roadmap: start, targets, the way, and points about the way, some joints moved, by a fixed sequence. Between
-/// steps the others are taken to move straight: what is found is to be proved, and forbidden where it cannot be.
+/// Guarantee: of all paths on the roadmap in these steps, the one found arrives first, except that departures after
+/// waits of more than wait_divisor steps are tried at intervals that grow with the wait. Other robots are taken to move
+/// straight between steps: the path must be proved collision-free, and forbidden where that fails.
+///
+/// The roadmap: start, targets, the given path, and vertices around the path with some joints displaced, drawn from a
+/// fixed pseudo-random sequence.
 class SafeIntervals {
  public:
-  /// References outlive this. Once the deadline passes, run says so, and the rest does nothing that takes long.
-  SafeIntervals(const TimedTask& task, const Deadline& deadline);
+  /// References outlive this. Once the deadline has passed, run() says so, and nothing here takes long.
+  SafeIntervals(const TimedTask& task, const Deadline& deadline, const SafeIntervalOptions& options = {});
 
-  void add_points(std::size_t count);
+  /// Samples up to `count` more vertices.
+  void add_vertices(std::size_t count);
 
   struct Result {
-    /// solved, exhausted (this roadmap holds no way that arrives sooner than asked), timed_out (also for too many
-    /// looks) or cancelled
+    /// solved, exhausted (no path on this roadmap arrives early enough), timed_out (also when max_checks are used up)
+    /// or cancelled
     Status status{Status::exhausted};
     std::vector<TimedStop> stops;
     std::uint64_t expansions{};
   };
-  /// Only ways that arrive sooner than `before` [s]. `max_looks`: at configurations among the others.
-  Result run(double before, std::uint64_t max_looks);
-  /// What run found does not hold from one time to another [s]: it will not be found again, nor rests there then, nor
-  /// departures that are later by less than this takes.
+  /// Only paths that arrive earlier than `max_arrival` [s]. `max_checks`: of configurations against the other robots.
+  Result run(double max_arrival, std::uint64_t max_checks);
+  /// What run() found is not collision-free from one time to another [s]: it is not found again, nor are waits there at
+  /// that time, nor departures of the same edge that are later by less than the interval's length.
   void forbid(const std::vector<TimedStop>& stops, double from, double to);
 
-  std::uint64_t looks() const { return looks_; }              ///< at configurations among the others, so far
-  std::uint64_t edge_checks() const { return edge_checks_; }  ///< motions looked at
-  std::size_t memory() const;                                 ///< [bytes]
+  std::uint64_t checks() const { return checks_; }  ///< of configurations against the other robots, so far
+  std::uint64_t edge_checks() const { return edge_checks_; }
+  std::size_t memory() const;  ///< [bytes]
 
  private:
-  using Point = std::uint32_t;
+  using Vertex = std::uint32_t;
   static constexpr int forever = TimedStop::never;
   struct Interval {
     int from, to;  // steps, both included
   };
-  struct Way {
-    bool known{}, free{};
-    RowMatrix rows;  // where the arm is at each step since it left
+  struct Edge {
+    bool checked{}, free{};  // among all that is static
+    RowMatrix rows;          // the robot's configurations at each step since its departure
     int steps() const { return static_cast<int>(rows.rows()) - 1; }
   };
-  /// An arrival, known to be possible or still to be looked at.
+  /// An arrival at a vertex.
   struct Node {
-    Point point;
-    int interval{-1};  // < 0: not known yet which
-    int left{};        // step at which it left the parent's point
-    int arrival{};
-    std::uint32_t parent{};
-    double length{};
-    bool possible{};
+    Vertex vertex;
+    int interval{-1};  // of the vertex; < 0: not known yet which
+    int departure{};   // step at which the robot left the parent's vertex
+    int arrival{};     // step
+    double length{};   // of the path to here
+    bool checked{};    // against the other robots
   };
   class Query;
 
   void add(Eigen::VectorXd q);
+  Eigen::VectorXd sample();
   void connect();
-  void find_nearest(Point p);
-  void find_steps_left();
-  int min_steps(Point a, Point b) const;
-  const Way& way(Point from, Point to);
-  const std::vector<Interval>& intervals(Point p);
-  std::vector<char> rests_free(Point p);
-  void look_at_rest(std::size_t other, Point p, int first, int count, std::vector<char>& free);
+  void find_neighbours(Vertex p);
+  void compute_steps_to_go();
+  int min_steps(Vertex a, Vertex b) const;
+  const Edge& edge(Vertex from, Vertex to);
+  const std::vector<Interval>& intervals(Vertex p);
+  std::vector<char> free_waits(Vertex p);
+  void check_waits(std::size_t other, Vertex p, int first, int count, std::vector<char>& free);
   bool is_free(const RowMatrix& rows, int step);
-  bool is_goal(Point p) const { return task_.targets.empty() || (p > 0 && p <= task_.targets.size()); }
-  RowMatrix beside(std::size_t other, const RowMatrix& rows, int step) const;
+  bool is_goal(Vertex p) const { return task_.targets.empty() || (p > 0 && p <= task_.targets.size()); }
+  RowMatrix with_other(std::size_t other, const RowMatrix& rows, int step) const;
 
   const TimedTask& task_;
   const Deadline& deadline_;
+  SafeIntervalOptions options_;
   Checker::WorkspacePtr workspace_;
-  std::vector<Checker::WorkspacePtr> pairs_;  // of the others
-  std::vector<RowMatrix> motions_;            // of the others, at each step
-  int last_{};                                // step from which all the others rest
-  search::RandomSequence sequence_{1};
-  std::vector<Eigen::VectorXd> points_;  // 0: the start; then the targets
-  using Near = std::vector<std::pair<double, Point>>;
-  std::vector<Near> nearest_;             // of each point, the nearest first
-  std::vector<std::vector<Point>> next_;  // neighbours
-  std::vector<int> left_;                 // steps to a target if nobody were in the way
-  std::map<std::pair<Point, Point>, Way> ways_;
-  std::vector<std::optional<std::vector<Interval>>> intervals_;
-  std::set<std::pair<Point, int>> no_rest_;                         // from this step to the next
-  std::set<std::pair<std::pair<Point, Point>, int>> no_departure_;  // along a way, at this step
-  std::uint64_t looks_{}, edge_checks_{};
+  std::vector<Checker::WorkspacePtr> pair_workspaces_;  // by other robot
+  std::vector<RowMatrix> motions_;                      // of the other robots, at each step
+  int last_step_{};                                     // from which on all others are stationary
+  search::RandomSequence random_{1};
+  std::vector<Eigen::VectorXd> vertices_;  // 0: the start; then the targets
+  using Neighbours = std::vector<std::pair<double, Vertex>>;
+  std::vector<Neighbours> neighbours_;      // of each vertex, the nearest first
+  std::vector<std::vector<Vertex>> edges_;  // by vertex: both ways
+  std::vector<int> steps_to_go_;            // to a target if there were no other robots
+  std::map<std::pair<Vertex, Vertex>, Edge> checked_edges_;
+  std::vector<std::optional<std::vector<Interval>>> intervals_;               // by vertex, as far as computed
+  std::set<std::pair<Vertex, int>> forbidden_waits_;                          // from this step to the next
+  std::set<std::pair<std::pair<Vertex, Vertex>, int>> forbidden_departures_;  // along an edge, at this step
+  std::uint64_t checks_{}, edge_checks_{};
   std::size_t max_nodes_{};  // of a search
 };
 

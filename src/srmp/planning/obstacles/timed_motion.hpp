@@ -12,60 +12,66 @@
 
 namespace srmp {
 
-inline constexpr double time_step = 0.05;  ///< [s] in which motions among others are searched for and looked at
+/// [s] Steps of searches among moving robots, and between the samples of their collision checks: longer steps make
+/// searches quicker and leave more collisions for the proof to find.
+inline constexpr double time_step = 0.05;
 
-/// When the robot is at rest for good [s]; 0 without times.
-double arrival(const Trajectory& trajectory);
+/// Time from which on the robot is stationary [s]; 0 for a path without times.
+double arrival_time(const Trajectory& trajectory);
 
-/// A robot that stays: the same row again and again, from time 0 to `duration` [s].
-Trajectory rest(const std::vector<std::string>& joints, const RowMatrix& rows, double duration);
+/// A stationary robot: rows, which are all the same, evenly spread from time 0 to `duration` [s].
+Trajectory stationary(const std::vector<std::string>& joints, const RowMatrix& rows, double duration);
 
-/// The motion, begun after `delay` [s]; until then it rests.
+/// The motion with a delayed start: stationary for `delay` [s] >= 0, then the motion.
 Trajectory delayed(const Trajectory& motion, double delay);
 
-/// A robot that moves as is known; before and after it rests.
+/// Another robot whose motion is known; it is stationary before and after. Pointers outlive their users.
 struct MovingRobot {
-  const Checker* pair;       ///< quick: of the arm and this robot, and of nothing else
-  const Checker* judge;      ///< the same by Coal alone
-  bool stands_before_arm;    ///< its joints, in the configurations of both
-  const Trajectory* motion;  ///< begins at time 0
+  const Checker* checker;        ///< of the planned robot and this one, and of nothing else: the quick one
+  const Checker* exact_checker;  ///< the same pair by exact geometry (Coal) alone
+  bool joints_first;             ///< does this robot stand before the planned one in the pair's configurations?
+  const Trajectory* motion;      ///< begins at time 0
 };
 
-/// When an arm touches another robot, or cannot be proved apart from it.
-struct Meeting {
-  double from{}, to{};         ///< [s]; of a touch an instant, until `extended`
-  std::size_t other{};         ///< which of the others
-  std::string body_a, body_b;  ///< as their judge names them
-  bool touch{};
+/// When the planned robot collides with another, or cannot be proved not to.
+struct CollisionInterval {
+  double from{}, to{};         ///< [s]; of a contact an instant, until CollisionMonitor::extended
+  std::size_t other{};         ///< index of the other robot
+  std::string body_a, body_b;  ///< as the exact checker names them
+  bool contact{};              ///< false: no contact was found, but freedom could not be proved either
 };
 
-/// Holds motions of an arm against others, which are known. Counts its work, so that who has a budget can stop at the
-/// same place each time; once the deadline passes, nothing is proved.
-class Watch {
+/// Verifies motions of the planned robot against those of the other robots. It counts its checks, so that a search with
+/// a budget stops at the same place each time. Once the deadline has passed, nothing is proved.
+class CollisionMonitor {
  public:
+  /// How many checks a proof counts for: about as long as they take.
+  static constexpr std::uint64_t checks_per_proof = 500;
+
   /// References outlive this.
-  Watch(const std::vector<MovingRobot>& others, const Deadline& deadline);
+  CollisionMonitor(const std::vector<MovingRobot>& other_robots, const Deadline& deadline);
 
-  /// A touch in [from, to], looked for every 50 ms: quicker to find one than a proof.
-  std::optional<Meeting> look(const Trajectory& motion, double from, double to);
-  /// None: the two are proved apart, between rows too, by Coal alone.
-  std::optional<Meeting> prove(const Trajectory& motion);
-  /// Looks until all are at rest, and proves where nothing was seen.
-  std::optional<Meeting> find(const Trajectory& motion);
-  /// The whole time, about this instant, during which the two touch.
-  Meeting extended(const Trajectory& motion, Meeting touch);
+  /// The first contact at samples of [from, to] [s], `time_step` apart: finds most collisions more quickly than a
+  /// proof.
+  std::optional<CollisionInterval> find_collision_at_samples(const Trajectory& motion, double from, double to);
+  /// None: the motion is proved collision-free at all times, by exact geometry.
+  std::optional<CollisionInterval> prove(const Trajectory& motion);
+  /// Samples until all robots are stationary, and proves where no contact was found. None: proved collision-free.
+  std::optional<CollisionInterval> find(const Trajectory& motion);
+  /// The contact's whole duration around its instant, in steps of time_step / 4.
+  CollisionInterval extended(const Trajectory& motion, CollisionInterval contact);
 
-  std::uint64_t looks() const { return looks_; }  ///< at configurations; a proof counts as 500
+  std::uint64_t checks() const { return checks_; }  ///< of configurations, proofs included
 
  private:
   bool is_free(const Trajectory& motion, std::size_t other, double time);
-  Eigen::VectorXd both(const Trajectory& motion, std::size_t other, double time) const;
+  Eigen::VectorXd configuration_of_both(const Trajectory& motion, std::size_t other, double time) const;
   double end(const Trajectory& motion, std::size_t other) const;
 
-  const std::vector<MovingRobot>& others_;
+  const std::vector<MovingRobot>& other_robots_;
   const Deadline& deadline_;
-  std::vector<Checker::WorkspacePtr> workspaces_;  // of the judges
-  std::uint64_t looks_{};
+  std::vector<Checker::WorkspacePtr> workspaces_;  // of the exact checkers
+  std::uint64_t checks_{};
 };
 
 }  // namespace srmp

@@ -3,162 +3,166 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <queue>
 #include <span>
 
+#include "srmp/search/best_first.hpp"
 #include "srmp/search/graph.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double worth = 0.95;    // a way that is not shorter by this factor is left alone
-constexpr double waiting = 0.01;  // cost of a step of rest [rad], so that arms do not wait without need
-constexpr int rest = 3;           // steps of time that an arm rests before it thinks again
-constexpr int max_steps = 250;    // of time
-constexpr std::size_t max_nodes = 4000;
+constexpr double same_direction = 1e-6;  // of unit vectors: rows between motions of one direction are no waypoints
 
-/// One arm of a path, its places, and the others as they go.
+/// Space-time search of one robot's path among the others of a joint path; a search::BestFirstProblem.
 class NeighbourhoodSearch {
  public:
-  NeighbourhoodSearch(const JointPath& path, std::size_t arm, MultiRobotWorld& world,
-                      std::span<const Eigen::VectorXd> places, const Deadline& deadline)
-      : path_(path), arm_(arm), world_(world), deadline_(deadline), task_(world.task(number(arm))) {
-    add_places(places);
-    int alone = 0;
+  struct Node {
+    std::size_t vertex;
+    int step;
+    double cost;
+  };
+
+  NeighbourhoodSearch(const JointPath& path, std::size_t robot, MultiRobotWorld& world,
+                      std::span<const Eigen::VectorXd> configurations, const LargeNeighbourhoodOptions& options)
+      : path_(path), robot_(robot), world_(world), options_(options), task_(world.task(number(robot))) {
+    add_vertices(configurations);
+    int single_robot_steps = 0;
     for (std::size_t k = 1; k < task_.backbone.size(); ++k)
-      alone += world.duration(number(arm), task_.backbone[k - 1], task_.backbone[k]);
-    end_ = static_cast<int>(std::ceil(path.steps.back())) + alone;
+      single_robot_steps += world.duration(number(robot), task_.backbone[k - 1], task_.backbone[k]);
+    end_ = static_cast<int>(std::ceil(path.steps.back())) + single_robot_steps;
+    max_cost_ = options.max_length_ratio * path.length(robot);
   }
 
-  /// None: there is no way that is shorter.
-  std::optional<JointPath> run() {
-    const double limit = worth * path_.length(arm_);
-    if (end_ > max_steps || left_[0] >= limit) return std::nullopt;
-    push(0, 0, 0.0, no_node);
-    while (!open_.empty() && !deadline_.stop_requested() && nodes_.size() < max_nodes) {
-      const std::size_t id = open_.top().second;
-      open_.pop();
-      const Node node = nodes_[id];
-      const auto known = best_.find({node.place, node.step});
-      if (known != best_.end() && known->second <= node.cost) continue;
-      if (node.parent != no_node && !is_free(nodes_[node.parent], node)) continue;
-      best_[{node.place, node.step}] = node.cost;
-      if (left_[node.place] == 0.0 && can_stay(node)) return answer(id);
-      const int waits = std::min(rest, end_ - node.step);
-      if (waits > 0) push(node.place, node.step + waits, node.cost + waits * waiting, id);
-      for (std::size_t to = 0; to < places_.size(); ++to) {
-        if (to == node.place) continue;
-        const double cost = node.cost + distance(node.place, to);
-        const int step = node.step + duration(node.place, to);
-        if (cost + left_[to] < limit && step <= end_) push(to, step, cost, id);
-      }
+  /// None: no path is short enough.
+  std::optional<JointPath> run(const Deadline& deadline) {
+    if (end_ > options_.max_steps || cost_to_go_[0] >= max_cost_) return std::nullopt;
+    add(0, 0, 0.0, search::no_node);
+    const search::BestFirstResult found = search_.run(*this, deadline);
+    if (found.status != Status::solved) return std::nullopt;
+    return joint_path_to(found.goal);
+  }
+
+  bool is_dominated(const Node& node) const { return closed_.dominates({node.vertex, node.step}, node.cost); }
+  bool is_valid(search::NodeId id) {
+    const search::NodeId parent = search_.parent(id);
+    return parent == search::no_node || is_free(search_[parent], search_[id]);
+  }
+  void close(const Node& node) { closed_.close({node.vertex, node.step}, node.cost); }
+  /// At a goal, where the robot can stay for good.
+  bool is_goal(const Node& node) {
+    if (cost_to_go_[node.vertex] != 0.0) return false;
+    return node.step == end_ || is_free(node, {node.vertex, end_, 0.0});
+  }
+  bool may_continue() const { return search_.size() < options_.max_nodes; }
+
+  void expand(search::NodeId id) {
+    const Node node = search_[id];
+    const int waits = std::min(options_.wait_steps, end_ - node.step);
+    if (waits > 0) add(node.vertex, node.step + waits, node.cost + waits * options_.wait_cost, id);
+    for (std::size_t to = 0; to < vertices_.size(); ++to) {
+      if (to == node.vertex) continue;
+      const double cost = node.cost + distance(node.vertex, to);
+      const int step = node.step + duration(node.vertex, to);
+      if (cost + cost_to_go_[to] < max_cost_ && step <= end_) add(to, step, cost, id);
     }
-    return std::nullopt;
   }
 
  private:
-  static constexpr std::size_t no_node = static_cast<std::size_t>(-1);
-  struct Node {
-    std::size_t place;
-    int step;
-    double cost;
-    std::size_t parent;
-  };
+  std::size_t number(std::size_t robot) const { return path_.arms[robot]; }
+  const RobotModel& model() const { return world_.robot(number(robot_)); }
 
-  std::size_t number(std::size_t arm) const { return path_.arms[arm]; }
-  const RobotModel& robot() const { return world_.robot(number(arm_)); }
+  // --- vertices
 
-  void add_places(std::span<const Eigen::VectorXd> more) {
-    const RowMatrix& rows = path_.positions[arm_];
-    add(rows.row(0).transpose());
-    add(rows.bottomRows(1).transpose());
+  /// 0 is the start of the robot's path, 1 (if it is another configuration) its end.
+  void add_vertices(std::span<const Eigen::VectorXd> configurations) {
+    const RowMatrix& rows = path_.positions[robot_];
+    add_vertex(rows.row(0).transpose());
+    add_vertex(rows.bottomRows(1).transpose());
     for (Eigen::Index row = 1; row + 1 < rows.rows(); ++row)
-      if (turns(row)) add(rows.row(row).transpose());
-    for (const Eigen::VectorXd& q : task_.backbone) add(q);
-    for (const Eigen::VectorXd& q : more)
-      if (way_through(q) < worth * path_.length(arm_)) add(q);
-    left_.assign(places_.size(), search::infinity);
-    for (std::size_t goal = 0; goal < places_.size(); ++goal)
-      if (is_goal(places_[goal]))
-        for (std::size_t k = 0; k < places_.size(); ++k) left_[k] = std::min(left_[k], distance(k, goal));
+      if (is_waypoint(row)) add_vertex(rows.row(row).transpose());
+    for (const Eigen::VectorXd& q : task_.backbone) add_vertex(q);
+    for (const Eigen::VectorXd& q : configurations)
+      if (length_through(q) < options_.max_length_ratio * path_.length(robot_)) add_vertex(q);
+    cost_to_go_.assign(vertices_.size(), search::infinity);
+    for (std::size_t goal = 0; goal < vertices_.size(); ++goal)
+      if (is_goal_configuration(vertices_[goal]))
+        for (std::size_t k = 0; k < vertices_.size(); ++k) cost_to_go_[k] = std::min(cost_to_go_[k], distance(k, goal));
   }
-  bool is_goal(const Eigen::VectorXd& q) const {
-    return task_.anywhere || q == path_.positions[arm_].bottomRows(1).transpose() ||
+  void add_vertex(const Eigen::VectorXd& q) {
+    if (std::find(vertices_.begin(), vertices_.end(), q) == vertices_.end()) vertices_.push_back(q);
+  }
+  bool is_goal_configuration(const Eigen::VectorXd& q) const {
+    return task_.anywhere || q == path_.positions[robot_].bottomRows(1).transpose() ||
            std::find(task_.targets.begin(), task_.targets.end(), q) != task_.targets.end();
   }
-  void add(const Eigen::VectorXd& q) {
-    if (std::find(places_.begin(), places_.end(), q) == places_.end()) places_.push_back(q);
-  }
-  bool turns(Eigen::Index row) const {
-    const RowMatrix& q = path_.positions[arm_];
+  /// Does the robot change its direction there?
+  bool is_waypoint(Eigen::Index row) const {
+    const RowMatrix& q = path_.positions[robot_];
     const Eigen::VectorXd in = q.row(row) - q.row(row - 1), out = q.row(row + 1) - q.row(row);
-    return (in.stableNormalized() - out.stableNormalized()).norm() > 1e-6;
+    return (in.stableNormalized() - out.stableNormalized()).norm() > same_direction;
+  }
+  double length_through(const Eigen::VectorXd& q) const {
+    const Eigen::VectorXd& end = vertices_[std::min<std::size_t>(1, vertices_.size() - 1)];
+    return model().difference(vertices_[0], q).norm() + model().difference(q, end).norm();
+  }
+  double distance(std::size_t a, std::size_t b) const { return model().difference(vertices_[a], vertices_[b]).norm(); }
+  int duration(std::size_t a, std::size_t b) const {
+    return world_.duration(number(robot_), vertices_[a], vertices_[b]);
   }
 
-  double way_through(const Eigen::VectorXd& q) const {
-    return robot().difference(places_[0], q).norm() + robot().difference(q, places_[1]).norm();
-  }
-  double distance(std::size_t a, std::size_t b) const { return robot().difference(places_[a], places_[b]).norm(); }
-  int duration(std::size_t a, std::size_t b) const { return world_.duration(number(arm_), places_[a], places_[b]); }
+  // --- edges
 
-  void push(std::size_t place, int step, double cost, std::size_t parent) {
-    const auto known = best_.find({place, step});
-    if (known != best_.end() && known->second <= cost) return;
-    nodes_.push_back({place, step, cost, parent});
-    open_.emplace(cost + left_[place], nodes_.size() - 1);
+  void add(std::size_t vertex, int step, double cost, search::NodeId parent) {
+    if (!closed_.dominates({vertex, step}, cost)) search_.add({vertex, step, cost}, cost + cost_to_go_[vertex], parent);
   }
 
   bool is_free(const Node& from, const Node& to) {
-    if (from.place != to.place) {
-      const auto [known, added] = alone_.try_emplace({from.place, to.place}, false);
-      if (added) known->second = world_.is_free_for_one(number(arm_), places_[from.place], places_[to.place]);
+    if (from.vertex != to.vertex) {
+      const auto [known, added] = free_alone_.try_emplace({from.vertex, to.vertex}, false);
+      if (added) known->second = world_.is_free_for_one(number(robot_), vertices_[from.vertex], vertices_[to.vertex]);
       if (!known->second) return false;
     }
     for (std::size_t other = 0; other < path_.arms.size(); ++other)
-      if (other != arm_ && world_.may_conflict(number(arm_), number(other)) && !are_collision_free(from, to, other))
+      if (other != robot_ && world_.may_conflict(number(robot_), number(other)) && !are_collision_free(from, to, other))
         return false;
     return true;
   }
-  /// The other moves straight from row to row. Exact distances matter where an arm must be, spheres are quicker
-  /// elsewhere.
+  /// The other robot moves straight from row to row. Where a robot must be, at the ends of its path, the exact geometry
+  /// is checked; spheres, which are quicker, elsewhere.
   bool are_collision_free(const Node& from, const Node& to, std::size_t other) {
     auto row = std::upper_bound(path_.steps.begin(), path_.steps.end(), from.step);
     for (double step = from.step, next = step; step < to.step; step = next) {
       next = row == path_.steps.end() ? to.step : std::min<double>(to.step, *row++);
-      const Eigen::VectorXd a = between(from, to, step), b = between(from, to, next);
+      const Eigen::VectorXd a = interpolated(from, to, step), b = interpolated(from, to, next);
       const Eigen::VectorXd c = position_at(path_, other, step), d = position_at(path_, other, next);
-      const bool by_spheres = !is_end(arm_, a) && !is_end(arm_, b) && !is_end(other, c) && !is_end(other, d);
-      if (!world_.are_collision_free(number(arm_), a, b, number(other), c, d, {true, by_spheres})) return false;
+      const bool by_spheres = !is_end(robot_, a) && !is_end(robot_, b) && !is_end(other, c) && !is_end(other, d);
+      if (!world_.are_collision_free(number(robot_), a, b, number(other), c, d, {true, by_spheres})) return false;
     }
     return true;
   }
-  bool is_end(std::size_t arm, const Eigen::VectorXd& q) const {
-    const RowMatrix& rows = path_.positions[arm];
+  bool is_end(std::size_t robot, const Eigen::VectorXd& q) const {
+    const RowMatrix& rows = path_.positions[robot];
     return q == rows.row(0).transpose() || q == rows.bottomRows(1).transpose();
   }
-  Eigen::VectorXd between(const Node& from, const Node& to, double step) const {
-    if (step >= to.step) return places_[to.place];
-    const double share = (step - from.step) / (to.step - from.step);
-    return places_[from.place] + share * robot().difference(places_[from.place], places_[to.place]);
+  Eigen::VectorXd interpolated(const Node& from, const Node& to, double step) const {
+    if (step >= to.step) return vertices_[to.vertex];
+    const double fraction = (step - from.step) / (to.step - from.step);
+    return vertices_[from.vertex] + fraction * model().difference(vertices_[from.vertex], vertices_[to.vertex]);
   }
 
-  bool can_stay(const Node& node) { return node.step == end_ || is_free(node, {node.place, end_, 0.0, no_node}); }
-
-  JointPath answer(std::size_t id) const {
-    JointPath own{{number(arm_)}, {}, {}}, others{{}, path_.steps, {}};
-    std::vector<Node> way;
-    for (; id != no_node; id = nodes_[id].parent) way.push_back(nodes_[id]);
-    std::reverse(way.begin(), way.end());
-    RowMatrix q(std::ssize(way), places_[0].size());
+  JointPath joint_path_to(search::NodeId goal) const {
+    JointPath own{{number(robot_)}, {}, {}}, others{{}, path_.steps, {}};
+    const std::vector<search::NodeId> nodes = search_.path_to(goal);
+    RowMatrix q(std::ssize(nodes), vertices_[0].size());
     for (Eigen::Index row = 0; row < q.rows(); ++row) {
-      const Node& node = way[static_cast<std::size_t>(row)];
+      const Node& node = search_[nodes[static_cast<std::size_t>(row)]];
       own.steps.push_back(node.step);
-      q.row(row) = places_[node.place].transpose();
+      q.row(row) = vertices_[node.vertex].transpose();
     }
-    own.positions.push_back(world_.unwrapped(number(arm_), q));
+    own.positions.push_back(world_.unwrapped(number(robot_), q));
     for (std::size_t other = 0; other < path_.arms.size(); ++other)
-      if (other != arm_) {
+      if (other != robot_) {
         others.arms.push_back(path_.arms[other]);
         others.positions.push_back(path_.positions[other]);
       }
@@ -166,28 +170,30 @@ class NeighbourhoodSearch {
   }
 
   const JointPath& path_;
-  std::size_t arm_;
+  std::size_t robot_;  // index in path_.arms
   MultiRobotWorld& world_;
-  const Deadline& deadline_;
+  const LargeNeighbourhoodOptions& options_;
   const WorldTask& task_;
-  std::vector<Eigen::VectorXd> places_;  // 0: the start
-  std::vector<double> left_;             // of each place: straight to the nearest goal
-  int end_{};
-  std::vector<Node> nodes_;
-  std::map<std::pair<std::size_t, int>, double> best_;
-  std::map<std::pair<std::size_t, std::size_t>, bool> alone_;
-  std::priority_queue<std::pair<double, std::size_t>, std::vector<std::pair<double, std::size_t>>, std::greater<>>
-      open_;
+  std::vector<Eigen::VectorXd> vertices_;
+  std::vector<double> cost_to_go_;  // by vertex: straight to the nearest goal
+  int end_{};                       // the last step of the search
+  double max_cost_{};
+  search::BestFirstSearch<Node, double> search_;
+  search::ClosedCosts<std::map<std::pair<std::size_t, int>, double>> closed_;  // by vertex and step
+  std::map<std::pair<std::size_t, std::size_t>, bool> free_alone_;             // edges among static obstacles
 };
 
 }  // namespace
 
 JointPath reroute_one_robot(JointPath path, MultiRobotWorld& world, const Deadline& deadline,
-                            const std::vector<std::vector<Eigen::VectorXd>>& places) {
+                            const std::vector<std::vector<Eigen::VectorXd>>& configurations,
+                            const LargeNeighbourhoodOptions& options) {
   if (path.size() < 3 || path.arms.size() < 2) return path;
-  for (std::size_t arm = 0; arm < path.arms.size() && !deadline.stop_requested(); ++arm) {
-    const std::vector<Eigen::VectorXd> more = places.empty() ? std::vector<Eigen::VectorXd>{} : places[path.arms[arm]];
-    if (auto better = NeighbourhoodSearch(path, arm, world, more, deadline).run()) path = std::move(*better);
+  for (std::size_t robot = 0; robot < path.arms.size() && !deadline.stop_requested(); ++robot) {
+    const std::vector<Eigen::VectorXd> of_robot =
+        configurations.empty() ? std::vector<Eigen::VectorXd>{} : configurations[path.arms[robot]];
+    if (auto shorter = NeighbourhoodSearch(path, robot, world, of_robot, options).run(deadline))
+      path = std::move(*shorter);
   }
   return path;
 }

@@ -2,32 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <queue>
 #include <string>
 #include <unordered_map>
 
+#include "srmp/core/error.hpp"
 #include "srmp/core/memory_of.hpp"
-#include "srmp/search/lazy_tree.hpp"
+#include "srmp/search/best_first.hpp"
+#include "srmp/search/dijkstra.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double spacing = 0.25;   // of points on a way [rad, prismatic joints m]
-constexpr std::size_t tries = 32;  // for an aside
-constexpr std::size_t max_points = 10'000;
-constexpr std::uint32_t max_stations = 2;  // of a way
-constexpr char not_known = 2;              // of points of two arms: do they go together?
-constexpr std::size_t block = 16;          // points that are looked at together
-constexpr double pause = 0.02;             // cost of a step in itself, so that arms move at the same time
+constexpr char not_checked = 2;                      // an entry of Pair::collision_free
+constexpr std::size_t max_vertex_numbers = 1 << 16;  // that fit into the keys of Pair::edges_collision_free
 
 }  // namespace
 
-RoadmapSearch::RoadmapSearch(MultiRobotWorld& world, std::size_t asides)
-    : world_(world), asides_(asides), has_asides_(world.size(), false) {
+CompositeRoadmap::CompositeRoadmap(MultiRobotWorld& world, CompositeRoadmapOptions options)
+    : world_(world), options_(std::move(options)), has_retreats_(world.size(), false) {
+  if (options_.max_vertices >= max_vertex_numbers)
+    throw InvalidArgument("max_vertices is " + std::to_string(options_.max_vertices) + ", it must be less than 65536");
   for (std::size_t a = 0; a < world.size(); ++a) {
-    maps_.push_back(way_of(a));
-    ways_.push_back(maps_.back().points);
+    maps_.push_back(single_robot_roadmap(a));
+    paths_.push_back(maps_.back().vertices);
     for (std::size_t b = a + 1; b < world.size(); ++b)
       if (world.may_conflict(a, b)) pairs_.try_emplace({a, b}, a, b);
   }
@@ -35,67 +33,68 @@ RoadmapSearch::RoadmapSearch(MultiRobotWorld& world, std::size_t asides)
 
 // --- roadmaps
 
-/// Points from one of the map's to q by a straight motion, known to be free; q is the last unless it is there already.
-void RoadmapSearch::add_straight(Roadmap& map, std::size_t arm, Point from, const Eigen::VectorXd& q,
-                                 std::optional<Point> known) const {
-  const Eigen::VectorXd start = map.points[from], way = world_.robot(arm).difference(start, q);
-  const int parts = std::max(1, static_cast<int>(std::ceil(way.norm() / spacing)));
-  const double length = way.norm() / parts;
-  Point last = from;
+/// Adds vertices along the straight motion from one of the map's vertices to q, which is known to be free. The last
+/// one is q, unless it is a vertex already (`known`).
+void CompositeRoadmap::add_edge(Roadmap& map, std::size_t robot, Vertex from, const Eigen::VectorXd& q,
+                                std::optional<Vertex> known) const {
+  const Eigen::VectorXd start = map.vertices[from], motion = world_.robot(robot).difference(start, q);
+  const int parts = std::max(1, static_cast<int>(std::ceil(motion.norm() / options_.spacing)));
+  const double length = motion.norm() / parts;
+  Vertex last = from;
   for (int k = 1; k <= parts; ++k) {
-    Point next = known.value_or(0);
+    Vertex next = known.value_or(0);
     if (k < parts || !known) {
-      next = static_cast<Point>(map.points.size());
-      map.points.push_back(k < parts ? Eigen::VectorXd(start + static_cast<double>(k) / parts * way) : q);
-      map.next.emplace_back();
+      next = static_cast<Vertex>(map.vertices.size());
+      map.vertices.push_back(k < parts ? Eigen::VectorXd(start + static_cast<double>(k) / parts * motion) : q);
+      map.edges.emplace_back();
     }
-    map.next[last].push_back({next, length});
-    map.next[next].push_back({last, length});
+    map.edges[last].push_back({next, length});
+    map.edges[next].push_back({last, length});
     last = next;
   }
 }
 
-Roadmap RoadmapSearch::way_of(std::size_t arm) const {
-  const WorldTask& task = world_.task(arm);
+Roadmap CompositeRoadmap::single_robot_roadmap(std::size_t robot) const {
+  const WorldTask& task = world_.task(robot);
   Roadmap map;
-  map.points = {task.start};
-  map.next.resize(1);
+  map.vertices = {task.start};
+  map.edges.resize(1);
   for (std::size_t k = 1; k < task.backbone.size() && !task.anywhere; ++k) {
-    const Eigen::VectorXd corner = task.backbone[k];
-    add_straight(map, arm, map.goal, corner);
-    map.goal = static_cast<Point>(map.points.size() - 1);
+    const Eigen::VectorXd waypoint = task.backbone[k];
+    add_edge(map, robot, map.goal, waypoint);
+    map.goal = static_cast<Vertex>(map.vertices.size() - 1);
   }
   return map;
 }
 
-/// Where ways aside begin: points all along an arm's way, its ends among them.
-std::vector<RoadmapSearch::Point> RoadmapSearch::stations(const Roadmap& map) {
-  std::vector<Point> found;
-  const Point count = std::min(max_stations, map.goal + 1);
-  for (Point k = 0; k < count; ++k) found.push_back(count > 1 ? k * map.goal / (count - 1) : 0);
-  return found;
+/// Vertices of the robot's path from which edges to retreats lead, its ends among them.
+std::vector<CompositeRoadmap::Vertex> CompositeRoadmap::branch_points(const Roadmap& map) const {
+  std::vector<Vertex> vertices;
+  const Vertex count = std::min(options_.branch_points, map.goal + 1);
+  for (Vertex k = 0; k < count; ++k) vertices.push_back(count > 1 ? k * map.goal / (count - 1) : 0);
+  return vertices;
 }
 
-/// Points near the way's stations, one or two joints moved: the shortest ways round first.
-std::vector<Eigen::VectorXd> RoadmapSearch::asides(std::size_t arm) {
-  const RobotModel& robot = world_.robot(arm);
-  const Roadmap& map = maps_[arm];
-  const Eigen::VectorXd &start = map.points.front(), &goal = map.points[map.goal];
+/// Configurations around the branch points with one or two joints displaced, those of the shortest detour first.
+std::vector<Eigen::VectorXd> CompositeRoadmap::retreat_candidates(std::size_t robot_number) const {
+  const RobotModel& robot = world_.robot(robot_number);
+  const Roadmap& map = maps_[robot_number];
+  const Eigen::VectorXd &start = map.vertices.front(), &goal = map.vertices[map.goal];
   const auto dof = static_cast<Eigen::Index>(robot.dof());
-  std::vector<Eigen::VectorXd> found;
+  std::vector<Eigen::VectorXd> candidates;
   const auto add = [&](Eigen::VectorXd q) {
-    if (!robot.limit_violation(q)) found.push_back(std::move(q));
+    if (!robot.limit_violation(q)) candidates.push_back(std::move(q));
   };
-  for (const Point corner : stations(map))
+  for (const Vertex branch_point : branch_points(map))
     for (Eigen::Index j = 0; j < dof; ++j)
-      for (const double turn : {-1.2, -0.8, -0.4, 0.4, 0.8, 1.2}) {
-        Eigen::VectorXd q = map.points[corner];
-        q[j] += turn;
+      for (const double offset : options_.joint_offsets) {
+        Eigen::VectorXd q = map.vertices[branch_point];
+        q[j] += offset;
         add(q);
         for (Eigen::Index k = j + 1; k < dof; ++k)
-          for (const double other : {-0.8, 0.8}) {
+          for (const double second_offset : options_.second_joint_offsets) {
             Eigen::VectorXd both = q;
-            both[k] += other;
+            both[k] += second_offset;
             add(both);
           }
       }
@@ -103,121 +102,124 @@ std::vector<Eigen::VectorXd> RoadmapSearch::asides(std::size_t arm) {
     return robot.difference(start, q).norm() + robot.difference(q, goal).norm();
   };
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < found.size(); ++i) order.emplace_back(detour(found[i]), i);
+  for (std::size_t i = 0; i < candidates.size(); ++i) order.emplace_back(detour(candidates[i]), i);
   std::sort(order.begin(), order.end());
   std::vector<Eigen::VectorXd> sorted;
-  for (const auto& [cost, i] : order) sorted.push_back(found[i]);
+  for (const auto& [cost, i] : order) sorted.push_back(candidates[i]);
   return sorted;
 }
 
-/// With how many of the points of other arms' ways q goes, as a share.
-double RoadmapSearch::out_of_the_way(std::size_t arm, const Eigen::VectorXd& q) {
-  std::ptrdiff_t all = 0, apart = 0;
+/// The fraction of the vertices of other robots' paths with which the robot at q is surely collision-free.
+double CompositeRoadmap::collision_free_fraction(std::size_t robot, const Eigen::VectorXd& q) {
+  std::ptrdiff_t all = 0, free = 0;
   for (std::size_t other = 0; other < world_.size(); ++other) {
-    if (other == arm || !world_.may_conflict(arm, other)) continue;
-    const std::vector<char> found = world_.collision_free_with(arm, q, other, ways_[other]);
+    if (other == robot || !world_.may_conflict(robot, other)) continue;
+    const std::vector<char> found = world_.collision_free_with(robot, q, other, paths_[other]);
     all += std::ssize(found);
-    apart += std::count(found.begin(), found.end(), 1);
+    free += std::count(found.begin(), found.end(), 1);
   }
-  return all ? static_cast<double>(apart) / static_cast<double>(all) : 1.0;
+  return all ? static_cast<double>(free) / static_cast<double>(all) : 1.0;
 }
 
-void RoadmapSearch::make_asides(std::size_t arm) {
-  if (std::exchange(has_asides_[arm], true)) return;
-  Roadmap& map = maps_[arm];
-  const std::vector<Eigen::VectorXd> near = asides(arm);
-  const std::size_t tried = tries * asides_;
-  std::vector<std::pair<double, std::size_t>> ranked;
-  for (std::size_t n = 0; n < tried; ++n) {
-    const std::size_t i = n * near.size() / tried;
-    if (world_.is_free_for_one(arm, near[i])) ranked.emplace_back(-out_of_the_way(arm, near[i]), i);
+/// Numbers of those candidates that are free, the ones that leave most room to the other robots first. Only some are
+/// checked, evenly spread.
+std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates) {
+  const std::size_t checked = options_.retreat_candidates * options_.retreats;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t n = 0; n < checked; ++n) {
+    const std::size_t i = n * candidates.size() / checked;
+    if (world_.is_free_for_one(robot, candidates[i]))
+      order.emplace_back(-collision_free_fraction(robot, candidates[i]), i);
   }
-  std::sort(ranked.begin(), ranked.end());
-  std::vector<std::size_t> kept;  // of `near`, and the points that they became
-  std::vector<Point> points;
-  for (const Point corner : stations(map)) {  // the best that each has a way to
+  std::sort(order.begin(), order.end());
+  std::vector<std::size_t> numbers;
+  for (const auto& [fraction, i] : order) numbers.push_back(i);
+  return numbers;
+}
+
+/// Connects each branch point with the best candidates to which a straight motion is free, and these with each other.
+void CompositeRoadmap::add_retreats(std::size_t robot) {
+  if (std::exchange(has_retreats_[robot], true)) return;
+  Roadmap& map = maps_[robot];
+  const std::vector<Eigen::VectorXd> candidates = retreat_candidates(robot);
+  const std::vector<std::size_t> best_first = ranked(robot, candidates);
+  std::vector<std::size_t> kept;  // of the candidates: those that became map.retreats
+  for (const Vertex branch_point : branch_points(map)) {
     std::size_t found = 0;
-    for (const auto& [share, i] : ranked) {
-      if (found == asides_ || map.points.size() > max_points) break;
+    for (const std::size_t i : best_first) {
+      if (found == options_.retreats || map.vertices.size() > options_.max_vertices) break;
       const auto known = std::find(kept.begin(), kept.end(), i);
-      if (!world_.is_free_for_one(arm, map.points[corner], near[i])) continue;
+      if (!world_.is_free_for_one(robot, map.vertices[branch_point], candidates[i])) continue;
       ++found;
       if (known != kept.end()) {
-        const Point there = points[static_cast<std::size_t>(known - kept.begin())];
-        add_straight(map, arm, corner, near[i], there);
+        add_edge(map, robot, branch_point, candidates[i], map.retreats[static_cast<std::size_t>(known - kept.begin())]);
         continue;
       }
-      add_straight(map, arm, corner, near[i]);
-      const auto any = static_cast<Point>(map.points.size() - 1);
-      for (const Point other : points)
-        if (world_.is_free_for_one(arm, map.points[other], near[i])) add_straight(map, arm, other, near[i], any);
+      add_edge(map, robot, branch_point, candidates[i]);
+      const auto retreat = static_cast<Vertex>(map.vertices.size() - 1);
+      for (const Vertex other : map.retreats)
+        if (world_.is_free_for_one(robot, map.vertices[other], candidates[i]))
+          add_edge(map, robot, other, candidates[i], retreat);
       kept.push_back(i);
-      points.push_back(any);
-      map.asides.push_back(any);
+      map.retreats.push_back(retreat);
     }
   }
-  // The way that is left (Dijkstra).
-  map.to_goal.assign(map.points.size(), search::infinity);
-  std::priority_queue<std::pair<double, Point>, std::vector<std::pair<double, Point>>, std::greater<>> open;
-  const auto reach = [&](Point p, double cost) {
-    if (cost >= map.to_goal[p]) return;
-    map.to_goal[p] = cost;
-    open.emplace(cost, p);
-  };
-  if (world_.task(arm).anywhere)
-    for (Point p = 0; p < map.points.size(); ++p) map.to_goal[p] = 0.0;
-  else
-    reach(map.goal, 0.0);
-  while (!open.empty()) {
-    const auto [cost, p] = open.top();
-    open.pop();
-    if (cost > map.to_goal[p]) continue;
-    for (const Roadmap::Way& way : map.next[p]) reach(way.to, cost + way.length);
-  }
+  compute_cost_to_go(robot);
 }
 
-std::vector<Eigen::VectorXd> RoadmapSearch::places_aside(std::size_t arm) const {
-  std::vector<Eigen::VectorXd> found;
-  for (const Point any : maps_[arm].asides) found.push_back(maps_[arm].points[any]);
-  return found;
+void CompositeRoadmap::compute_cost_to_go(std::size_t robot) {
+  Roadmap& map = maps_[robot];
+  if (world_.task(robot).anywhere) {
+    map.cost_to_go.assign(map.vertices.size(), 0.0);
+    return;
+  }
+  const Vertex goals[]{map.goal};
+  map.cost_to_go = search::costs_to_go<double>(map.vertices.size(), goals, [&](Vertex to, auto&& relax) {
+    for (const Roadmap::Edge& edge : map.edges[to]) relax(edge.to, edge.length);  // edges go both ways
+  });
+}
+
+std::vector<Eigen::VectorXd> CompositeRoadmap::retreats(std::size_t robot) const {
+  std::vector<Eigen::VectorXd> configurations;
+  for (const Vertex retreat : maps_[robot].retreats) configurations.push_back(maps_[robot].vertices[retreat]);
+  return configurations;
 }
 
 // --- pairs
 
-bool RoadmapSearch::together(Pair& pair, Point p, Point q) {
-  if (pair.together.size() <= p) pair.together.resize(maps_[pair.a].points.size());
-  std::vector<char>& row = pair.together[p];
-  if (row.size() <= q || row[q] == not_known) look(pair, row, p, q);
+bool CompositeRoadmap::collision_free(Pair& pair, Vertex p, Vertex q) {
+  if (pair.collision_free.size() <= p) pair.collision_free.resize(maps_[pair.a].vertices.size());
+  std::vector<char>& row = pair.collision_free[p];
+  if (row.size() <= q || row[q] == not_checked) check_block(pair, row, p, q);
   return row[q];
 }
 
-/// Of p, do q and those of b's points that are looked at with it go together?
-void RoadmapSearch::look(Pair& pair, std::vector<char>& row, Point p, Point q) {
+/// Checks vertex p of a against q and the other vertices of b in q's block.
+void CompositeRoadmap::check_block(Pair& pair, std::vector<char>& row, Vertex p, Vertex q) {
   const Roadmap &map_a = maps_[pair.a], &map_b = maps_[pair.b];
-  const std::vector<Eigen::VectorXd>& others = map_b.points;
-  row.resize(others.size(), not_known);
-  const Eigen::VectorXd& here = map_a.points[p];
-  std::size_t first = q / block * block;
-  const std::size_t last = std::min(first + block, others.size());
-  while (row[first] != not_known) ++first;  // there were fewer points when others were asked for
-  std::ranges::copy(world_.collision_free_with(pair.a, here, pair.b, std::span(others).subspan(first, last - first)),
+  const std::vector<Eigen::VectorXd>& others = map_b.vertices;
+  row.resize(others.size(), not_checked);
+  const Eigen::VectorXd& q_a = map_a.vertices[p];
+  std::size_t first = q / options_.block * options_.block;
+  const std::size_t last = std::min(first + options_.block, others.size());
+  while (row[first] != not_checked) ++first;  // the block had fewer vertices when it was checked
+  std::ranges::copy(world_.collision_free_with(pair.a, q_a, pair.b, std::span(others).subspan(first, last - first)),
                     row.begin() + static_cast<std::ptrdiff_t>(first));
-  // What spheres cannot tell matters where the arms must be.
+  // Spheres may leave it open; at starts and goals, where the robots must be, the exact geometry decides.
   for (const std::size_t end : {std::size_t{0}, std::size_t{map_b.goal}})
     if (first <= end && end < last && !row[end] && (p == 0 || p == map_a.goal)) {
       ++pair.checks;
-      row[end] = world_.are_collision_free(pair.a, here, here, pair.b, others[end], others[end]);
+      row[end] = world_.are_collision_free(pair.a, q_a, q_a, pair.b, others[end], others[end]);
     }
 }
 
-bool RoadmapSearch::pass(Pair& pair, Point from_a, Point to_a, Point from_b, Point to_b) {
-  static_assert(max_points < 1 << 16);
+bool CompositeRoadmap::edges_collision_free(Pair& pair, Vertex from_a, Vertex to_a, Vertex from_b, Vertex to_b) {
   std::uint64_t key = 0;
-  for (const Point point : {from_a, to_a, from_b, to_b}) key = key << 16 | point;
-  const auto [known, added] = pair.passes.try_emplace(key, false);
+  for (const Vertex vertex : {from_a, to_a, from_b, to_b}) key = key << 16 | vertex;
+  const auto [known, added] = pair.edges_collision_free.try_emplace(key, false);
   if (added) {
     ++pair.checks;
-    const std::vector<Eigen::VectorXd>&a = maps_[pair.a].points, &b = maps_[pair.b].points;
+    const std::vector<Eigen::VectorXd>&a = maps_[pair.a].vertices, &b = maps_[pair.b].vertices;
     known->second =
         world_.are_collision_free(pair.a, a[from_a], a[to_a], pair.b, b[from_b], b[to_b], {.start_is_free = true});
   }
@@ -226,53 +228,78 @@ bool RoadmapSearch::pass(Pair& pair, Point from_a, Point to_a, Point from_b, Poi
 
 // --- the search
 
-class RoadmapSearch::Query {
+/// One search of the product of some robots' roadmaps; a search::BestFirstProblem.
+class CompositeRoadmap::Query {
  public:
-  Query(RoadmapSearch& maps, const std::vector<std::size_t>& arms, const Effort& effort)
-      : maps_(maps), arms_(arms), effort_(effort) {
-    for (const std::size_t a : arms)
-      for (const std::size_t b : arms) {
+  using State = std::u16string;  // a vertex of each robot
+  struct Node {
+    State state;
+    double cost, cost_to_go;
+  };
+
+  Query(CompositeRoadmap& maps, const std::vector<std::size_t>& robots, const SearchBudget& budget)
+      : maps_(maps), robots_(robots), budget_(budget) {
+    for (const std::size_t a : robots)
+      for (const std::size_t b : robots) {
         const auto found = maps.pairs_.find(std::minmax(a, b));
         pairs_.push_back(a == b || found == maps.pairs_.end() ? nullptr : &found->second);
       }
   }
 
   Result run(const Deadline& deadline) {
-    Result result;
-    const std::uint64_t before = checks();
-    const State start(arms_.size(), u'\0');
-    add(start, 0.0, no_node);
-    while (!open_.empty()) {
-      const std::uint32_t id = open_.top().second;
-      open_.pop();
-      if (const auto stop = search::stop_status(deadline)) return {*stop, {}, 0.0, result.expansions};
-      const Node node = nodes_[id];
-      if (const auto known = best_.find(node.state); known != best_.end() && known->second <= node.cost) continue;
-      if (node.parent != no_node && !is_free(nodes_[node.parent].state, node.state)) continue;
-      best_[node.state] = node.cost;
-      if (node.left == 0.0) return {Status::solved, path_to(id), node.cost, result.expansions};
-      if (result.expansions++ >= effort_.max_expansions || checks() - before > effort_.max_checks)
-        return {Status::timed_out, {}, 0.0, result.expansions};
-      expand(id);
-    }
+    checks_before_ = checks();
+    add(State(robots_.size(), u'\0'), 0.0, search::no_node);
+    const search::BestFirstResult found = search_.run(*this, deadline);
+    Result result{found.status, {}, 0.0, found.expansions, memory()};
+    if (found.status != Status::solved) return result;
+    result.path = path_to(found.goal);
+    result.cost = search_[found.goal].cost;
     return result;
   }
 
-  /// OPEN never has more entries than there are nodes; strings of many arms' states lie outside of their objects.
-  std::size_t memory() const {
-    const std::size_t outside = arms_.size() > State().capacity() ? (arms_.size() + 1) * sizeof(char16_t) : 0;
-    return memory_of(nodes_) + memory_of(best_) + nodes_.size() * sizeof(std::pair<double, std::uint32_t>) +
-           (nodes_.size() + best_.size()) * outside;
+  bool is_dominated(const Node& node) const { return closed_.dominates(node.state, node.cost); }
+  bool is_valid(search::NodeId id) {
+    const search::NodeId parent = search_.parent(id);
+    return parent == search::no_node || is_edge_free(search_[parent].state, search_[id].state);
+  }
+  void close(const Node& node) { closed_.close(node.state, node.cost); }
+  bool is_goal(const Node& node) const { return node.cost_to_go == 0.0; }
+  bool may_expand(std::uint64_t expansions) const {
+    return expansions <= budget_.max_expansions && checks() - checks_before_ <= budget_.max_checks;
+  }
+
+  /// As many robots as can move on towards their goals, in order and in reverse order; and each robot alone along each
+  /// of its edges.
+  void expand(search::NodeId id) {
+    const State from = search_[id].state;
+    const double cost = search_[id].cost + maps_.options_.step_cost;
+    for (const bool backward : {false, true}) {
+      State all = from;
+      double length = 0.0;
+      int moved = 0;
+      for (std::size_t n = 0; n < robots_.size(); ++n) {
+        const std::size_t i = backward ? robots_.size() - 1 - n : n;
+        const Roadmap::Edge* edge = edge_to_goal(i, from[i]);
+        if (!edge) continue;
+        all[i] = static_cast<char16_t>(edge->to);
+        if (is_collision_free(all, i)) {
+          length += edge->length;
+          ++moved;
+        } else {
+          all[i] = from[i];
+        }
+      }
+      if (moved > 1) add(all, cost + length, id);
+    }
+    for (std::size_t i = 0; i < robots_.size(); ++i)
+      for (const Roadmap::Edge& edge : map(i).edges[from[i]]) {
+        State one = from;
+        one[i] = static_cast<char16_t>(edge.to);
+        if (is_collision_free(one, i)) add(one, cost + edge.length, id);
+      }
   }
 
  private:
-  using State = std::u16string;  // a point an arm
-  static constexpr std::uint32_t no_node = std::numeric_limits<std::uint32_t>::max();
-  struct Node {
-    State state;
-    double cost, left;
-    std::uint32_t parent;
-  };
   struct Hash {
     std::size_t operator()(const State& state) const {
       std::uint64_t hash = 0;
@@ -281,133 +308,103 @@ class RoadmapSearch::Query {
     }
   };
 
-  /// Of motions of two of the arms, ever.
+  /// Of simultaneous motions of two of the robots, in all searches so far.
   std::uint64_t checks() const {
     std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < arms_.size(); ++i)
-      for (std::size_t k = i + 1; k < arms_.size(); ++k)
+    for (std::size_t i = 0; i < robots_.size(); ++i)
+      for (std::size_t k = i + 1; k < robots_.size(); ++k)
         if (const Pair* both = pair(i, k)) sum += both->checks;
     return sum;
   }
-  /// Null: the two never meet.
-  Pair* pair(std::size_t i, std::size_t k) const { return pairs_[i * arms_.size() + k]; }
-  const Roadmap& map(std::size_t i) const { return maps_.maps_[arms_[i]]; }
+  /// Null: the two never conflict.
+  Pair* pair(std::size_t i, std::size_t k) const { return pairs_[i * robots_.size() + k]; }
+  const Roadmap& map(std::size_t i) const { return maps_.maps_[robots_[i]]; }
 
-  void add(const State& state, double cost, std::uint32_t parent) {
-    if (const auto known = best_.find(state); known != best_.end() && known->second <= cost) return;
-    double left = 0.0;
-    for (std::size_t i = 0; i < arms_.size(); ++i) left += map(i).to_goal[state[i]];
-    if (left == search::infinity || cost + left >= effort_.below) return;
-    nodes_.push_back({state, cost, left, parent});
-    open_.emplace(cost + effort_.greed * left, static_cast<std::uint32_t>(nodes_.size() - 1));
+  void add(const State& state, double cost, search::NodeId parent) {
+    if (closed_.dominates(state, cost)) return;
+    double cost_to_go = 0.0;
+    for (std::size_t i = 0; i < robots_.size(); ++i) cost_to_go += map(i).cost_to_go[state[i]];
+    if (cost_to_go == search::infinity || cost + cost_to_go >= budget_.max_cost) return;
+    search_.add({state, cost, cost_to_go}, cost + budget_.weight * cost_to_go, parent);
   }
 
-  bool fits(const State& state, std::size_t i) {
-    for (std::size_t k = 0; k < arms_.size(); ++k)
-      if (Pair* both = pair(i, k);
-          both && !(i < k ? maps_.together(*both, state[i], state[k]) : maps_.together(*both, state[k], state[i])))
+  /// Robot i, at its vertex of the state, and each of the others.
+  bool is_collision_free(const State& state, std::size_t i) {
+    for (std::size_t k = 0; k < robots_.size(); ++k)
+      if (Pair* both = pair(i, k); both && !(i < k ? maps_.collision_free(*both, state[i], state[k])
+                                                   : maps_.collision_free(*both, state[k], state[i])))
         return false;
     return true;
   }
 
-  bool is_free(const State& from, const State& to) {
-    for (std::size_t i = 0; i < arms_.size(); ++i)
-      for (std::size_t k = i + 1; k < arms_.size(); ++k)
-        if (Pair* both = pair(i, k);
-            both && (from[i] != to[i] || from[k] != to[k]) && !maps_.pass(*both, from[i], to[i], from[k], to[k]))
+  bool is_edge_free(const State& from, const State& to) {
+    for (std::size_t i = 0; i < robots_.size(); ++i)
+      for (std::size_t k = i + 1; k < robots_.size(); ++k)
+        if (Pair* both = pair(i, k); both && (from[i] != to[i] || from[k] != to[k]) &&
+                                     !maps_.edges_collision_free(*both, from[i], to[i], from[k], to[k]))
           return false;
     return true;
   }
 
-  /// Each arm by itself; and as many as can go on towards their goals, in order and in reverse order.
-  void expand(std::uint32_t id) {
-    const State from = nodes_[id].state;
-    const double cost = nodes_[id].cost + pause;
-    for (const bool backward : {false, true}) {
-      State all = from;
-      double way = 0.0;
-      int moved = 0;
-      for (std::size_t n = 0; n < arms_.size(); ++n) {
-        const std::size_t i = backward ? arms_.size() - 1 - n : n;
-        const Roadmap::Way* next = onwards(i, from[i]);
-        if (!next) continue;
-        all[i] = static_cast<char16_t>(next->to);
-        if (fits(all, i)) {
-          way += next->length;
-          ++moved;
-        } else {
-          all[i] = from[i];
-        }
-      }
-      if (moved > 1) add(all, cost + way, id);
-    }
-    for (std::size_t i = 0; i < arms_.size(); ++i)
-      for (const Roadmap::Way& next : map(i).next[from[i]]) {
-        State one = from;
-        one[i] = static_cast<char16_t>(next.to);
-        if (fits(one, i)) add(one, cost + next.length, id);
-      }
-  }
-
-  /// Null: the arm is at its goal.
-  const Roadmap::Way* onwards(std::size_t i, Point from) const {
+  /// The first edge of robot i's shortest path to its goal; null: it is there.
+  const Roadmap::Edge* edge_to_goal(std::size_t i, Vertex from) const {
     const Roadmap& map = this->map(i);
-    const Roadmap::Way* best = nullptr;
-    double least = map.to_goal[from];
-    for (const Roadmap::Way& next : map.next[from])
-      if (map.to_goal[next.to] < least) {
-        least = map.to_goal[next.to];
-        best = &next;
+    const Roadmap::Edge* best = nullptr;
+    double least = map.cost_to_go[from];
+    for (const Roadmap::Edge& edge : map.edges[from])
+      if (map.cost_to_go[edge.to] < least) {
+        least = map.cost_to_go[edge.to];
+        best = &edge;
       }
     return best;
   }
 
-  JointPath path_to(std::uint32_t id) const {
-    std::vector<State> states;
-    for (; id != no_node; id = nodes_[id].parent) states.push_back(nodes_[id].state);
-    std::reverse(states.begin(), states.end());
-    std::vector<std::vector<Eigen::VectorXd>> ways(arms_.size());
-    for (std::size_t i = 0; i < arms_.size(); ++i)
-      for (const State& state : states) ways[i].push_back(map(i).points[state[i]]);
-    return joint_path(maps_.world_, arms_, ways);
+  JointPath path_to(search::NodeId goal) const {
+    std::vector<std::vector<Eigen::VectorXd>> paths(robots_.size());
+    for (const search::NodeId id : search_.path_to(goal))
+      for (std::size_t i = 0; i < robots_.size(); ++i) paths[i].push_back(map(i).vertices[search_[id].state[i]]);
+    return joint_path(maps_.world_, robots_, paths);
   }
 
-  RoadmapSearch& maps_;
-  const std::vector<std::size_t>& arms_;
-  const Effort& effort_;
-  std::vector<Pair*> pairs_;  // of arms_, row by row
-  std::vector<Node> nodes_;
-  std::unordered_map<State, double, Hash> best_;
-  std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>, std::greater<>>
-      open_;
+  std::size_t memory() const {
+    // Strings hold the states of many robots outside of themselves.
+    const std::size_t outside = robots_.size() > State().capacity() ? (robots_.size() + 1) * sizeof(char16_t) : 0;
+    return search_.memory() + memory_of(closed_.costs()) + (search_.size() + closed_.costs().size()) * outside;
+  }
+
+  CompositeRoadmap& maps_;
+  const std::vector<std::size_t>& robots_;
+  const SearchBudget& budget_;
+  std::vector<Pair*> pairs_;  // of robots_, row by row
+  std::uint64_t checks_before_{};
+  search::BestFirstSearch<Node, double> search_;
+  search::ClosedCosts<std::unordered_map<State, double, Hash>> closed_;
 };
 
-RoadmapSearch::Result RoadmapSearch::run(const std::vector<std::size_t>& arms, const Effort& effort,
-                                         const Deadline& deadline) {
-  for (const std::size_t arm : arms) {
+CompositeRoadmap::Result CompositeRoadmap::run(const std::vector<std::size_t>& robots, const SearchBudget& budget,
+                                               const Deadline& deadline) {
+  for (const std::size_t robot : robots) {
     if (deadline.stop_requested()) return {Status::timed_out, {}, 0.0, 0};
-    make_asides(arm);
+    add_retreats(robot);
   }
-  Query query(*this, arms, effort);
-  Result result = query.run(deadline);
-  result.memory = query.memory();
-  return result;
+  return Query(*this, robots, budget).run(deadline);
 }
 
-std::size_t RoadmapSearch::memory() const {
-  std::size_t sum = memory_of(ways_);
-  for (const auto& way : ways_) {
-    sum += memory_of(way);
-    for (const Eigen::VectorXd& point : way) sum += static_cast<std::size_t>(point.size()) * sizeof(double);
-  }
+std::size_t CompositeRoadmap::memory() const {
+  const auto memory_of_all = [](const std::vector<Eigen::VectorXd>& configurations) {
+    std::size_t sum = memory_of(configurations);
+    for (const Eigen::VectorXd& q : configurations) sum += static_cast<std::size_t>(q.size()) * sizeof(double);
+    return sum;
+  };
+  std::size_t sum = memory_of(paths_);
+  for (const auto& path : paths_) sum += memory_of_all(path);
   for (const auto& [numbers, pair] : pairs_) {
-    sum += memory_of(pair.passes) + memory_of(pair.together);
-    for (const std::vector<char>& row : pair.together) sum += memory_of(row);
+    sum += memory_of(pair.edges_collision_free) + memory_of(pair.collision_free);
+    for (const std::vector<char>& row : pair.collision_free) sum += memory_of(row);
   }
   for (const Roadmap& map : maps_) {
-    sum += memory_of(map.points) + memory_of(map.next) + memory_of(map.to_goal);
-    for (const Eigen::VectorXd& point : map.points) sum += static_cast<std::size_t>(point.size()) * sizeof(double);
-    for (const std::vector<Roadmap::Way>& ways : map.next) sum += memory_of(ways);
+    sum += memory_of_all(map.vertices) + memory_of(map.edges) + memory_of(map.cost_to_go);
+    for (const std::vector<Roadmap::Edge>& edges : map.edges) sum += memory_of(edges);
   }
   return sum;
 }

@@ -13,81 +13,110 @@
 
 namespace srmp {
 
-/// What one arm may do in RoadmapSearch: points on its own way from start to goal and on ways aside, to places where it
-/// is in nobody's way.
+struct CompositeRoadmapOptions {
+  /// Retreat configurations kept for each branch point, > 0: more let more robots pass each other, and make more edges.
+  std::size_t retreats{2};
+  /// Candidates checked for each retreat kept, > 0: more find retreats that are out of the other robots' way more
+  /// often, and take longer to check.
+  std::size_t retreat_candidates{32};
+  /// Vertices of a robot's own path from which edges to retreats lead, at most, evenly spread over it: more allow
+  /// shorter detours on larger roadmaps.
+  std::uint32_t branch_points{2};
+  /// Distance between vertices of a straight edge [rad, prismatic joints m], > 0: a finer roadmap lets robots wait in
+  /// more places, and has more vertices to check against each other.
+  double spacing{0.25};
+  /// No retreats are added beyond so many vertices of a robot, < 65 536.
+  std::size_t max_vertices{10'000};
+  /// Vertices of the other robot that are checked in one call, >= 1: what the checker evaluates at once.
+  std::size_t block{16};
+  /// Cost of a step in itself [rad], >= 0: more makes robots move at the same time rather than one after the other.
+  double step_cost{0.02};
+  /// Displacements [rad, prismatic joints m] of one joint, and of a second one beside it, from a branch point: they
+  /// span the retreat candidates.
+  std::vector<double> joint_offsets{-1.2, -0.8, -0.4, 0.4, 0.8, 1.2}, second_joint_offsets{-0.8, 0.8};
+};
+
+/// One robot's factor of a CompositeRoadmap: its single-robot path from start to goal, and edges from it to retreat
+/// configurations, where it is out of the other robots' way.
 struct Roadmap {
-  struct Way {
+  struct Edge {
     std::uint32_t to{};
     double length{};  ///< [rad, prismatic joints m]
   };
-  std::vector<Eigen::VectorXd> points;  ///< free; 0: the start
-  std::vector<std::vector<Way>> next;   ///< of each point: where free straight motions lead
+  std::vector<Eigen::VectorXd> vertices;  ///< free configurations; 0: the start
+  std::vector<std::vector<Edge>> edges;   ///< by vertex: free straight motions, in both directions
   std::uint32_t goal{};
-  std::vector<std::uint32_t> asides;  ///< where the ways aside lead
-  std::vector<double> to_goal;        ///< of each point: length of the way that is left
+  std::vector<std::uint32_t> retreats;  ///< vertices
+  std::vector<double> cost_to_go;       ///< by vertex: length of the shortest path to the goal
 };
 
-/// Arms on roadmaps of their own, searched together: a greedy search over the product of the roadmaps (tensor roadmaps:
-/// Svestka, Overmars 1998; Solovey, Salzman, Halperin 2016) whose pairs of points, and then of motions, are looked at
-/// once and remembered. Quick where arms need only wait for each other or step aside; says nothing when it fails.
-/// Threads may share it, each with arms of its own.
-class RoadmapSearch {
+/// Robots on roadmaps of their own, searched jointly: weighted best-first search with lazy edges over the product of
+/// the roadmaps (Švestka, Overmars 1998, "Coordinated path planning for multiple robots"; Solovey, Salzman, Halperin
+/// 2016, "Finding a needle in an exponential haystack"). Pairs of vertices, and then of edges, are checked once and
+/// remembered. Quick where robots need only wait for each other or retreat; `exhausted` says nothing about paths off
+/// these roadmaps. Threads may share it, each with robots of its own.
+class CompositeRoadmap {
  public:
-  /// Of all arms of the world; the ways aside of each are found when first needed: so many for each corner of its way.
-  RoadmapSearch(MultiRobotWorld& world, std::size_t asides);
+  /// Of all robots of the world, which must outlive this; the retreats of each are found when first needed. Throws
+  /// InvalidArgument for max_vertices of 65 536 or more.
+  explicit CompositeRoadmap(MultiRobotWorld& world, CompositeRoadmapOptions options = {});
 
   struct Result {
-    Status status{Status::exhausted};  ///< solved, exhausted (these roadmaps hold no way that will do), timed_out (also
-                                       ///< for too many expansions or checks) or cancelled
+    Status status{Status::exhausted};  ///< solved, exhausted (no path on these roadmaps within max_cost), timed_out
+                                       ///< (also when the budget is used up) or cancelled
     JointPath path;
-    double cost{};  ///< of the path: its length and a little for each step
+    double cost{};  ///< of the path: its length and step_cost for each step
     std::uint64_t expansions{};
     std::size_t memory{};  ///< bytes of the search
   };
-  struct Effort {
-    std::uint64_t max_expansions{}, max_checks{};  ///< checks: of motions of two arms
-    double greed{12.0};                            ///< weight of the way that is left
-    double below{search::infinity};                ///< only paths that cost less will do
+  struct SearchBudget {
+    std::uint64_t max_expansions{};
+    std::uint64_t max_checks{};         ///< of simultaneous motions of two robots
+    double weight{12.0};                ///< of the cost-to-go, >= 1
+    double max_cost{search::infinity};  ///< only paths that cost less
   };
-  /// `arms`: in order.
-  Result run(const std::vector<std::size_t>& arms, const Effort& effort, const Deadline& deadline);
-  /// Of an arm; none when its roadmap is not made yet.
-  std::vector<Eigen::VectorXd> places_aside(std::size_t arm) const;
-  std::size_t memory() const;  ///< bytes of the roadmaps and of what is known of pairs of points and motions
+  /// `robots`: numbers in the world, increasing.
+  Result run(const std::vector<std::size_t>& robots, const SearchBudget& budget, const Deadline& deadline);
+  /// Configurations of a robot; none while run() has not needed them.
+  std::vector<Eigen::VectorXd> retreats(std::size_t robot) const;
+  std::size_t memory() const;  ///< bytes of the roadmaps and of the remembered checks
 
  private:
-  using Point = std::uint32_t;
+  using Vertex = std::uint32_t;
   class Query;
 
-  Roadmap way_of(std::size_t arm) const;
-  void make_asides(std::size_t arm);
-  void add_straight(Roadmap& map, std::size_t arm, Point from, const Eigen::VectorXd& q,
-                    std::optional<Point> known = {}) const;
-  static std::vector<Point> stations(const Roadmap& map);
-  std::vector<Eigen::VectorXd> asides(std::size_t arm);
-  double out_of_the_way(std::size_t arm, const Eigen::VectorXd& q);
-
-  /// What is known of two arms that may meet: a < b.
+  /// What is known of two robots that may conflict: a < b.
   struct Pair {
     Pair(std::size_t first, std::size_t second) : a(first), b(second) {}
 
     std::size_t a, b;
-    /// Of each point of a, of each point of b, as far as asked: do they go together?
-    std::vector<std::vector<char>> together;
-    /// Do motions of both go together? By the numbers of their points, 16 bits each: from and to of a, of b.
-    std::unordered_map<std::uint64_t, bool> passes;
-    std::uint64_t checks{};  ///< of their motions
+    /// [vertex of a][vertex of b], as far as checked: are the robots collision-free there?
+    std::vector<std::vector<char>> collision_free;
+    /// Are two edges collision-free at the same time? By their vertices, 16 bits each: from and to of a, of b.
+    std::unordered_map<std::uint64_t, bool> edges_collision_free;
+    std::uint64_t checks{};  ///< of simultaneous motions
   };
-  bool together(Pair& pair, Point p, Point q);
-  void look(Pair& pair, std::vector<char>& row, Point p, Point q);
-  bool pass(Pair& pair, Point from_a, Point to_a, Point from_b, Point to_b);
+
+  Roadmap single_robot_roadmap(std::size_t robot) const;
+  void add_edge(Roadmap& map, std::size_t robot, Vertex from, const Eigen::VectorXd& q,
+                std::optional<Vertex> known = {}) const;
+  std::vector<Vertex> branch_points(const Roadmap& map) const;
+  std::vector<Eigen::VectorXd> retreat_candidates(std::size_t robot) const;
+  double collision_free_fraction(std::size_t robot, const Eigen::VectorXd& q);
+  std::vector<std::size_t> ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates);
+  void add_retreats(std::size_t robot);
+  void compute_cost_to_go(std::size_t robot);
+
+  bool collision_free(Pair& pair, Vertex p, Vertex q);
+  void check_block(Pair& pair, std::vector<char>& row, Vertex p, Vertex q);
+  bool edges_collision_free(Pair& pair, Vertex from_a, Vertex to_a, Vertex from_b, Vertex to_b);
 
   MultiRobotWorld& world_;
-  std::size_t asides_;
+  CompositeRoadmapOptions options_;
   std::vector<Roadmap> maps_;
-  /// Of each arm: points from start to goal. Other arms' threads read them while its map grows.
-  std::vector<std::vector<Eigen::VectorXd>> ways_;
-  std::vector<char> has_asides_;  // by arm
+  /// By robot: the vertices from start to goal. Other robots' threads read them while its roadmap grows.
+  std::vector<std::vector<Eigen::VectorXd>> paths_;
+  std::vector<char> has_retreats_;  // by robot
   std::map<std::pair<std::size_t, std::size_t>, Pair> pairs_;
 };
 

@@ -37,8 +37,8 @@ search::RrtSpace rrt_space(const CompositeSpace& space) {
   search::RrtSpace trees;
   trees.starts = {space.start()};
   trees.goals = space.targets();
-  trees.longest_step = 1.0;  // over all joints [rad, prismatic joints m]
-  for (const Joint& joint : space.joints()) trees.turns.push_back(joint.kind == JointKind::continuous);
+  trees.max_step = 1.0;  // over all joints [rad, prismatic joints m]
+  for (const Joint& joint : space.joints()) trees.wraps.push_back(joint.kind == JointKind::continuous);
   trees.sample = [&space, alone = samplers(space)](search::RandomSequence& random) {
     return sample(space, alone, random);
   };

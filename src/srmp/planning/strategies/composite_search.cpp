@@ -34,7 +34,7 @@ class CompositeLattices : public LatticeFamily {
     const auto count = static_cast<std::size_t>(weights_.rows()) + 1;
     return {count, [&lattice, count, this](std::span<const StateId> states, std::span<double> out) {
               for (std::size_t i = 0; i < states.size(); ++i)
-                lattice.measure_to_targets(states[i], weights_, out.subspan(i * count, count));
+                lattice.distances_to_targets(states[i], weights_, out.subspan(i * count, count));
             }};
   }
 
@@ -61,7 +61,7 @@ class CompositeLattices : public LatticeFamily {
     const Eigen::VectorXd step = lattice_step(space_.joints(), scale * std::min(lattice.resolution, M_PI / 2 / scale),
                                               scale * lattice.prismatic_resolution);
     PrimitiveSet set = rich_primitives(space_.joints(), step, pairs_);
-    PrimitiveFamily one_arm{"one arm", PrimitiveUse::towards, {}};  // the others stay
+    PrimitiveFamily one_arm{"one arm", PrimitiveUse::to_targets, {}};  // the others stay
     const Eigen::VectorXd& all = set.families.front().moves.front();
     for (std::size_t i = 0; i < space_.size(); ++i) {
       Eigen::VectorXd& move = one_arm.moves.emplace_back(Eigen::VectorXd::Zero(step.size()));
@@ -77,7 +77,7 @@ class CompositeLattices : public LatticeFamily {
     weights_ = RowMatrix::Ones(3 + static_cast<Eigen::Index>(arms), space_.first(arms));
     for (std::size_t i = 0; i < arms; ++i) {
       const Eigen::Index first = space_.first(i), last = space_.first(i + 1);
-      weights_.block(0, first, 3, last - first) = measure_weights(static_cast<std::size_t>(last - first));
+      weights_.block(0, first, 3, last - first) = distance_weights(static_cast<std::size_t>(last - first));
       weights_.row(3 + static_cast<Eigen::Index>(i)).segment(first, last - first).setConstant(3.0);
     }
   }

@@ -53,19 +53,19 @@ Attempt CompositeRoadmapStrategy::attempt(const AttemptBudget& budget, const Dea
 
 std::optional<JointPath> CompositeRoadmapStrategy::find(std::size_t level, const AttemptBudget& budget,
                                                         const Deadline& deadline) {
-  const auto run = [&](const RoadmapSearch::Effort& effort) {
-    RoadmapSearch::Result found = roadmaps_.at(level).run(robots_, effort, deadline);
+  const auto run = [&](const CompositeRoadmap::SearchBudget& work) {
+    CompositeRoadmap::Result found = roadmaps_.at(level).run(robots_, work, deadline);
     statistics_.expansions += found.expansions;
     note_memory(statistics_, found.memory);
     return found;
   };
-  RoadmapSearch::Result best = run({budgets.roadmap_expansions, budgets.roadmap_checks * growth(budget)});
+  CompositeRoadmap::Result best = run({budgets.roadmap_expansions, budgets.roadmap_checks * growth(budget)});
   if (best.status != Status::solved || best.path.length() > budget.max_cost) return std::nullopt;
   for (const std::size_t last = std::min(level + 1, RoadmapLevels::count - 1); level <= last; ++level)
     for (const double weight : budgets.shorter_weights) {
       if (!may_be_shorter(best.path) || deadline.stop_requested()) return std::move(best.path);
-      const double below = std::min(best.cost, budget.max_cost);
-      RoadmapSearch::Result found = run({budgets.roadmap_expansions, budgets.shorter_checks, weight, below});
+      const double max_cost = std::min(best.cost, budget.max_cost);
+      CompositeRoadmap::Result found = run({budgets.roadmap_expansions, budgets.shorter_checks, weight, max_cost});
       if (found.status == Status::solved) best = std::move(found);
     }
   return std::move(best.path);

@@ -16,18 +16,19 @@ class RoadmapLevels {
   /// The world outlives this.
   explicit RoadmapLevels(MultiRobotWorld& world) : world_(world), levels_(count) {}
 
-  RoadmapSearch& at(std::size_t level) {
+  CompositeRoadmap& at(std::size_t level) {
     const std::lock_guard lock(mutex_);
     auto& slot = levels_[level];
-    if (!slot) slot = std::make_unique<RoadmapSearch>(world_, 2 << level);
+    if (!slot) slot = std::make_unique<CompositeRoadmap>(
+          world_, CompositeRoadmapOptions{.retreats = std::size_t{2} << level});
     return *slot;
   }
 
   /// Retreat configurations of the first level, by index in the world; none of robots that were not planned on it.
   std::vector<std::vector<Eigen::VectorXd>> retreats(const std::vector<std::size_t>& robots) const {
     std::vector<std::vector<Eigen::VectorXd>> found(world_.size());
-    if (const RoadmapSearch* first = levels_.front().get())
-      for (const std::size_t i : robots) found[i] = first->places_aside(i);
+    if (const CompositeRoadmap* first = levels_.front().get())
+      for (const std::size_t i : robots) found[i] = first->retreats(i);
     return found;
   }
 
@@ -41,7 +42,7 @@ class RoadmapLevels {
  private:
   MultiRobotWorld& world_;
   std::mutex mutex_;                                    // of the making of roadmaps
-  std::vector<std::unique_ptr<RoadmapSearch>> levels_;  // null: not made yet
+  std::vector<std::unique_ptr<CompositeRoadmap>> levels_;  // null: not made yet
 };
 
 }  // namespace srmp

@@ -15,7 +15,7 @@ namespace {
 
 using search::AnyHeuristic;
 
-/// What measure_to_targets writes with measure_weights.
+/// What distances_to_targets writes with distance_weights.
 constexpr std::array<std::string_view, 4> measure_names{"joint_euclidean", "joint_proximal", "joint_distal", "joint_sum"};
 
 std::size_t measure_index(const std::string& name) {
@@ -55,11 +55,11 @@ search::InadmissibleHeuristics RobotHeuristics::inadmissible_heuristics(Lattice&
   const std::string& name = context_.common.heuristic;
   const bool more = measure_index(name) == measures;
   const std::size_t count = measures + more;
-  return {count, [&lattice, count, more, weights = measure_weights(context_.robot.dof()),
+  return {count, [&lattice, count, more, weights = distance_weights(context_.robot.dof()),
                   other = more ? make(name, lattice) : AnyHeuristic(), values = std::vector<double>()](
                      std::span<const search::StateId> states, std::span<double> out) mutable {
             for (std::size_t i = 0; i < states.size(); ++i)
-              lattice.measure_to_targets(states[i], weights, out.subspan(i * count, measures));
+              lattice.distances_to_targets(states[i], weights, out.subspan(i * count, measures));
             if (!more) return;
             values.resize(states.size());
             other.values(states, values);
@@ -74,9 +74,9 @@ bool RobotHeuristics::consistent(const std::string& name) const {
 }
 
 AnyHeuristic RobotHeuristics::measure(const std::string& name, Lattice& lattice) const {
-  return [&lattice, weights = measure_weights(context_.robot.dof()), at = measure_index(name)](search::StateId state) {
+  return [&lattice, weights = distance_weights(context_.robot.dof()), at = measure_index(name)](search::StateId state) {
     std::array<double, measure_names.size()> values{};
-    lattice.measure_to_targets(state, weights, values);
+    lattice.distances_to_targets(state, weights, values);
     return values[at];
   };
 }

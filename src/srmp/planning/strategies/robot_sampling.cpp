@@ -20,7 +20,7 @@ struct Region {
     for (const Eigen::VectorXd& goal : space.goals) {
       const Eigen::VectorXd way = robot.difference(start, goal);
       for (Eigen::Index k = 0; k < way.size(); ++k) {
-        const double end = space.turns[static_cast<std::size_t>(k)] ? start[k] + way[k] : goal[k];
+        const double end = space.wraps[static_cast<std::size_t>(k)] ? start[k] + way[k] : goal[k];
         lower[k] = std::min(lower[k], end);
         upper[k] = std::max(upper[k], end);
       }
@@ -45,8 +45,8 @@ search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start
   search::RrtSpace space;
   space.starts = {start};
   space.goals = std::move(goals);
-  space.longest_step = step;
-  for (const Joint& joint : robot.joints()) space.turns.push_back(joint.kind == JointKind::continuous);
+  space.max_step = step;
+  for (const Joint& joint : robot.joints()) space.wraps.push_back(joint.kind == JointKind::continuous);
   space.sample = [near = Region(robot, space, M_PI / 2), far = Region(robot, space, 2 * M_PI)](
                      search::RandomSequence& random) { return (random.next() < anywhere ? far : near).sample(random); };
   return space;

@@ -1,0 +1,255 @@
+#include "srmp/io/moveit_messages.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "srmp/core/error.hpp"
+
+namespace srmp::io {
+
+namespace {
+
+using YAML::Node;
+
+const Names header_keys{"frame_id", "stamp", "seq"};
+const Names quaternion_keys{"x", "y", "z", "w"};
+const Names primitive_keys{"type", "dimensions", "polygon"};
+const Names mesh_keys{"vertices", "triangles", "resource", "dimensions"};
+const Names object_keys{"id",       "header",     "type",   "pose",        "primitives",     "primitive_poses",
+                        "meshes",   "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses",
+                        "operation"};
+const Names attached_keys{"link_name", "object", "touch_links", "detach_posture", "weight"};
+const Names state_keys{"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"};
+const Names joint_state_keys{"header", "name", "position", "velocity", "effort"};
+const Names multi_dof_keys{"header", "joint_names", "transforms", "twist", "wrench"};
+
+enum class PrimitiveType { box = 1, sphere, cylinder, cone };  // shape_msgs/SolidPrimitive
+
+PrimitiveType primitive_type(const YamlFile& file, const Node& node, const std::string& what) {
+  static const Names names{"box", "sphere", "cylinder", "cone"};
+  std::string type = file.text(node, what + "'s type");
+  for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (type == "prism" || type == "5") file.unsupported(node, what + " is a prism, which is not supported; use a mesh");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (type == names[i] || type == std::to_string(i + 1)) return static_cast<PrimitiveType>(i + 1);
+  file.fail(node, what + " has the unknown type '" + type + "'; known are " + quoted_list(names));
+}
+
+}  // namespace
+
+void MessageReader::refuse_srmp_file(const Node& root, const std::string& expected, const std::string& how) const {
+  if (!root.IsMap() || !root["format"].IsDefined() || !root["format"].IsScalar()) return;
+  const std::string& format = root["format"].Scalar();
+  if (format.starts_with("srmp "))
+    file_.fail(root["format"], "this is a file of the format '" + format + "', not " + expected + "; " + how);
+}
+
+std::string MessageReader::optional_text(const Node& map, const std::string& key) const {
+  const Node node = map[key];
+  return is_empty(node) ? "" : file_.text(node, key);
+}
+
+double MessageReader::optional_number(const Node& map, const std::string& key, double otherwise) const {
+  const Node node = map[key];
+  return is_empty(node) ? otherwise : file_.number(node, key);
+}
+
+std::string MessageReader::frame_of(const Node& message) const {
+  const Node header = message["header"];
+  if (is_empty(header)) return "";
+  file_.require_map(header, "a header", header_keys);
+  const std::string frame = optional_text(header, "frame_id");
+  return frame.starts_with('/') ? frame.substr(1) : frame;  // as early ROS 1 has it
+}
+
+Eigen::Vector3d MessageReader::vector(const Node& node, const std::string& what) const {
+  if (!node.IsMap()) {
+    const std::vector<double> v = file_.numbers(node, what, 3);
+    return {v[0], v[1], v[2]};
+  }
+  file_.require_map(node, what, vector_keys);
+  Eigen::Vector3d v;
+  for (int i = 0; i < 3; ++i)
+    v[i] = file_.number(file_.require(node, vector_keys[static_cast<std::size_t>(i)], what), what);
+  return v;
+}
+
+std::array<double, 4> MessageReader::xyzw(const Node& node, const std::string& what) const {
+  std::array<double, 4> q{};
+  if (node.IsMap()) {
+    file_.require_map(node, what, quaternion_keys);
+    for (std::size_t i = 0; i < 4; ++i) q[i] = file_.number(file_.require(node, quaternion_keys[i], what), what);
+  } else {
+    const std::vector<double> v = file_.numbers(node, what, 4);
+    std::copy(v.begin(), v.end(), q.begin());
+  }
+  return q;
+}
+
+Pose MessageReader::make_pose(const Node& node, const Eigen::Vector3d& p, const std::array<double, 4>& q) const {
+  try {
+    return Pose::from_xyzw(p, q);
+  } catch (const InvalidArgument& error) {
+    file_.fail(node, error.what());
+  }
+}
+
+Pose MessageReader::pose(const Node& node, const std::string& what, const Names& keys) const {
+  file_.require_map(node, what, keys);
+  const Node p = node[keys[0]], q = node[keys[1]];
+  const Eigen::Vector3d position = is_empty(p) ? Eigen::Vector3d::Zero() : vector(p, what + "'s " + keys[0]);
+  if (is_empty(q)) return {position, Eigen::Quaterniond::Identity()};
+  return make_pose(q, position, xyzw(q, what + "'s " + keys[1]));
+}
+
+Eigen::Quaterniond MessageReader::quaternion(const Node& node, const std::string& what) const {
+  return make_pose(node, Eigen::Vector3d::Zero(), xyzw(node, what)).q;
+}
+
+std::string MessageReader::unique_name(const Node& node, const std::string& name) {
+  if (!names_.insert(name).second) file_.fail(node, "there are two objects named '" + name + "'; names must be unique");
+  return name;
+}
+
+Shape MessageReader::primitive(const Node& node, const std::string& what) const {
+  file_.require_map(node, what, primitive_keys);
+  const PrimitiveType type = primitive_type(file_, file_.require(node, "type", what), what);
+  const Node list = file_.require(node, "dimensions", what);
+  const std::size_t count = type == PrimitiveType::box ? 3 : type == PrimitiveType::sphere ? 1 : 2;
+  const std::vector<double> d = file_.numbers(list, what + "'s dimensions", count);
+  for (const double value : d)
+    if (!(value > 0.0)) file_.fail(list, what + " has the dimension " + to_text(value) + "; all must be above 0");
+  switch (type) {
+    case PrimitiveType::box: return Box{{d[0], d[1], d[2]}};
+    case PrimitiveType::sphere: return Sphere{d[0]};
+    case PrimitiveType::cylinder: return Cylinder{.radius = d[1], .length = d[0]};  // the message has the height first
+    case PrimitiveType::cone: return Cone{.radius = d[1], .length = d[0]};
+  }
+  file_.fail(node, what + " has an unknown type");
+}
+
+Shape MessageReader::mesh(const Node& node, const std::string& what) const {
+  file_.require_map(node, what, mesh_keys);
+  if (!is_empty(node["resource"]))
+    file_.unsupported(node["resource"],
+                      what + " names a mesh file; only vertices and triangles in the scene file are supported");
+  Mesh mesh;
+  const Node vertices = file_.require(node, "vertices", what), triangles = file_.require(node, "triangles", what);
+  file_.require_list(vertices, what + "'s vertices");
+  file_.require_list(triangles, what + "'s triangles");
+  for (const Node& vertex : vertices) mesh.vertices.push_back(vector(vertex, what + "'s vertex"));
+  const std::string corner = what + "'s triangle";
+  for (const Node& triangle : triangles) {
+    if (triangle.IsMap()) file_.require_map(triangle, corner, Names{"vertex_indices"});
+    const std::vector<double> v =
+        file_.numbers(triangle.IsMap() ? file_.require(triangle, "vertex_indices", corner) : triangle, corner, 3);
+    std::array<int, 3> indices{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(v[i] >= 0 && v[i] < static_cast<double>(mesh.vertices.size())) || v[i] != std::floor(v[i]))
+        file_.fail(triangle, corner + " has the index " + to_text(v[i]) + ", but there are " +
+                                 std::to_string(mesh.vertices.size()) + " vertices, counted from 0");
+      indices[i] = static_cast<int>(v[i]);
+    }
+    mesh.triangles.push_back(indices);
+  }
+  if (mesh.triangles.empty()) file_.fail(node, what + " is a mesh without triangles");
+  return mesh;
+}
+
+std::vector<Pose> MessageReader::poses(const Node& object, const std::string& key, std::size_t count,
+                                       bool may_be_absent, const std::string& what) const {
+  const Node list = object[key];
+  if (is_empty(list) && (count == 0 || may_be_absent)) return std::vector<Pose>(count);
+  if (is_empty(list)) file_.fail(object, what + " has no '" + key + "'");
+  file_.require_list(list, what + "'s " + key);
+  if (list.size() != count)
+    file_.fail(list,
+               what + " has " + std::to_string(count) + " shapes, but " + std::to_string(list.size()) + " " + key);
+  std::vector<Pose> result;
+  for (const Node& entry : list) result.push_back(pose(entry, what + "'s pose"));
+  return result;
+}
+
+std::vector<SceneObject> MessageReader::collision_object(const Node& node) {
+  file_.require_map(node, "a collision object", object_keys);
+  const std::string id = file_.text(file_.require(node, "id", "a collision object"), "a collision object's id");
+  if (id.empty()) file_.fail(node, "a collision object's id is empty");
+  const std::string what = "object '" + id + "'", frame = frame_of(node);
+  if (!is_empty(node["planes"]))
+    file_.unsupported(node["planes"], what + " is a plane, which is not supported; use a large box");
+  if (const std::string operation = optional_text(node, "operation");
+      !(operation.empty() || operation == "0" || operation == "ADD" || operation == "add"))
+    file_.unsupported(node["operation"],
+                      what + " has the operation '" + operation + "'; only 0 (add) is supported in a scene");
+  const Node whole = node["pose"];
+  const bool has_pose = whole.IsDefined() && !whole.IsNull();
+  const Pose object_pose = has_pose ? pose(whole, what + "'s pose") : Pose{};
+
+  std::vector<SceneObject> shapes;
+  const auto add_all = [&](const std::string& key, const std::string& pose_key, auto&& read) {
+    if (!is_empty(node[key])) file_.require_list(node[key], what + "'s " + key);
+    const std::size_t count = is_empty(node[key]) ? 0 : node[key].size();
+    const std::vector<Pose> shape_poses = poses(node, pose_key, count, has_pose, what);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string name = shapes.empty() ? id : id + "_" + std::to_string(shapes.size());
+      shapes.push_back({unique_name(node, name), id, frame, read(node[key][i]), object_pose * shape_poses[i]});
+    }
+  };
+  add_all("primitives", "primitive_poses", [&](const Node& shape) { return primitive(shape, what); });
+  add_all("meshes", "mesh_poses", [&](const Node& shape) { return mesh(shape, what); });
+  if (shapes.empty()) file_.fail(node, what + " has no shape: neither primitives nor meshes");
+  return shapes;
+}
+
+AttachedObject MessageReader::attached_object(const Node& node) {
+  const std::string what = "an attached object";
+  file_.require_map(node, what, attached_keys);
+  AttachedObject attached;
+  attached.link = file_.text(file_.require(node, "link_name", what), "link_name");
+  attached.objects = collision_object(file_.require(node, "object", what));
+  if (!is_empty(node["touch_links"])) attached.touch_links = file_.texts(node["touch_links"], "touch_links");
+  return attached;
+}
+
+void MessageReader::joint_state(const Node& node, RobotState& state) const {
+  if (is_empty(node)) return;
+  file_.require_map(node, "a joint state", joint_state_keys);
+  const Names names = is_empty(node["name"]) ? Names{} : file_.texts(node["name"], "joint_state's name");
+  const std::vector<double> positions =
+      is_empty(node["position"]) ? std::vector<double>{} : file_.numbers(node["position"], "joint_state's position");
+  if (names.size() != positions.size())
+    file_.fail(node, "a joint state names " + std::to_string(names.size()) + " joints, but has " +
+                         std::to_string(positions.size()) + " positions");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (!state.joints.emplace(names[i], positions[i]).second)
+      file_.fail(node["name"], "joint '" + names[i] + "' appears twice in a joint state");
+}
+
+void MessageReader::multi_dof_joint_state(const Node& node, RobotState& state) const {
+  if (is_empty(node)) return;
+  file_.require_map(node, "a multi-dof joint state", multi_dof_keys);
+  const Names names = is_empty(node["joint_names"]) ? Names{} : file_.texts(node["joint_names"], "joint_names");
+  const Node transforms = node["transforms"];
+  if (!is_empty(transforms)) file_.require_list(transforms, "transforms");
+  const std::size_t count = is_empty(transforms) ? 0 : transforms.size();
+  if (names.size() != count)
+    file_.fail(node, "a multi-dof joint state names " + std::to_string(names.size()) + " joints, but has " +
+                         std::to_string(count) + " transforms");
+  for (std::size_t i = 0; i < count; ++i)
+    state.multi_dof_joints[names[i]] = pose(transforms[i], "joint '" + names[i] + "'", transform_keys);
+}
+
+RobotState MessageReader::robot_state(const Node& node) {
+  RobotState state;
+  if (is_empty(node)) return state;
+  file_.require_map(node, "a robot state", state_keys);
+  joint_state(node["joint_state"], state);
+  multi_dof_joint_state(node["multi_dof_joint_state"], state);
+  const Node attached = node["attached_collision_objects"];
+  if (is_empty(attached)) return state;
+  file_.require_list(attached, "attached_collision_objects");
+  for (const Node& entry : attached) state.attached.push_back(attached_object(entry));
+  return state;
+}
+
+}  // namespace srmp::io

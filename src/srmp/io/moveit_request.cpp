@@ -1,0 +1,215 @@
+#include <algorithm>
+
+#include "srmp/core/error.hpp"
+#include "srmp/io/moveit_messages.h"
+
+namespace srmp::io {
+
+namespace {
+
+using YAML::Node;
+
+const Names constraints_keys{"name", "joint_constraints", "position_constraints", "orientation_constraints",
+                             "visibility_constraints"};
+const Names joint_constraint_keys{"joint_name", "position", "tolerance_above", "tolerance_below", "weight"};
+const Names position_constraint_keys{"header", "link_name", "target_point_offset", "constraint_region", "weight"};
+const Names region_keys{"primitives", "primitive_poses", "meshes", "mesh_poses"};
+const Names orientation_constraint_keys{"header",
+                                        "orientation",
+                                        "link_name",
+                                        "absolute_x_axis_tolerance",
+                                        "absolute_y_axis_tolerance",
+                                        "absolute_z_axis_tolerance",
+                                        "parameterization",
+                                        "weight"};
+const Names workspace_keys{"header", "min_corner", "max_corner"};
+const Names request_keys{"workspace_parameters",
+                         "start_state",
+                         "goal_constraints",
+                         "path_constraints",
+                         "trajectory_constraints",
+                         "reference_trajectories",
+                         "pipeline_id",
+                         "planner_id",
+                         "group_name",
+                         "num_planning_attempts",
+                         "allowed_planning_time",
+                         "max_velocity_scaling_factor",
+                         "max_acceleration_scaling_factor",
+                         "cartesian_speed_limited_link",
+                         "cartesian_speed_end_effector_link",
+                         "max_cartesian_speed"};
+
+class RequestReader : public MessageReader {
+ public:
+  using MessageReader::MessageReader;
+
+  RequestFile read() {
+    const Node& root = file_.root();
+    refuse_srmp_file(root, "a MoveIt motion plan request", "srmp replay plans a saved problem again");
+    file_.require_map(root, "a motion plan request", request_keys);
+    RequestFile request;
+    request.path = file_.path();
+    request.group_name = optional_text(root, "group_name");
+    request.planner_id = optional_text(root, "planner_id");
+    request.pipeline_id = optional_text(root, "pipeline_id");
+    request.start_state = robot_state(root["start_state"]);
+    request.velocity_scaling = scaling(root, "max_velocity_scaling_factor");
+    request.acceleration_scaling = scaling(root, "max_acceleration_scaling_factor");
+    read_planning_time(root, request);
+    read_workspace(root["workspace_parameters"], request);
+    refuse_unsupported(root);
+    read_goals(root, request);
+    return request;
+  }
+
+ private:
+  double scaling(const Node& root, const std::string& key) const {
+    const double value = optional_number(root, key, 1.0);
+    if (!(value >= 0.0 && value <= 1.0))
+      file_.fail(root[key], key + " is " + to_text(value) + "; it must be in 0 … 1 (0 means 1)");
+    return value == 0.0 ? 1.0 : value;
+  }
+
+  void read_planning_time(const Node& root, RequestFile& request) const {
+    const double time = optional_number(root, "allowed_planning_time", 0.0);
+    if (time < 0.0)
+      file_.fail(root["allowed_planning_time"],
+                 "allowed_planning_time is " + to_text(time) + "; it must be 0 (not said) or above");
+    if (time > 0.0) request.allowed_planning_time = time;
+    optional_number(root, "num_planning_attempts", 0.0);
+  }
+
+  void read_workspace(const Node& node, RequestFile& request) const {
+    if (is_empty(node)) return;
+    const std::string what = "workspace_parameters";
+    file_.require_map(node, what, workspace_keys);
+    const WorkspaceBounds bounds{frame_of(node), vector(file_.require(node, "min_corner", what), "min_corner"),
+                                 vector(file_.require(node, "max_corner", what), "max_corner")};
+    for (int i = 0; i < 3; ++i)
+      if (bounds.min_corner[i] > bounds.max_corner[i])
+        file_.fail(node, "the workspace's min_corner " + to_text(bounds.min_corner[i]) + " is above its max_corner " +
+                             to_text(bounds.max_corner[i]) + " along " + vector_keys[static_cast<std::size_t>(i)]);
+    request.workspace = bounds;
+  }
+
+  bool holds_constraints(const Node& node) const {
+    if (is_empty(node)) return false;
+    file_.require_map(node, "constraints", constraints_keys);
+    return std::any_of(constraints_keys.begin() + 1, constraints_keys.end(),
+                       [&](const std::string& key) { return !is_empty(node[key]); });
+  }
+
+  void refuse_unsupported(const Node& root) const {
+    if (holds_constraints(root["path_constraints"]))
+      file_.unsupported(root["path_constraints"], "path_constraints are not supported");
+    const Node trajectory = root["trajectory_constraints"];
+    if (!is_empty(trajectory)) {
+      file_.require_map(trajectory, "trajectory_constraints", Names{"constraints"});
+      if (!is_empty(trajectory["constraints"]))
+        file_.unsupported(trajectory, "trajectory_constraints are not supported");
+    }
+    if (!is_empty(root["reference_trajectories"]))
+      file_.unsupported(root["reference_trajectories"], "reference_trajectories are not supported");
+    if (optional_number(root, "max_cartesian_speed", 0.0) > 0.0)
+      file_.unsupported(root["max_cartesian_speed"], "max_cartesian_speed is not supported");
+  }
+
+  void read_goals(const Node& root, RequestFile& request) const {
+    const Node goals = root["goal_constraints"];
+    if (is_empty(goals)) file_.fail(root, "a motion plan request has no goal_constraints");
+    file_.require_list(goals, "goal_constraints");
+    for (const Node& goal : goals) request.goals.push_back(read_goal(goal));
+  }
+
+  GoalAlternative read_goal(const Node& node) const {
+    file_.require_map(node, "a goal", constraints_keys);
+    if (!is_empty(node["visibility_constraints"]))
+      file_.unsupported(node["visibility_constraints"], "visibility_constraints are not supported");
+    GoalAlternative goal;
+    goal.name = optional_text(node, "name");
+    for_each(node["joint_constraints"], "joint_constraints",
+             [&](const Node& entry) { goal.joints.push_back(joint_constraint(entry, goal)); });
+    for_each(node["position_constraints"], "position_constraints",
+             [&](const Node& entry) { goal.positions.push_back(position_constraint(entry)); });
+    for_each(node["orientation_constraints"], "orientation_constraints",
+             [&](const Node& entry) { goal.orientations.push_back(orientation_constraint(entry)); });
+    if (goal.joints.empty() && goal.positions.empty() && goal.orientations.empty())
+      file_.fail(node, "a goal holds no constraints");
+    return goal;
+  }
+
+  template <class Read>
+  void for_each(const Node& list, const std::string& what, Read&& read) const {
+    if (is_empty(list)) return;
+    file_.require_list(list, what);
+    for (const Node& entry : list) read(entry);
+  }
+
+  double tolerance(const Node& node, const std::string& key) const {
+    const double value = optional_number(node, key, 0.0);
+    if (value < 0.0) file_.fail(node[key], key + " is " + to_text(value) + "; it must be 0 or above");
+    return value;
+  }
+
+  JointConstraint joint_constraint(const Node& node, const GoalAlternative& goal) const {
+    const std::string what = "a joint constraint";
+    file_.require_map(node, what, joint_constraint_keys);
+    JointConstraint constraint;
+    constraint.joint = file_.text(file_.require(node, "joint_name", what), "joint_name");
+    constraint.position = file_.number(file_.require(node, "position", what), constraint.joint + "'s position");
+    constraint.tolerance_above = tolerance(node, "tolerance_above");
+    constraint.tolerance_below = tolerance(node, "tolerance_below");
+    optional_number(node, "weight", 1.0);
+    for (const JointConstraint& other : goal.joints)
+      if (other.joint == constraint.joint)
+        file_.fail(node, "joint '" + constraint.joint + "' is constrained twice in one goal");
+    return constraint;
+  }
+
+  PositionConstraint position_constraint(const Node& node) const {
+    const std::string what = "a position constraint";
+    file_.require_map(node, what, position_constraint_keys);
+    const std::string link = file_.text(file_.require(node, "link_name", what), "link_name");
+    const Node offset = node["target_point_offset"];
+    if (!is_empty(offset) && !vector(offset, "target_point_offset").isZero(0.0))
+      file_.unsupported(offset, "a target_point_offset other than zero is not supported");
+    const Node region = file_.require(node, "constraint_region", what);
+    file_.require_map(region, "a constraint region", region_keys);
+    const Node primitives = region["primitives"];
+    if (!is_empty(primitives)) file_.require_list(primitives, "a constraint region's primitives");
+    if (is_empty(primitives) || primitives.size() != 1 || !is_empty(region["meshes"]))
+      file_.unsupported(region, "a constraint region other than one primitive is not supported");
+    const Shape shape = primitive(primitives[0], "a constraint region");
+    if (!std::holds_alternative<Box>(shape) && !std::holds_alternative<Sphere>(shape))
+      file_.unsupported(primitives[0], "a constraint region that is a " +
+                                           std::string(std::holds_alternative<Cone>(shape) ? "cone" : "cylinder") +
+                                           " is not supported; use a sphere or a box");
+    optional_number(node, "weight", 1.0);
+    return {link, frame_of(node), shape, poses(region, "primitive_poses", 1, false, "a constraint region")[0]};
+  }
+
+  OrientationConstraint orientation_constraint(const Node& node) const {
+    const std::string what = "an orientation constraint";
+    file_.require_map(node, what, orientation_constraint_keys);
+    OrientationConstraint constraint;
+    constraint.link = file_.text(file_.require(node, "link_name", what), "link_name");
+    constraint.frame = frame_of(node);
+    constraint.orientation = quaternion(file_.require(node, "orientation", what), "orientation");
+    constraint.tolerance = {tolerance(node, "absolute_x_axis_tolerance"), tolerance(node, "absolute_y_axis_tolerance"),
+                            tolerance(node, "absolute_z_axis_tolerance")};
+    const double parameterization = optional_number(node, "parameterization", 0.0);
+    if (parameterization != 0.0 && parameterization != 1.0)
+      file_.fail(node["parameterization"], "parameterization is " + to_text(parameterization) +
+                                               "; it must be 0 (x, y, z angles) or 1 (rotation vector)");
+    constraint.rotation_vector = parameterization == 1.0;
+    optional_number(node, "weight", 1.0);
+    return constraint;
+  }
+};
+
+}  // namespace
+
+RequestFile read_moveit_request(const std::string& path) { return RequestReader(path).read(); }
+
+}  // namespace srmp::io
