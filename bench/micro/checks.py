@@ -171,7 +171,7 @@ def table(results: dict[str, Any]) -> str:
     lines += [
         "",
         f"{header['cpu']}, srmp {header['versions']['srmp']}, problems {options['problems']} of seven scenarios, "
-        f"{options['motions']} motions each; {sum(e['disagreements'] for e in results['summary'])} answers differ from "
+        f"{options['motions']} motions each; {sum(e['disagreements'] for e in results['summary'])} results differ from "
         f"Coal's own proof, and plain Coal's samples hit something in {contradictions(results['rows'])} of the motions "
         "proved free.",
     ]

@@ -88,8 +88,8 @@ def surface_points(scene: Path, count: int) -> np.ndarray:
     rng = np.random.default_rng(0)
     areas = np.array([area(kind, size) for kind, size, _, _ in primitives])
     clouds = []
-    for (kind, size, outer, inner), share in zip(primitives, areas / areas.sum(), strict=True):
-        points = SAMPLERS[kind](size, max(1, round(count * share)), rng)
+    for (kind, size, outer, inner), fraction in zip(primitives, areas / areas.sum(), strict=True):
+        points = SAMPLERS[kind](size, max(1, round(count * fraction)), rng)
         for rotation, translation in (inner, outer):
             points = points @ rotation.T + translation
         clouds.append(points)

@@ -5,7 +5,7 @@
     python bench/micro/covers.py --table covers.json               prints the table of an earlier run
 
 DIR holds MotionBenchMaker's panda, ur5 and fetch; the others come from example-robot-data. Each robot is covered in a
-process of its own and a cache directory of its own, by all cores, counting wall and CPU time, then read back (best of 5).
+process and a cache directory of its own, by all cores, counting wall and CPU time, then read back (best of 5).
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ using srmp::ConstVector;
 class PlainCoal {
  public:
   enum class BroadPhase {
-    boxes,  ///< the boxes of a pair are compared before Coal is asked
+    boxes,  ///< the boxes of a pair are compared before Coal checks it
     tree,   ///< obstacles in Coal's DynamicAABBTreeCollisionManager; boxes between links
   };
 
@@ -98,10 +98,10 @@ class PlainCoal {
     double moved = 0.0;
     for (std::size_t k = model_.actuated_joints().size(); k-- > 0;) {
       if (!(g.support >> k & 1)) continue;
-      const srmp::ActuatedJoint& drive = model_.actuated_joints()[k];
-      const double turn = std::abs(drive.ratio * change[static_cast<Eigen::Index>(drive.joint)]);
+      const srmp::ActuatedJoint& actuated = model_.actuated_joints()[k];
+      const double step = std::abs(actuated.ratio * change[static_cast<Eigen::Index>(actuated.joint)]);
       const auto [point, axis] = model_.actuated_joint_axis(*data_, k);
-      moved += drive.prismatic ? turn : turn * ((center - point).cross(axis).norm() + g.radius + moved);
+      moved += actuated.prismatic ? step : step * ((center - point).cross(axis).norm() + g.radius + moved);
     }
     return moved;
   }

@@ -20,7 +20,7 @@ struct Body {
   std::string name;
   Geometry geometry;
   Bounds bounds;
-  std::shared_ptr<const PrimitiveBvh> pieces;
+  std::shared_ptr<const PrimitiveBvh> bvh;
 };
 
 Body body_of(const std::string& name, const Geometry& geometry) {
@@ -38,7 +38,7 @@ std::vector<Body> bodies() {
 
 struct Place {
   Place(const Body& of, const Pose& at) : body(of), pose(at.isometry()), center(pose * body.bounds.center) {}
-  Placed placed() const { return {body.geometry.get(), body.pieces.get(), body.bounds, pose, center}; }
+  Placed placed() const { return {body.geometry.get(), body.bvh.get(), body.bounds, pose, center}; }
   const Body& body;
   Eigen::Isometry3d pose;
   Eigen::Vector3d center;
@@ -47,10 +47,10 @@ struct Place {
 /// A narrow phase for one pair.
 struct Narrow {
   Narrow(const Body& a, const Body& b)
-      : solids(!a.pieces && !b.pieces), formula(solids ? table.index(*a.geometry, *b.geometry) : -1), narrow(table) {}
+      : solids(!a.bvh && !b.bvh), formula(solids ? table.index(*a.geometry, *b.geometry) : -1), narrow(table) {}
   double distance(const Place& a, const Place& b, double margin) {
     if (solids) return narrow.solids(formula, a.placed(), b.placed(), margin);
-    return narrow.pieces(a.placed(), b.placed(), margin, 0.0);
+    return narrow.primitives(a.placed(), b.placed(), margin, 0.0);
   }
   FormulaTable table;
   bool solids;

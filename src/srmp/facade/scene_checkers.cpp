@@ -13,7 +13,7 @@ SceneCheckers::SceneCheckers()
 const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, CheckMode mode) {
   scene.robot(robot);  // throws with the nearest name
   std::unique_ptr<const Checker>& slot = alone_[{robot, mode}];
-  if (!slot) slot = std::make_unique<const Checker>(scene, robot, options(mode));
+  if (!slot) slot = make_checker(scene, robot, options(mode));
   return *slot;
 }
 

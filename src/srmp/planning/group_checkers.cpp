@@ -18,7 +18,7 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
     CheckerOptions alone = options;
     for (const std::string& other : names_)
       if (other != names_[i]) alone.excluded_robots.push_back(other);
-    alone_[i] = std::make_unique<const Checker>(scene, names_[i], alone);
+    alone_[i] = make_checker(scene, names_[i], alone);
   });
   std::vector<PlacedSphere> ranges;
   for (const auto& checker : alone_) ranges.push_back(checker->range());
@@ -32,7 +32,7 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
     CheckerOptions both = options;
     both.other_robots = {names_[numbers.second]};
     both.other_robots_only = true;
-    checker = std::make_unique<const Checker>(scene, names_[numbers.first], both);
+    checker = make_checker(scene, names_[numbers.first], both);
   });
 }
 

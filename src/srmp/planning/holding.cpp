@@ -44,8 +44,8 @@ void HoldingRobots::require_starts(const Deadline& deadline, PlanStatistics& sta
 }
 
 std::string HoldingRobots::contact(const MultiRobotPart& part) const {
-  const Checker checker(scene_, part.robot, {.mode = CheckMode::coal, .excluded_robots = moving_});
-  return invalidity(checker, part.start, *checker.make_workspace());
+  const auto checker = make_checker(scene_, part.robot, {.mode = CheckMode::coal, .excluded_robots = moving_});
+  return invalidity(*checker, part.start, *checker->make_workspace());
 }
 
 void HoldingRobots::join(MultiTrajectory& motions, const CommittedMotions& committed, const CommonOptions& options,

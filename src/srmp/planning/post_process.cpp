@@ -67,7 +67,7 @@ class PostProcess {
     const bool timed = trajectory.timed();
     CertifyOptions options{.limits = timed, .jerk = common_.timing == "ruckig", .deadline = &until_};
     if (escape_ > 0) options.free_from = timed ? time_at(trajectory) : static_cast<double>(escape_);
-    if (!judge_) judge_.emplace(problem_.scene, problem_.robot, CheckerOptions{.mode = CheckMode::coal});
+    if (!judge_) judge_ = make_checker(problem_.scene, problem_.robot, {.mode = CheckMode::coal});
     Certificate certificate = timed ? certify(trajectory, *judge_, limits_, options)
                                     : certify(numbered(trajectory), *judge_, limits_, options);
     const Eigen::VectorXd end = trajectory.positions.bottomRows(1).transpose();
@@ -91,7 +91,7 @@ class PostProcess {
   const RowMatrix path_;
   const std::size_t escape_;
   const Deadline until_;
-  std::optional<Checker> judge_;  // has nothing in common with the checker that planned
+  std::unique_ptr<const Checker> judge_;  // has nothing in common with the checker that planned
   PlanStatistics& statistics_;
 };
 

@@ -367,9 +367,9 @@ void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& s
     require(motion.timed(), "the trajectory has no times; a committed motion must say where it is when");
     require(motion.times[0] == 0.0,
             "the trajectory begins at " + to_text(motion.times[0]) + " s; all motions begin together at time 0");
-    const Checker checker(scene, name, {.mode = CheckMode::coal});
+    const auto checker = make_checker(scene, name, {.mode = CheckMode::coal});
     const Certificate certificate =
-        certify(motion, checker, default_limits(model), {.limits = false, .collisions = false, .at_rest = false});
+        certify(motion, *checker, default_limits(model), {.limits = false, .collisions = false, .at_rest = false});
     if (!certificate.holds()) require(false, certificate.faults.front().text);
   }
   for (const auto& [name, motion] : committed) {
