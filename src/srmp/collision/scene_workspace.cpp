@@ -75,6 +75,12 @@ Placed SceneWorkspace::placed(bool fixed, std::size_t i) const {
   return {body.geometry.get(), body.parts.pieces.get(), body.bounds, body.pose, body.center};
 }
 
+Contact SceneWorkspace::contact(const Body& a, const Body& b, const Proximity& found, double padding) const {
+  const Pose& base = model_.group.instance(0).base;
+  return {a.name, b.name, found.distance - padding, base * found.point_a, base * found.point_b, padding,
+          a.kind, b.kind};
+}
+
 // --- one configuration
 
 /// From a sphere around a, and a box or a sphere around b.
