@@ -53,12 +53,12 @@ struct Options {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-struct Questions {
+struct Queries {
   Rows configurations, starts;                    // random; free
   std::vector<Eigen::VectorXd> a, b, difference;  // motions from the starts
 };
 
-Questions random_questions(const RobotModel& robot, const Checker& coal, const Options& options) {
+Queries random_queries(const RobotModel& robot, const Checker& coal, const Options& options) {
   std::mt19937 random(1);
   const auto uniform = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
   const auto dof = static_cast<Eigen::Index>(robot.dof());
@@ -71,34 +71,34 @@ Questions random_questions(const RobotModel& robot, const Checker& coal, const O
     return q;
   };
   const auto count = static_cast<Eigen::Index>(options.motions);
-  Questions questions{Rows(count, dof), Rows(count, dof), {}, {}, {}};
+  Queries queries{Rows(count, dof), Rows(count, dof), {}, {}, {}};
   const auto workspace = coal.make_workspace();
-  for (Eigen::Index i = 0; i < questions.starts.rows(); ++i) {
-    questions.configurations.row(i) = configuration().transpose();
+  for (Eigen::Index i = 0; i < queries.starts.rows(); ++i) {
+    queries.configurations.row(i) = configuration().transpose();
     Eigen::VectorXd q = configuration();
     while (!coal.is_free(q, *workspace)) q = configuration();
-    questions.starts.row(i) = q.transpose();
+    queries.starts.row(i) = q.transpose();
     Eigen::VectorXd d(dof);
     for (double& change : d) change = uniform(-1, 1);
     d *= options.size / d.cwiseAbs().maxCoeff();
-    questions.a.push_back(q);
-    questions.b.push_back(q + d);
-    questions.difference.push_back(d);
+    queries.a.push_back(q);
+    queries.b.push_back(q + d);
+    queries.difference.push_back(d);
   }
-  return questions;
+  return queries;
 }
 
-/// One who answers motions, and how long it takes for all of them and for those that are free.
+/// A way to check motions, and how long it takes for all of them and for those that are free.
 struct Contender {
-  Contender(std::string who, std::function<bool(std::size_t)> how) : name(std::move(who)), ask(std::move(how)) {}
+  Contender(std::string who, std::function<bool(std::size_t)> how) : name(std::move(who)), check(std::move(how)) {}
 
   std::string name;
-  std::function<bool(std::size_t)> ask;
-  std::vector<char> answers;
+  std::function<bool(std::size_t)> check;
+  std::vector<char> results;
   Stopwatch all, free;
 
-  void answer(std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) answers.push_back(ask(i));
+  void check_all(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) results.push_back(check(i));
   }
 };
 
@@ -107,12 +107,11 @@ struct Exact {
   Exact(const Scene& scene, const std::string& robot, const std::shared_ptr<CoverStore>& covers, SimdBackend simd)
       : backend(simd), checker(make(scene, robot, covers, simd)), workspace(checker->make_workspace()) {}
 
-  static std::unique_ptr<Checker> make(const Scene& scene, const std::string& robot,
-                                       const std::shared_ptr<CoverStore>& covers, SimdBackend simd) {
+  static std::unique_ptr<const Checker> make(const Scene& scene, const std::string& robot,
+                                             const std::shared_ptr<CoverStore>& covers, SimdBackend simd) {
     setenv("SRMP_SIMD", to_string(simd).c_str(), 1);
     static const auto tables = std::make_shared<PairTableStore>(covers->directory());
-    return std::make_unique<Checker>(scene, robot,
-                                     CheckerOptions{.mode = CheckMode::exact, .covers = covers, .pair_tables = tables});
+    return make_checker(scene, robot, {.mode = CheckMode::exact, .covers = covers, .pair_tables = tables});
   }
 
   void time_states(const Rows& q, Stopwatch& watch, int repeats) {
@@ -122,7 +121,7 @@ struct Exact {
   }
 
   SimdBackend backend;
-  std::unique_ptr<Checker> checker;
+  std::unique_ptr<const Checker> checker;
   Checker::WorkspacePtr workspace;
   std::uint64_t blocks_of_free_motions{};
   Stopwatch random_states, free_states;
@@ -139,9 +138,9 @@ class Report {
     scene.add_robot(robot_);
     io::apply(io::read_moveit_scene(file), scene);
     const std::string& name = robot_->name();
-    const Checker alone(scene, name, {.mode = CheckMode::coal, .covers = nullptr});
-    const Questions questions = random_questions(*robot_, alone, options_);
-    const auto& [states, starts, a, b, d] = questions;
+    const std::unique_ptr<const Checker> coal = make_checker(scene, name, {.mode = CheckMode::coal});
+    const Queries queries = random_queries(*robot_, *coal, options_);
+    const auto& [states, starts, a, b, d] = queries;
 
     PlainCoal boxes(scene, name, PlainCoal::BroadPhase::boxes), tree(scene, name, PlainCoal::BroadPhase::tree);
     std::vector<Contender> contenders;
@@ -153,12 +152,12 @@ class Report {
       contenders.emplace_back(to_string(e.backend), [&](std::size_t i) {
         return e.checker->is_motion_free(a[i], b[i], *e.workspace, {.start_is_free = true});
       });
-    const auto coal_workspace = alone.make_workspace();
+    const auto coal_workspace = coal->make_workspace();
     contenders.emplace_back("certified", [&](std::size_t i) {
-      return alone.is_motion_free(a[i], b[i], *coal_workspace, {.start_is_free = true});
+      return coal->is_motion_free(a[i], b[i], *coal_workspace, {.start_is_free = true});
     });
 
-    std::vector<std::size_t> free = judge(contenders);
+    std::vector<std::size_t> free = check_all(contenders);
     count_blocks(exact, contenders, free);
     time_motions(contenders, free);
     for (Exact& e : exact) {
@@ -171,12 +170,12 @@ class Report {
   }
 
  private:
-  /// Answers everything once; returns the motions that are free.
-  std::vector<std::size_t> judge(std::vector<Contender>& contenders) const {
-    for (Contender& c : contenders) c.answer(options_.motions);
+  /// Checks every motion once with each contender; returns those that are free.
+  std::vector<std::size_t> check_all(std::vector<Contender>& contenders) const {
+    for (Contender& c : contenders) c.check_all(options_.motions);
     std::vector<std::size_t> free;
     for (std::size_t i = 0; i < options_.motions; ++i)
-      if (contenders.back().answers[i]) free.push_back(i);
+      if (contenders.back().results[i]) free.push_back(i);
     return free;
   }
 
@@ -185,7 +184,7 @@ class Report {
     for (std::size_t k = 0; k < exact.size(); ++k) {
       const auto blocks = [&] { return exact[k].checker->statistics(*exact[k].workspace).blocks; };
       const std::uint64_t before = blocks();
-      for (std::size_t i : free) contenders[2 + k].ask(i);
+      for (std::size_t i : free) contenders[2 + k].check(i);
       exact[k].blocks_of_free_motions = blocks() - before;
     }
   }
@@ -194,25 +193,25 @@ class Report {
     for (int repeat = 0; repeat < options_.repeats; ++repeat)
       for (Contender& c : contenders) {
         c.all.run([&] {
-          for (std::size_t i = 0; i < options_.motions; ++i) c.ask(i);
+          for (std::size_t i = 0; i < options_.motions; ++i) c.check(i);
         });
         c.free.run([&] {
-          for (std::size_t i : free) c.ask(i);
+          for (std::size_t i : free) c.check(i);
         });
       }
   }
 
   void print(const std::string& file, const std::vector<Contender>& contenders, const std::vector<Exact>& exact,
              const std::vector<std::size_t>& free, double samples) const {
-    const std::vector<char>& truth = contenders.back().answers;  // Coal's distances, certified
+    const std::vector<char>& truth = contenders.back().results;  // Coal's distances, certified
     std::printf("{\"scene\": \"%s\", \"motions\": %zu, \"free_motions\": %zu, \"samples\": %.0f, \"contenders\": {",
                 file.c_str(), options_.motions, free.size(), samples);
     for (std::size_t k = 0; k < contenders.size(); ++k) {
       const Contender& c = contenders[k];
       int missed = 0, refused = 0;  // sampling does not see what is between the samples
       for (std::size_t i = 0; i < truth.size(); ++i) {
-        missed += c.answers[i] && !truth[i];
-        refused += !c.answers[i] && truth[i];
+        missed += c.results[i] && !truth[i];
+        refused += !c.results[i] && truth[i];
       }
       std::printf(
           "%s\"%s\": {\"all_s\": %.9f, \"free_s\": %.9f, \"free_not_certified\": %d, \"certified_not_free\": %d",

@@ -1,15 +1,15 @@
-"""Speed of collision checks by robot, scenario and instruction set, compared with plain Coal in the same run.
+"""Speed of collision checks, by robot, scenario and instruction set, against plain Coal in the same run.
 
     python bench/micro/checks.py --data DIR --out results.json     builds bench_checks, measures, prints the table
     python bench/micro/checks.py --table results.json              prints the table of an earlier run
 
 DIR holds MotionBenchMaker's robots and problems, as for `srmp bench mbm`. Motions start at random free configurations
-and move every joint by up to --size. *Plain Coal* is plain_coal.hpp: it samples a motion so densely that no point of
-the robot moves more than --step between two samples, the end first, and runs Pinocchio's kinematics for each sample and
-Coal for each pair whose boxes overlap, until the first contact. Boxes are compared pair by pair, or by Coal's broad
-phase; the faster of the two is reported. The checker also proves its motions free between samples. Times are CPU times
-of one thread, the best of --repeats; the contenders are run alternately, with one instruction set after the other.
-Lanes hold 16 parts of a motion (motions) or 16 unrelated configurations (free, random).
+and move every joint by up to --size. *Plain Coal* is plain_coal.hpp: samples so close that no point of the robot moves
+more than --step between two, the end first, Pinocchio's kinematics for each, Coal for each pair whose boxes overlap,
+until the first contact; with boxes compared pair by pair and with Coal's own broad phase, and the faster of the two
+counts. The checker proves its motions free between samples too. CPU time of one thread, best of --repeats, competitors
+in turns. Instruction sets are forced one after the other. Lanes hold 16 parts of a motion (motions) or 16 unrelated
+configurations (free, random).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ BACKENDS = ("portable", "avx2", "avx512")
 
 
 def build() -> Path:
-    """Builds the program from this checkout, which takes minutes the first time, and returns its path."""
+    """The program, built from this checkout; takes minutes the first time."""
     directory = REPOSITORY / "build" / "bench"
     path = os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]])
     environment = {**os.environ, "PATH": path}
@@ -50,14 +50,14 @@ def build() -> Path:
     ):
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode:
-            sys.exit(f"{done.stdout}\n{command[1]} failed; it needs the dependency group build of pyproject.toml")
+            sys.exit(f"{done.stdout}\n{command[1]} failed; it needs what pyproject.toml's dependency group build lists")
     return directory / "bench" / "micro" / "bench_checks"
 
 
 def measure(program: Path, data: Path, robot: str, geometry: str, options: argparse.Namespace) -> Iterator[dict]:
-    """Yields one row per scene."""
+    """One row a scene."""
     files = mbm.robot_files(data, robot, geometry)
-    srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])  # not part of the measured time
+    srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])  # its time is not measured here
     settings = [str(value) for value in (options.motions, options.size, options.step, options.repeats)]
     with mbm.open_problems(files.directory, robot, numbers=mbm.parse_numbers(options.problems)) as problems:
         command = [str(program), str(files.urdf), str(files.srdf), mbm.GROUPS[robot], *settings]
@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def scenario_rates(rows: list[dict[str, Any]], backend: str) -> dict[str, float]:
-    """Rates over the scenes of one scenario [1/s], and the speed-up of motions over plain Coal."""
+    """Rates over the scenes of one scenario [1/s], and how many times faster than plain Coal the motions are."""
 
     def total(key: str, contender: str = backend) -> float:
         return sum(row["contenders"][contender][key] for row in rows)
@@ -108,7 +108,7 @@ def scenario_rates(rows: list[dict[str, Any]], backend: str) -> dict[str, float]
 
 
 def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """For each robot and instruction set: the rates of each scenario, their medians, the number of disagreements."""
+    """For each robot and instruction set: the rates of each scenario, their medians, and disagreements in all."""
     entries = []
     for robot, geometry in MODELS:
         chosen = [row for row in rows if (row["robot"], row["geometry"]) == (robot, geometry)]
@@ -142,7 +142,7 @@ def summary(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def contradictions(rows: list[dict[str, Any]]) -> int:
-    """The number of motions proved free in which a sample of plain Coal is in collision."""
+    """Motions proved free in which one of plain Coal's samples touches something."""
     return sum(row["contenders"][plain]["certified_not_free"] for row in rows for plain in ("boxes", "tree"))
 
 
@@ -172,8 +172,8 @@ def table(results: dict[str, Any]) -> str:
         "",
         f"{header['cpu']}, srmp {header['versions']['srmp']}, problems {options['problems']} of seven scenarios, "
         f"{options['motions']} motions each; {sum(e['disagreements'] for e in results['summary'])} results differ from "
-        f"Coal's own proof, and plain Coal's samples are in collision in {contradictions(results['rows'])} of the "
-        "motions proved free.",
+        f"Coal's own proof, and plain Coal's samples hit something in {contradictions(results['rows'])} of the motions "
+        "proved free.",
     ]
     return "\n".join(lines)
 
@@ -183,15 +183,13 @@ def main() -> None:
     parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results and measure nothing"
+        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
     )
     parser.add_argument("--problems", default="1-2", help="numbers in each scenario (default: %(default)s)")
-    parser.add_argument("--motions", type=int, default=300, help="number in each scene (default: %(default)s)")
+    parser.add_argument("--motions", type=int, default=300, help="in each scene (default: %(default)s)")
     parser.add_argument("--size", type=float, default=0.13, help="of the fastest joint [rad] (default: %(default)s)")
     parser.add_argument("--step", type=float, default=0.01, help="of plain Coal's samples [m] (default: %(default)s)")
-    parser.add_argument(
-        "--repeats", type=int, default=3, help="runs, of which the best is reported (default: %(default)s)"
-    )
+    parser.add_argument("--repeats", type=int, default=3, help="the best counts (default: %(default)s)")
     parser.add_argument("--program", type=Path, help="bench_checks; default: built in build/bench")
     options = parser.parse_args()
     if options.table:

@@ -1,12 +1,11 @@
 """Sphere covers of many robots: the table of docs/covers.md.
 
     pip install example-robot-data
-    python bench/micro/covers.py --data DIR --out covers.json      measures one robot after the other
+    python bench/micro/covers.py --data DIR --out covers.json      one robot after the other, nothing else running
     python bench/micro/covers.py --table covers.json               prints the table of an earlier run
 
-DIR holds MotionBenchMaker's panda, ur5 and fetch; the others come from example-robot-data. The cover of each robot is
-computed in a separate process with a separate cache directory, by all cores; wall and CPU time are measured. Then it is
-read from the cache (best of 5).
+DIR holds MotionBenchMaker's panda, ur5 and fetch; the others come from example-robot-data. Each robot is covered in a
+process and a cache directory of its own, by all cores, counting wall and CPU time, then read back (best of 5).
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ ROBOTS = {
 
 
 def locate(data: Path | None, examples: Path | None, robot: str, file: str) -> tuple[Path, list[str]] | None:
-    """URDF and package directories; None if its collection is not installed."""
+    """URDF and package directories; nothing when its collection is not there."""
     if robot:
         return (data / robot / f"{robot}.urdf", [str(data / robot)]) if data else None
     return (examples / file, [str(examples.parents[1])]) if examples else None
@@ -76,8 +75,8 @@ def measure(urdf: Path, packages: list[str]) -> dict:
     }
 
 
-def measure_in_process(urdf: Path, packages: list[str]) -> dict:
-    """Measures in a separate process, so that no data of another robot is in memory."""
+def measure_apart(urdf: Path, packages: list[str]) -> dict:
+    """In a process of its own: what another robot left in memory must not help."""
     command = [sys.executable, __file__, "--one", str(urdf), *packages]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
@@ -110,7 +109,7 @@ def main() -> None:
     parser.add_argument("--examples", type=Path, default=example_robot_data(), help="robots/ of example-robot-data")
     parser.add_argument("--out", type=Path, help="result file (JSON)")
     parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results and measure nothing"
+        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
     )
     parser.add_argument("--only", default="", help="robots whose name contains this")
     parser.add_argument("--one", nargs="+", metavar=("URDF", "PACKAGES"), help=argparse.SUPPRESS)
@@ -127,8 +126,8 @@ def main() -> None:
         if arguments.only.lower() in name.lower() and (where := locate(arguments.data, arguments.examples, *source))
     }
     if not found:
-        parser.error("no robot found: pass --data, or install example-robot-data")
-    rows = [{"robot": name, **measure_in_process(*found[name])} for name in tqdm(found, disable=None)]
+        parser.error("no robot is there: give --data, or install example-robot-data")
+    rows = [{"robot": name, **measure_apart(*found[name])} for name in tqdm(found, disable=None)]
     header = mbm.header("covers", cores=os.cpu_count(), load_before=os.getloadavg()[0])
     results = {"header": header, "rows": rows}
     if arguments.out:

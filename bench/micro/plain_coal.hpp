@@ -12,26 +12,26 @@
 
 #include "srmp/scene/scene.hpp"
 
-// A baseline for the speed of srmp's collision checking: Pinocchio and Coal as one uses them without srmp.
+// What one writes with Pinocchio and Coal and nothing of srmp's collision checking: the measure of its speed.
 namespace bench {
 
 using srmp::ConstVector;
 
-/// Samples a motion so densely that no point of the robot moves more than `step` between two samples, and stops at the
-/// first contact of the first sample that has one. Pinocchio computes the kinematics and Coal the contacts, with the
-/// fastest options: one functor per pair, no contact points, GJK stops once it has proved the pair to be separated. The
-/// start is known to be free, the end is the first sample, the others follow in van der Corput's order.
+/// Samples a motion so that no point of the robot moves more than `step` between two of them, and stops at the first
+/// contact of the first sample that has one. Kinematics by Pinocchio, contacts by Coal, as fast as its options allow:
+/// one functor a pair, no contact points, GJK stops once it has proved the pair apart. The start is known to be free,
+/// the end is the first sample, the others follow in van der Corput's order.
 class PlainCoal {
  public:
   enum class BroadPhase {
-    boxes,  ///< compares the boxes of a pair before it calls Coal
-    tree,   ///< Coal's DynamicAABBTreeCollisionManager for obstacles; boxes for pairs of links
+    boxes,  ///< the boxes of a pair are compared before Coal checks it
+    tree,   ///< obstacles in Coal's DynamicAABBTreeCollisionManager; boxes between links
   };
 
   PlainCoal(const srmp::Scene& scene, const std::string& robot, BroadPhase broad_phase)
       : model_(*scene.robot(robot).model), data_(model_.make_data()) {
     if (!scene.attachments().empty() || scene.robots().size() != 1)
-      throw std::invalid_argument("PlainCoal supports only one robot without attached objects");
+      throw std::invalid_argument("PlainCoal: one robot with empty hands only");
     model_.set_other_positions(*data_, scene.robot(robot).other_positions);
     request_.num_max_contacts = 1;
     request_.enable_contact = false;
@@ -42,8 +42,8 @@ class PlainCoal {
     tree_.setup();
   }
 
-  /// The number of samples for which no point moves more than `step` between two: no point gets farther than d from its
-  /// place at the middle of the motion, so none moves more than 2 d in total.
+  /// At most this many samples see no point move more than `step` between two: from the middle no point gets farther
+  /// than d, so none travels more than 2 d in all.
   int samples(ConstVector a, ConstVector difference, double step) {
     place(a + 0.5 * difference);
     double farthest = 0.0;
@@ -79,7 +79,7 @@ class PlainCoal {
   static coal::Transform3s transform(const Eigen::Isometry3d& pose) { return {pose.linear(), pose.translation()}; }
   static coal::CollisionObject object(const std::shared_ptr<const coal::CollisionGeometry>& geometry,
                                       const Eigen::Isometry3d& pose) {
-    // Coal would write the geometry's bounding box, which is already computed.
+    // Coal wants to write the geometry's bounding box, which is known already.
     return {std::const_pointer_cast<coal::CollisionGeometry>(geometry), transform(pose), false};
   }
 
@@ -91,17 +91,17 @@ class PlainCoal {
 
   void place(const Eigen::VectorXd& q) { model_.forward(*data_, q); }
 
-  /// A bound on how far the joints, from the geometry to the base, can move any point of it [m].
+  /// How far the joints, from the hand to the base, can move any point of the geometry.
   double displacement(std::size_t geometry, ConstVector change) {
     const srmp::LinkGeometry& g = model_.geometries()[geometry];
     const Eigen::Vector3d center = model_.geometry_pose(*data_, geometry) * g.center;
     double moved = 0.0;
     for (std::size_t k = model_.actuated_joints().size(); k-- > 0;) {
       if (!(g.support >> k & 1)) continue;
-      const srmp::ActuatedJoint& joint = model_.actuated_joints()[k];
-      const double moves_by = std::abs(joint.ratio * change[static_cast<Eigen::Index>(joint.joint)]);
+      const srmp::ActuatedJoint& actuated = model_.actuated_joints()[k];
+      const double step = std::abs(actuated.ratio * change[static_cast<Eigen::Index>(actuated.joint)]);
       const auto [point, axis] = model_.actuated_joint_axis(*data_, k);
-      moved += joint.prismatic ? moves_by : moves_by * ((center - point).cross(axis).norm() + g.radius + moved);
+      moved += actuated.prismatic ? step : step * ((center - point).cross(axis).norm() + g.radius + moved);
     }
     return moved;
   }

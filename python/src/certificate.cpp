@@ -36,8 +36,8 @@ MotionLimits make_limits(const ArrayLike& velocity, const ArrayLike& acceleratio
 }
 
 void bind_limits(nb::module_& m) {
-  nb::class_<MotionLimits> limits(
-      m, "MotionLimits", "What each joint may do at most, one entry a joint, in the order of the joint names.");
+  nb::class_<MotionLimits> limits(m, "MotionLimits",
+                                  "Limits of each joint's motion, one entry a joint, in the order of the joint names.");
   limits
       .def(
           "__init__",
@@ -73,7 +73,8 @@ void bind_default_limits(nb::module_& m) {
   m.def(
       "default_limits", [](const ArrayLike& velocity) { return default_limits(velocity.vector("velocity limits")); },
       nb::arg("velocity"),
-      "MotionLimits for robots that only say velocities (dof,) [rad/s or m/s]: acceleration = 2/s * velocity, full "
+      "MotionLimits for robots of which only velocity limits are known, (dof,) [rad/s or m/s]: acceleration = 2/s * "
+      "velocity, full "
       "speed in half a\n"
       "second, and jerk = 10/s * acceleration. A velocity of 0, infinite, or above 1e6 means that there is no limit "
       "and "
@@ -86,21 +87,21 @@ void bind_faults(nb::module_& m) {
       .value("joint_names", FaultKind::joint_names, "Not those of the robot, or in another order.")
       .value("shape", FaultKind::shape, "Arrays that do not fit together, or none at all.")
       .value("not_finite", FaultKind::not_finite, "NaN or infinity.")
-      .value("times", FaultKind::times, "A time that stands still or runs back.")
+      .value("times", FaultKind::times, "A time that does not increase.")
       .value("position_limit", FaultKind::position_limit, "A joint outside its limits.")
       .value("velocity_limit", FaultKind::velocity_limit, "A joint faster than its limit.")
       .value("acceleration_limit", FaultKind::acceleration_limit, "A joint that accelerates beyond its limit.")
       .value("jerk_limit", FaultKind::jerk_limit, "A joint with more jerk than its limit.")
       .value("collision", FaultKind::collision, "Two bodies touch, or come within their padding.")
       .value("deviation", FaultKind::deviation, "The motion leaves the path that was checked.")
-      .value("start", FaultKind::start, "It does not begin where it was asked to.")
-      .value("goal", FaultKind::goal, "It does not end where it was asked to.")
-      .value("rest", FaultKind::rest, "It moves at its start or end, without having been asked to.");
+      .value("start", FaultKind::start, "It does not begin at the given start.")
+      .value("goal", FaultKind::goal, "It does not end at the given goal.")
+      .value("not_at_rest", FaultKind::not_at_rest, "Its velocity at the start or end is not 0, though it should be.");
 
   nb::class_<Fault> fault(m, "Fault", "Something that is wrong, and where.");
   fault.def_ro("kind", &Fault::kind, "A FaultKind.")
       .def_ro("text", &Fault::text, "A sentence.")
-      .def_ro("time", &Fault::time, "[s] where it is worst; NaN: nowhere in particular.")
+      .def_ro("time", &Fault::time, "[s] when it is worst; NaN: at no particular time.")
       .def("__repr__", [](const Fault& f) { return "Fault(" + to_string(f.kind) + ": " + f.text + ")"; });
   make_value(
       fault, [](const Fault& f) { return nb::make_tuple(f.kind, f.text, plain(f.time)); },
@@ -108,21 +109,21 @@ void bind_faults(nb::module_& m) {
 }
 
 void bind_parts(nb::module_& m) {
-  nb::class_<LimitUse> use(m, "LimitUse", "How much of a limit is used at most, over the whole motion.");
-  use.def_ro("share", &LimitUse::share,
-             "Of the limit; 1 = all of it. Positions: of the way from the middle of the range to its end.")
-      .def_ro("joint", &LimitUse::joint, "Which one; '' = nothing moves, or there is no limit.")
+  nb::class_<LimitUse> use(m, "LimitUse", "The largest fraction of a limit that is used over the whole motion.");
+  use.def_ro("fraction", &LimitUse::fraction,
+             "Of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end.")
+      .def_ro("joint", &LimitUse::joint, "By which joint; '' = nothing moves, or there is no limit.")
       .def_ro("time", &LimitUse::time, "[s]")
       .def("__repr__", [](const LimitUse& u) {
-        return "LimitUse(" + to_text(u.share) + (u.joint.empty() ? "" : ", " + u.joint) + ")";
+        return "LimitUse(" + to_text(u.fraction) + (u.joint.empty() ? "" : ", " + u.joint) + ")";
       });
   make_value(
-      use, [](const LimitUse& u) { return nb::make_tuple(plain(u.share), u.joint, plain(u.time)); },
+      use, [](const LimitUse& u) { return nb::make_tuple(plain(u.fraction), u.joint, plain(u.time)); },
       [](const State& s) { return LimitUse{number(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
 
-  nb::class_<SampledInterval> sampled(
-      m, "SampledInterval",
-      "A part of a motion that two bodies could not be proved to pass apart; they are apart at every sample in it.");
+  nb::class_<SampledInterval> sampled(m, "SampledInterval",
+                                      "A part of a motion over which two bodies could not be proved to stay apart; "
+                                      "they are apart at every sample in it.");
   sampled.def_ro("from_time", &SampledInterval::from, "[s]")
       .def_ro("to_time", &SampledInterval::to, "[s]")
       .def_ro("body_a", &SampledInterval::body_a, "Link (or attached object) of the robot.")
@@ -187,13 +188,13 @@ void bind_certificate(nb::module_& m) {
   bind_faults(m);
   bind_parts(m);
   nb::class_<Certificate> cls(m, "Certificate",
-                              "What is known of a trajectory, found by other code than that which made it. All of it "
-                              "is about the polynomials between\n"
-                              "the rows, at every instant, not about samples.");
+                              "What is known of a trajectory, found by code that is independent of the code that made "
+                              "it. All of it is about the\n"
+                              "polynomials between the rows, at every instant, not about samples.");
   cls.def_prop_ro("holds", &Certificate::holds, "There are no faults.")
       .def_prop_ro("proved_free", &Certificate::proved_free,
                    "Collisions were checked, there is none, and all of the motion is proved free, between samples too.")
-      .def("report", &Certificate::report, "A text, one line a claim.")
+      .def("report", &Certificate::report, "A text with one line for each claim.")
       .def(
           "to_dict",
           [](const Certificate& c) {
@@ -202,20 +203,20 @@ void bind_certificate(nb::module_& m) {
                                       nb::arg("parse_int") = nb::borrow(reinterpret_cast<PyObject*>(&PyFloat_Type)));
           },
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
-          "All of it as names, numbers and lists, as files have it; infinity and NaN are the texts 'inf', '-inf' and "
+          "All fields as names, numbers and lists, as in files; infinity and NaN are the texts 'inf', '-inf' and "
           "'nan'.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
-      .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was held against.")
+      .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was verified against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
       .def_ro("velocity", &Certificate::velocity, "LimitUse of the velocity limits.")
       .def_ro("acceleration", &Certificate::acceleration, "LimitUse of the acceleration limits.")
       .def_ro("jerk", &Certificate::jerk, "LimitUse of the jerk limits.")
-      .def_ro("collisions_checked", &Certificate::collisions_checked, "Were they?")
+      .def_ro("collisions_checked", &Certificate::collisions_checked, "Were collisions checked?")
       .def_ro("checked_from", &Certificate::checked_from,
-              "[s]: what comes before is the way out of a start in collision.")
+              "[s]: what comes before is the recovery from a start in collision.")
       .def_ro("clearance", &Certificate::clearance,
               "[m] the smallest that was found; inf: there is nothing to collide with.")
-      .def_ro("clearance_time", &Certificate::clearance_time, "[s] where.")
+      .def_ro("clearance_time", &Certificate::clearance_time, "[s] when.")
       .def_ro("body_a", &Certificate::body_a, "Of the pair there: link (or attached object) of the robot.")
       .def_ro("body_b", &Certificate::body_b, "Object, link of the same robot, or 'robot/link' of another.")
       .def_ro("clearance_proved", &Certificate::clearance_proved,
@@ -223,14 +224,14 @@ void bind_certificate(nb::module_& m) {
       .def_ro("sampled", &Certificate::sampled,
               "SampledIntervals: parts that are not proved free; empty: all of the motion is.")
       .def_ro("deviation", &Certificate::deviation,
-              "[m]: no point of the robot leaves the way it takes along the waypoints by more.")
-      .def_ro("deviation_time", &Certificate::deviation_time, "[s] where.")
+              "[m]: no point of the robot leaves its path along the waypoints by more.")
+      .def_ro("deviation_time", &Certificate::deviation_time, "[s] when.")
       .def_ro("goal_error", &Certificate::goal_error,
               "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")
       .def_ro("bound", &Certificate::bound,
               "The path costs at most this times the optimum of bound_graph; inf: nothing is proven.")
       .def_ro("bound_graph", &Certificate::bound_graph, "The graph that the bound is about.")
-      .def_ro("time_s", &Certificate::time_s, "[s] that it took to make.")
+      .def_ro("time_s", &Certificate::time_s, "Computing time [s].")
       .def("__repr__", &repr);
   make_value(cls, &state, &from_state);
 }

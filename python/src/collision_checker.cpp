@@ -15,7 +15,7 @@ std::size_t dof_of(const TimedChecker& checker) { return checker.dof(); }
 const Checker& base_of(const Checker& checker) { return checker; }
 const Checker& base_of(const TimedChecker& checker) { return checker.checker(); }
 
-/// A checker and one workspace; threads take turns, and no answer depends on the one before.
+/// A checker and one workspace, which a mutex guards; no result depends on earlier queries.
 template <class C>
 class PyChecker {
  public:
@@ -25,11 +25,11 @@ class PyChecker {
   Eigen::Index dof() const { return static_cast<Eigen::Index>(dof_of(*checker_)); }
 
   /// Runs without the GIL.
-  template <class Ask>
-  auto ask(Ask&& question) {
+  template <class Query>
+  auto run(Query&& query) {
     const nb::gil_scoped_release no_gil;
     const std::lock_guard lock(mutex_);
-    return question(*checker_, *workspace_);
+    return query(*checker_, *workspace_);
   }
 
  private:
@@ -77,7 +77,7 @@ BoolArray are_free(Self& self, const ArrayLike& q) {
   const Rows rows(q, "q", self.dof());
   bool* free{};
   BoolArray result = new_array(static_cast<std::size_t>(rows.count()), free);
-  self.ask([&](const Checker& checker, Checker::Workspace& workspace) {
+  self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     checker.are_free(rows.view(), {free, static_cast<std::size_t>(rows.count())}, workspace);
   });
   return result;
@@ -88,7 +88,7 @@ BoolArray motions_free(Self& self, const ArrayLike& a, const ArrayLike& b) {
   require_as_many(from, to);
   bool* free{};
   BoolArray result = new_array(static_cast<std::size_t>(from.count()), free);
-  self.ask([&](const Checker& checker, Checker::Workspace& workspace) {
+  self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < from.count(); ++i)
       free[i] = checker.is_motion_free(from.view().row(i).transpose(), to.view().row(i).transpose(), workspace);
   });
@@ -99,7 +99,7 @@ nb::ndarray<nb::numpy, double> clearance(Self& self, const ArrayLike& q) {
   const Rows rows(q, "q", self.dof());
   double* distance{};
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
-  self.ask([&](const Checker& checker, Checker::Workspace& workspace) {
+  self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
@@ -128,7 +128,7 @@ BoolArray are_free_at(Timed& self, const ArrayLike& q, const ArrayLike& times) {
   const Times when(times, "times", rows.count());
   bool* free{};
   BoolArray result = new_array(static_cast<std::size_t>(rows.count()), free);
-  self.ask([&](const TimedChecker& checker, Checker::Workspace& workspace) {
+  self.run([&](const TimedChecker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i)
       free[i] = checker.is_free(rows.view().row(i).transpose(), when[i], workspace);
   });
@@ -142,7 +142,7 @@ BoolArray motions_free_at(Timed& self, const ArrayLike& a, const ArrayLike& b, c
   const Times departures(from, "from_times", starts.count()), arrivals(to, "to_times", starts.count());
   bool* free{};
   BoolArray result = new_array(static_cast<std::size_t>(starts.count()), free);
-  self.ask([&](const TimedChecker& checker, Checker::Workspace& workspace) {
+  self.run([&](const TimedChecker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < starts.count(); ++i)
       free[i] = checker.is_motion_free(starts.view().row(i).transpose(), ends.view().row(i).transpose(), departures[i],
                                        arrivals[i], workspace);
@@ -155,7 +155,7 @@ nb::ndarray<nb::numpy, double> clearance_at(Timed& self, const ArrayLike& q, con
   const Times when(times, "times", rows.count());
   double* distance{};
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
-  self.ask([&](const TimedChecker& checker, Checker::Workspace& workspace) {
+  self.run([&](const TimedChecker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), when[i], workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
@@ -167,7 +167,7 @@ nb::ndarray<nb::numpy, double> clearance_at(Timed& self, const ArrayLike& q, con
 template <class C>
 nb::dict stats(PyChecker<C>& self) {
   const CheckStatistics s =
-      self.ask([](const C& checker, Checker::Workspace& w) { return base_of(checker).statistics(w); });
+      self.run([](const C& checker, Checker::Workspace& w) { return base_of(checker).statistics(w); });
   nb::dict d;
   d["states"] = s.states;
   d["states_by_spheres"] = s.states_by_spheres;
@@ -246,7 +246,7 @@ void bind_collision_checker(nb::module_& m) {
                    "Collision checks of one robot in the scene as it was when planner.collision_checker made this.\n\n"
                    "Arrays are (n, dof) [rad or m]; float64 and contiguous ones are not copied. The GIL is released. "
                    "All methods\n"
-                   "raise InvalidArgument for wrong shapes, NaN and infinity. Joint limits are not looked at.")
+                   "raise InvalidArgument for wrong shapes, NaN and infinity. Joint limits are not checked.")
       .def("are_free", &are_free, nb::arg("q"),
            nb::sig("def are_free(self, q: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.bool_]"),
            "(n,) bool: is each configuration, (n, dof) [rad or m], free? 16 at a time.")
@@ -266,14 +266,14 @@ void bind_collision_checker(nb::module_& m) {
           "nearest",
           [](Self& self, const ArrayLike& q) {
             const Eigen::VectorXd v = q.vector("q");
-            return self.ask([&](const Checker& c, Checker::Workspace& w) { return c.nearest(v, w); });
+            return self.run([&](const Checker& c, Checker::Workspace& w) { return c.nearest(v, w); });
           },
           nb::arg("q"), "The nearest pair at q (dof,) [rad or m] as a Contact, or None with nothing around.")
       .def(
           "certify_motion",
           [](Self& self, const ArrayLike& a, const ArrayLike& b) {
             const Eigen::VectorXd from = a.vector("a"), to = b.vector("b");
-            return self.ask([&](const Checker& c, Checker::Workspace& w) { return c.certify_motion(from, to, w); });
+            return self.run([&](const Checker& c, Checker::Workspace& w) { return c.certify_motion(from, to, w); });
           },
           nb::arg("a"), nb::arg("b"),
           "Proves the straight motion a to b, each (dof,) [rad or m], free by conservative advancement on Coal's "
@@ -284,7 +284,7 @@ void bind_collision_checker(nb::module_& m) {
       .def_prop_ro(
           "reach",
           [](Self& self) {
-            return to_numpy(self.ask([](const Checker& c, Checker::Workspace&) { return c.reach(); }));
+            return to_numpy(self.run([](const Checker& c, Checker::Workspace&) { return c.reach(); }));
           },
           "(dof,) [m/rad, prismatic joints 1]: how far a unit of each joint moves any point of the robot, or of what "
           "it "
@@ -314,7 +314,7 @@ void bind_collision_checker(nb::module_& m) {
           "certify_motion",
           [](Timed& self, const ArrayLike& a, const ArrayLike& b, double from, double to) {
             const Eigen::VectorXd start = a.vector("a"), end = b.vector("b");
-            return self.ask([&](const TimedChecker& c, Checker::Workspace& w) {
+            return self.run([&](const TimedChecker& c, Checker::Workspace& w) {
               return c.certify_motion(start, end, from, to, w);
             });
           },

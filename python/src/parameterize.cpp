@@ -66,12 +66,13 @@ void bind_parameterize(nb::module_& m) {
       "joint moves any\n"
       "point of the robot [m/rad, prismatic joints 1], as CollisionChecker.reach knows it; default 1 each. is_free(a, "
       "b): is the\n"
-      "straight motion from a (dof,) to b free? Asked for the chords of rounded corners, which shrink until they are; "
+      "straight motion from a (dof,) to b free? Called for the chords of rounded corners, which shrink until it says "
+      "yes; "
       "default: all is.\n"
       "start_velocity, end_velocity (dof,) [rad/s or m/s]: along the first and last segment; default: at rest.\n\n"
       "First and last row are the first and last waypoint, bit for bit. Raises InvalidArgument for no waypoints, NaN, "
       "wrong sizes,\n"
-      "limits and options out of range, continuous joints that do not go by the short way, and end velocities that "
+      "limits and options out of range, continuous joints that do not go the short way, and end velocities that "
       "cannot be; what\n"
       "is_free raises is raised.");
 }

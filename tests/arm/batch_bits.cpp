@@ -25,13 +25,13 @@ int main() {
   BatchWorld world;
   world.dof = 7;
   for (int k = 0; k < 7; ++k) {
-    BatchActuatedJoint drive;
-    drive.parent = k - 1;
-    drive.joint = k;
-    drive.frame = turned(vector(-0.05, 0.05) + Eigen::Vector3d(0, 0, 0.2));
-    world.actuated_joints.push_back(drive);
+    BatchActuatedJoint actuated;
+    actuated.parent = k - 1;
+    actuated.joint = k;
+    actuated.frame = turned(vector(-0.05, 0.05) + Eigen::Vector3d(0, 0, 0.2));
+    world.actuated_joints.push_back(actuated);
     BatchBody body;
-    body.drive = k;
+    body.actuated_joint = k;
     for (int i = 0; i < 6; ++i) {
       const Eigen::Vector3d center = vector(-0.1, 0.1);
       body.coarse.push_back({center, in(0.03, 0.06)});
@@ -58,13 +58,13 @@ int main() {
     for (double& x : a) x = in(-3, 3);
     for (double& x : d) x = in(-0.3, 0.3);
     for (double& x : block) x = in(-3, 3);
-    const CollisionStatus verdict = checker.motion(a, d, *workspace, {});
-    std::printf("%d", static_cast<int>(verdict));
+    const CollisionStatus status = checker.motion(a, d, *workspace, {});
+    std::printf("%d", static_cast<int>(status));
     for (const UndecidedPair& u : checker.undecided(*workspace))
       std::printf(" %a %a %d %d", u.t, u.half, u.self, u.pair);
-    const auto lanes = checker.judge_block(block, *workspace);
+    const auto lanes = checker.check_block(block, *workspace);
     std::printf(" %x %x", static_cast<unsigned>(lanes.colliding), static_cast<unsigned>(lanes.undecided));
-    const Eigen::Isometry3d pose = checker.drive_pose(a, 6, *workspace);
+    const Eigen::Isometry3d pose = checker.actuated_joint_pose(a, 6, *workspace);
     for (int r = 0; r < 3; ++r) std::printf(" %a", pose(r, 3));
     std::printf("\n");
   }

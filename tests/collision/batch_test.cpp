@@ -27,33 +27,33 @@ Eigen::Isometry3d pose(std::mt19937& random, double size) {
   return t;
 }
 
-/// An arm of eight joints with a branch, a prismatic joint and a mimic; one exact body of five spheres and one body
-/// with coarse, fine and inner spheres on each drive; obstacles of every kind.
+/// A robot of eight joints with a branch, a prismatic joint and a mimic; one exact body of five spheres and one body
+/// with coarse, fine and inner spheres on each actuated joint; obstacles of every kind.
 BatchWorld random_world(unsigned seed, double spread = 1.0) {
   std::mt19937 random(seed);
   BatchWorld world;
   world.dof = 7;
   for (int k = 0; k < 8; ++k) {
-    BatchActuatedJoint drive;
-    drive.parent = k == 5 ? 2 : k - 1;
-    drive.frame = pose(random, 0.25);
-    drive.prismatic = k == 3;
-    drive.joint = k == 7 ? 4 : k;
-    drive.ratio = k == 7 ? -0.5 : 1.0;
-    drive.offset = k == 7 ? 0.3 : 0.0;
-    drive.max_travel = k == 3 ? 4.0 : 0.0;
-    world.actuated_joints.push_back(drive);
+    BatchActuatedJoint actuated;
+    actuated.parent = k == 5 ? 2 : k - 1;
+    actuated.frame = pose(random, 0.25);
+    actuated.prismatic = k == 3;
+    actuated.joint = k == 7 ? 4 : k;
+    actuated.ratio = k == 7 ? -0.5 : 1.0;
+    actuated.offset = k == 7 ? 0.3 : 0.0;
+    actuated.max_travel = k == 3 ? 4.0 : 0.0;
+    world.actuated_joints.push_back(actuated);
   }
   for (int k = -1; k < 8; ++k) {
     BatchBody exact;
-    exact.drive = k;
+    exact.actuated_joint = k;
     exact.exact = true;
     for (int i = 0; i < 5; ++i) exact.coarse.push_back({vector(random, 0.08), uniform(random, 0.01, 0.05)});
     exact.bound = {{0, 0, 0}, 0.2};
     exact.padding = 0.002;
     world.bodies.push_back(exact);
     BatchBody covered;  // the body is the sphere of radius 0.06; fine and coarse spheres are around it
-    covered.drive = k;
+    covered.actuated_joint = k;
     const Eigen::Vector3d c = vector(random, 0.1);
     covered.bound = {c, 0.1};
     covered.coarse = {{c, 0.08}};
@@ -76,7 +76,7 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
     for (int o = 0; o < 12; ++o) world.obstacle_pairs.push_back({b, o});
   for (int a = 0; a < 18; ++a)
     for (int b = a + 1; b < 18; ++b)
-      if (world.bodies[a].drive + 3 < world.bodies[b].drive) world.self_pairs.push_back({a, b, 0.0});
+      if (world.bodies[a].actuated_joint + 3 < world.bodies[b].actuated_joint) world.self_pairs.push_back({a, b, 0.0});
   return world;
 }
 
@@ -113,7 +113,7 @@ std::vector<std::vector<PlacedSphere>> true_bodies(const BatchWorld& world, std:
   const auto frames = forward(world, q);
   std::vector<std::vector<PlacedSphere>> result;
   for (const BatchBody& b : world.bodies) {
-    const Eigen::Isometry3d frame = b.drive < 0 ? Eigen::Isometry3d::Identity() : frames[b.drive];
+    const Eigen::Isometry3d frame = b.actuated_joint < 0 ? Eigen::Isometry3d::Identity() : frames[b.actuated_joint];
     std::vector<PlacedSphere> spheres;
     if (b.exact)
       for (const PlacedSphere& sphere : b.coarse) spheres.push_back({frame * sphere.center, sphere.radius});
@@ -124,7 +124,7 @@ std::vector<std::vector<PlacedSphere>> true_bodies(const BatchWorld& world, std:
   return result;
 }
 
-/// Smallest gap over all pairs, padding taken off; pairs of `skip_obstacle` and `skip_self` left out.
+/// Smallest distance over all pairs, less padding; pairs of `skip_obstacle` and `skip_self` left out.
 double clearance(const BatchWorld& world, std::span<const double> q, const std::vector<UndecidedPair>& skip = {}) {
   const auto bodies = true_bodies(world, q);
   const auto skipped = [&](bool self, std::size_t i) {
@@ -132,22 +132,22 @@ double clearance(const BatchWorld& world, std::span<const double> q, const std::
       if (u.self == self && u.pair == static_cast<int>(i)) return true;
     return false;
   };
-  double least = 1e9;
+  double smallest = 1e9;
   for (std::size_t i = 0; i < world.obstacle_pairs.size(); ++i) {
     if (skipped(false, i)) continue;
     const auto& [b, o] = world.obstacle_pairs[i];
     const BatchObstacle& obstacle = world.obstacles[o];
     for (const PlacedSphere& sphere : bodies[b])
-      least = std::min(least,
-                       distance(obstacle, sphere.center) - sphere.radius - obstacle.padding - world.bodies[b].padding);
+      smallest = std::min(
+          smallest, distance(obstacle, sphere.center) - sphere.radius - obstacle.padding - world.bodies[b].padding);
   }
   for (std::size_t i = 0; i < world.self_pairs.size(); ++i) {
     if (skipped(true, i)) continue;
     for (const PlacedSphere& a : bodies[world.self_pairs[i].a])
       for (const PlacedSphere& b : bodies[world.self_pairs[i].b])
-        least = std::min(least, (a.center - b.center).norm() - a.radius - b.radius - world.self_pairs[i].padding);
+        smallest = std::min(smallest, (a.center - b.center).norm() - a.radius - b.radius - world.self_pairs[i].padding);
   }
-  return least;
+  return smallest;
 }
 
 std::vector<double> random_q(std::mt19937& random, std::size_t count, double size = 3.1) {
@@ -177,12 +177,12 @@ BOOST_AUTO_TEST_CASE(kernel_kinematics_equal_double_precision) {
       bounded[3] = std::clamp(q[3], -3.0, 3.0);
       const auto frames = forward(world, bounded);
       for (std::size_t k = 0; k < frames.size(); ++k) {
-        const auto pose = checker.drive_pose(bounded, k, *workspace);
+        const auto pose = checker.actuated_joint_pose(bounded, k, *workspace);
         worst = std::max(worst, (pose.matrix() - frames[k].matrix()).cwiseAbs().maxCoeff());
       }
     }
     BOOST_TEST(worst < 1e-5, to_string(backend) << ": " << worst);
-    BOOST_TEST(worst < checker.slack());
+    BOOST_TEST(worst < checker.error_bound());
   }
 }
 
@@ -198,13 +198,13 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
     for (int i = 0; i < 120; ++i) {
       const auto q = random_q(random, 7 * 16, 2.0);
       const auto a = random_q(random, 7, 3.0), d = random_q(random, 7, i % 3 ? 0.1 : 1.0);
-      const auto block = checkers[0].judge_block(q, *workspaces[0]);
+      const auto block = checkers[0].check_block(q, *workspaces[0]);
       const auto block_pairs = checkers[0].undecided(*workspaces[0]);
       const CollisionStatus motion = checkers[0].motion(a, d, *workspaces[0], {});
       const auto motion_pairs = checkers[0].undecided(*workspaces[0]);
       (motion == CollisionStatus::free ? free : motion == CollisionStatus::colliding ? colliding : undecided) += 1;
       for (std::size_t k = 1; k < checkers.size(); ++k) {
-        const auto lanes = checkers[k].judge_block(q, *workspaces[k]);
+        const auto lanes = checkers[k].check_block(q, *workspaces[k]);
         BOOST_REQUIRE(lanes.colliding == block.colliding);
         BOOST_REQUIRE(lanes.undecided == block.undecided);
         BOOST_REQUIRE(same(checkers[k].undecided(*workspaces[k]), block_pairs));
@@ -218,7 +218,7 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
   BOOST_TEST(undecided > 10u);
 }
 
-BOOST_AUTO_TEST_CASE(asked_for_proofs_only_a_checker_proves_as_much) {
+BOOST_AUTO_TEST_CASE(with_proofs_only_a_checker_proves_as_much) {
   std::mt19937 random(7);
   std::size_t free = 0, open = 0, of_blocks = 0, of_proofs = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
@@ -230,23 +230,23 @@ BOOST_AUTO_TEST_CASE(asked_for_proofs_only_a_checker_proves_as_much) {
       const std::vector<double> turns{0, 0, 0, 0, 0, 0, 200.0};
       for (int i = 0; i < 120; ++i) {
         const auto q = random_q(same_for_each, 7 * 16, 2.0);
-        const auto lanes = checker.judge_block(q, *workspace), proofs = checker.judge_block(q, *workspace, true);
+        const auto lanes = checker.check_block(q, *workspace), proofs = checker.check_block(q, *workspace, true);
         BOOST_REQUIRE((lanes.colliding | lanes.undecided) == (proofs.colliding | proofs.undecided));
         const auto a = random_q(same_for_each, 7, 3.0), d = random_q(same_for_each, 7, i % 3 ? 0.1 : 1.0);
         const std::uint64_t before = checker.statistics(*workspace).blocks;
-        const CollisionStatus verdict = checker.motion(a, d, *workspace, {});
+        const CollisionStatus status = checker.motion(a, d, *workspace, {});
         const std::uint64_t between = checker.statistics(*workspace).blocks;
-        BOOST_REQUIRE(checker.proves_free(a, d, *workspace, {}) == (verdict == CollisionStatus::free));
-        (verdict == CollisionStatus::free ? free : open) += 1;
-        if (verdict == CollisionStatus::undecided) {
+        BOOST_REQUIRE(checker.proves_free(a, d, *workspace, {}) == (status == CollisionStatus::free));
+        (status == CollisionStatus::free ? free : open) += 1;
+        if (status == CollisionStatus::undecided) {
           of_blocks += between - before;
           of_proofs += checker.statistics(*workspace).blocks - between;
         }
-        // Whatever was asked before: a motion in many intervals, as the last joint's turns are.
-        const auto b = random_q(same_for_each, 7, 3.0), way = random_q(same_for_each, 7, i % 2 ? 0.02 : 0.3);
-        const bool proved = checker.motion(b, way, *workspace, {}) == CollisionStatus::free;
+        // Whatever was checked before: a motion in many intervals, such as full turns of the last joint.
+        const auto b = random_q(same_for_each, 7, 3.0), difference = random_q(same_for_each, 7, i % 2 ? 0.02 : 0.3);
+        const bool proved = checker.motion(b, difference, *workspace, {}) == CollisionStatus::free;
         checker.motion(b, turns, *workspace, {});
-        BOOST_REQUIRE(checker.proves_free(b, way, *workspace, {}) == proved);
+        BOOST_REQUIRE(checker.proves_free(b, difference, *workspace, {}) == proved);
       }
     }
     random.discard(1000);
@@ -265,7 +265,7 @@ BOOST_AUTO_TEST_CASE(what_a_block_calls_free_is_free_and_what_it_calls_colliding
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 100; ++i) {
       const auto q = random_q(random, 7 * 16, 2.0);
-      const auto lanes = checker.judge_block(q, *workspace);
+      const auto lanes = checker.check_block(q, *workspace);
       const auto undecided = checker.undecided(*workspace);
       for (int lane = 0; lane < 16; ++lane) {
         const std::span<const double> here(q.data() + 7 * lane, 7);
@@ -296,17 +296,17 @@ BOOST_AUTO_TEST_CASE(what_a_motion_calls_free_is_free_between_samples) {
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 30; ++i) {
       const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.4);
-      const CollisionStatus verdict =
+      const CollisionStatus status =
           i % 2 ? checker.motion(a, d, *workspace, {}) : checker.motion_block(a, d, *workspace);
-      if (verdict == CollisionStatus::undecided) continue;
-      double least = 1e9;
+      if (status == CollisionStatus::undecided) continue;
+      double smallest = 1e9;
       for (int s = 0; s <= 300; ++s) {
         std::vector<double> q(7);
         for (int k = 0; k < 7; ++k) q[k] = a[k] + d[k] * s / 300.0;
-        least = std::min(least, clearance(world, q));
+        smallest = std::min(smallest, clearance(world, q));
       }
-      (verdict == CollisionStatus::free ? free : hits) += 1;
-      BOOST_REQUIRE((verdict == CollisionStatus::free ? least > 0 : least < 0.02));
+      (status == CollisionStatus::free ? free : hits) += 1;
+      BOOST_REQUIRE((status == CollisionStatus::free ? smallest > 0 : smallest < 0.02));
     }
   }
   BOOST_TEST(free > 15);
@@ -340,8 +340,8 @@ BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
 
 BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
   BatchWorld world = random_world(1);
-  world.bodies[2].drive = 99;
-  check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "drive is 99");
+  world.bodies[2].actuated_joint = 99;
+  check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "actuated joint is 99");
   world = random_world(1);
   world.obstacle_pairs.push_back({0, 77});
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "77");
@@ -350,7 +350,7 @@ BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {
   check_throws<InvalidArgument>([&] { BatchChecker checker(world); }, "not finite");
   const BatchChecker checker(random_world(1));
   const auto workspace = checker.make_workspace();
-  check_throws<InvalidArgument>([&] { checker.judge_block(std::vector<double>(8), *workspace); }, "7 entries");
+  check_throws<InvalidArgument>([&] { checker.check_block(std::vector<double>(8), *workspace); }, "7 entries");
   check_throws<InvalidArgument>(
       [&] { checker.proves_free(std::vector<double>(6), std::vector<double>(7), *workspace, {}); },
       "start of the motion");

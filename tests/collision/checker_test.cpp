@@ -31,7 +31,7 @@ bool has_contact(const std::vector<Contact>& contacts, const std::string& a, con
 }
 
 bool is_free(const Scene& scene, const std::string& robot, ConstVector q) {
-  const Checker checker(scene, robot);
+  const SceneChecker checker(scene, robot);
   const auto workspace = checker.make_workspace();
   const bool free = checker.is_free(q, *workspace);
   BOOST_TEST(free == checker.contacts(q, *workspace).empty());
@@ -42,7 +42,7 @@ bool is_free(const Scene& scene, const std::string& robot, ConstVector q) {
 
 BOOST_AUTO_TEST_CASE(distance_and_points_are_those_of_geometry) {
   const PlanarWith world(Sphere{0.1}, at(1.5, 0.3, 0));
-  const Checker checker(world.scene, "planar");
+  const SceneChecker checker(world.scene, "planar");
   const auto workspace = checker.make_workspace();
   const auto nearest = checker.nearest(Vector2d(0, 0), *workspace);
   BOOST_REQUIRE(nearest.has_value());
@@ -56,7 +56,7 @@ BOOST_AUTO_TEST_CASE(distance_and_points_are_those_of_geometry) {
 BOOST_AUTO_TEST_CASE(penetration_is_negative_and_the_points_are_in_the_world) {
   PlanarWith world(Sphere{0.1}, at(1.5, 2.1, 3));
   world.scene.set_base_pose("planar", at(0, 2, 3));
-  const Checker checker(world.scene, "planar");
+  const SceneChecker checker(world.scene, "planar");
   const auto workspace = checker.make_workspace();
   const auto contacts = checker.contacts(Vector2d(0, 0), *workspace);
   BOOST_REQUIRE(contacts.size() == 1);
@@ -69,7 +69,7 @@ BOOST_AUTO_TEST_CASE(penetration_is_negative_and_the_points_are_in_the_world) {
 
 BOOST_AUTO_TEST_CASE(padding_of_object_and_robot_counts) {
   const PlanarWith near(Sphere{0.1}, at(1.5, 0.3, 0), 0.05, 0.02), nearer(Sphere{0.1}, at(1.5, 0.3, 0), 0.1, 0.06);
-  const Checker checker(near.scene, "planar"), padded(nearer.scene, "planar");
+  const SceneChecker checker(near.scene, "planar"), padded(nearer.scene, "planar");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(std::abs(checker.nearest(Vector2d(0, 0), *workspace)->distance - 0.08) < 1e-6);
   BOOST_TEST(checker.is_free(Vector2d(0, 0), *workspace));
@@ -85,7 +85,7 @@ BOOST_AUTO_TEST_CASE(padding_of_object_and_robot_counts) {
 BOOST_AUTO_TEST_CASE(contacts_come_deepest_first) {
   PlanarWith world(Sphere{0.1}, at(1.5, 0.1, 0));
   world.scene.add_object("deep", Sphere{0.1}, at(0.5, 0.05, 0));
-  const Checker checker(world.scene, "planar");
+  const SceneChecker checker(world.scene, "planar");
   const auto contacts = checker.contacts(Vector2d(0, 0), *checker.make_workspace());
   BOOST_REQUIRE(contacts.size() == 2);
   BOOST_TEST(names(contacts[0], "upper", "deep"));
@@ -95,7 +95,7 @@ BOOST_AUTO_TEST_CASE(contacts_come_deepest_first) {
 BOOST_AUTO_TEST_CASE(nothing_to_collide_with_has_no_nearest_pair) {
   Scene scene;
   scene.add_robot(robots::planar());
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(!checker.nearest(Vector2d(0, 0), *workspace).has_value());
   BOOST_TEST(checker.is_motion_free(Vector2d(-3, -3), Vector2d(3, 3), *workspace));
@@ -104,8 +104,8 @@ BOOST_AUTO_TEST_CASE(nothing_to_collide_with_has_no_nearest_pair) {
 BOOST_AUTO_TEST_CASE(configurations_are_checked_at_the_door) {
   Scene scene;
   scene.add_robot(robots::planar());
-  check_throws<InvalidArgument>([&] { Checker(scene, "plana"); }, "did you mean 'planar'?");
-  const Checker checker(scene, "planar");
+  check_throws<InvalidArgument>([&] { SceneChecker(scene, "plana"); }, "did you mean 'planar'?");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   const Vector2d good(0, 0), bad(0, NAN);
   check_throws<InvalidArgument>([&] { checker.is_free(Eigen::VectorXd::Zero(3), *workspace); }, "configuration");
@@ -132,7 +132,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_object_is_found_by_every_link) {
       Scene scene;
       scene.add_robot(robot);
       scene.add_object("x", shape, Pose{center + shift, Eigen::Quaterniond::Identity()});
-      const Checker checker(scene, "arm7");
+      const SceneChecker checker(scene, "arm7");
       const auto workspace = checker.make_workspace();
       BOOST_TEST(!checker.is_free(q, *workspace), name << " in " << geometry.name);
       BOOST_TEST(has_contact(checker.contacts(q, *workspace), geometry.link, "x"), name << " in " << geometry.name);
@@ -152,7 +152,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_attached_object_is_checked_against_world_and_
     BOOST_TEST(is_free(scene, "arm7", q), name);
     const Pose held = scene.object_pose("held");
     scene.add_object("x", Box{{0.25, 0.25, 0.25}}, held);
-    const Checker checker(scene, "arm7");
+    const SceneChecker checker(scene, "arm7");
     const auto workspace = checker.make_workspace();
     const auto contacts = checker.contacts(q, *workspace);
     BOOST_TEST(!checker.is_free(q, *workspace), name);
@@ -163,7 +163,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_attached_object_is_checked_against_world_and_
     scene.detach_object("held");
     const Pose upper = scene.link_pose("arm7", "arm7_upper_arm") * at(name == "cloud" ? 0.08 : 0.0, 0, 0.12);
     scene.attach_object("held", "arm7", "arm7_hand", {}, scene.link_pose("arm7", "arm7_hand").inverse() * upper);
-    const Checker self(scene, "arm7");
+    const SceneChecker self(scene, "arm7");
     BOOST_TEST(has_contact(self.contacts(q, *self.make_workspace()), "arm7_upper_arm", "held"), name);
     scene.set_allowed_collision("held", "arm7");
     BOOST_TEST(is_free(scene, "arm7", q), name);
@@ -172,7 +172,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_attached_object_is_checked_against_world_and_
 
 // --- rules
 
-BOOST_AUTO_TEST_CASE(touch_links_and_settings_decide_what_the_held_object_may_touch) {
+BOOST_AUTO_TEST_CASE(touch_links_and_settings_decide_what_an_attached_object_may_touch) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("cup", Box{{0.2, 0.2, 0.2}}, {});
@@ -188,7 +188,7 @@ BOOST_AUTO_TEST_CASE(touch_links_and_settings_decide_what_the_held_object_may_to
   BOOST_TEST(is_free(scene, "planar", q));
 }
 
-BOOST_AUTO_TEST_CASE(a_held_object_may_be_allowed_against_one_thing_in_the_world) {
+BOOST_AUTO_TEST_CASE(an_attached_object_may_be_allowed_to_touch_one_object_in_the_world) {
   PlanarWith world(Box{{1, 1, 0.1}}, at(2, 0, -0.2));
   world.scene.add_object("cup", Box{{0.1, 0.1, 0.4}}, {});
   world.scene.attach_object("cup", "planar", "tip", {}, at(0.1, 0, 0));
@@ -197,7 +197,7 @@ BOOST_AUTO_TEST_CASE(a_held_object_may_be_allowed_against_one_thing_in_the_world
   BOOST_TEST(is_free(world.scene, "planar", Vector2d(0, 0)));
 }
 
-BOOST_AUTO_TEST_CASE(two_held_objects_are_checked_against_each_other) {
+BOOST_AUTO_TEST_CASE(two_attached_objects_are_checked_against_each_other) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("one", Sphere{0.1}, {});
@@ -205,7 +205,7 @@ BOOST_AUTO_TEST_CASE(two_held_objects_are_checked_against_each_other) {
   scene.attach_object("one", "planar", "upper", {"lower"}, at(0.5, 0.4, 0));
   scene.attach_object("two", "planar", "lower", {"upper"}, at(0.5, 0.4, 0));
   BOOST_TEST(is_free(scene, "planar", Vector2d(0, 0)));
-  BOOST_TEST(!is_free(scene, "planar", Vector2d(0, 1.6)));  // folded about joint b until the two meet
+  BOOST_TEST(!is_free(scene, "planar", Vector2d(0, 1.6)));  // folded about joint b until the two touch
   scene.set_allowed_collision("one", "two");
   BOOST_TEST(is_free(scene, "planar", Vector2d(0, 1.6)));
 }
@@ -223,7 +223,7 @@ BOOST_AUTO_TEST_CASE(a_setting_brings_back_a_pair_that_the_model_leaves_out) {
 BOOST_AUTO_TEST_CASE(allowed_collisions_exempt_one_link_only) {
   PlanarWith world(Box{{4, 0.1, 0.1}}, {});
   world.scene.set_allowed_collision("x", "upper");
-  const Checker checker(world.scene, "planar");
+  const SceneChecker checker(world.scene, "planar");
   const auto contacts = checker.contacts(Vector2d(0, 0), *checker.make_workspace());
   BOOST_REQUIRE(contacts.size() == 1);
   BOOST_TEST(names(contacts[0], "lower", "x"));
@@ -238,14 +238,14 @@ BOOST_AUTO_TEST_CASE(other_robots_stand_where_they_were_put_and_so_does_what_the
   const Eigen::VectorXd up = Eigen::VectorXd::Zero(7),
                         any = (Eigen::VectorXd(7) << 1.57, 1.5, 0, 0, 0, 0, 0).finished();
   BOOST_TEST(is_free(scene, "left", up));
-  const Checker checker(scene, "left");
+  const SceneChecker checker(scene, "left");
   const auto contacts = checker.contacts(any, *checker.make_workspace());
   BOOST_REQUIRE(!contacts.empty());
   BOOST_TEST(
       std::all_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.body_b.starts_with("right/"); }));
   scene.add_object("cup", Sphere{0.05}, {});
   scene.attach_object("cup", "right", "arm7_hand", {}, at(0, -0.8, 0));
-  const Checker with_cup(scene, "left");
+  const SceneChecker with_cup(scene, "left");
   const auto cup = with_cup.contacts(up, *with_cup.make_workspace());
   BOOST_TEST(has_contact(cup, "arm7_hand", "cup"));
   scene.set_qpos("right", any);
@@ -265,7 +265,7 @@ BOOST_AUTO_TEST_CASE(a_base_may_stand_on_a_table_but_not_in_it) {
   BOOST_TEST(is_free(with_top_at(-1e-6), "arm7", q));
   BOOST_TEST(is_free(with_top_at(0, 0.01), "arm7", q));  // padding is for what moves
   Scene sunk = with_top_at(0.001);
-  const Checker checker(sunk, "arm7");
+  const SceneChecker checker(sunk, "arm7");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(!checker.is_free(q, *workspace));
   BOOST_TEST(!checker.is_motion_free(q, Eigen::VectorXd::Constant(7, 0.01), *workspace));
@@ -281,7 +281,7 @@ BOOST_AUTO_TEST_CASE(a_box_around_the_whole_robot_names_the_base_too) {
   Scene scene;
   scene.add_robot(arm7());
   scene.add_object("box", Box{{1, 1, 1}}, at(0, 0, 0));
-  const Checker checker(scene, "arm7");
+  const SceneChecker checker(scene, "arm7");
   const auto contacts = checker.contacts(Eigen::VectorXd::Zero(7), *checker.make_workspace());
   BOOST_TEST(has_contact(contacts, "arm7_base", "box"));
   BOOST_TEST(has_contact(contacts, "arm7_shoulder", "box"));
@@ -290,7 +290,7 @@ BOOST_AUTO_TEST_CASE(a_box_around_the_whole_robot_names_the_base_too) {
 BOOST_AUTO_TEST_CASE(nearest_agrees_with_is_free_everywhere) {
   const auto robot = arm7();
   const Scene scene = crowd(robot, 5, 1, "arm7_hand");
-  const Checker checker(scene, "arm7");
+  const SceneChecker checker(scene, "arm7");
   const auto workspace = checker.make_workspace();
   Dice dice(9);
   for (int i = 0; i < 300; ++i) {
@@ -299,7 +299,7 @@ BOOST_AUTO_TEST_CASE(nearest_agrees_with_is_free_everywhere) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(many_objects_give_the_same_answers_as_few) {
+BOOST_AUTO_TEST_CASE(many_objects_give_the_same_results_as_few) {
   const auto robot = arm7();
   Dice dice(3);
   Scene all;
@@ -311,10 +311,10 @@ BOOST_AUTO_TEST_CASE(many_objects_give_the_same_answers_as_few) {
     each.back().add_object("x", Box{{0.1, 0.1, 0.05}}, pose);
     all.add_object("x" + std::to_string(i), Box{{0.1, 0.1, 0.05}}, pose);
   }
-  const Checker checker(all, "arm7");
+  const SceneChecker checker(all, "arm7");
   const auto workspace = checker.make_workspace();
   std::vector<std::unique_ptr<Checker>> checkers;
-  for (const Scene& scene : each) checkers.push_back(std::make_unique<Checker>(scene, "arm7"));
+  for (const Scene& scene : each) checkers.push_back(std::make_unique<SceneChecker>(scene, "arm7"));
   for (int i = 0; i < 30; ++i) {
     const Eigen::VectorXd q = dice.configuration(*robot);
     const bool free = std::all_of(checkers.begin(), checkers.end(),
@@ -330,7 +330,7 @@ BOOST_AUTO_TEST_CASE(nearest_is_right_for_robots_and_things_of_spheres_only) {
     scene.add_robot(spheres());
     scene.add_object("x", Sphere{0.1}, at(far, 0, 0));
     for (const CheckMode mode : {CheckMode::exact, CheckMode::coal}) {
-      const Checker checker(scene, "planar", {.mode = mode});
+      const SceneChecker checker(scene, "planar", {.mode = mode});
       const auto nearest = checker.nearest(Vector2d(0, 0), *checker.make_workspace());
       BOOST_REQUIRE(nearest.has_value());
       BOOST_TEST(names(*nearest, "lower", "x"));
@@ -355,8 +355,8 @@ double moved(const RobotModel& robot, const Eigen::VectorXd& q, Eigen::Index joi
   double most = 0.0;
   for (std::size_t i = 0; i < robot.geometries().size(); ++i)
     for (int k = 0; k < 20; ++k) {
-      const Eigen::Vector3d way(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1));
-      const Eigen::Vector3d p = robot.geometries()[i].center + robot.geometries()[i].radius * way.normalized();
+      const Eigen::Vector3d direction(dice.in(-1, 1), dice.in(-1, 1), dice.in(-1, 1));
+      const Eigen::Vector3d p = robot.geometries()[i].center + robot.geometries()[i].radius * direction.normalized();
       most = std::max(most, (robot.geometry_pose(*there, i) * p - robot.geometry_pose(*here, i) * p).norm());
     }
   return most / unit;
@@ -366,7 +366,7 @@ void expect_to_bound(const RobotModel& robot, double used) {
   Dice dice(1);
   Scene alone;
   alone.add_robot(std::shared_ptr<const RobotModel>(&robot, [](const RobotModel*) {}));
-  const Eigen::VectorXd reach = Checker(alone, robot.name()).reach();
+  const Eigen::VectorXd reach = SceneChecker(alone, robot.name()).reach();
   Eigen::VectorXd most = Eigen::VectorXd::Zero(reach.size());
   for (int i = 0; i < 300; ++i) {
     const Eigen::VectorXd q = dice.configuration(robot);
@@ -389,21 +389,21 @@ BOOST_AUTO_TEST_CASE(reach_bounds_how_far_a_joint_moves_any_point) {
   if (const auto robot = panda()) expect_to_bound(*robot, 0.0);
 }
 
-BOOST_AUTO_TEST_CASE(reach_knows_what_the_robot_holds_and_its_companions) {
+BOOST_AUTO_TEST_CASE(reach_counts_attached_objects_and_other_robots) {
   Scene scene;
   scene.add_robot(robots::planar());
-  const Eigen::VectorXd empty = Checker(scene, "planar").reach();
+  const Eigen::VectorXd empty = SceneChecker(scene, "planar").reach();
   scene.add_object("held", Sphere{0.1}, {});
   scene.attach_object("held", "planar", "tip", {"lower"}, at(0.4, 0, 0));
-  const Eigen::VectorXd holding = Checker(scene, "planar").reach();
+  const Eigen::VectorXd holding = SceneChecker(scene, "planar").reach();
   BOOST_TEST(holding[1] == 1.5, boost::test_tools::tolerance(1e-12));  // 1 to the tip, 0.4 to the sphere, 0.1 in it
   BOOST_TEST(holding[0] == 2.5, boost::test_tools::tolerance(1e-12));
   BOOST_TEST(empty[1] < 1.0);
   scene.add_robot(arm7());
-  const Eigen::VectorXd both = Checker(scene, "planar", {.other_robots = {"arm7"}}).reach();
+  const Eigen::VectorXd both = SceneChecker(scene, "planar", {.other_robots = {"arm7"}}).reach();
   BOOST_TEST(both.size() == 9);
   BOOST_TEST((both.head<2>() == holding));
-  BOOST_TEST((both.tail<7>() == Checker(scene, "arm7").reach()));
+  BOOST_TEST((both.tail<7>() == SceneChecker(scene, "arm7").reach()));
 }
 
 namespace {
@@ -427,14 +427,14 @@ bool free_at(const Checker& checker, const Eigen::VectorXd& q) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(absent_robots_are_left_out_with_what_they_hold) {
+BOOST_AUTO_TEST_CASE(excluded_robots_are_left_out_with_attached_objects) {
   Scene scene = arms_and_post();
   scene.set_qpos("right", Eigen::Vector2d(M_PI / 2, 0));
   scene.add_object("held", Sphere{0.1}, at(1.5, 0, 0));
   scene.attach_object("held", "right", "base");
   const Eigen::Vector2d ahead(0, 0), at_post(M_PI / 2, 0);
   for (const CheckMode mode : {CheckMode::coal, CheckMode::exact}) {
-    const Checker all(scene, "left", {.mode = mode}),
+    const SceneChecker all(scene, "left", {.mode = mode}),
         alone(scene, "left", {.mode = mode, .excluded_robots = {"right"}});
     BOOST_TEST(!free_at(all, ahead));
     BOOST_TEST(free_at(alone, ahead));
@@ -444,10 +444,10 @@ BOOST_AUTO_TEST_CASE(absent_robots_are_left_out_with_what_they_hold) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(companions_only_sees_what_robots_do_to_each_other) {
+BOOST_AUTO_TEST_CASE(other_robots_only_reports_what_robots_do_to_each_other) {
   const Scene scene = arms_and_post();
   for (const CheckMode mode : {CheckMode::coal, CheckMode::exact}) {
-    const Checker pair(scene, "left", {.mode = mode, .other_robots = {"right"}, .other_robots_only = true});
+    const SceneChecker pair(scene, "left", {.mode = mode, .other_robots = {"right"}, .other_robots_only = true});
     BOOST_TEST(pair.dof() == 4u);
     BOOST_TEST(!free_at(pair, Eigen::Vector4d(0, 0, 0, 0)));
     BOOST_TEST(free_at(pair, Eigen::Vector4d(M_PI / 2, 0, 1, 0)));  // the left one in the post
@@ -462,10 +462,10 @@ BOOST_AUTO_TEST_CASE(companions_only_sees_what_robots_do_to_each_other) {
 
 BOOST_AUTO_TEST_CASE(range_holds_the_robot_wherever_it_stands) {
   Scene scene = arms_and_post();
-  const PlacedSphere empty = Checker(scene, "right").range();
+  const PlacedSphere empty = SceneChecker(scene, "right").range();
   scene.add_object("held", Sphere{0.1}, at(0, 0, 0));
   scene.attach_object("held", "right", "tip", {"lower"}, at(0.4, 0, 0));
-  const PlacedSphere range = Checker(scene, "right").range();
+  const PlacedSphere range = SceneChecker(scene, "right").range();
   BOOST_TEST(range.radius > empty.radius);
   for (double a = -3; a <= 3; a += 0.5)
     for (double b = -3; b <= 3; b += 0.5) {
@@ -480,19 +480,20 @@ BOOST_AUTO_TEST_CASE(range_holds_the_robot_wherever_it_stands) {
 
 BOOST_AUTO_TEST_CASE(by_spheres_alone_is_never_free_wrongly) {
   const Scene scene = arms_and_post();
-  const Checker exact(scene, "left", {.other_robots = {"right"}, .other_robots_only = true});
-  const Checker coal(scene, "left", {.mode = CheckMode::coal, .other_robots = {"right"}, .other_robots_only = true});
+  const SceneChecker exact(scene, "left", {.other_robots = {"right"}, .other_robots_only = true});
+  const SceneChecker coal(scene, "left",
+                          {.mode = CheckMode::coal, .other_robots = {"right"}, .other_robots_only = true});
   std::mt19937 random(7);
   std::uniform_real_distribution<double> turn(-1.5, 1.5);
   const RowMatrix q = RowMatrix::NullaryExpr(200, 4, [&] { return turn(random); });
-  const auto ask = [&](const Checker& checker, bool by_spheres) {
+  const auto check_all = [&](const Checker& checker, bool by_spheres) {
     const auto free = std::make_unique<bool[]>(200);
     checker.are_free(q, {free.get(), 200}, *checker.make_workspace(), {.spheres_only = by_spheres});
     return std::vector<bool>(free.get(), free.get() + 200);
   };
-  const auto truth = ask(coal, false), spheres_only = ask(exact, true);
-  BOOST_TEST((ask(exact, false) == truth));
-  BOOST_TEST((ask(coal, true) == truth));  // it has no spheres
+  const auto truth = check_all(coal, false), spheres_only = check_all(exact, true);
+  BOOST_TEST((check_all(exact, false) == truth));
+  BOOST_TEST((check_all(coal, true) == truth));  // it has no spheres
   int proved = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     BOOST_TEST((!spheres_only[i] || truth[i]));

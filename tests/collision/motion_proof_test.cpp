@@ -51,8 +51,8 @@ MotionProof prove(const Checker& checker, const Trajectory& t, Checker::Workspac
 }
 
 struct Sampled {
-  double least{infinity};  // distance met, within half a millimetre of the smallest
-  double deepest{0.0};     // of contacts met
+  double smallest{infinity};  // distance found, within half a millimetre of the smallest
+  double deepest{0.0};        // of contacts found
 };
 
 /// The nearest pair at samples between which nothing moves by more than `step`; those that cannot come nearer than what
@@ -63,8 +63,8 @@ Sampled sample(const Checker& checker, const Trajectory& t, Checker::Workspace& 
   int left_out = 0;
   for (Eigen::Index row = 0; row + 1 < t.positions.rows(); ++row) {
     const double h = t.times[row + 1] - t.times[row];
-    const Eigen::VectorXd way = (t.positions.row(row + 1) - t.positions.row(row)).transpose().cwiseAbs();
-    Eigen::VectorXd fastest = way / h;  // of a cubic: |v| <= 1.5 |mean| + |v0| + |v1|
+    const Eigen::VectorXd step_of_joints = (t.positions.row(row + 1) - t.positions.row(row)).transpose().cwiseAbs();
+    Eigen::VectorXd fastest = step_of_joints / h;  // of a cubic: |v| <= 1.5 |mean| + |v0| + |v1|
     if (t.velocities.rows() > 0)
       fastest = 1.5 * fastest + (t.velocities.row(row).cwiseAbs() + t.velocities.row(row + 1).cwiseAbs()).transpose();
     const int steps = 1 + static_cast<int>(h * fastest.dot(reach) / step);
@@ -72,9 +72,9 @@ Sampled sample(const Checker& checker, const Trajectory& t, Checker::Workspace& 
       if (left_out-- > 0) continue;
       const auto nearest = checker.nearest(t.sample(t.times[row] + h * i / steps), workspace);
       const double apart = nearest ? nearest->distance : 1.0;
-      sampled.least = std::min(sampled.least, apart);
+      sampled.smallest = std::min(sampled.smallest, apart);
       sampled.deepest = std::max(sampled.deepest, -apart);
-      left_out = static_cast<int>(std::min(apart, apart - sampled.least + 5e-4) / (2 * step));
+      left_out = static_cast<int>(std::min(apart, apart - sampled.smallest + 5e-4) / (2 * step));
     }
   }
   return sampled;
@@ -100,21 +100,21 @@ void compare(const Checker& checker, const Trajectory& t, Tally& tally) {
   }
   ++tally.free;
   tally.near += proof.clearance < 0.01;
-  BOOST_TEST(sampled.least > -Checker::motion_floor);
+  BOOST_TEST(sampled.smallest > -Checker::motion_floor);
   BOOST_TEST(std::abs(there->distance - proof.clearance) < gjk);
   BOOST_TEST((there->body_a == proof.body_a && there->body_b == proof.body_b));
-  BOOST_TEST(proof.proved <= sampled.least);
+  BOOST_TEST(proof.proved <= sampled.smallest);
   BOOST_TEST(proof.proved <= proof.clearance);
   for (const MotionProof::Part& part : proof.unproved) BOOST_TEST(part.from < part.to);
   if (!proof.unproved.empty()) return;
   ++tally.proved;
-  BOOST_TEST(sampled.least > 0.0);
+  BOOST_TEST(sampled.smallest > 0.0);
   BOOST_TEST(proof.proved >= std::min(0.5 * proof.clearance, proof.clearance - 2.5e-5));
 }
 
 Tally compare_many(const Scene& scene, const std::string& robot, const std::vector<std::string>& other_robots,
                    int motions, double size, unsigned seed) {
-  const Checker checker(scene, robot, {.mode = CheckMode::coal, .other_robots = other_robots});
+  const SceneChecker checker(scene, robot, {.mode = CheckMode::coal, .other_robots = other_robots});
   const auto workspace = checker.make_workspace();
   Dice dice(seed);
   Tally tally;
@@ -144,7 +144,7 @@ struct Beside {
     return scene;
   }
   Scene scene;
-  Checker checker;
+  SceneChecker checker;
   Checker::WorkspacePtr workspace = checker.make_workspace();
 };
 
@@ -206,10 +206,10 @@ BOOST_AUTO_TEST_CASE(a_robot_of_meshes_is_proved) {
   compare_many(crowd(robot, 2, 5, "panda_hand"), "panda", {}, 2, 0.1, 3);
 }
 
-BOOST_AUTO_TEST_CASE(straight_motions_are_judged_as_the_checker_does) {
+BOOST_AUTO_TEST_CASE(straight_motions_are_proved_where_the_checker_calls_them_free) {
   const auto robot = arm7();
   const Scene scene = crowd(robot, 3, 5, "arm7_hand");
-  const Checker checker(scene, "arm7"), coal(scene, "arm7", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "arm7"), coal(scene, "arm7", {.mode = CheckMode::coal});
   const auto workspace = checker.make_workspace(), other = coal.make_workspace();
   Dice dice(17);
   int free = 0;
@@ -229,7 +229,7 @@ BOOST_AUTO_TEST_CASE(straight_motions_are_judged_as_the_checker_does) {
 
 BOOST_AUTO_TEST_CASE(velocities_that_jump_at_every_row_make_straight_motions_too) {
   const Scene scene = crowd(arm7(), 3, 5, "arm7_hand");
-  const Checker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "arm7", {.mode = CheckMode::coal});
   const auto workspace = checker.make_workspace();
   Dice dice(23);
   int free = 0;
@@ -260,11 +260,11 @@ BOOST_AUTO_TEST_CASE(the_clearance_is_where_the_tip_passes_the_sphere) {
   const MotionProof proof = prove(world.checker, t, *world.workspace, {.gap_tolerance = 0.99});
   BOOST_TEST(proof.free);
   BOOST_TEST(proof.unproved.empty());
-  const double least = 2.1 - std::hypot(1.95, 0.05);  // between the sphere and the bar's corners
-  BOOST_TEST(proof.clearance >= least - gjk);
-  BOOST_TEST(proof.clearance <= least / 0.99);
+  const double smallest = 2.1 - std::hypot(1.95, 0.05);  // between the sphere and the bar's corners
+  BOOST_TEST(proof.clearance >= smallest - gjk);
+  BOOST_TEST(proof.clearance <= smallest / 0.99);
   BOOST_TEST(proof.proved >= 0.99 * proof.clearance);
-  BOOST_TEST(proof.proved <= least);
+  BOOST_TEST(proof.proved <= smallest);
   BOOST_TEST(std::abs(proof.time - 12.0) < 0.2);
   BOOST_TEST(proof.body_a == "lower");
   BOOST_TEST(proof.body_b == "x");
@@ -303,7 +303,7 @@ BOOST_AUTO_TEST_CASE(a_thin_foil_between_two_of_a_hundred_rows_is_found) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("foil", Box{{0.1, 1e-4, 0.1}}, at(1.9, 0.0005, 0));
-  const Checker checker(scene, "planar", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "planar", {.mode = CheckMode::coal});
   const auto workspace = checker.make_workspace();
   for (const Eigen::Index rows : {2, 3, 4, 50, 100, 127}) {
     Trajectory t = motion_of(checker, rows);
@@ -322,7 +322,7 @@ BOOST_AUTO_TEST_CASE(what_slides_along_within_a_micrometre_is_neither_proved_nor
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("floor", Box{{6, 6, 0.1}}, at(0, 0, -0.1 - 1.5e-6));
-  const Checker checker(scene, "planar", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "planar", {.mode = CheckMode::coal});
   const MotionProof proof =
       prove(checker, straight(checker, Vector2d(0, 0.5), Vector2d(1e-4, 0.5)), *checker.make_workspace());
   BOOST_TEST(proof.free);
@@ -365,7 +365,7 @@ BOOST_AUTO_TEST_CASE(one_row_is_a_motion_too) {
 BOOST_AUTO_TEST_CASE(with_nothing_to_collide_with_there_is_no_nearest_pair) {
   Scene scene;
   scene.add_robot(robots::planar());
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const MotionProof proof =
       prove(checker, straight(checker, Vector2d(-3, -3), Vector2d(3, 3)), *checker.make_workspace());
   BOOST_TEST(proof.free);
@@ -374,11 +374,11 @@ BOOST_AUTO_TEST_CASE(with_nothing_to_collide_with_there_is_no_nearest_pair) {
   BOOST_TEST((proof.body_a.empty() && proof.body_b.empty() && proof.unproved.empty()));
 }
 
-BOOST_AUTO_TEST_CASE(bodies_that_overlap_at_rest_are_a_contact_all_along) {
+BOOST_AUTO_TEST_CASE(bodies_that_overlap_and_never_move_are_a_contact_all_along) {
   Scene scene;
   scene.add_robot(arm7());
   scene.add_object("table", Box{{1, 1, 0.1}}, at(0, 0, -0.049));
-  const Checker checker(scene, "arm7");
+  const SceneChecker checker(scene, "arm7");
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(7);
   const MotionProof proof = prove(checker, straight(checker, q, q), *checker.make_workspace());
   BOOST_TEST(!proof.free);
@@ -392,26 +392,26 @@ BOOST_AUTO_TEST_CASE(when_time_is_up_all_that_is_open_is_called_unproved) {
   const Beside world(at(1.5, 0.3, 0));
   const MotionProof proof = prove(world.checker, straight(world.checker, Vector2d(-1, 0), Vector2d(0, 0)),
                                   *world.workspace, {.deadline = &passed});
-  BOOST_TEST(proof.free);  // at the rows that were looked at
+  BOOST_TEST(proof.free);  // at the rows that were checked
   BOOST_TEST(proof.proved == 0.0);
   BOOST_REQUIRE(proof.unproved.size() == 2);
   for (const MotionProof::Part& part : proof.unproved) BOOST_TEST((part.from == 0.0 && part.to == 1.0));
   const auto robot = arm7();
   const Scene scene = crowd(robot, 1, 2, "arm7_hand");
-  const Checker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "arm7", {.mode = CheckMode::coal});
   Dice dice(2);
   for (int i = 0; i < 50; ++i) {
-    const MotionProof late =
+    const MotionProof stopped =
         prove(checker, random_walk(dice, checker, 10, 0.05), *checker.make_workspace(), {.deadline = &passed});
-    BOOST_TEST((!late.free || !late.unproved.empty()));
-    BOOST_TEST(late.proved == 0.0);
+    BOOST_TEST((!stopped.free || !stopped.unproved.empty()));
+    BOOST_TEST(stopped.proved == 0.0);
   }
 }
 
 BOOST_AUTO_TEST_CASE(a_deadline_that_does_not_pass_changes_nothing) {
   const Deadline never;
   const Scene scene = crowd(arm7(), 1, 2, "arm7_hand");
-  const Checker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "arm7", {.mode = CheckMode::coal});
   const auto used = checker.make_workspace();
   Dice dice(5);
   for (int i = 0; i < 50; ++i) {

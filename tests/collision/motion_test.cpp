@@ -71,7 +71,7 @@ struct Tally {
 /// Compares is_motion_free with dense sampling: nothing in contact may be called free, nothing clear refused.
 Tally compare(const Scene& scene, const RobotModel& robot, int motions, double largest, unsigned seed, double step) {
   constexpr double reach = 1.3, clearance = 0.005;
-  const Checker checker(scene, robot.name());
+  const SceneChecker checker(scene, robot.name());
   const auto workspace = checker.make_workspace(), dense = checker.make_workspace();
   Dice dice(seed);
   Tally tally;
@@ -127,7 +127,7 @@ BOOST_AUTO_TEST_CASE(a_motion_does_not_jump_over_a_thin_wall) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("foil", Box{{0.1, 1e-4, 0.1}}, at(1.9, 0, 0));
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(checker.is_free(Vector2d(-1, 0), *workspace));
   BOOST_TEST(checker.is_free(Vector2d(1, 0), *workspace));
@@ -140,7 +140,7 @@ BOOST_AUTO_TEST_CASE(both_ends_belong_to_the_motion) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("x", Sphere{0.1}, at(1.5, 0, 0));
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0.5, 0), *workspace));
   BOOST_TEST(!checker.is_motion_free(Vector2d(0.5, 0), Vector2d(0, 0), *workspace));
@@ -148,16 +148,16 @@ BOOST_AUTO_TEST_CASE(both_ends_belong_to_the_motion) {
   BOOST_TEST(checker.is_motion_free(Vector2d(0.5, 0), Vector2d(0.5, 0), *workspace));
 }
 
-BOOST_AUTO_TEST_CASE(a_pair_at_rest_in_a_motion_is_checked_unless_the_start_is_known_free) {
+BOOST_AUTO_TEST_CASE(a_pair_that_a_motion_does_not_move_is_checked_unless_the_start_is_known_free) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("x", Sphere{0.1}, at(0.5, 0, 0));
   for (const CheckMode mode : {CheckMode::exact, CheckMode::coal}) {
-    const Checker checker(scene, "planar", {.mode = mode});
+    const SceneChecker checker(scene, "planar", {.mode = mode});
     const auto workspace = checker.make_workspace();
     BOOST_TEST(!checker.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *workspace));
   }
-  const Checker coal(scene, "planar", {.mode = CheckMode::coal});
+  const SceneChecker coal(scene, "planar", {.mode = CheckMode::coal});
   BOOST_TEST(coal.is_motion_free(Vector2d(0, 0), Vector2d(0, 0.5), *coal.make_workspace(), {.start_is_free = true}));
 }
 
@@ -166,17 +166,17 @@ BOOST_AUTO_TEST_CASE(continuous_joints_go_the_short_way) {
   Scene scene;
   scene.add_robot(robot);
   scene.add_object("x", Sphere{0.1}, at(-1.5, 0, 0));
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(!checker.is_motion_free(Vector2d(3, 0), Vector2d(-3, 0), *workspace));
   BOOST_TEST(checker.is_motion_free(Vector2d(1, 0), Vector2d(-1, 0), *workspace));
 }
 
-BOOST_AUTO_TEST_CASE(a_wide_corridor_is_passed_and_a_gap_of_a_tenth_of_a_millimetre_too) {
+BOOST_AUTO_TEST_CASE(a_wide_corridor_is_free_and_a_clearance_of_a_tenth_of_a_millimetre_too) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("floor", Box{{6, 6, 0.1}}, at(0, 0, -0.1 - 1e-4));  // 0.1 mm below the bars
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace));
 }
@@ -185,7 +185,7 @@ BOOST_AUTO_TEST_CASE(a_long_check_stops_at_the_deadline_and_a_short_one_need_not
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("floor", Box{{6, 6, 0.1}}, at(0, 0, -0.1 - 1e-4));
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   const Deadline passed(1e-9), never;
   checker.stop_at(passed, *workspace);
@@ -235,7 +235,7 @@ BOOST_AUTO_TEST_CASE(a_thousand_certified_motions_hit_nothing_at_steps_of_a_tent
   const auto mesh_robot = panda();  // else the arm of primitives
   const auto robot = mesh_robot ? mesh_robot : arm7();
   const Scene scene = crowd(robot, 2, 5, mesh_robot ? "panda_hand" : "arm7_hand");
-  const Checker checker(scene, robot->name(), {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, robot->name(), {.mode = CheckMode::coal});
   const auto workspace = checker.make_workspace();
   Dice dice(12);
   int proved = 0, hits = 0, clear = 0, clear_proved = 0;
@@ -258,10 +258,10 @@ BOOST_AUTO_TEST_CASE(a_thousand_certified_motions_hit_nothing_at_steps_of_a_tent
   BOOST_TEST_MESSAGE(clear_proved << " of " << clear << " motions with more than 5 mm of clearance are proved");
 }
 
-BOOST_AUTO_TEST_CASE(answers_do_not_depend_on_what_was_asked_before) {
+BOOST_AUTO_TEST_CASE(results_do_not_depend_on_earlier_queries) {
   const auto robot = arm7();
   const Scene scene = crowd(robot, 21, 5, "arm7_hand");
-  const Checker checker(scene, "arm7");
+  const SceneChecker checker(scene, "arm7");
   const auto used = checker.make_workspace();
   Dice dice(1);
   for (int i = 0; i < 300; ++i) {
@@ -279,11 +279,11 @@ BOOST_AUTO_TEST_CASE(answers_do_not_depend_on_what_was_asked_before) {
 BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
   const auto robot = arm7();
   const Scene scene = crowd(robot, 31, 5, "arm7_hand");
-  const Checker checker(scene, "arm7");
+  const SceneChecker checker(scene, "arm7");
   std::vector<Motion> motions;
   Dice dice(8);
   for (int i = 0; i < 400; ++i) motions.push_back(random_motion(dice, *robot, 0.8));
-  const auto answers = [&](std::string& out) {
+  const auto results = [&](std::string& out) {
     const auto workspace = checker.make_workspace();
     for (const Motion& m : motions) {
       out += checker.is_free(m.a, *workspace) ? '1' : '0';
@@ -291,8 +291,8 @@ BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
     }
   };
   std::string alone, first, second;
-  answers(alone);
-  std::thread one([&] { answers(first); }), two([&] { answers(second); });
+  results(alone);
+  std::thread one([&] { results(first); }), two([&] { results(second); });
   one.join();
   two.join();
   BOOST_TEST(first == alone);
@@ -302,19 +302,19 @@ BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
 BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
   const auto robot = arm7();
   const Scene scene = crowd(robot, 41, 2, "arm7_hand");
-  const Checker checker(scene, "arm7");
+  const SceneChecker checker(scene, "arm7");
   const auto workspace = checker.make_workspace();
   std::vector<Motion> motions;
   Dice dice(5);
   for (int i = 0; i < 300; ++i) motions.push_back(random_motion(dice, *robot, 0.5));
   int free = 0;
-  const auto ask_all = [&] {
+  const auto check_all = [&] {
     for (const Motion& m : motions)
       free += checker.is_free(m.a, *workspace) + checker.is_motion_free(m.a, m.b, *workspace);
   };
-  ask_all();
+  check_all();
   const long before = allocations;
-  ask_all();
+  check_all();
   const long after = allocations;
   BOOST_TEST(after - before == 0);
   BOOST_TEST(free > 0);
@@ -324,7 +324,7 @@ BOOST_AUTO_TEST_CASE(the_workspace_counts) {
   Scene scene;
   scene.add_robot(robots::planar());
   scene.add_object("x", Sphere{0.1}, at(1.5, 0.3, 0));
-  const Checker checker(scene, "planar");
+  const SceneChecker checker(scene, "planar");
   const auto workspace = checker.make_workspace();
   checker.is_free(Vector2d(0, 0), *workspace);
   checker.is_motion_free(Vector2d(0, 0), Vector2d(0.1, 0), *workspace);

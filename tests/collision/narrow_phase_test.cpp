@@ -16,19 +16,19 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 using Geometry = std::shared_ptr<const coal::CollisionGeometry>;
 
-struct Body {
+struct NamedShape {
   std::string name;
   Geometry geometry;
   Bounds bounds;
-  std::shared_ptr<const PrimitiveBvh> pieces;
+  std::shared_ptr<const PrimitiveBvh> bvh;
 };
 
-Body body_of(const std::string& name, const Geometry& geometry) {
+NamedShape body_of(const std::string& name, const Geometry& geometry) {
   return {name, geometry, bounds_of(*geometry), make_primitive_bvh(*geometry)};
 }
 
-std::vector<Body> bodies() {
-  std::vector<Body> all;
+std::vector<NamedShape> bodies() {
+  std::vector<NamedShape> all;
   for (const auto& [name, shape] : every_kind()) {
     const Geometry geometry = make_geometry(shape, name);
     all.push_back(body_of(name, geometry));
@@ -37,20 +37,20 @@ std::vector<Body> bodies() {
 }
 
 struct Place {
-  Place(const Body& of, const Pose& at) : body(of), pose(at.isometry()), center(pose * body.bounds.center) {}
-  Placed placed() const { return {body.geometry.get(), body.pieces.get(), body.bounds, pose, center}; }
-  const Body& body;
+  Place(const NamedShape& of, const Pose& at) : body(of), pose(at.isometry()), center(pose * body.bounds.center) {}
+  Placed placed() const { return {body.geometry.get(), body.bvh.get(), body.bounds, pose, center}; }
+  const NamedShape& body;
   Eigen::Isometry3d pose;
   Eigen::Vector3d center;
 };
 
 /// A narrow phase for one pair.
 struct Narrow {
-  Narrow(const Body& a, const Body& b)
-      : solids(!a.pieces && !b.pieces), formula(solids ? table.index(*a.geometry, *b.geometry) : -1), narrow(table) {}
+  Narrow(const NamedShape& a, const NamedShape& b)
+      : solids(!a.bvh && !b.bvh), formula(solids ? table.index(*a.geometry, *b.geometry) : -1), narrow(table) {}
   double distance(const Place& a, const Place& b, double margin) {
     if (solids) return narrow.solids(formula, a.placed(), b.placed(), margin);
-    return narrow.pieces(a.placed(), b.placed(), margin, 0.0);
+    return narrow.primitives(a.placed(), b.placed(), margin, 0.0);
   }
   FormulaTable table;
   bool solids;
@@ -66,10 +66,10 @@ Pose somewhere(Dice& dice) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(margins_hold_for_every_pair_of_kinds) {
-  const std::vector<Body> all = bodies();
+  const std::vector<NamedShape> all = bodies();
   Dice dice(1);
-  for (const Body& a : all)
-    for (const Body& b : all) {
+  for (const NamedShape& a : all)
+    for (const NamedShape& b : all) {
       Narrow narrow(a, b);
       for (int i = 0; i < 40; ++i) {
         const Place place_a(a, somewhere(dice)), place_b(b, somewhere(dice));
@@ -86,15 +86,15 @@ BOOST_AUTO_TEST_CASE(margins_hold_for_every_pair_of_kinds) {
 }
 
 BOOST_AUTO_TEST_CASE(what_overlaps_is_within_any_margin) {
-  const std::vector<Body> all = bodies();
+  const std::vector<NamedShape> all = bodies();
   Dice dice(4);
   const auto on_a_grid = [&] {  // aligned and symmetric places are where GJK stops just short of 0
     const auto step = [&] { return 0.02 * (static_cast<double>(dice.below(5)) - 2.0); };
     const auto turn = [&] { return M_PI / 2 * static_cast<double>(dice.below(4)); };
     return at(step(), step(), step(), turn(), turn(), turn());
   };
-  for (const Body& a : all)
-    for (const Body& b : all) {
+  for (const NamedShape& a : all)
+    for (const NamedShape& b : all) {
       Narrow narrow(a, b);
       for (int i = 0; i < 60; ++i) {
         const Place place_a(a, on_a_grid()), place_b(b, on_a_grid());
@@ -109,11 +109,11 @@ BOOST_AUTO_TEST_CASE(what_overlaps_is_within_any_margin) {
 BOOST_AUTO_TEST_CASE(a_cloud_is_its_voxels) {
   const PointCloud cloud{{{0.01, 0.01, 0.01}, {0.05, -0.03, 0.09}, {-0.07, 0.03, 0.01}}, 0.02};
   const Geometry geometry = make_geometry(cloud, "cloud"), box = make_geometry(Box{{0.02, 0.02, 0.02}}, "voxel");
-  const Body body = body_of("cloud", geometry), voxel = body_of("voxel", box);
+  const NamedShape body = body_of("cloud", geometry), voxel = body_of("voxel", box);
   const auto all = bodies();
   Dice dice(2);
   for (int i = 0; i < 200; ++i) {
-    const Body& other_body = all[dice.below(all.size() - 1)];
+    const NamedShape& other_body = all[dice.below(all.size() - 1)];
     const Pose pose = somewhere(dice);
     const Place place(body, pose), other(other_body, somewhere(dice));
     double nearest = 1e9;
@@ -147,10 +147,10 @@ BOOST_AUTO_TEST_CASE(hulls_and_spheres_and_boxes_are_outside) {
 }
 
 BOOST_AUTO_TEST_CASE(a_query_does_not_remember_the_one_before) {
-  const std::vector<Body> all = bodies();
+  const std::vector<NamedShape> all = bodies();
   Dice dice(3);
-  for (const Body& a : all)
-    for (const Body& b : all) {
+  for (const NamedShape& a : all)
+    for (const NamedShape& b : all) {
       Narrow used(a, b);
       for (int i = 0; i < 15; ++i) {
         const Place place_a(a, somewhere(dice)), place_b(b, somewhere(dice));

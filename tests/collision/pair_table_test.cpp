@@ -23,7 +23,7 @@ std::string stl(const Mesh& mesh) {
   return text + "endsolid s\n";
 }
 
-/// Three angle irons in a row, turning about z and y: the last can meet the first. And one that nothing reaches.
+/// Three angle irons in a row, turning about z and y: the last can hit the first. And one that nothing reaches.
 /// `planned`: joints, all when empty.
 std::shared_ptr<const RobotModel> irons(const TemporaryDirectory& directory,
                                         const std::vector<std::string>& planned = {}) {
@@ -67,19 +67,19 @@ BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
   BOOST_TEST(store.tables(robot, {}) == tables);  // known
   Scene scene;
   scene.add_robot(robot);
-  const Checker coal(scene, "irons", {.mode = CheckMode::coal});
+  const SceneChecker coal(scene, "irons", {.mode = CheckMode::coal});
   const auto workspace = coal.make_workspace();
-  int meeting = 0;
+  int contacts = 0;
   bool far_dropped = false;
   for (const PairTable& table : *tables) {
     const auto link = [&](std::size_t i) { return robot->geometries()[i].link; };
     const std::string a = link(table.geometry_a), b = link(table.geometry_b);
     if (a == "far" || b == "far") {
-      BOOST_TEST(table.never_meet(), a << ' ' << b);
+      BOOST_TEST(table.never_collide(), a << ' ' << b);
       far_dropped = true;
       continue;
     }
-    BOOST_TEST(!table.never_meet());
+    BOOST_TEST(!table.never_collide());
     Dice dice(1);
     int proved = 0;
     for (int i = 0; i < 4000; ++i) {  // far beyond the limits, too
@@ -91,17 +91,17 @@ BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
       const bool free = table.is_free(at, at);
       BOOST_TEST(!(free && contact));
       proved += free;
-      meeting += contact;
+      contacts += contact;
     }
     BOOST_TEST(proved > 1000);
     // A range is free when all of it is.
     BOOST_TEST(!table.is_free({-4, -4}, {4, 4}));
   }
-  BOOST_TEST(meeting > 100);
+  BOOST_TEST(contacts > 100);
   BOOST_TEST(far_dropped);
 }
 
-BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_answers) {
+BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_results) {
   const TemporaryDirectory directory;
   const auto robot = irons(directory);
   Scene scene;
@@ -109,16 +109,16 @@ BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_answers) {
   scene.add_object("post", Box{{0.05, 0.05, 0.5}}, at(0.25, 0.2, 0.2));
   CheckerOptions with;
   with.pair_tables = std::make_shared<PairTableStore>("");
-  const Checker tables(scene, "irons", with), plain(scene, "irons", {.mode = CheckMode::coal});
+  const SceneChecker tables(scene, "irons", with), plain(scene, "irons", {.mode = CheckMode::coal});
   const auto w = tables.make_workspace(), v = plain.make_workspace();
   Dice dice(2);
   int free = 0;
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector2d a(dice.in(-4, 4), dice.in(-4, 4)), b = a + Eigen::Vector2d(dice.in(-1, 1), dice.in(-1, 1));
     BOOST_TEST(tables.is_free(a, *w) == plain.is_free(a, *v));
-    const bool answer = tables.is_motion_free(a, b, *w);
-    BOOST_TEST(answer == plain.is_motion_free(a, b, *v));
-    free += answer;
+    const bool is_free = tables.is_motion_free(a, b, *w);
+    BOOST_TEST(is_free == plain.is_motion_free(a, b, *v));
+    free += is_free;
   }
   BOOST_TEST(free > 100);
   BOOST_TEST(free < 900);
@@ -141,15 +141,15 @@ BOOST_AUTO_TEST_CASE(links_that_other_joints_move_have_no_table) {
 BOOST_AUTO_TEST_CASE(tables_are_kept_in_a_directory_and_made_again_when_damaged) {
   const TemporaryDirectory directory;
   const auto robot = irons(directory);
-  const auto ask = [&] {
+  const auto load = [&] {
     PairTableStore store(directory.path("cache"));
     return store.tables(robot, parts_of_all(*robot));
   };
-  const auto built = ask(), loaded = ask();
+  const auto built = load(), loaded = load();
   BOOST_TEST(same(*built, *loaded));
   for (const auto& entry : std::filesystem::directory_iterator(directory.path("cache"))) {
     BOOST_TEST(entry.path().extension() == ".pairs");
     std::filesystem::resize_file(entry.path(), std::filesystem::file_size(entry.path()) / 2);
   }
-  BOOST_TEST(same(*built, *ask()));
+  BOOST_TEST(same(*built, *load()));
 }

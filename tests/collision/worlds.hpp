@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "srmp/collision/checker.hpp"
+#include "srmp/collision/scene_checker.hpp"
 #include "support/robots.hpp"
 
 namespace worlds {

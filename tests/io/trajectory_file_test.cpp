@@ -66,7 +66,7 @@ BOOST_AUTO_TEST_CASE(numbers_come_back_bit_for_bit) {
 
 BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
   srmp::Certificate c;
-  c.faults = {{srmp::FaultKind::rest, "it moves at its end", std::nan("")},
+  c.faults = {{srmp::FaultKind::not_at_rest, "it moves at its end", std::nan("")},
               {srmp::FaultKind::joint_names, "\"q\"", 0.1}};
   c.limits = {Eigen::Vector2d(1.0 / 3, inf), Eigen::Vector2d(2, 3), Eigen::Vector2d(4, 5), {true, false}};
   c.position = {0.1, "a", 0.2};
@@ -90,7 +90,7 @@ BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
   const auto read = round_trip(t).certificate;
   BOOST_REQUIRE(read);
   BOOST_REQUIRE_EQUAL(read->faults.size(), 2u);
-  BOOST_CHECK(read->faults[0].kind == srmp::FaultKind::rest && std::isnan(read->faults[0].time));
+  BOOST_CHECK(read->faults[0].kind == srmp::FaultKind::not_at_rest && std::isnan(read->faults[0].time));
   BOOST_CHECK(read->faults[1] == c.faults[1]);
   BOOST_CHECK(same_bits(read->limits.velocity, c.limits.velocity) && same_bits(read->limits.jerk, c.limits.jerk));
   BOOST_CHECK(read->limits.continuous == c.limits.continuous);

@@ -1,5 +1,6 @@
 #include <boost/test/unit_test.hpp>
 
+#include "srmp/collision/scene_checker.hpp"
 #include "srmp/planner_interface.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
@@ -36,7 +37,7 @@ const Goals goals{{"left", GoalConstraint::joints(Vector2d(-0.45, 0.0))},
 
 /// The smallest distance of the holder from the others, at instants 2 ms apart.
 double distance(const srmp::PlannerInterface& planner, const MultiTrajectory& motion) {
-  const srmp::Checker all(planner.scene(), "holder",
+  const srmp::SceneChecker all(planner.scene(), "holder",
                           {.mode = srmp::CheckMode::coal, .other_robots = {"left", "right"}});
   const auto workspace = all.make_workspace();
   double least = 1e9;

@@ -87,7 +87,7 @@ def test_plans_keep_the_limits(arm, ready):
     slow = arm.plan("arm", ready, goal)
     assert slow.duration > 2 * fast.duration
     assert slow.certificate.limits == arm.motion_limits("arm")
-    assert 0.9 < slow.certificate.velocity.share <= 1 + 1e-6
+    assert 0.9 < slow.certificate.velocity.fraction <= 1 + 1e-6
     times = np.linspace(0, slow.duration, 2000)
     _, velocity, acceleration, _ = slow.state(times)
     assert np.abs(velocity).max() <= 0.3 * (1 + 1e-6)

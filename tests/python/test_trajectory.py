@@ -160,7 +160,7 @@ BAD = [
     ({"times": [0, 1, 2, 2, 3]}, "times must increase, but row 3 is at 2 s, after 2 s"),
     ({"times": [0, 1, 2, 1.5, 3]}, "times must increase, but row 3 is at 1.5 s, after 2 s"),
     ({"times": [0, 1, 2, 3, NAN]}, "the time of row 4 is NaN"),
-    ({"times": [0, 1e-310, 1, 2, 3]}, "too little for the way of a between them"),
+    ({"times": [0, 1e-310, 1, 2, 3]}, "too little for the motion of a between them"),
     ({"times": None}, "it has velocities, but no times"),
     ({"velocities": np.zeros((4, 2))}, r"velocities have the shape \(4, 2\), but positions \(5, 2\)"),
     ({"velocities": np.full((5, 2), math.inf)}, "velocities, row 0: a is infinity"),
@@ -347,7 +347,7 @@ def test_certificates_read_as_their_claims():
     assert proof.proved_free
     assert (proof.clearance, proof.body_a, proof.body_b, proof.bound) == (0.05, "hand", "post", math.inf)
     assert math.isnan(proof.goal_error)
-    assert (proof.velocity.share, proof.velocity.joint, proof.velocity.time) == (0.5, "a", 1.0)
+    assert (proof.velocity.fraction, proof.velocity.joint, proof.velocity.time) == (0.5, "a", 1.0)
     np.testing.assert_array_equal(proof.limits.acceleration, [3, 4])
     assert "clearance      50 mm, hand and post at 1.25 s" in proof.report()
     assert repr(proof) == "Certificate(holds, proved free)"
@@ -378,7 +378,7 @@ def test_certificates_name_faults_and_what_is_only_sampled():
 
 
 def test_certificates_and_their_parts_are_values():
-    fault = copy_with(srmp.Fault, (srmp.FaultKind.rest, "it moves at its end", 3.0))
+    fault = copy_with(srmp.Fault, (srmp.FaultKind.not_at_rest, "it moves at its end", 3.0))
     sampled = copy_with(srmp.SampledInterval, (1.0, 2.0, "hand", "post"))
     proof = certificate(faults=[fault], sampled=[sampled])
     for value, other in (
@@ -387,7 +387,7 @@ def test_certificates_and_their_parts_are_values():
         (sampled, copy_with(srmp.SampledInterval, (1.0, 2.5, "hand", "post"))),
         (proof.limits, srmp.MotionLimits([1, 2], [3, 4], [50, 61])),
         (proof.velocity, copy_with(srmp.LimitUse, (0.5, "b", 1.0))),
-        (srmp.FaultKind.rest, srmp.FaultKind.goal),
+        (srmp.FaultKind.not_at_rest, srmp.FaultKind.goal),
     ):
         for again in (pickle.loads(pickle.dumps(value)), copy.deepcopy(value)):
             assert again == value
@@ -436,7 +436,7 @@ def test_a_plan_knows_where_its_end_effector_goes(arm, planned):
 
 def test_other_trajectories_ask_a_planner(arm, planned):
     again = pickle.loads(pickle.dumps(planned))
-    refuses(again.end_effector_path, "does not know its robot .* say which planner and robot to ask")
+    refuses(again.end_effector_path, "does not know its robot .* name a planner and a robot")
     refuses(again.end_effector_length, "does not know its robot")
     np.testing.assert_array_equal(again.end_effector_path(arm), planned.end_effector_path())
     assert again.end_effector_length(arm, "arm") == planned.end_effector_length()

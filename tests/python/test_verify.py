@@ -116,9 +116,9 @@ def test_the_request_of_a_problem_file_is_used_too(solved, ready, tmp_path):
     arm.save(tmp_path / "problem.json")
     half = plan.slice(0, plan.duration / 2)
     found = srmp.verify(tmp_path / "problem.json", half, "arm")
-    assert kinds(found) == [srmp.FaultKind.rest, srmp.FaultKind.goal]
+    assert kinds(found) == [srmp.FaultKind.not_at_rest, srmp.FaultKind.goal]
     here = srmp.GoalConstraint(srmp.GoalType.JOINTS, half.positions[-1])
-    assert kinds(srmp.verify(tmp_path / "problem.json", half, goals=here)) == [srmp.FaultKind.rest]
+    assert kinds(srmp.verify(tmp_path / "problem.json", half, goals=here)) == [srmp.FaultKind.not_at_rest]
     assert srmp.FaultKind.start in kinds(srmp.verify(tmp_path / "problem.json", plan, start=ready + 0.01))
 
 
@@ -180,7 +180,7 @@ def test_a_certificate_is_plain_data(solved):
     assert json.loads(json.dumps(data, allow_nan=False)) == data
     assert data["faults"] == []
     assert data["velocity"] == {
-        "share": plan.certificate.velocity.share,
+        "fraction": plan.certificate.velocity.fraction,
         "joint": plan.certificate.velocity.joint,
         "time": plan.certificate.velocity.time,
     }
@@ -242,7 +242,7 @@ def test_verify_names_every_fault(planned, tmp_path):
     assert half.output.splitlines()[-1] == "2 faults: rest, goal"
     assert srmp_command("verify", directory / "problem.json", "--max-deviation", 0.005).exit_code == 0
     jerk = srmp_command("verify", directory / "problem.json", "--jerk")
-    assert jerk.exit_code == (0 if motion.certificate.jerk.share <= 1 else 1)
+    assert jerk.exit_code == (0 if motion.certificate.jerk.fraction <= 1 else 1)
 
 
 def test_joint_limits_make_plans_slower(planned, tmp_path):

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "collision/worlds.hpp"
+#include "srmp/collision/scene_checker.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/planning/certificates/verify.hpp"
 #include "srmp/trajectory/parameterize.hpp"
@@ -40,7 +41,7 @@ struct World {
   }
   Trajectory good() const { return timed(rows({{-1, 0.5}, {0.2, -0.6}, {1, 0.3}})); }
 
-  Checker checker;
+  SceneChecker checker;
   MotionLimits limits;
 };
 
@@ -63,7 +64,7 @@ double expect_only(const Certificate& certificate, FaultKind kind, const std::ve
 }
 
 /// Two rows at 0 and 1 s, joint a from 0 to `to` with the velocities v0 and v1; joint b stands at 0.5.
-Trajectory piece(double from, double to, double v0, double v1) {
+Trajectory segment(double from, double to, double v0, double v1) {
   Trajectory t{{"a", "b"}, rows({{from, 0.5}, {to, 0.5}}), rows({{v0, 0}, {v1, 0}}), {}, Eigen::Vector2d(0, 1), {}};
   return t;
 }
@@ -82,10 +83,10 @@ BOOST_AUTO_TEST_CASE(a_timed_path_has_no_faults) {
     BOOST_TEST(c.clearance_proved > 0.0);
     BOOST_TEST(c.clearance >= c.clearance_proved);
     BOOST_TEST(c.body_b == "sphere");
-    BOOST_TEST((c.velocity.share > 0.5 && c.velocity.share <= 1 + 1e-6));
-    BOOST_TEST((c.acceleration.share > 0.9 && c.acceleration.share <= 1 + 1e-6));
-    BOOST_TEST((c.position.share > 0.3 && c.position.share < 0.4));
-    BOOST_TEST((method == TimingMethod::toppra || c.jerk.share <= 1 + 1e-6));
+    BOOST_TEST((c.velocity.fraction > 0.5 && c.velocity.fraction <= 1 + 1e-6));
+    BOOST_TEST((c.acceleration.fraction > 0.9 && c.acceleration.fraction <= 1 + 1e-6));
+    BOOST_TEST((c.position.fraction > 0.3 && c.position.fraction < 0.4));
+    BOOST_TEST((method == TimingMethod::toppra || c.jerk.fraction <= 1 + 1e-6));
     BOOST_TEST((method == TimingMethod::toppra || c.deviation < 1e-9));
     BOOST_TEST(c.deviation <= 0.005 * (1 + 1e-9));
     BOOST_TEST((c.limits.velocity == world.limits.velocity));
@@ -96,7 +97,7 @@ BOOST_AUTO_TEST_CASE(random_timed_paths_have_no_faults) {
   const auto robot = worlds::arm7();
   Scene scene;
   scene.add_robot(robot);
-  const Checker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "arm7", {.mode = CheckMode::coal});
   const MotionLimits limits = default_limits(*robot);
   Dice dice(3);
   for (int i = 0; i < 100; ++i) {
@@ -113,16 +114,16 @@ BOOST_AUTO_TEST_CASE(random_timed_paths_have_no_faults) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(straight_pieces_without_velocities_are_held_against_limits_too) {
+BOOST_AUTO_TEST_CASE(straight_segments_without_velocities_are_checked_against_limits_too) {
   const World world;
   Trajectory t{{"a", "b"}, rows({{0.2, 0.5}, {1.2, 0.5}}), RowMatrix(0, 2), {}, Eigen::Vector2d(0, 0.6), {}};
   Certificate c = world.certify(t);
   BOOST_TEST(c.holds(), c.report());
-  BOOST_TEST(c.velocity.share == 1.0 / 0.6 / 2.0, boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(c.velocity.fraction == 1.0 / 0.6 / 2.0, boost::test_tools::tolerance(1e-12));
   t.times[1] = 0.4;
   BOOST_TEST(expect_only(world.certify(t), FaultKind::velocity_limit, {"a: the velocity reaches 2.5", "limit is 2"}) ==
              0.0);
-  // Velocities that jump at a row pass for accelerations between the middles of the pieces beside it.
+  // Velocities that jump at a row pass for accelerations between the middles of the segments beside it.
   Trajectory jump{
       {"a", "b"}, rows({{0.2, 0.5}, {0.5, 0.5}, {0.8, 0.2}}), RowMatrix(0, 2), {}, Eigen::Vector3d(0, 0.2, 0.4), {}};
   BOOST_TEST(expect_only(world.certify(jump), FaultKind::acceleration_limit,
@@ -147,28 +148,28 @@ BOOST_AUTO_TEST_CASE(extrema_are_those_of_dense_samples) {
     for (int i = 0; i <= 40000; ++i) {
       const double time = t.times[0] + t.duration() * i / 40000;
       const MotionState s = t.state(time);
-      const std::array<Eigen::ArrayXd, 4> shares{s.position.array().abs() / 3.0,
-                                                 s.velocity.array().abs() / world.limits.velocity.array(),
-                                                 s.acceleration.array().abs() / world.limits.acceleration.array(),
-                                                 s.jerk.array().abs() / world.limits.jerk.array()};
+      const std::array<Eigen::ArrayXd, 4> fractions{s.position.array().abs() / 3.0,
+                                                    s.velocity.array().abs() / world.limits.velocity.array(),
+                                                    s.acceleration.array().abs() / world.limits.acceleration.array(),
+                                                    s.jerk.array().abs() / world.limits.jerk.array()};
       for (std::size_t what = 0; what < 4; ++what) {
         Eigen::Index j{};
-        const double share = shares[what].maxCoeff(&j);
-        if (share > most[what]) most[what] = share, when[what] = time, joint[what] = j;
+        const double fraction = fractions[what].maxCoeff(&j);
+        if (fraction > most[what]) most[what] = fraction, when[what] = time, joint[what] = j;
       }
     }
     const std::array<const LimitUse*, 4> uses{&c.position, &c.velocity, &c.acceleration, &c.jerk};
     for (std::size_t what = 0; what < 4; ++what) {
       const LimitUse& use = *uses[what];
-      BOOST_TEST(use.share >= most[what] * (1 - 1e-9));
-      BOOST_TEST(use.share <= most[what] * (1 + 1e-2));  // samples miss the ends of the pieces
+      BOOST_TEST(use.fraction >= most[what] * (1 - 1e-9));
+      BOOST_TEST(use.fraction <= most[what] * (1 + 1e-2));  // samples miss the ends of the segments
       BOOST_TEST((use.joint == "a" || use.joint == "b"));
-      if (what < 2 && use.share < most[what] * (1 + 1e-7)) {
+      if (what < 2 && use.fraction < most[what] * (1 + 1e-7)) {
         const MotionState s = t.state(use.time);
         const Eigen::Index j = use.joint == "a" ? 0 : 1;
         const double there =
             what == 0 ? std::abs(s.position[j]) / 3.0 : std::abs(s.velocity[j]) / world.limits.velocity[j];
-        BOOST_TEST(there == use.share, boost::test_tools::tolerance(1e-9));
+        BOOST_TEST(there == use.fraction, boost::test_tools::tolerance(1e-9));
       }
     }
     BOOST_TEST((find(c, FaultKind::position_limit) != nullptr) == (most[0] > 1 + 1e-6));
@@ -183,7 +184,7 @@ BOOST_AUTO_TEST_CASE(extrema_are_those_of_dense_samples) {
 BOOST_AUTO_TEST_CASE(no_point_of_the_robot_leaves_its_way_by_more_than_the_deviation) {
   Scene scene;
   scene.add_robot(robots::planar());
-  const Checker checker(scene, "planar", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "planar", {.mode = CheckMode::coal});
   const auto points = [](const Eigen::VectorXd& q) {  // corners of both bars, and the tip
     Eigen::Matrix2Xd p(2, 9);
     const Eigen::Rotation2Dd first(q[0]), both(q[0] + q[1]);
@@ -206,19 +207,19 @@ BOOST_AUTO_TEST_CASE(no_point_of_the_robot_leaves_its_way_by_more_than_the_devia
     options.reach = checker.reach();
     const Trajectory t = time_parameterize(path, {"a", "b"}, limits, options);
     const Certificate c = certify(t, checker, limits);
-    std::vector<Eigen::Matrix2Xd> way;
+    std::vector<Eigen::Matrix2Xd> path_points;
     constexpr int fine = 2000;
     for (Eigen::Index i = 0; i + 1 < path.rows(); ++i)
       for (int s = 0; s <= fine; ++s)
-        way.push_back(points((path.row(i) + (path.row(i + 1) - path.row(i)) * s / fine).transpose()));
+        path_points.push_back(points((path.row(i) + (path.row(i + 1) - path.row(i)) * s / fine).transpose()));
     double most = 0.0;
     for (int i = 0; i <= 200; ++i) {
       const Eigen::Matrix2Xd here = points(t.sample(t.duration() * i / 200));
-      double least = infinity;
-      for (const auto& there : way) least = std::min(least, (here - there).colwise().norm().maxCoeff());
-      most = std::max(most, least);
+      double smallest = infinity;
+      for (const auto& there : path_points) smallest = std::min(smallest, (here - there).colwise().norm().maxCoeff());
+      most = std::max(most, smallest);
     }
-    BOOST_TEST(most <= c.deviation + 2e-3);  // the way is known every 4 mm, 2 mm to either side
+    BOOST_TEST(most <= c.deviation + 2e-3);  // the path is known every 4 mm, 2 mm to either side
     BOOST_TEST(c.deviation <= blend * (1 + 1e-6));
     BOOST_TEST((blend < 0.1 || most > 0.2 * c.deviation));
   }
@@ -246,17 +247,17 @@ BOOST_AUTO_TEST_CASE(limits_broken_between_rows_only_are_found) {
   MotionLimits wide = world.limits;
   wide.acceleration.setConstant(100);
   // Both rows at 0.2 rad/s; in the middle 1.5 * 1.6 - 0.5 * 0.2 = 2.3 rad/s.
-  const Certificate fast = certify(piece(0.3, 1.9, 0.2, 0.2), world.checker, wide, {.at_rest = false});
+  const Certificate fast = certify(segment(0.3, 1.9, 0.2, 0.2), world.checker, wide, {.at_rest = false});
   const double when = expect_only(fast, FaultKind::velocity_limit,
                                   {"a: the velocity reaches 2.3 at 0.5 s (between rows 0 and 1)", "its limit is 2"});
   BOOST_TEST(when == 0.5, boost::test_tools::tolerance(1e-9));
   // Rows within ±3, the motion between them not: 2.9 + 0.25 * 1.
-  const Certificate out = certify(piece(2.9, 2.9, 1.0, -1.0), world.checker, wide, {.at_rest = false});
+  const Certificate out = certify(segment(2.9, 2.9, 1.0, -1.0), world.checker, wide, {.at_rest = false});
   BOOST_TEST(expect_only(out, FaultKind::position_limit,
                          {"a: the position is 3.15 at 0.5 s (between rows 0 and 1)", "[-3, 3]"}) == 0.5);
-  BOOST_TEST(out.position.share == 3.15 / 3.0, boost::test_tools::tolerance(1e-12));
+  BOOST_TEST(out.position.fraction == 3.15 / 3.0, boost::test_tools::tolerance(1e-12));
   // The row says 0, but the polynomial there starts with 6 * 1 - 4 * 0 - 2 * 0.
-  Trajectory jerky = piece(0.3, 1.3, 0, 0);
+  Trajectory jerky = segment(0.3, 1.3, 0, 0);
   jerky.accelerations = RowMatrix::Zero(2, 2);
   BOOST_TEST(expect_only(world.certify(jerky), FaultKind::acceleration_limit,
                          {"a: the acceleration reaches 6 at 0 s", "its limit is 4"}) == 0.0);
@@ -278,7 +279,7 @@ BOOST_AUTO_TEST_CASE(limits_hold_to_a_millionth) {
   BOOST_TEST(speed(2.0));
   BOOST_TEST(speed(2.0 * (1 + 0.9e-6)));
   BOOST_TEST(!speed(2.0 * (1 + 1.1e-6)));
-  const auto position = [&](double q) { return certify(piece(q, q, 0, 0), world.checker, wide).holds(); };
+  const auto position = [&](double q) { return certify(segment(q, q, 0, 0), world.checker, wide).holds(); };
   BOOST_TEST((position(3.0) && position(-3.0) && position(3.0 + 0.9e-6)));
   BOOST_TEST((!position(3.0 + 4e-6) && !position(-3.0 - 4e-6)));
 }
@@ -287,7 +288,7 @@ BOOST_AUTO_TEST_CASE(collisions_between_rows_only_are_found) {
   World world;
   Scene scene = World::with_sphere();
   scene.add_object("foil", Box{{0.1, 1e-4, 0.1}}, at(1.9, 0, 0));
-  const Checker checker(scene, "planar", {.mode = CheckMode::coal});
+  const SceneChecker checker(scene, "planar", {.mode = CheckMode::coal});
   Trajectory t{{"a", "b"}, rows({{-0.5, 0}, {0.5, 0}}), RowMatrix(0, 2), {}, Eigen::Vector2d(2, 3), {}};
   const Certificate c = certify(t, checker, world.limits);
   const double time = expect_only(c, FaultKind::collision, {"link 'lower' and object 'foil' overlap", " s"});
@@ -295,7 +296,7 @@ BOOST_AUTO_TEST_CASE(collisions_between_rows_only_are_found) {
   BOOST_TEST(c.clearance_proved == 0.0);
   BOOST_TEST(c.collisions_checked);
   BOOST_TEST(certify(t, checker, world.limits, {.collisions = false}).holds());
-  // A way out of a start in collision: rows before free_from are not held against it.
+  // A recovery from a start in collision: rows before free_from are not checked for collisions.
   Trajectory later{{"a", "b"}, rows({{0, 0}, {0.3, 0}, {0.8, 0}}), RowMatrix(0, 2), {}, Eigen::Vector3d(0, 1, 2), {}};
   BOOST_TEST(find(certify(later, checker, world.limits), FaultKind::collision));
   for (const double from : {1.0, 0.5}) {
@@ -336,12 +337,12 @@ BOOST_AUTO_TEST_CASE(what_is_not_finite_is_found) {
     plant(t);
     expect_only(world.certify(t), FaultKind::not_finite, {"row 2 holds NaN or infinity"});
   }
-  Trajectory near = piece(0, 1, 0, 0);
+  Trajectory near = segment(0, 1, 0, 0);
   near.times[1] = 1e-320;
   expect_only(world.certify(near), FaultKind::not_finite, {"the polynomial of a overflows between rows 0 and 1"});
   near.velocities.resize(0, 2);
   expect_only(world.certify(near), FaultKind::not_finite, {"the polynomial of a overflows between rows 0 and 1"});
-  expect_only(world.certify(piece(0, 1e200, 0, 0)), FaultKind::not_finite, {"overflows"});
+  expect_only(world.certify(segment(0, 1e200, 0, 0)), FaultKind::not_finite, {"overflows"});
 }
 
 BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_found) {
@@ -367,14 +368,14 @@ BOOST_AUTO_TEST_CASE(a_trajectory_that_is_not_at_rest_at_its_ends_is_found) {
   const World world;
   Trajectory t = world.good();
   const Trajectory tail = t.rows(3, t.size()), head = t.rows(0, t.size() - 3);
-  BOOST_TEST(expect_only(world.certify(tail), FaultKind::rest, {"the velocity is", "at the start; it should be 0"}) ==
-             tail.times[0]);
-  BOOST_TEST(expect_only(world.certify(head), FaultKind::rest, {"at the end; it should be 0"}) ==
+  BOOST_TEST(expect_only(world.certify(tail), FaultKind::not_at_rest,
+                         {"the velocity is", "at the start; it should be 0"}) == tail.times[0]);
+  BOOST_TEST(expect_only(world.certify(head), FaultKind::not_at_rest, {"at the end; it should be 0"}) ==
              head.times[head.times.size() - 1]);
   BOOST_TEST(world.certify(tail, {.at_rest = false}).holds());
 }
 
-BOOST_AUTO_TEST_CASE(start_goal_and_deviation_are_held_against_what_was_asked) {
+BOOST_AUTO_TEST_CASE(start_goal_and_deviation_are_verified_against_the_request) {
   const World world;
   const Trajectory t = world.good();
   const Eigen::Vector2d start(-1, 0.5), goal(1, 0.3);
@@ -401,9 +402,9 @@ BOOST_AUTO_TEST_CASE(start_goal_and_deviation_are_held_against_what_was_asked) {
 
 BOOST_AUTO_TEST_CASE(several_faults_are_all_named) {
   const World world;
-  const Certificate c = world.certify(piece(-0.9, 3.5, 0.5, 0));
+  const Certificate c = world.certify(segment(-0.9, 3.5, 0.5, 0));
   for (const FaultKind kind :
-       {FaultKind::position_limit, FaultKind::velocity_limit, FaultKind::acceleration_limit, FaultKind::rest})
+       {FaultKind::position_limit, FaultKind::velocity_limit, FaultKind::acceleration_limit, FaultKind::not_at_rest})
     BOOST_TEST(find(c, kind), to_string(kind));
 }
 

@@ -42,7 +42,7 @@ BOOST_AUTO_TEST_CASE(robots_are_found_by_name) {
   BOOST_TEST(MultiTrajectory{}.duration() == 0.0);
 }
 
-BOOST_AUTO_TEST_CASE(merged_is_every_robots_motion_and_rest_once_it_is_over) {
+BOOST_AUTO_TEST_CASE(merged_is_every_robots_motion_and_no_motion_after_its_end) {
   const Trajectory merged = MultiTrajectory{{{"right", slow()}, {"left", quick()}}}.merged();
   const std::vector<std::string> names{"left/a", "right/a", "right/b"};
   BOOST_TEST(merged.joint_names == names);

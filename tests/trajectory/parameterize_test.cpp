@@ -72,9 +72,9 @@ Problem random_problem(Random& random, Eigen::Index max_waypoints = 7) {
 double distance_to_path(const Eigen::RowVectorXd& q, const RowMatrix& path) {
   double nearest = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i + 1 < path.rows(); ++i) {
-    const Eigen::RowVectorXd way = path.row(i + 1) - path.row(i), offset = q - path.row(i);
-    const double along = way.squaredNorm() > 0 ? std::clamp(offset.dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (offset - along * way).norm());
+    const Eigen::RowVectorXd edge = path.row(i + 1) - path.row(i), offset = q - path.row(i);
+    const double along = edge.squaredNorm() > 0 ? std::clamp(offset.dot(edge) / edge.squaredNorm(), 0.0, 1.0) : 0.0;
+    nearest = std::min(nearest, (offset - along * edge).norm());
   }
   return nearest;
 }
@@ -97,13 +97,13 @@ Uses uses_of(const Trajectory& t, const MotionLimits& limits) {
   for (Eigen::Index i = 0; i + 1 < t.times.size(); ++i)
     for (Eigen::Index j = 0; j < t.positions.cols(); ++j) {
       const double h = t.times[i + 1] - t.times[i], eps = 4e-16 * (1.0 + std::abs(t.positions(i, j)));
-      const auto piece =
+      const auto segment =
           detail::hermite(t.positions(i, j), t.velocities(i, j), t.positions(i + 1, j), t.velocities(i + 1, j), h);
-      for (const double u : {0.0, piece.velocity_extremum(), h})
-        take(most.velocity, piece.velocity(u), limits.velocity[j], 2 * eps / h);
+      for (const double u : {0.0, segment.velocity_extremum(), h})
+        take(most.velocity, segment.velocity(u), limits.velocity[j], 2 * eps / h);
       for (const double u : {0.0, h})
-        take(most.acceleration, piece.acceleration(u), limits.acceleration[j], 12 * eps / h / h);
-      take(most.jerk, piece.jerk(), limits.jerk[j], 36 * eps / h / h / h);
+        take(most.acceleration, segment.acceleration(u), limits.acceleration[j], 12 * eps / h / h);
+      take(most.jerk, segment.jerk(), limits.jerk[j], 36 * eps / h / h / h);
     }
   return most;
 }
@@ -163,17 +163,17 @@ BOOST_AUTO_TEST_CASE(extreme_limits_and_lengths_are_solved) {
       path << 0.5, 0.5 + random.scale(1e-12, 1e3);
       const MotionLimits limits =
           uniform_limits(1, random.scale(1e-4, 1e4), random.scale(1e-4, 1e6), random.scale(1e-4, 1e8));
-      const double way = path(1) - path(0);
-      const double least = std::max({way / limits.velocity[0], std::sqrt(4 * way / limits.acceleration[0]),
-                                     std::cbrt(32 * way / limits.jerk[0])});
+      const double length = path(1) - path(0);
+      const double shortest = std::max({length / limits.velocity[0], std::sqrt(4 * length / limits.acceleration[0]),
+                                        std::cbrt(32 * length / limits.jerk[0])});
       const Trajectory t =
-          time_parameterize(path, {"j"}, limits, with(TimingMethod::ruckig, std::max(1e-3, least / 100)));
+          time_parameterize(path, {"j"}, limits, with(TimingMethod::ruckig, std::max(1e-3, shortest / 100)));
       const Uses uses = uses_of(t, limits);
       BOOST_TEST(uses.velocity <= 1.0 + 1e-6);
       BOOST_TEST(uses.acceleration <= 1.0 + 1e-6);
       BOOST_TEST(uses.jerk <= 1.0 + 1e-6);
-      BOOST_TEST(t.duration() >= least * (1 - 1e-6));  // no limit alone allows less …
-      BOOST_TEST(t.duration() <= 3 * least + 2e-3);    // … and all together not much more
+      BOOST_TEST(t.duration() >= shortest * (1 - 1e-6));  // no limit alone allows less …
+      BOOST_TEST(t.duration() <= 3 * shortest + 2e-3);    // … and all together not much more
     }
   }
 }
@@ -365,10 +365,10 @@ BOOST_AUTO_TEST_CASE(velocities_at_the_ends_are_kept) {
       [&] {
         time_parameterize(path, names(2), limits, {.blend_deviation = 0.0, .start_velocity = Eigen::Vector2d(0.9, 0)});
       },
-      "the limits leave no way to start at the given velocity");
+      "the limits do not allow to start at the given velocity");
   check_throws<InvalidArgument>(
       [&] { time_parameterize(RowMatrix::Zero(2, 2), names(2), limits, {.end_velocity = Eigen::Vector2d(0.1, 0)}); },
-      "the path is one place");
+      "the path is a single point");
 }
 
 BOOST_AUTO_TEST_CASE(options_out_of_range_are_refused) {

@@ -24,11 +24,11 @@ struct World {
   std::vector<double> radii;
 
   bool is_free(const Point& a, const Point& b) const {
-    const Point way = b - a;
+    const Point edge = b - a;
     for (std::size_t k = 0; k < centers.size(); ++k) {
       const double along =
-          way.squaredNorm() > 0 ? std::clamp((centers[k] - a).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0.0;
-      if ((a + along * way - centers[k]).norm() < radii[k]) return false;
+          edge.squaredNorm() > 0 ? std::clamp((centers[k] - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0) : 0.0;
+      if ((a + along * edge - centers[k]).norm() < radii[k]) return false;
     }
     return true;
   }
@@ -80,9 +80,9 @@ RowMatrix staircase(const World& world, const Point& start, const Point& goal, d
 double taut_length(const World& world, const RowMatrix& path) {
   std::vector<Point> beads;
   for (Eigen::Index i = 0; i + 1 < path.rows(); ++i) {
-    const Point a = path.row(i), way = path.row(i + 1) - path.row(i);
-    const int pieces = std::max(1, static_cast<int>(way.norm() / 0.1));
-    for (int k = 0; k < pieces; ++k) beads.push_back(a + way * k / pieces);
+    const Point a = path.row(i), edge = path.row(i + 1) - path.row(i);
+    const int parts = std::max(1, static_cast<int>(edge.norm() / 0.1));
+    for (int k = 0; k < parts; ++k) beads.push_back(a + edge * k / parts);
   }
   beads.push_back(path.row(path.rows() - 1));
   for (int iteration = 0; iteration < 800; ++iteration)

@@ -29,7 +29,7 @@ Trajectory ramp() {
   return t;
 }
 
-/// Joint a: t^3 - 2 t, joint b: 1 + 3 t^2; a cubic is what a trajectory follows, so it is met at any time.
+/// Joint a: t^3 - 2 t, joint b: 1 + 3 t^2; a cubic is what a trajectory follows, so it is exact at any time.
 MotionState analytic(double t) {
   return {Eigen::Vector2d(t * t * t - 2 * t, 1 + 3 * t * t), Eigen::Vector2d(3 * t * t - 2, 6 * t),
           Eigen::Vector2d(6 * t, 6), Eigen::Vector2d(6, 0)};
@@ -158,32 +158,32 @@ BOOST_AUTO_TEST_CASE(one_row_is_a_motion_that_stands) {
   BOOST_TEST(t.followed_by(cubic_motion({1.0, 2.0})).size() == 2u);
 }
 
-BOOST_AUTO_TEST_CASE(extrema_of_a_piece_are_found) {
-  // Against 10 000 samples; straight lines, parabolas and pieces without an extremum inside among them.
+BOOST_AUTO_TEST_CASE(extrema_of_a_segment_are_found) {
+  // Against 10 000 samples; straight lines, parabolas and segments without an extremum inside among them.
   const double q[] = {0, 1, -0.5, 0.25}, v[] = {0, 1, -2, 0.3};
   for (const double q0 : q)
     for (const double q1 : q)
       for (const double v0 : v)
         for (const double v1 : v)
           for (const double h : {0.1, 1.0, 3.0}) {
-            const detail::Cubic piece = detail::hermite(q0, v0, q1, v1, h);
-            BOOST_TEST(std::abs(piece.position(h) - q1) < 1e-14);
-            BOOST_TEST(std::abs(piece.velocity(h) - v1) < 1e-12);
+            const detail::Cubic segment = detail::hermite(q0, v0, q1, v1, h);
+            BOOST_TEST(std::abs(segment.position(h) - q1) < 1e-14);
+            BOOST_TEST(std::abs(segment.velocity(h) - v1) < 1e-12);
             double lowest = 1e9, highest = -1e9, fastest = 0;
             for (int i = 0; i <= 10000; ++i) {
               const double u = h * i / 10000;
-              lowest = std::min(lowest, piece.position(u));
-              highest = std::max(highest, piece.position(u));
-              fastest = std::max(fastest, std::abs(piece.velocity(u)));
+              lowest = std::min(lowest, segment.position(u));
+              highest = std::max(highest, segment.position(u));
+              fastest = std::max(fastest, std::abs(segment.velocity(u)));
             }
             double low = std::min(q0, q1), high = std::max(q0, q1);
-            for (const double u : piece.position_extrema()) {
+            for (const double u : segment.position_extrema()) {
               BOOST_TEST((u >= 0 && u <= h));
-              low = std::min(low, piece.position(u));
-              high = std::max(high, piece.position(u));
+              low = std::min(low, segment.position(u));
+              high = std::max(high, segment.position(u));
             }
             const double speed =
-                std::max({std::abs(v0), std::abs(v1), std::abs(piece.velocity(piece.velocity_extremum()))});
+                std::max({std::abs(v0), std::abs(v1), std::abs(segment.velocity(segment.velocity_extremum()))});
             BOOST_TEST((low <= lowest + 1e-12 && low >= lowest - 1e-6));
             BOOST_TEST((high >= highest - 1e-12 && high <= highest + 1e-6));
             BOOST_TEST((speed >= fastest - 1e-9 && speed <= fastest * (1 + 1e-6)));
@@ -196,7 +196,7 @@ BOOST_AUTO_TEST_CASE(resampling_has_a_row_at_every_multiple_and_at_the_end) {
   expected << 0.5, 0.9, 1.3, 1.7, 2.1, 2.5, 2.9, 3.0;
   BOOST_TEST((t.times - expected).norm() < 1e-14);
   BOOST_TEST((t.waypoints == cubic_motion().waypoints));
-  // One cubic stays the same one; others are met at the new rows only.
+  // One cubic stays the same one; others agree at the new rows only.
   BOOST_TEST(largest_difference(t, cubic_motion(), 0.5, 3) < 1e-9);
   const Trajectory jumpy = jumpy_motion(), fine = jumpy.resample(0.07);
   BOOST_TEST(fine.accelerations.rows() == 0);
@@ -272,8 +272,8 @@ BOOST_AUTO_TEST_CASE(rows_are_the_same_motion_between_them) {
 
 BOOST_AUTO_TEST_CASE(joined_slices_are_the_motion_again) {
   for (const Trajectory& t : {cubic_motion(), jumpy_motion(), ramp()})
-    for (const double share : {0.21, 0.5, 0.99}) {
-      const double cut = t.times[0] + share * t.duration(), last = t.times[t.times.size() - 1];
+    for (const double fraction : {0.21, 0.5, 0.99}) {
+      const double cut = t.times[0] + fraction * t.duration(), last = t.times[t.times.size() - 1];
       const Trajectory whole = t.slice(t.times[0], cut).followed_by(t.slice(cut, last));
       BOOST_TEST(whole.duration() == t.duration(), boost::test_tools::tolerance(1e-14));
       BOOST_TEST(largest_difference(t, whole, t.times[0], last) < 1e-8);
@@ -289,7 +289,7 @@ BOOST_AUTO_TEST_CASE(the_next_motion_follows_in_time) {
   const Trajectory both = first.followed_by(next);
   BOOST_TEST((both.times == Eigen::Vector4d(0, 1, 1.5, 3)));
   BOOST_TEST((both.positions == cubic_motion({0, 1, 1.5, 3}).positions));
-  BOOST_TEST((both.waypoints == both.positions));  // where they meet stands once
+  BOOST_TEST((both.waypoints == both.positions));  // the common point appears once
   BOOST_TEST(both.accelerations(1, 1) == 5);       // where it jumps: just after the row
   next.accelerations.resize(0, 2);
   BOOST_TEST(first.followed_by(next).accelerations.rows() == 0);
@@ -299,7 +299,7 @@ BOOST_AUTO_TEST_CASE(the_next_motion_follows_in_time) {
   BOOST_TEST(!first.followed_by(next).certificate);
 }
 
-BOOST_AUTO_TEST_CASE(motions_that_do_not_meet_are_not_joined) {
+BOOST_AUTO_TEST_CASE(motions_with_a_jump_between_them_are_not_joined) {
   const Trajectory t = cubic_motion({0, 1});
   const auto refused = [&](auto&& change, const std::string& why) {
     Trajectory next = cubic_motion({1, 2});
@@ -313,26 +313,26 @@ BOOST_AUTO_TEST_CASE(motions_that_do_not_meet_are_not_joined) {
   refused([](Trajectory& n) { n.positions(0, 1) = NAN; }, "b jumps by NaN");
   refused([](Trajectory& n) { n.velocities.resize(0, 2); }, "one of the two has velocities, the other has none");
   refused([](Trajectory& n) { n.times.resize(0); }, "it has no times");
-  Trajectory late = t, slow = cubic_motion({1, 1 + 1e-7});
-  late.times.array() += 1e10;
-  check_throws<InvalidArgument>([&] { late.followed_by(slow); }, "times must increase");
+  Trajectory shifted = t, slow = cubic_motion({1, 1 + 1e-7});
+  shifted.times.array() += 1e10;
+  check_throws<InvalidArgument>([&] { shifted.followed_by(slow); }, "times must increase");
   Trajectory next = cubic_motion({1, 2});
   next.positions(0, 0) += 5e-10;
   next.velocities(0, 0) += 5e-7;
   BOOST_CHECK_NO_THROW(t.followed_by(next));
 }
 
-BOOST_AUTO_TEST_CASE(questions_that_make_no_sense_are_refused) {
+BOOST_AUTO_TEST_CASE(arguments_that_make_no_sense_are_refused) {
   const Trajectory t = cubic_motion();
   check_throws<InvalidArgument>([&] { t.sample(NAN); }, "NaN");
   check_throws<InvalidArgument>([&] { t.state(NAN); }, "the time to sample is NaN");
   for (const double dt : {0.0, -0.1, double(NAN), double(INFINITY)})
     check_throws<InvalidArgument>([&] { t.resample(dt); }, "must be a finite number above 0");
   check_throws<InvalidArgument>([&] { t.resample(1e-8); }, "more than ten million rows of this 2.5 s motion");
-  Trajectory late = cubic_motion({0, 1e-6});
-  late.times.array() += 1e9;
-  late.times[1] = 1e9 + 1e-3;
-  check_throws<InvalidArgument>([&] { late.resample(1e-7); }, "is lost beside times of 1000000000.001 s");
+  Trajectory shifted = cubic_motion({0, 1e-6});
+  shifted.times.array() += 1e9;
+  shifted.times[1] = 1e9 + 1e-3;
+  check_throws<InvalidArgument>([&] { shifted.resample(1e-7); }, "is lost beside times of 1000000000.001 s");
   check_throws<InvalidArgument>([&] { t.slice(1, 1); }, "a slice from 1 s to 1 s holds nothing of a motion from 0.5 s");
   check_throws<InvalidArgument>([&] { t.slice(2, 1); }, "holds nothing");
   check_throws<InvalidArgument>([&] { t.slice(4, 5); }, "holds nothing");
@@ -341,7 +341,7 @@ BOOST_AUTO_TEST_CASE(questions_that_make_no_sense_are_refused) {
   check_throws<InvalidArgument>([&] { t.slice(0, NAN); }, "the end of the slice is NaN");
 }
 
-BOOST_AUTO_TEST_CASE(nothing_can_be_asked_of_arrays_that_do_not_fit) {
+BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_refused) {
   const auto refused = [](auto&& change, const std::string& why) {
     Trajectory t = cubic_motion();
     change(t);
@@ -388,7 +388,7 @@ BOOST_AUTO_TEST_CASE(validation_finds_what_is_wrong_and_where) {
   refused([](Trajectory& t) { t.velocities.resize(0, 2); }, "it has accelerations, but no velocities");
   Trajectory hasty = ramp();
   hasty.times[0] = 0, hasty.times[1] = 1e-310;
-  check_throws<InvalidArgument>([&] { hasty.validate(); }, "too little for the way of a between them");
+  check_throws<InvalidArgument>([&] { hasty.validate(); }, "too little for the motion of a between them");
 }
 
 BOOST_AUTO_TEST_CASE(the_end_effector_goes_where_the_robot_puts_it) {
@@ -414,7 +414,7 @@ BOOST_AUTO_TEST_CASE(the_end_effector_goes_where_the_robot_puts_it) {
 
 BOOST_AUTO_TEST_CASE(the_end_effectors_way_is_measured_along_the_motion) {
   const PlacedRobot robot = placed_planar();
-  // Half a turn of the stretched arm, in two rows: an arc of 2 m radius.
+  // Half a turn of the stretched robot, in two rows: an arc of 2 m radius.
   Trajectory turn{{"a", "b"}, rows({{0, 0}, {pi, 0}}), rows({{0, 0}, {0, 0}}), {}, Eigen::Vector2d(0, 4), {}};
   BOOST_TEST(turn.end_effector_length(robot) == 2 * pi, boost::test_tools::tolerance(1e-4));
   BOOST_TEST(turn.end_effector_length(robot, "lower") == pi, boost::test_tools::tolerance(1e-4));
@@ -486,8 +486,8 @@ BOOST_AUTO_TEST_CASE(nearly_collinear_waypoints_stay) {
   const RowMatrix kept = without_redundant_waypoints(curve);
   for (Eigen::Index i = 0, k = 0; i < 200; ++i) {
     while (kept(k + 1, 0) < curve(i, 0)) ++k;
-    const double share = (curve(i, 0) - kept(k, 0)) / (kept(k + 1, 0) - kept(k, 0));
-    BOOST_TEST(std::abs(kept(k, 1) + share * (kept(k + 1, 1) - kept(k, 1)) - curve(i, 1)) < 3e-10);
+    const double fraction = (curve(i, 0) - kept(k, 0)) / (kept(k + 1, 0) - kept(k, 0));
+    BOOST_TEST(std::abs(kept(k, 1) + fraction * (kept(k + 1, 1) - kept(k, 1)) - curve(i, 1)) < 3e-10);
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +17,9 @@ namespace srmp {
 
 class CoverStore;
 class PairTableStore;
+namespace detail {
+class RobotGroup;
+}
 
 enum class BodyKind { link, object, attached_object };
 
@@ -33,28 +38,29 @@ struct Contact {
   std::string describe() const;
 };
 
-/// How motions are decided.
+/// Which layers of the library's own checker decide.
 enum class CheckMode {
-  exact,         ///< spheres around and inside the bodies answer most of it, 16 configurations at a time; Coal the rest
-  conservative,  ///< spheres alone: never free wrongly, but what they cannot prove counts as not free
+  exact,  ///< spheres around and inside the bodies decide most checks, 16 configurations at a time; Coal the rest
+  conservative,  ///< spheres alone decide motions and are_free: never free wrongly, but what they cannot prove is not
+                 ///< free
   coal,          ///< Coal alone
 };
 
 struct CheckerOptions {
   CheckMode mode{CheckMode::exact};
   std::shared_ptr<CoverStore> covers{};        ///< where spheres are looked up; nullptr: a store of the checker's own
-  std::vector<std::string> other_robots{};     ///< other robots that move too
+  std::vector<std::string> other_robots{};     ///< robots that move too: their joints follow in a configuration
   std::vector<std::string> excluded_robots{};  ///< robots left out, with all that they hold
-  bool other_robots_only{};  ///< only what the robot and its companions do to each other is a collision
+  bool other_robots_only{};  ///< only what the robot and `other_robots` do to each other is a collision
   /// Where tables of pairs of links are looked up (not by CheckMode::coal); nullptr: nowhere.
   std::shared_ptr<PairTableStore> pair_tables{};
 };
 
-/// What a thread's checks did so far.
+/// What a thread's checks did so far: counts.
 struct CheckStatistics {
   std::uint64_t configurations{};      ///< kinematics computed, one at a time
-  std::uint64_t states{};              ///< configurations asked about
-  std::uint64_t motions{};             ///< is_motion_free calls
+  std::uint64_t states{};              ///< configurations checked: is_free, and rows of are_free
+  std::uint64_t motions{};             ///< motions checked: is_motion_free and certify_motion
   std::uint64_t states_by_spheres{};   ///< of the states, decided by spheres alone (are_free)
   std::uint64_t motions_by_spheres{};  ///< of the motions, decided by spheres alone
   std::uint64_t blocks{};              ///< of 16 configurations under spheres
@@ -70,7 +76,7 @@ struct MotionCertificate {
   std::string body_a, body_b;  ///< the pair there, named as in Contact
 };
 
-/// See Checker::stop_at.
+/// Thrown by Checker::is_motion_free; see Checker::stop_at.
 struct MotionCheckStopped : std::exception {
   const char* what() const noexcept override { return "the deadline passed during a check of a motion"; }
 };
@@ -78,71 +84,104 @@ struct MotionCheckStopped : std::exception {
 /// How Checker::are_free decides.
 struct StateQuery {
   /// What spheres cannot prove free counts as not free, as in CheckMode::conservative: quick, and never free wrongly.
-  /// CheckMode::coal has no spheres, and decides exactly.
+  /// CheckMode::coal and backends without spheres decide exactly.
   bool spheres_only{false};
 };
 
 /// What is known of a motion, and how Checker::is_motion_free decides.
 struct MotionQuery {
-  bool start_is_free{false};  ///< is_free(a) is known: pairs that the motion leaves alone need not be checked
+  bool start_is_free{false};  ///< is_free(a) is known: pairs that the motion does not move need not be checked
   bool spheres_only{false};   ///< as StateQuery::spheres_only
 };
 
-/// Exact collision checking of one robot of a scene with Coal. Built once per snapshot; const, shared by threads, each
-/// with a Workspace of its own. Other robots stand where set_qpos put them, but for `companions`: a configuration holds
-/// their joints too, after those of the robot, in the order of their names in the options. Only what the robot itself
-/// (or what it holds) touches is a collision, not what companions do elsewhere. Bodies collide when they touch (are
-/// within 1 µm of each other) or come within the sum of their paddings; links of one robot and what it holds have no
-/// padding towards each other.
+/// Collision checking of one robot of a scene. The interface of a collision backend: the public functions check their
+/// arguments and call the private virtuals, which compute. The library's own backend comes from make_checker; whoever
+/// has another one derives from this class, overrides the virtuals, and runs the laws below against it
+/// (tests/collision/checker_conformance.hpp).
 ///
-/// Two bodies that never move relative to each other (the base on its table, an object in the hand) are judged once,
-/// without padding, and only what overlaps by more than `touching_tolerance` is a collision: things may stand on
-/// things.
+/// A checker is built for a scene as it is and does not change. Threads share it, each with a Workspace of its own.
 ///
-/// An answer depends on the arguments alone, never on earlier queries or the workspace.
+/// A configuration has dof() entries [rad, prismatic joints m]: the joints of the robot and then, in the order of their
+/// names in the options, those of CheckerOptions::other_robots. Robots that are named in neither place stand where
+/// Scene::set_qpos put them. Only what the robot itself (or what it holds) touches is a collision, not what the other
+/// robots do among themselves. Joint limits are not checked.
 ///
-/// A motion is the straight line in joint space (continuous joints by the short way). It is called free only when it
-/// is *proved* free, between samples too: at a sample every pair must be farther apart than the two can move before
-/// the next proved sample (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot
-/// paths", 2004; motion bounds from the kinematic tree). A pair that can be neither proved free nor shown in contact
-/// above 20 µm of motion counts as not free.
+/// Bodies collide when they touch (are within 1 µm of each other) or come within the sum of their paddings; links of
+/// one robot and what it holds have no padding towards each other. Two bodies that never move relative to each other
+/// (the base on its table, an object in the hand) are checked once, without padding, and collide only when they overlap
+/// by more than `touching_tolerance`: things may stand on things.
+///
+/// A motion is the straight line in joint space; continuous joints go the short way. It is called free only when it is
+/// *proved* free, between samples too. The library's backend proves it by conservative advancement (Schwarzer, Saha,
+/// Latombe, "Exact collision checking of robot paths", 2004): at a sample every pair must be farther apart than the two
+/// can move before the next proved sample, by bounds from the kinematic tree. A pair that can be neither proved free
+/// nor shown in contact above `motion_floor` of motion counts as not free.
+///
+/// Laws of every backend, which the conformance suite tests:
+/// - A result depends on the arguments alone, never on earlier queries or on which workspace is used.
+/// - contacts(q) is empty exactly where is_free(q), and nearest(q) is then farther apart than 0; elsewhere nearest(q)
+/// is
+///   the first of contacts(q).
+/// - are_free says what is_free says of each row (in CheckMode::conservative, and with StateQuery::spheres_only: never
+///   more).
+/// - A motion that is_motion_free or certify_motion call free has no configuration, however finely sampled, where
+///   is_free says no.
+/// - Between free configurations the distance of nearest changes by at most twice the sum of reach() times the joint
+///   differences.
 class Checker {
  public:
   static constexpr double touching_tolerance = 1e-5;  ///< [m]
-  static constexpr double motion_floor = 2e-5;        ///< [m]; motions are not divided below this
+  static constexpr double motion_floor = 2e-5;        ///< [m]; motions are not subdivided below this
 
-  class Workspace;
-  struct WorkspaceDeleter {
-    void operator()(Workspace*) const;
+  /// Scratch memory and statistics of one thread. Backends derive from it what they need.
+  class Workspace {
+   public:
+    Workspace() = default;
+    Workspace(const Workspace&) = delete;
+    Workspace& operator=(const Workspace&) = delete;
+    virtual ~Workspace() = default;
+
+    CheckStatistics statistics;         ///< the public functions count `states` and `motions`; backends the rest
+    const Deadline* deadline{nullptr};  ///< of Checker::stop_at; null: none
+
+   private:
+    friend class Checker;
+    const Checker* owner_{nullptr};
   };
-  using WorkspacePtr = std::unique_ptr<Workspace, WorkspaceDeleter>;
+  using WorkspacePtr = std::unique_ptr<Workspace>;
 
-  Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options = {});
-  ~Checker();
+  Checker(const Checker&) = delete;
+  Checker& operator=(const Checker&) = delete;
+  virtual ~Checker();
 
-  const RobotModel& robot() const;
-  std::size_t dof() const;  ///< of a configuration: the robot's and its companions'
-  const Pose& base() const;
+  const RobotModel& robot() const;  ///< the planned robot
+  std::size_t dof() const;          ///< of a configuration: joints of the robot and of CheckerOptions::other_robots
+  const Pose& base() const;         ///< of the robot, in the world
   const Eigen::VectorXd& other_positions() const;  ///< where the robot's joints that are not planned stand
-  CheckMode mode() const;
-  /// dof entries: how far a unit of each joint moves any point of the robots, or of what they hold, at most, wherever
-  /// the joints stand within their limits [m/rad; prismatic joints 1].
-  Eigen::VectorXd reach() const;
-  /// Holds every point of the robot and of what it holds, companions left out, wherever the joints stand within their
-  /// limits; padding included. World frame.
-  PlacedSphere range() const;
+  CheckMode mode() const { return mode_; }         ///< of the options
+  /// (dof,): how far a unit of each joint moves any point of the robots, or of what they hold, at most, wherever the
+  /// joints stand within their limits [m/rad; prismatic joints 1].
+  Eigen::VectorXd reach() const { return do_reach(); }
+  /// Contains every point of the robot and of what it holds (the other robots are left out), wherever the joints stand
+  /// within their limits; padding included. World frame.
+  PlacedSphere range() const { return do_range(); }
+
+  /// For one thread and this checker.
   WorkspacePtr make_workspace() const;
 
-  /// Limits are not looked at. All of these throw InvalidArgument unless configurations have dof() finite entries.
+  // All queries throw InvalidArgument unless configurations have dof() finite entries and the workspace is of this
+  // checker's make_workspace.
+
   bool is_free(ConstVector q, Workspace& workspace) const;
   /// The straight motion from a to b, both ends included.
   bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query = {}) const;
 
-  /// is_free of each row, 16 at a time; `free` has as many entries as q has rows. Throws InvalidArgument as is_free
-  /// does, naming the row.
+  /// is_free of each row of q (n x dof); `free` has n entries. Throws InvalidArgument as is_free does, naming the row,
+  /// and unless the sizes agree.
   void are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query = {}) const;
 
-  /// Proves a motion free by Coal's distances alone: an independent check of is_motion_free (motion_proof.hpp).
+  /// Proves the straight motion from a to b free, independently of is_motion_free where the backend can: the library's
+  /// own uses Coal's distances alone (collision/motion_proof.hpp).
   MotionCertificate certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const;
 
   /// Every pair in contact at q, deepest first; empty when free. Pairs are of bodies: a link with several geometries
@@ -157,15 +196,53 @@ class Checker {
   /// workspace.
   void stop_at(const Deadline& deadline, Workspace& workspace) const;
 
-  const CheckStatistics& statistics(const Workspace& workspace) const;
+  const CheckStatistics& statistics(const Workspace& workspace) const { return workspace.statistics; }
 
-  struct Impl;  ///< for the files of this directory
+ protected:
+  /// Reads the robot, and CheckerOptions::other_robots, from the scene, which need not outlive this. Throws
+  /// InvalidArgument for unknown robots (with the nearest name), for one named twice, and for more than 64 actuated
+  /// joints together.
+  Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options);
+
+  /// The kinematics of the robots; for backends inside the library.
+  const detail::RobotGroup& group() const;
+  /// Throws InvalidArgument unless this checker made the workspace.
+  void require_own(const Workspace& workspace) const;
 
  private:
-  std::unique_ptr<const Impl> impl_;
+  // What a backend overrides. Arguments are checked already: configurations have dof() finite entries, spans have as
+  // many entries as there are rows, and the workspace is one of do_make_workspace.
+
+  virtual bool do_is_free(ConstVector q, Workspace& workspace) const = 0;
+  virtual std::vector<Contact> do_contacts(ConstVector q, Workspace& workspace) const = 0;
+  virtual std::optional<Contact> do_nearest(ConstVector q, Workspace& workspace) const = 0;
+
+  /// Default: a Workspace without scratch memory.
+  virtual WorkspacePtr do_make_workspace() const;
+  /// Default: do_is_free, row by row.
+  virtual void do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const;
+  /// Default: whether do_certify_motion proves it.
+  virtual bool do_is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const;
+  /// Default: conservative advancement on do_nearest and do_reach. Sound for every backend, and slow.
+  virtual MotionCertificate do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const;
+  /// Defaults: from the kinematic tree, and from the bounding spheres of the links' collision geometry and of attached
+  /// objects.
+  virtual Eigen::VectorXd do_reach() const;
+  virtual PlacedSphere do_range() const;
+
+  void require_motion(ConstVector a, ConstVector b, const Workspace& workspace) const;
+
+  struct Robots;
+  std::unique_ptr<const Robots> robots_;
+  CheckMode mode_;
 };
 
-/// The library's checker of a robot of the scene. Throws InvalidArgument with the nearest name for an unknown robot.
+/// Makes a checker of a robot of a scene. A collision backend is plugged in as one of these.
+using CheckerFactory = std::function<std::unique_ptr<const Checker>(const Scene& scene, const std::string& robot,
+                                                                    const CheckerOptions& options)>;
+
+/// The library's own checker of a robot of the scene: Coal, behind batches of spheres (CheckMode). Throws
+/// InvalidArgument with the nearest name for an unknown robot.
 std::unique_ptr<const Checker> make_checker(const Scene& scene, const std::string& robot,
                                             const CheckerOptions& options = {});
 

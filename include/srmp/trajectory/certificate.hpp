@@ -13,16 +13,16 @@ enum class FaultKind {
   joint_names,     ///< not those of the robot, or in another order
   shape,           ///< arrays that do not fit together, or none at all
   not_finite,      ///< NaN or infinity
-  times,           ///< a time that stands still or runs back
+  times,           ///< a time that does not increase
   position_limit,  ///< a joint outside its limits
   velocity_limit,
   acceleration_limit,
   jerk_limit,
-  collision,  ///< two bodies touch, or come within their padding
-  deviation,  ///< the motion leaves the path that was checked
-  start,      ///< it does not begin where it was asked to
-  goal,       ///< it does not end where it was asked to
-  rest,       ///< it moves at its start or end, without having been asked to
+  collision,    ///< two bodies touch, or come within their padding
+  deviation,    ///< the motion leaves the path that was checked
+  start,        ///< it does not begin at the given start
+  goal,         ///< it does not end at the given goal
+  not_at_rest,  ///< its velocity at the start or end is not 0, though it should be
 };
 std::string to_string(FaultKind kind);
 
@@ -30,48 +30,49 @@ std::string to_string(FaultKind kind);
 struct Fault {
   FaultKind kind{};
   std::string text;  ///< a sentence
-  double time{};     ///< [s] where it is worst; NaN: nowhere in particular
+  double time{};     ///< [s] when it is worst; NaN: at no particular time
   bool operator==(const Fault&) const = default;
 };
 
-/// How much of a limit is used at most, over the whole motion: extrema of the polynomials, not of samples.
+/// The largest fraction of a limit that is used over the whole motion: from extrema of the polynomials, not of samples.
 struct LimitUse {
-  double share{};     ///< of the limit; 1 = all of it. Positions: of the way from the middle of the range to its end
-  std::string joint;  ///< which one; "" = nothing moves, or there is no limit
+  double
+      fraction{};  ///< of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end
+  std::string joint;  ///< by which joint; "" = nothing moves, or there is no limit
   double time{};      ///< [s]
   bool operator==(const LimitUse&) const = default;
 };
 
-/// A part of a motion that two bodies could not be proved to pass apart: nothing touches at the samples in it, which
-/// are less than Checker::motion_floor of motion apart, unless the time limit cut the proof short.
+/// A part of a motion over which two bodies could not be proved to stay apart. They do not touch at the samples in it,
+/// which are less than Checker::motion_floor of motion apart, unless the time limit ended the proof early.
 struct SampledInterval {
   double from{}, to{};         ///< [s]
   std::string body_a, body_b;  ///< named as in Contact
   bool operator==(const SampledInterval&) const = default;
 };
 
-/// What is known of a trajectory, found by other code than that which made it.
+/// What is known of a trajectory, found by code that is independent of the code that made it.
 struct Certificate {
   std::vector<Fault> faults;  ///< empty: every claim below holds
 
-  MotionLimits limits;  ///< that the motion was held against
+  MotionLimits limits;  ///< that the motion was verified against
   LimitUse position, velocity, acceleration, jerk;
 
   bool collisions_checked{};
-  double checked_from{};       ///< [s]: what comes before is the way out of a start in collision
+  double checked_from{};       ///< [s]: what comes before is the recovery from a start in collision
   double clearance{};          ///< [m] the smallest that was found; infinity: there is nothing to collide with
   double clearance_time{};     ///< [s]
   std::string body_a, body_b;  ///< the pair there
   double clearance_proved{};   ///< [m] no two bodies come nearer than this, also between samples
   std::vector<SampledInterval> sampled;  ///< parts that are not proved free; empty: all of the motion is
 
-  double deviation{};       ///< [m]: no point of the robot leaves the way it takes along `waypoints` by more
+  double deviation{};       ///< [m]: no point of the robot leaves its path along `waypoints` by more
   double deviation_time{};  ///< [s]
   double goal_error{std::numeric_limits<double>::quiet_NaN()};  ///< joints: rad or m, the worst joint; poses: m, rad
                                                                 ///< over tolerance; NaN: no goal was given
   double bound{std::numeric_limits<double>::infinity()};        ///< PlanStatistics::bound of the search
   std::string bound_graph;                                      ///< PlanStatistics::bound_graph
-  double time_s{};                                              ///< that it took [s]
+  double time_s{};                                              ///< computing time [s]
 
   bool holds() const { return faults.empty(); }
   /// Collisions were checked, there is none, and all of the motion is proved free, between samples too.

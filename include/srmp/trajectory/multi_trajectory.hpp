@@ -7,7 +7,7 @@
 
 namespace srmp {
 
-/// Motions of many robots on one clock: all begin at time 0, and a robot whose own motion is over rests where it ended.
+/// Motions of many robots on one clock: all begin at time 0, and a robot whose own motion is over stays where it ended.
 struct MultiTrajectory {
   std::map<std::string, Trajectory> robots;  ///< by name
 

@@ -20,7 +20,7 @@ struct MotionState {
   Eigen::VectorXd jerk;          ///< [rad/s^3 or m/s^3]; where it jumps: just after
 };
 
-/// A robot where it stands: what it takes to say where its links are.
+/// A robot and its placement in the world: what forward kinematics needs besides a configuration.
 struct PlacedRobot {
   std::shared_ptr<const RobotModel> model;
   Pose base{};                        ///< of the root link, in the world
@@ -37,7 +37,7 @@ struct PlacedRobot {
 /// motion, its limits and collisions, is about these polynomials. At a row the motion has what the row says, bit for
 /// bit.
 ///
-/// Files (CSV, JSON), dictionaries and pictures of trajectories are made by the Python package.
+/// Files (CSV, JSON), dictionaries and figures of trajectories are made by the Python package.
 struct Trajectory {
   std::vector<std::string> joint_names{};  ///< dof
   RowMatrix positions{};                   ///< n x dof [rad or m]
@@ -46,7 +46,7 @@ struct Trajectory {
   Eigen::VectorXd times{};    ///< n [s], strictly increasing; empty: a path without time
   RowMatrix waypoints{};      ///< m x dof: the checked path, straight between rows; no rows: not known
   std::shared_ptr<const Certificate> certificate{};  ///< null: none was made
-  std::shared_ptr<const PlacedRobot> robot{};        ///< that it was planned for; null: not known
+  std::shared_ptr<const PlacedRobot> robot{};        ///< for which it was planned; null: not known
 
   std::size_t size() const { return static_cast<std::size_t>(positions.rows()); }  ///< rows
   std::size_t dof() const { return joint_names.size(); }
@@ -57,7 +57,7 @@ struct Trajectory {
 
   /// Throws InvalidArgument unless there are rows, all arrays have the shapes above and finite numbers, joint names
   /// differ, times increase (and not by so little that the polynomials overflow), velocities come with times and
-  /// accelerations with velocities. Whoever fills the fields by hand asks this; all functions here keep it true.
+  /// accelerations with velocities. Call this after filling the fields by hand; all functions here keep it true.
   void validate() const;
 
   // All of these throw InvalidArgument for a trajectory without times or rows, for arrays of other shapes, and for NaN.
@@ -80,7 +80,7 @@ struct Trajectory {
   /// joint names agree and `next` starts where this ends: positions within 1e-9, velocities within 1e-6.
   Trajectory followed_by(const Trajectory& next) const;
 
-  // These do without times.
+  // These need no times.
 
   /// Rows first … last-1 and the same motion between them; waypoints and certificate as in slice. Throws
   /// InvalidArgument unless first < last <= size().

@@ -53,11 +53,11 @@ Body object_body(const Object& object, BodyKind kind) {
           solid_of(object.parts)};
 }
 
-/// Does contact between two bodies count?
-class Rules {
+/// Decides whether contact between two bodies is a collision.
+class ContactRules {
  public:
   /// Numbers the bodies by their scene names: several geometries share a link.
-  Rules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool other_robots_only)
+  ContactRules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool other_robots_only)
       : scene_(scene), group_(group), other_robots_only_(other_robots_only) {
     std::map<std::string_view, std::size_t> known;
     const auto number = [&](Body& body) {
@@ -68,36 +68,36 @@ class Rules {
     for (Body& body : bodies.moving) number(body);
     for (Body& body : bodies.fixed) number(body);
     allowed_.assign(names_.size() * names_.size(), unknown);
-    for (const std::string* name : names_) spoken_of_.push_back(is_spoken_of(*name));
+    for (const std::string* name : names_) has_setting_.push_back(has_setting(*name));
     self_pairs_.resize(group.size());
   }
 
-  bool matters(const Body& a, const Body& b) {
-    if (a.member != 0 && b.member != 0) return false;
-    if (other_robots_only_ && (a.member == b.member || a.member < 0 || b.member < 0)) return false;
-    const bool same_robot = a.member == b.member && a.kind == BodyKind::link && b.kind == BodyKind::link;
+  bool count(const Body& a, const Body& b) {
+    if (a.robot != 0 && b.robot != 0) return false;
+    if (other_robots_only_ && (a.robot == b.robot || a.robot < 0 || b.robot < 0)) return false;
+    const bool same_robot = a.robot == b.robot && a.kind == BodyKind::link && b.kind == BodyKind::link;
     if (by_model_alone(a, b))
-      return !same_robot || is_self_pair(group_.model(static_cast<std::size_t>(a.member)),
-                                         static_cast<std::size_t>(a.member), a.source, b.source);
+      return !same_robot || is_self_pair(group_.model(static_cast<std::size_t>(a.robot)),
+                                         static_cast<std::size_t>(a.robot), a.source, b.source);
     if (allowed(a.name_id, b.name_id)) return false;
     if (!same_robot) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
-    const RobotModel& model = group_.model(static_cast<std::size_t>(a.member));
-    return is_self_pair(model, static_cast<std::size_t>(a.member), a.source, b.source) ||
+    const RobotModel& model = group_.model(static_cast<std::size_t>(a.robot));
+    return is_self_pair(model, static_cast<std::size_t>(a.robot), a.source, b.source) ||
            model.allowed(model.geometries()[a.source].link, model.geometries()[b.source].link);
   }
 
  private:
   static constexpr char unknown = 2;
 
-  /// Nothing in the scene speaks of both: most pairs of most scenes.
+  /// No setting of the scene names both, as for most pairs of most scenes: the model's own rules decide.
   bool by_model_alone(const Body& a, const Body& b) const {
-    return !(spoken_of_[a.name_id] && spoken_of_[b.name_id]) && a.kind != BodyKind::attached_object &&
+    return !(has_setting_[a.name_id] && has_setting_[b.name_id]) && a.kind != BodyKind::attached_object &&
            b.kind != BodyKind::attached_object;
   }
 
   /// Does a setting name the body or the robot that it is a link of?
-  bool is_spoken_of(const std::string& name) const {
+  bool has_setting(const std::string& name) const {
     const auto names = [&](const std::string& key) {
       return name.starts_with(key) && (name.size() == key.size() || name[key.size()] == '/');
     };
@@ -105,8 +105,8 @@ class Rules {
                        [&](const auto& setting) { return names(setting.first.first) || names(setting.first.second); });
   }
 
-  bool is_self_pair(const RobotModel& model, std::size_t member, std::size_t a, std::size_t b) {
-    std::vector<char>& table = self_pairs_[member];
+  bool is_self_pair(const RobotModel& model, std::size_t robot, std::size_t a, std::size_t b) {
+    std::vector<char>& table = self_pairs_[robot];
     const std::size_t count = model.geometries().size();
     if (table.empty()) {
       table.assign(count * count, false);
@@ -116,18 +116,18 @@ class Rules {
   }
 
   bool allowed(std::size_t a, std::size_t b) {
-    char& answer = allowed_[a * names_.size() + b];
-    if (answer == unknown) answer = scene_.allowed_collision(*names_[a], *names_[b]);
-    return answer;
+    char& known = allowed_[a * names_.size() + b];
+    if (known == unknown) known = scene_.allowed_collision(*names_[a], *names_[b]);
+    return known;
   }
 
   const Scene& scene_;
   const RobotGroup& group_;
   bool other_robots_only_;
   std::vector<const std::string*> names_;
-  std::vector<char> spoken_of_;                // by number of the name
+  std::vector<char> has_setting_;              // by number of the name
   std::vector<char> allowed_;                  // [a * names + b]
-  std::vector<std::vector<char>> self_pairs_;  // of each member [a * geometries + b]; empty until asked for
+  std::vector<std::vector<char>> self_pairs_;  // of each robot [a * geometries + b]; empty until needed
 };
 
 }  // namespace
@@ -137,7 +137,7 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     : group_(group), options_(options), tables_(std::move(tables)), data_(group.make_data()) {
   for (const std::string& name : options.excluded_robots) {
     scene.robot(name);  // throws with the nearest name
-    if (group.contains(name)) throw InvalidArgument("robot '" + name + "' is planned and cannot be absent");
+    if (group.contains(name)) throw InvalidArgument("robot '" + name + "' is planned and cannot be excluded");
   }
   Eigen::VectorXd q(static_cast<Eigen::Index>(group.joints().size()));
   Eigen::Index first = 0;
@@ -172,15 +172,15 @@ void Bodies::add_fixed(Body body, const Eigen::Isometry3d& pose) {
   fixed.push_back({std::move(body), pose, center});
 }
 
-void Bodies::add_links(int member) {
-  const auto index = static_cast<std::size_t>(member);
+void Bodies::add_links(int robot) {
+  const auto index = static_cast<std::size_t>(robot);
   const RobotInstance& instance = group_.instance(index);
   for (std::size_t i = 0; i < instance.model->geometries().size(); ++i) {
     Body body = link_body(instance, i);
     const LinkGeometry& geometry = instance.model->geometries()[i];
-    body.member = member;
+    body.robot = robot;
     body.support = group_.support(index, geometry.support);
-    if (member == 0) body.name = geometry.link;
+    if (robot == 0) body.name = geometry.link;
     if (body.support == 0)
       add_fixed(std::move(body), group_.geometry_pose(data_, index, i));
     else
@@ -200,18 +200,18 @@ void Bodies::add_objects(const Scene& scene) {
     }
     Body body = object_body(object, BodyKind::attached_object);
     for (std::size_t i = 0; i < group_.size(); ++i)
-      if (group_.model(i).name() == it->second.robot) body.member = static_cast<int>(i);
-    if (body.member < 0) {
+      if (group_.model(i).name() == it->second.robot) body.robot = static_cast<int>(i);
+    if (body.robot < 0) {
       add_fixed(std::move(body), (to_base * scene.object_pose(name)).isometry());
       continue;
     }
-    const auto member = static_cast<std::size_t>(body.member);
-    const std::size_t link = group_.model(member).link_index(it->second.link);
-    body.support = group_.support(member, group_.model(member).link_support(link));
+    const auto robot = static_cast<std::size_t>(body.robot);
+    const std::size_t link = group_.model(robot).link_index(it->second.link);
+    body.support = group_.support(robot, group_.model(robot).link_support(link));
     body.source = link;
     const Eigen::Isometry3d in_link = object.pose.isometry();
     if (body.support == 0)
-      add_fixed(std::move(body), group_.link_pose(data_, member, link) * in_link);
+      add_fixed(std::move(body), group_.link_pose(data_, robot, link) * in_link);
     else
       moving.push_back({std::move(body), in_link});
   }
@@ -229,27 +229,27 @@ void Bodies::add_other_robots(const Scene& scene) {
 }
 
 void Bodies::add_pairs(const Scene& scene) {
-  Rules rules(scene, group_, *this, options_.other_robots_only);
+  ContactRules rules(scene, group_, *this, options_.other_robots_only);
   fixed_pair.assign(moving.size() * fixed.size(), -1);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)
-      if (rules.matters(moving[i], fixed[j])) add_pair(moving[i], false, i, fixed[j], true, j);
+      if (rules.count(moving[i], fixed[j])) add_pair(moving[i], false, i, fixed[j], true, j);
     for (std::size_t j = i + 1; j < moving.size(); ++j)
-      if (rules.matters(moving[i], moving[j])) {
-        const bool swap = moving[i].member != 0;  // the planned robot's body comes first
+      if (rules.count(moving[i], moving[j])) {
+        const bool swap = moving[i].robot != 0;  // the planned robot's body comes first
         add_pair(moving[swap ? j : i], false, swap ? j : i, moving[swap ? i : j], false, swap ? i : j);
       }
   }
   for (std::size_t i = 0; i < fixed.size(); ++i)
     for (std::size_t j = 0; j < fixed.size(); ++j) {
-      const bool once = fixed[i].member == 0 && (fixed[j].member != 0 || i < j);
-      if (once && rules.matters(fixed[i], fixed[j])) add_pair(fixed[i], true, i, fixed[j], true, j);
+      const bool once = fixed[i].robot == 0 && (fixed[j].robot != 0 || i < j);
+      if (once && rules.count(fixed[i], fixed[j])) add_pair(fixed[i], true, i, fixed[j], true, j);
     }
 }
 
 const PairTable* Bodies::table_of(const Body& a, const Body& b) const {
-  if (a.member != b.member || a.member < 0 || a.kind != BodyKind::link || b.kind != BodyKind::link) return nullptr;
-  const PairTables* tables = tables_[static_cast<std::size_t>(a.member)];
+  if (a.robot != b.robot || a.robot < 0 || a.kind != BodyKind::link || b.kind != BodyKind::link) return nullptr;
+  const PairTables* tables = tables_[static_cast<std::size_t>(a.robot)];
   if (!tables) return nullptr;
   const auto found = std::find_if(tables->begin(), tables->end(), [&](const PairTable& table) {
     return std::minmax(a.source, b.source) == std::minmax(table.geometry_a, table.geometry_b);
@@ -274,12 +274,12 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   }
   Pair pair{index_a, index_b, b_fixed};
   pair.table = table_of(a, b);
-  if (pair.table && pair.table->never_meet()) return;
-  if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.member));
+  if (pair.table && pair.table->never_collide()) return;
+  if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
   pair.solid = a.is_solid() && b.is_solid();
-  pair.in_pieces = !a.is_solid() && !b.is_solid();
+  pair.both_meshes = !a.is_solid() && !b.is_solid();
   if (a.solid && b.solid) pair.formula = formulas.index(*a.solid, *b.solid);
-  pair.padding = a.member == b.member ? 0.0 : a.padding + b.padding;
+  pair.padding = a.robot == b.robot ? 0.0 : a.padding + b.padding;
   pair.support_a = a.support & ~b.support;
   pair.support_b = b.support & ~a.support;
   const auto id = static_cast<std::uint32_t>(pairs.size());

@@ -13,8 +13,9 @@
 #include "srmp/geometry/distance_field.hpp"
 #include "srmp/scene/shape_geometry.hpp"
 
-// What a checker keeps of a scene: bodies, and the pairs of them that matter. In the base frame of a group of robots,
-// of which the first is planned; the others move too, but matter only where the first meets them.
+// What a SceneChecker keeps of a scene: bodies, and the pairs of them whose contact is a collision. All poses are in
+// the base frame of the first robot of a group, which is the planned one. The others move too, but only their contact
+// with the first one counts.
 namespace srmp::detail {
 
 struct Body {
@@ -25,20 +26,20 @@ struct Body {
   std::shared_ptr<const DistanceField> field;  // of an object, or of a link that no planned joint moves
   Bounds bounds;
   double padding{};
-  int member{-1};           // of the group: whose link it is, or whose link holds it
-  std::uint64_t support{};  // drives of the group that move it
+  int robot{-1};            // of the group: whose link it is, or whose link holds it; -1: none of them
+  std::uint64_t support{};  // actuated joints of the group that move it
   std::string scene_name;   // as the scene resolves it
-  std::size_t source{};     // geometry index of a link; link index of an object in a moving hand
+  std::size_t source{};     // geometry index of a link; link index of an object that a moving link holds
   std::size_t name_id{};    // equal for bodies of the same scene_name
-  /// The geometry, or a convex solid around it; null when there is only the geometry's pieces.
+  /// The geometry, or a convex solid around it; null when there are only the geometry's primitives.
   const coal::CollisionGeometry* solid{};
 
   bool is_solid() const { return !parts.bvh; }
 };
 
-/// Moved by the group's joints: a geometry of a robot, or an object in a link's hand.
+/// Moved by the group's joints: a geometry of a robot, or an object that a link holds.
 struct MovingBody : Body {
-  Eigen::Isometry3d in_link;  // of an object in the hand
+  Eigen::Isometry3d in_link;  // of an attached object
   bool attached() const { return kind == BodyKind::attached_object; }
 };
 
@@ -53,26 +54,26 @@ struct Pair {
   std::uint32_t b{};  // moving or fixed body
   bool b_fixed{};
   bool solid{};              // both bodies are convex solids
-  bool in_pieces{};          // neither is
+  bool both_meshes{};        // neither is: both are many primitives
   int formula{-1};           // for the distance of their solids
   const PairTable* table{};  // null: none; its joints are counted from first_joint
   std::size_t first_joint{};
   double padding{};
-  std::uint64_t support_a{}, support_b{};  // drives between the body and the nearest common frame
+  std::uint64_t support_a{}, support_b{};  // actuated joints between the body and the nearest common frame
 };
 
-/// Two bodies at rest relative to each other that overlap.
+/// Two bodies that never move relative to each other, and overlap.
 struct RigidOverlap {
   bool a_fixed{}, b_fixed{};
   std::uint32_t a{}, b{};
 };
 
 struct Bodies {
-  /// `tables`: by member of the group, may be null; they must outlive this.
+  /// `tables`: by robot of the group, may be null; they must outlive this.
   Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
          std::vector<const PairTables*> tables);
 
-  /// Is nothing of this robot, which is not in the group, here?
+  /// Is this robot, which is not in the group, left out with all that it holds?
   bool leaves_out(const std::string& robot) const;
 
   std::vector<MovingBody> moving;
@@ -81,12 +82,12 @@ struct Bodies {
   std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
   std::vector<std::uint32_t> moving_pairs;  // pairs of two moving bodies
   std::vector<RigidOverlap> overlaps;
-  BoxTree tree;  // over fixed
+  BoxBvh tree;  // over the boxes around fixed
   double max_fixed_padding{};
   FormulaTable formulas;
 
  private:
-  void add_links(int member);
+  void add_links(int robot);
   void add_objects(const Scene& scene);
   void add_other_robots(const Scene& scene);
   void add_fixed(Body body, const Eigen::Isometry3d& pose);
@@ -103,9 +104,9 @@ struct Bodies {
 
 /// The pose of a moving body at the configuration in `data`.
 inline Eigen::Isometry3d pose_of(const MovingBody& body, const RobotGroup& group, const RobotGroup::Data& data) {
-  const auto member = static_cast<std::size_t>(body.member);
-  return body.attached() ? group.link_pose(data, member, body.source) * body.in_link
-                         : group.geometry_pose(data, member, body.source);
+  const auto robot = static_cast<std::size_t>(body.robot);
+  return body.attached() ? group.link_pose(data, robot, body.source) * body.in_link
+                         : group.geometry_pose(data, robot, body.source);
 }
 
 }  // namespace srmp::detail

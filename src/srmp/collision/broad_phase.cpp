@@ -5,7 +5,7 @@
 
 namespace srmp::detail {
 
-void BoxTree::build(const std::vector<Eigen::AlignedBox3d>& boxes) {
+void BoxBvh::build(const std::vector<Eigen::AlignedBox3d>& boxes) {
   nodes_.clear();
   if (boxes.empty()) return;
   std::vector<std::size_t> order(boxes.size());
@@ -14,8 +14,8 @@ void BoxTree::build(const std::vector<Eigen::AlignedBox3d>& boxes) {
   build(boxes, order, {0, boxes.size()});
 }
 
-std::int32_t BoxTree::build(const std::vector<Eigen::AlignedBox3d>& boxes, std::vector<std::size_t>& order,
-                            Range range) {
+std::int32_t BoxBvh::build(const std::vector<Eigen::AlignedBox3d>& boxes, std::vector<std::size_t>& order,
+                           Range range) {
   const auto [first, last] = range;
   const auto id = static_cast<std::int32_t>(nodes_.size());
   nodes_.emplace_back();

@@ -7,8 +7,9 @@
 
 namespace srmp::detail {
 
-/// A bounding-box tree over bodies that do not move. Built once; const queries from any number of threads.
-class BoxTree {
+/// A bounding-volume hierarchy of axis-aligned boxes, for bodies that do not move. Built once; const queries from any
+/// number of threads.
+class BoxBvh {
  public:
   void build(const std::vector<Eigen::AlignedBox3d>& boxes);
 

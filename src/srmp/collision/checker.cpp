@@ -3,31 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
-#include <numbers>
+#include <utility>
 
-#include "srmp/collision/checker_workspace.hpp"
-#include "srmp/collision/motion_proof.hpp"
+#include "srmp/collision/narrow_phase.hpp"
+#include "srmp/collision/robot_group.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
-using detail::Bodies;
-using detail::NarrowPhase;
-using detail::Pair;
-using detail::Proximity;
+using detail::RobotGroup;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Where spheres are the bodies, they may as well look closely; elsewhere they stop early, because Coal settles what
-/// they leave open, pair by pair, in less time than more blocks would take.
-BatchChecker::MotionOptions batch_options(const BatchWorld& world) {
-  const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
-  return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
-}
+constexpr int samples_per_deadline_check = 32;
 
 std::string millimetres(double metres) {
   char text[32];
@@ -49,96 +37,220 @@ std::vector<std::string> with_other_robots(const std::string& robot, std::vector
   return names;
 }
 
-using Tables = std::vector<std::shared_ptr<const PairTables>>;
-Tables tables_of(const detail::RobotGroup& group, const CheckerOptions& options) {
-  Tables tables(group.size());
-  if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
-    for (std::size_t i = 0; i < group.size(); ++i) {
-      const RobotInstance& robot = group.instance(i);
-      tables[i] = options.pair_tables->tables(robot.model, robot.parts);
-    }
-  return tables;
-}
-std::vector<const PairTables*> addresses(const Tables& tables) {
-  std::vector<const PairTables*> result;
-  for (const auto& table : tables) result.push_back(table.get());
-  return result;
-}
-
 }  // namespace
 
 std::string Contact::describe() const {
   const std::string pair = kind_text(kind_a) + body_a + "' and " + kind_text(kind_b) + body_b + "'";
-  const double gap = distance + padding;
-  if (gap <= 0.0) return pair + " overlap by " + millimetres(-gap);
+  const double unpadded = distance + padding;
+  if (unpadded <= 0.0) return pair + " overlap by " + millimetres(-unpadded);
   if (distance <= 0.0)
-    return pair + " are " + millimetres(gap) + " apart, less than their padding of " + millimetres(padding);
-  return pair + " are " + millimetres(gap) + " apart";
+    return pair + " are " + millimetres(unpadded) + " apart, less than their padding of " + millimetres(padding);
+  return pair + " are " + millimetres(unpadded) + " apart";
 }
 
-Checker::Impl::Impl(const Scene& scene, const std::string& robot, const CheckerOptions& options)
-    : group(scene, with_other_robots(robot, options.other_robots)),
-      tables(tables_of(group, options)),
-      bodies(scene, group, options, addresses(tables)),
-      mode(options.mode) {
-  for (const Joint& joint : group.joints()) continuous.push_back(joint.kind == JointKind::continuous);
-  if (mode == CheckMode::coal) return;
-  const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
-  for (const auto& [name, other] : scene.robots())
-    if (group.contains(name) || !bodies.leaves_out(name)) ensure_covered(*other.model, *covers);
-  const detail::CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
-  batch_scene = detail::make_batch_scene(bodies, group, cover_of);
-  batch.emplace(batch_scene.world);
-  batch_options = srmp::batch_options(batch_scene.world);
-}
+/// The kinematics of the planned robots, and the bounding spheres of what moves with them.
+struct Checker::Robots {
+  /// A link's geometry or an attached object.
+  struct Part {
+    std::size_t robot{};      // of the group
+    std::uint64_t support{};  // actuated joints of the group that move it
+    double padding{};
+    Eigen::Vector3d center;  // of its bounding sphere, in the frame of the geometry or the object
+    double radius{};
+    std::size_t source{};                        // index of the geometry, or of the link that holds the object
+    std::optional<Eigen::Isometry3d> in_link{};  // of an attached object
+  };
 
-// --- the public face
+  Robots(const Scene& scene, const std::vector<std::string>& names) : group(scene, names) {
+    for (std::size_t i = 0; i < group.size(); ++i) add_links(i);
+    for (const auto& [name, attachment] : scene.attachments()) add_attached(scene.object(name), attachment);
+  }
 
-Checker::Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options)
-    : impl_(std::make_unique<const Impl>(scene, robot, options)) {}
-Checker::~Checker() = default;
+  void add_links(std::size_t robot) {
+    const RobotInstance& instance = group.instance(robot);
+    const std::vector<LinkGeometry>& geometries = instance.model->geometries();
+    for (std::size_t i = 0; i < geometries.size(); ++i)
+      parts.push_back({robot, group.support(robot, geometries[i].support), instance.padding, geometries[i].center,
+                       geometries[i].radius, i});
+  }
 
-const RobotModel& Checker::robot() const { return impl_->group.model(0); }
-std::size_t Checker::dof() const { return impl_->group.joints().size(); }
-const Pose& Checker::base() const { return impl_->group.instance(0).base; }
-const Eigen::VectorXd& Checker::other_positions() const { return impl_->group.instance(0).other_positions; }
-CheckMode Checker::mode() const { return impl_->mode; }
-
-/// How far a prismatic drive gets from where it is at 0.
-double Checker::Impl::travel(const ActuatedJoint& drive) const {
-  const Joint& joint = group.joints()[drive.joint];
-  return drive.prismatic ? std::abs(drive.ratio) * std::max(std::abs(joint.lower), std::abs(joint.upper)) : 0.0;
-}
-
-/// The axes keep their distances as the joints turn, so a body is no farther from an axis than along the chain of axes
-/// to it, as it is at any one configuration, and what prismatic joints on the way add. Calls at_axis(body, drive, way)
-/// for every moving body and every drive that moves it, the body's own first: no point of the body is ever farther
-/// than `way` from the point of the axis where the drive is.
-template <class AtAxis>
-void Checker::Impl::for_each_axis(AtAxis&& at_axis) const {
-  const std::vector<ActuatedJoint>& actuated_joints = group.actuated_joints();
-  detail::RobotGroup::Data data = group.make_data();
-  group.forward(data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
-  for (const detail::MovingBody& body : bodies.moving) {
-    Eigen::Vector3d from = detail::pose_of(body, group, data) * body.bounds.center;
-    double way = body.bounds.radius;
-    for (int k = detail::deepest_drive(body.support); k >= 0; k = group.parent(static_cast<std::size_t>(k))) {
-      const auto drive = static_cast<std::size_t>(k);
-      const Eigen::Vector3d axis = group.actuated_joint_axis(data, drive).first;
-      way += (from - axis).norm();
-      at_axis(body, drive, way, axis);
-      way += travel(actuated_joints[drive]);
-      from = axis;
+  void add_attached(const Object& object, const Attachment& attachment) {
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const RobotModel& model = group.model(i);
+      if (model.name() != attachment.robot) continue;
+      const std::size_t link = model.link_index(attachment.link);
+      const detail::Bounds bounds = detail::bounds_of(*object.geometry);
+      parts.push_back({i, group.support(i, model.link_support(link)), object.padding, bounds.center, bounds.radius,
+                       link, object.pose.isometry()});
     }
   }
+
+  Eigen::Vector3d center(const Part& part, const RobotGroup::Data& data) const {
+    if (part.in_link) return group.link_pose(data, part.robot, part.source) * *part.in_link * part.center;
+    return group.geometry_pose(data, part.robot, part.source) * part.center;
+  }
+
+  /// How far a prismatic joint gets from where it is at 0.
+  double travel(const ActuatedJoint& actuated) const {
+    const Joint& joint = group.joints()[actuated.joint];
+    return actuated.prismatic ? std::abs(actuated.ratio) * std::max(std::abs(joint.lower), std::abs(joint.upper)) : 0.0;
+  }
+
+  RobotGroup::Data data_at_zero() const {
+    RobotGroup::Data data = group.make_data();
+    group.forward(data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
+    return data;
+  }
+
+  /// The axes keep their distances as the joints turn, so a part is no farther from an axis than along the chain of
+  /// axes to it, as it is at any one configuration, and what the prismatic joints between add. Calls
+  /// at_axis(part, k, distance, axis) for every part and every actuated joint k that moves it, the distal ones first:
+  /// no point of the part is ever farther than `distance` from the point `axis`, where the joint is.
+  template <class AtAxis>
+  void for_each_axis(const RobotGroup::Data& data, AtAxis&& at_axis) const {
+    for (const Part& part : parts) {
+      if (part.support == 0) continue;
+      Eigen::Vector3d from = center(part, data);
+      double distance = part.radius;
+      for (int k = detail::deepest_actuated_joint(part.support); k >= 0;
+           k = group.parent(static_cast<std::size_t>(k))) {
+        const auto actuated = static_cast<std::size_t>(k);
+        const Eigen::Vector3d axis = group.actuated_joint_axis(data, actuated).first;
+        distance += (from - axis).norm();
+        at_axis(part, actuated, distance, axis);
+        distance += travel(group.actuated_joints()[actuated]);
+        from = axis;
+      }
+    }
+  }
+
+  RobotGroup group;
+  std::vector<Part> parts;
+};
+
+// --- the public functions check
+
+Checker::Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options)
+    : robots_(std::make_unique<const Robots>(scene, with_other_robots(robot, options.other_robots))),
+      mode_(options.mode) {}
+
+Checker::~Checker() = default;
+
+const RobotGroup& Checker::group() const { return robots_->group; }
+const RobotModel& Checker::robot() const { return group().model(0); }
+std::size_t Checker::dof() const { return group().joints().size(); }
+const Pose& Checker::base() const { return group().instance(0).base; }
+const Eigen::VectorXd& Checker::other_positions() const { return group().instance(0).other_positions; }
+
+Checker::WorkspacePtr Checker::make_workspace() const {
+  WorkspacePtr workspace = do_make_workspace();
+  workspace->owner_ = this;
+  return workspace;
 }
 
-Eigen::VectorXd Checker::reach() const {
-  const std::vector<ActuatedJoint>& actuated_joints = impl_->group.actuated_joints();
-  std::vector<double> farthest(actuated_joints.size(), 0.0);  // from the drive's axis
-  impl_->for_each_axis([&](const detail::MovingBody&, std::size_t drive, double way, const Eigen::Vector3d&) {
-    farthest[drive] = std::max(farthest[drive], way);
-  });
+void Checker::require_own(const Workspace& workspace) const {
+  if (workspace.owner_ != this)
+    throw InvalidArgument("this workspace was made by another checker; a checker needs one of its own make_workspace");
+}
+
+void Checker::require_motion(ConstVector a, ConstVector b, const Workspace& workspace) const {
+  group().require_configuration(a, "start of the motion");
+  group().require_configuration(b, "end of the motion");
+  require_own(workspace);
+}
+
+bool Checker::is_free(ConstVector q, Workspace& workspace) const {
+  group().require_configuration(q, "configuration");
+  require_own(workspace);
+  ++workspace.statistics.states;
+  return do_is_free(q, workspace);
+}
+
+bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const {
+  require_motion(a, b, workspace);
+  ++workspace.statistics.motions;
+  return do_is_motion_free(a, b, workspace, query);
+}
+
+void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
+  if (free.size() != static_cast<std::size_t>(q.rows()))
+    throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
+                          std::to_string(free.size()) + " results");
+  for (Eigen::Index i = 0; i < q.rows(); ++i)
+    if (q.cols() != static_cast<Eigen::Index>(dof()) || !q.row(i).allFinite())
+      group().require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
+  require_own(workspace);
+  workspace.statistics.states += free.size();
+  do_are_free(q, free, workspace, query);
+}
+
+MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
+  require_motion(a, b, workspace);
+  ++workspace.statistics.motions;
+  return do_certify_motion(a, b, workspace);
+}
+
+std::vector<Contact> Checker::contacts(ConstVector q, Workspace& workspace) const {
+  group().require_configuration(q, "configuration");
+  require_own(workspace);
+  return do_contacts(q, workspace);
+}
+
+std::optional<Contact> Checker::nearest(ConstVector q, Workspace& workspace) const {
+  group().require_configuration(q, "configuration");
+  require_own(workspace);
+  return do_nearest(q, workspace);
+}
+
+void Checker::stop_at(const Deadline& deadline, Workspace& workspace) const {
+  require_own(workspace);
+  workspace.deadline = &deadline;
+}
+
+// --- what a backend need not override
+
+Checker::WorkspacePtr Checker::do_make_workspace() const { return std::make_unique<Workspace>(); }
+
+void Checker::do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery&) const {
+  for (std::size_t i = 0; i < free.size(); ++i)
+    free[i] = do_is_free(q.row(static_cast<Eigen::Index>(i)).transpose(), workspace);
+}
+
+bool Checker::do_is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery&) const {
+  return do_certify_motion(a, b, workspace).proved;
+}
+
+MotionCertificate Checker::do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
+  const Eigen::VectorXd difference = group().difference(a, b);
+  // Either body of a pair may move, so the two approach each other by up to twice this over the whole motion.
+  const double travel = do_reach().dot(difference.cwiseAbs());
+  struct Interval {
+    double from, to;
+  };
+  std::vector<Interval> open{{0.0, 1.0}};  // a stack, so that the first part that cannot be proved is found first
+  for (int samples = 1; !open.empty(); ++samples) {
+    if (workspace.deadline && samples % samples_per_deadline_check == 0 && workspace.deadline->expired())
+      throw MotionCheckStopped();
+    const auto [from, to] = open.back();
+    open.pop_back();
+    const double middle = (from + to) / 2.0, motion = travel * (to - from);
+    const std::optional<Contact> pair = do_nearest(a + middle * difference, workspace);
+    if (!pair || pair->distance > motion) continue;
+    if (pair->distance <= 0.0) return {false, middle, middle, pair->body_a, pair->body_b};
+    if (motion < motion_floor) return {false, from, to, pair->body_a, pair->body_b};
+    open.push_back({middle, to});
+    open.push_back({from, middle});
+  }
+  return {true, 0.0, 0.0, "", ""};
+}
+
+Eigen::VectorXd Checker::do_reach() const {
+  const std::vector<ActuatedJoint>& actuated_joints = group().actuated_joints();
+  std::vector<double> farthest(actuated_joints.size(), 0.0);  // from the joint's axis
+  robots_->for_each_axis(robots_->data_at_zero(),
+                         [&](const Robots::Part&, std::size_t k, double distance, const Eigen::Vector3d&) {
+                           farthest[k] = std::max(farthest[k], distance);
+                         });
   Eigen::VectorXd reach = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof()));
   for (std::size_t k = 0; k < actuated_joints.size(); ++k)
     reach[static_cast<Eigen::Index>(actuated_joints[k].joint)] +=
@@ -146,173 +258,24 @@ Eigen::VectorXd Checker::reach() const {
   return reach;
 }
 
-/// Around the first axis that stays where it is.
-PlacedSphere Checker::range() const {
-  const detail::RobotGroup& group = impl_->group;
+/// The sphere is centred on the first axis that never moves.
+PlacedSphere Checker::do_range() const {
+  const RobotGroup::Data data = robots_->data_at_zero();
   PlacedSphere sphere;
   bool centered = false;
-  const auto hold = [&](const Eigen::Vector3d& point, double radius) {
+  const auto include = [&](const Eigen::Vector3d& point, double radius) {
     if (!std::exchange(centered, true)) sphere.center = point;
     sphere.radius = std::max(sphere.radius, (point - sphere.center).norm() + radius);
   };
-  impl_->for_each_axis([&](const detail::MovingBody& body, std::size_t drive, double way, const Eigen::Vector3d& axis) {
-    if (body.member == 0 && group.parent(drive) < 0)
-      hold(axis, way + impl_->travel(group.actuated_joints()[drive]) + body.padding);
-  });
-  for (const detail::FixedBody& body : impl_->bodies.fixed)
-    if (body.member == 0) hold(body.center, body.bounds.radius + body.padding);
+  robots_->for_each_axis(data,
+                         [&](const Robots::Part& part, std::size_t k, double distance, const Eigen::Vector3d& axis) {
+                           if (part.robot == 0 && group().parent(k) < 0)
+                             include(axis, distance + robots_->travel(group().actuated_joints()[k]) + part.padding);
+                         });
+  for (const Robots::Part& part : robots_->parts)
+    if (part.robot == 0 && part.support == 0) include(robots_->center(part, data), part.radius + part.padding);
   sphere.center = base() * sphere.center;
   return sphere;
-}
-
-void Checker::WorkspaceDeleter::operator()(Workspace* workspace) const { delete workspace; }
-
-Checker::WorkspacePtr Checker::make_workspace() const { return WorkspacePtr(new Workspace(*impl_)); }
-
-const CheckStatistics& Checker::statistics(const Workspace& workspace) const { return workspace.statistics; }
-
-bool Checker::is_free(ConstVector q, Workspace& workspace) const {
-  impl_->group.require_configuration(q, "configuration");
-  ++workspace.statistics.states;
-  if (!impl_->bodies.overlaps.empty()) return false;
-  workspace.place(q);
-  return workspace.is_free_here();
-}
-
-bool Checker::is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query) const {
-  impl_->group.require_configuration(a, "start of the motion");
-  impl_->group.require_configuration(b, "end of the motion");
-  ++workspace.statistics.motions;
-  if (!impl_->bodies.overlaps.empty()) return false;
-  workspace.start_motion(a, b);
-  return workspace.is_motion_free(query.start_is_free, query.spheres_only || impl_->mode == CheckMode::conservative);
-}
-
-void Checker::stop_at(const Deadline& deadline, Workspace& workspace) const { workspace.deadline = &deadline; }
-
-void Checker::are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
-  if (free.size() != static_cast<std::size_t>(q.rows()))
-    throw InvalidArgument("are_free: there are " + std::to_string(q.rows()) + " configurations, but room for " +
-                          std::to_string(free.size()) + " answers");
-  for (Eigen::Index i = 0; i < q.rows(); ++i)
-    if (q.cols() != static_cast<Eigen::Index>(dof()) || !q.row(i).allFinite())
-      impl_->group.require_configuration(q.row(i).transpose(), "configuration " + std::to_string(i));
-  workspace.statistics.states += free.size();
-  if (!impl_->bodies.overlaps.empty()) {
-    std::fill(free.begin(), free.end(), false);
-    return;
-  }
-  bool has_spheres = impl_->batch.has_value();
-  for (Eigen::Index i = 0; i < q.rows() && has_spheres; ++i) has_spheres = impl_->spheres_reach(q.row(i).transpose());
-  if (!has_spheres) {
-    for (std::size_t i = 0; i < free.size(); ++i) {
-      workspace.place(q.row(static_cast<Eigen::Index>(i)).transpose());
-      free[i] = workspace.is_free_here();
-    }
-    return;
-  }
-  for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
-    const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
-    workspace.judge_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
-                          free.subspan(first, count), query.spheres_only || impl_->mode == CheckMode::conservative);
-  }
-}
-
-MotionCertificate Checker::certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
-  impl_->group.require_configuration(a, "start of the motion");
-  impl_->group.require_configuration(b, "end of the motion");
-  ++workspace.statistics.motions;
-  if (!impl_->bodies.overlaps.empty()) {
-    const std::vector<Contact> rigid = contacts(a, workspace);
-    return {false, 0.0, 1.0, rigid.front().body_a, rigid.front().body_b};
-  }
-  RowMatrix ends(2, a.size());
-  ends << a.transpose(), b.transpose();
-  for (std::size_t i = 0; i < impl_->continuous.size(); ++i) {
-    const auto j = static_cast<Eigen::Index>(i);
-    if (impl_->continuous[i]) ends(1, j) = a[j] + std::remainder(b[j] - a[j], 2.0 * std::numbers::pi);
-  }
-  const Eigen::VectorXd times = Eigen::Vector2d(0.0, 1.0);
-  const MotionProof proof =
-      prove_motion(*this, {times, ends, RowMatrix(0, a.size())}, workspace, {.gap_tolerance = 0.0});
-  if (!proof.free) return {false, proof.time, proof.time, proof.body_a, proof.body_b};
-  if (proof.unproved.empty()) return {true, 0.0, 0.0, "", ""};
-  const MotionProof::Part& part = proof.unproved.front();
-  return {false, part.from, part.to, part.body_a, part.body_b};
-}
-
-Contact Checker::Workspace::contact(const detail::Body& a, const detail::Body& b, const Proximity& found,
-                                    double padding) const {
-  const Pose& base = impl.group.instance(0).base;
-  return {a.name, b.name, found.distance - padding, base * found.point_a, base * found.point_b, padding,
-          a.kind, b.kind};
-}
-
-namespace {
-
-const detail::Body& body_of(const Bodies& bodies, bool fixed, std::size_t index) {
-  if (fixed) return bodies.fixed[index];
-  return bodies.moving[index];
-}
-
-/// One entry a pair of bodies, the deepest; deepest first, then by name.
-void tidy(std::vector<Contact>& contacts) {
-  const auto names = [](const Contact& c) { return std::tie(c.body_a, c.body_b); };
-  std::stable_sort(contacts.begin(), contacts.end(), [&](const Contact& a, const Contact& b) {
-    return names(a) != names(b) ? names(a) < names(b) : a.distance < b.distance;
-  });
-  const auto same = [&](const Contact& a, const Contact& b) { return names(a) == names(b); };
-  contacts.erase(std::unique(contacts.begin(), contacts.end(), same), contacts.end());
-  std::stable_sort(contacts.begin(), contacts.end(),
-                   [](const Contact& a, const Contact& b) { return a.distance < b.distance; });
-}
-
-}  // namespace
-
-std::vector<Contact> Checker::contacts(ConstVector q, Workspace& workspace) const {
-  impl_->group.require_configuration(q, "configuration");
-  const Bodies& bodies = impl_->bodies;
-  workspace.place(q);
-  std::vector<Contact> contacts;
-  const auto add = [&](bool a_fixed, std::size_t a, bool b_fixed, std::size_t b, double padding) {
-    const Proximity found = NarrowPhase::deepest(workspace.placed(a_fixed, a), workspace.placed(b_fixed, b), padding);
-    contacts.push_back(workspace.contact(body_of(bodies, a_fixed, a), body_of(bodies, b_fixed, b), found, padding));
-  };
-  for (const detail::RigidOverlap& overlap : bodies.overlaps)
-    add(overlap.a_fixed, overlap.a, overlap.b_fixed, overlap.b, 0.0);
-  for (const Pair& pair : bodies.pairs)
-    if (workspace.in_contact(pair)) add(false, pair.a, pair.b_fixed, pair.b, pair.padding);
-  tidy(contacts);
-  return contacts;
-}
-
-std::optional<Contact> Checker::nearest(ConstVector q, Workspace& workspace) const {
-  std::vector<Contact> in_contact = contacts(q, workspace);
-  if (!in_contact.empty()) return in_contact.front();
-  const Bodies& bodies = impl_->bodies;
-  std::vector<std::pair<double, std::size_t>> order;  // by the lower bound, so that most are never asked
-  for (std::size_t i = 0; i < bodies.pairs.size(); ++i)
-    order.emplace_back(workspace.gap(bodies.pairs[i]) - bodies.pairs[i].padding, i);
-  std::sort(order.begin(), order.end());
-  double least = infinity;
-  const Pair* pair = nullptr;
-  for (const auto& [bound, i] : order) {
-    if (bound > least) break;
-    const Pair& next = bodies.pairs[i];
-    const double apart = workspace.distance(next, least + next.padding, 0.0) - next.padding;
-    if (apart >= least) continue;
-    least = apart;
-    pair = &next;
-  }
-  if (!pair) return std::nullopt;
-  const Proximity found =
-      NarrowPhase::distance(workspace.placed(false, pair->a), workspace.placed(pair->b_fixed, pair->b));
-  return workspace.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
-}
-
-std::unique_ptr<const Checker> make_checker(const Scene& scene, const std::string& robot,
-                                            const CheckerOptions& options) {
-  return std::make_unique<const Checker>(scene, robot, options);
 }
 
 }  // namespace srmp

@@ -3,40 +3,43 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srmp/collision/checker_workspace.hpp"
+#include "srmp/collision/scene_workspace.hpp"
 #include "srmp/core/error.hpp"
 
 namespace srmp {
 
 using detail::NarrowPhase;
 using detail::Pair;
+using detail::SceneModel;
+using detail::SceneWorkspace;
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double rough_distance = 0.3;  // of an interval's motion: distances below are not refined, it is cut anyway
-constexpr int max_levels = 3;           // cut at once
-constexpr int max_looks = 200'000;      // at configurations: nobody waits for the proof of a million turns
-constexpr double largest = 1e100;       // [rad or m] beyond it, squares overflow
+constexpr double rough_distance =
+    0.3;                              // of an interval's motion: smaller distances are not refined, it is halved anyway
+constexpr int max_levels = 3;         // of halving at once
+constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
+constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
 
-/// Rows from, ..., to of a motion, or within one of its pieces the share from u to v.
+/// Rows from, ..., to of a motion; or, of the segment between two rows, the part from u to v of [0, 1].
 struct Interval {
   Eigen::Index from{}, to{};
   double u{0.0}, v{1.0};
-  bool one_piece() const { return to == from + 1; }
+  bool in_one_segment() const { return to == from + 1; }
 };
 
-/// The pieces' Bernstein coefficients, between the smallest and largest of which a joint stays.
-class Pieces {
+/// The segments' Bernstein coefficients: each joint stays between the smallest and the largest of them.
+class Segments {
  public:
-  explicit Pieces(const CubicMotion& motion) : motion_(motion) {
+  explicit Segments(const CubicMotion& motion) : motion_(motion) {
     for (Eigen::Index first = motion.positions.rows() - 1; first > 0; first /= 2) ++levels_;
     build();
   }
 
-  /// Configuration and time in the middle, and how far each joint gets from there.
+  /// Computes configuration and time in the middle, and how far each joint gets from there.
   void range(const Interval& at, Eigen::VectorXd& middle, double& time, std::span<double> change) const {
-    if (at.one_piece()) return range_of_piece(at, middle, time, change);
+    if (at.in_one_segment()) return range_of_segment(at, middle, time, change);
     const Eigen::Index mid = (at.from + at.to) / 2;
     middle = motion_.positions.row(mid).transpose();
     time = motion_.times[mid];
@@ -48,18 +51,18 @@ class Pieces {
     });
   }
 
-  double time(const Interval& at, double share) const {
-    return (1.0 - share) * motion_.times[at.from] + share * motion_.times[at.to];  // those of rows bit for bit
+  double time(const Interval& at, double fraction) const {
+    return (1.0 - fraction) * motion_.times[at.from] + fraction * motion_.times[at.to];  // those of rows bit for bit
   }
 
  private:
-  std::array<double, 4> coefficients(Eigen::Index piece, Eigen::Index joint) const {
-    const double a = motion_.positions(piece, joint), b = motion_.positions(piece + 1, joint);
+  std::array<double, 4> coefficients(Eigen::Index segment, Eigen::Index joint) const {
+    const double a = motion_.positions(segment, joint), b = motion_.positions(segment + 1, joint);
     if (motion_.velocities.rows() == 0) return {a, a + (b - a) / 3.0, b - (b - a) / 3.0, b};
-    const double third = (motion_.times[piece + 1] - motion_.times[piece]) / 3.0;
+    const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
     const double arrival =
-        motion_.arrivals ? (*motion_.arrivals)(piece + 1, joint) : motion_.velocities(piece + 1, joint);
-    return {a, a + third * motion_.velocities(piece, joint), b - third * arrival, b};
+        motion_.arrivals ? (*motion_.arrivals)(segment + 1, joint) : motion_.velocities(segment + 1, joint);
+    return {a, a + third * motion_.velocities(segment, joint), b - third * arrival, b};
   }
 
   /// The polynomial's coefficient for the arguments r, s, t (its polar form).
@@ -69,26 +72,26 @@ class Pieces {
     return mix(mix(a, b, s), mix(b, d, s), t);
   }
 
-  void range_of_piece(const Interval& at, Eigen::VectorXd& middle, double& time, std::span<double> change) const {
+  void range_of_segment(const Interval& at, Eigen::VectorXd& middle, double& time, std::span<double> change) const {
     const double m = (at.u + at.v) / 2.0;
     time = this->time(at, m);
     for (Eigen::Index j = 0; j < middle.size(); ++j) {
       const auto c = coefficients(at.from, j);
       middle[j] = blossom(c, m, m, m);
-      double& most = change[static_cast<std::size_t>(j)] = 0.0;
+      double& farthest = change[static_cast<std::size_t>(j)] = 0.0;
       for (const double x : {blossom(c, at.u, at.u, at.u), blossom(c, at.u, at.u, at.v), blossom(c, at.u, at.v, at.v),
                              blossom(c, at.v, at.v, at.v)})
-        most = std::max(most, std::abs(x - middle[j]));
+        farthest = std::max(farthest, std::abs(x - middle[j]));
     }
   }
 
-  /// Ranges of 1, 2, 4, … pieces, so that any run of pieces is a few blocks.
+  /// Computes the ranges of 1, 2, 4, … segments, so that any run of segments is a few blocks.
   void build() {
-    const Eigen::Index pieces = motion_.positions.rows() - 1, dof = motion_.positions.cols();
+    const Eigen::Index segments = motion_.positions.rows() - 1, dof = motion_.positions.cols();
     low_.resize(static_cast<std::size_t>(levels_));
     high_ = low_;
     for (std::size_t level = 0; level < low_.size(); ++level) {
-      const Eigen::Index count = pieces >> level;
+      const Eigen::Index count = segments >> level;
       RowMatrix &low = low_[level], &high = high_[level];
       low.resize(count, dof);
       high.resize(count, dof);
@@ -122,21 +125,21 @@ class Pieces {
   std::vector<RowMatrix> low_, high_;  // [level](block, joint)
 };
 
+/// Branch and bound over the time of one motion.
 class Prover {
  public:
-  Prover(const Checker::Impl& impl, const CubicMotion& motion, Checker::Workspace& workspace,
-         const ProofOptions& options)
-      : impl_(impl),
+  Prover(const SceneModel& model, const CubicMotion& motion, SceneWorkspace& workspace, const ProofOptions& options)
+      : model_(model),
         motion_(motion),
-        pieces_(motion),
+        segments_(motion),
         workspace_(workspace),
         gap_tolerance_(options.gap_tolerance),
         deadline_(options.deadline) {
     const auto dof = motion.positions.cols();
     middle_.resize(dof);
     change_.resize(static_cast<std::size_t>(dof));
-    body_motion_.resize(impl.bodies.moving.size());
-    open_.reserve(4 * impl.bodies.pairs.size());
+    body_motion_.resize(model.bodies.moving.size());
+    open_.reserve(4 * model.bodies.pairs.size());
   }
 
   MotionProof run();
@@ -144,80 +147,89 @@ class Prover {
  private:
   struct Open {
     std::uint32_t pair;
-    int levels;  // to go down before it is worth another look
+    int levels;  // of halving before it is worth another check
   };
-  enum class CollisionStatus { apart, contact, open };
 
-  void look_at(Eigen::Index row);
+  void find_nearest_at(Eigen::Index row);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
-  CollisionStatus judge(Open& open, bool& finest);
+  bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
+  CollisionStatus check(Open& open, bool& finest);
+  CollisionStatus subdivide_for(Open& open, double distance, double motion, bool finest) const;
   double approach(const Pair& pair);
-  double goal() const {
-    return gap_tolerance_ > 0.0 ? gap_tolerance_ * least_ : 0.0;
-  }  // that is to be proved of every pair
-  CollisionStatus meet(const Pair& pair, double distance);
-  void leave(const Interval& interval, std::uint32_t pair);
-  double span(const Interval& at, bool end) const {
-    if (!at.one_piece()) return motion_.times[end ? at.to : at.from];
-    return pieces_.time(at, end ? at.v : at.u);
+  /// The clearance that is to be proved of every pair.
+  double goal() const { return gap_tolerance_ > 0.0 ? gap_tolerance_ * clearance_ : 0.0; }
+  CollisionStatus note_clearance(double at_least);
+  CollisionStatus note_distance(const Pair& pair, double distance);
+  void leave_unproved(const Interval& interval, std::uint32_t pair);
+  bool refine_nearest();
+  MotionProof report(bool free) const;
+  double time_of(const Interval& at, bool end) const {
+    if (!at.in_one_segment()) return motion_.times[end ? at.to : at.from];
+    return segments_.time(at, end ? at.v : at.u);
   }
 
-  const Checker::Impl& impl_;
+  const SceneModel& model_;
   const CubicMotion& motion_;
-  Pieces pieces_;
-  Checker::Workspace& workspace_;
+  Segments segments_;
+  SceneWorkspace& workspace_;
   double gap_tolerance_;
   const Deadline* deadline_;
-  double least_{infinity};  // distance found, less padding
+  double clearance_{infinity};  // the smallest distance found, less padding
   const Pair* nearest_{};
   double nearest_time_{};
-  Eigen::VectorXd nearest_place_;
+  Eigen::VectorXd nearest_configuration_;
   double proved_{infinity};
-  int looks_{};
+  int samples_{};
   Eigen::VectorXd middle_;
   std::vector<double> change_;
-  std::vector<double> body_motion_;  // by moving body, in the interval at hand; -1: not known yet
+  std::vector<double> body_motion_;  // by moving body, in the current interval; -1: not known yet
   double time_{};
-  std::vector<Open> open_;  // a stack: those of the interval at hand on top
-  std::vector<std::pair<std::uint32_t, std::pair<double, double>>> left_;
+  std::vector<Open> open_;  // a stack: those of the current interval on top
+  std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
 
-/// Notes a distance found at the configuration at hand.
-Prover::CollisionStatus Prover::meet(const Pair& pair, double distance) {
+/// Notes that the pair has this distance at the current configuration.
+CollisionStatus Prover::note_distance(const Pair& pair, double distance) {
   const double clearance = distance - pair.padding;
-  if (clearance < least_) {
-    least_ = clearance;
+  if (clearance < clearance_) {
+    clearance_ = clearance;
     nearest_ = &pair;
     nearest_time_ = time_;
-    nearest_place_ = middle_;
+    nearest_configuration_ = middle_;
   }
-  return clearance <= NarrowPhase::contact_distance ? CollisionStatus::contact : CollisionStatus::open;
+  return clearance <= NarrowPhase::contact_distance ? CollisionStatus::colliding : CollisionStatus::undecided;
 }
 
-/// The nearest pair at a row, so that what follows need not look at those farther away.
-void Prover::look_at(Eigen::Index row) {
+/// Notes that a pair is proved to keep this clearance over the current interval.
+CollisionStatus Prover::note_clearance(double at_least) {
+  proved_ = std::min(proved_, std::max(0.0, at_least));
+  return CollisionStatus::free;
+}
+
+/// Finds the nearest pair at a row, so that pairs farther away need no distance later.
+void Prover::find_nearest_at(Eigen::Index row) {
   time_ = motion_.times[row];
   middle_ = motion_.positions.row(row).transpose();
   workspace_.place(middle_);
   order_.clear();
-  for (std::uint32_t i = 0; i < impl_.bodies.pairs.size(); ++i) {
-    const Pair& pair = impl_.bodies.pairs[i];
-    const double bound = workspace_.gap(pair) - pair.padding;
-    if (bound < least_) order_.emplace_back(bound, i);
+  for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) {
+    const Pair& pair = model_.bodies.pairs[i];
+    const double bound = workspace_.distance_bound(pair) - pair.padding;
+    if (bound < clearance_) order_.emplace_back(bound, i);
   }
   std::sort(order_.begin(), order_.end());
   for (const auto& [bound, i] : order_) {
-    if (bound >= least_) return;
-    const Pair& pair = impl_.bodies.pairs[i];
-    const double margin = least_ + pair.padding;
+    if (bound >= clearance_) return;
+    const Pair& pair = model_.bodies.pairs[i];
+    const double margin = clearance_ + pair.padding;
     if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
     const double found = workspace_.distance(pair, margin, 0.0);
-    if (found < infinity) meet(pair, found);
+    if (found < infinity) note_distance(pair, found);
   }
 }
 
-/// How far the pair can get towards each other; the same for all that a body meets at rest.
+/// How far the pair can approach each other; the same for all fixed bodies that a moving one may hit.
 double Prover::approach(const Pair& pair) {
   if (!pair.b_fixed) return workspace_.approach(pair);
   double& known = body_motion_[pair.a];
@@ -225,68 +237,66 @@ double Prover::approach(const Pair& pair) {
   return known;
 }
 
-/// Judges a pair over the interval around the configuration at hand.
-Prover::CollisionStatus Prover::judge(Open& open, bool& finest) {
-  const Pair& pair = impl_.bodies.pairs[open.pair];
+/// The interval is to be halved until its motion and the goal together are no more than the distance.
+CollisionStatus Prover::subdivide_for(Open& open, double distance, double motion, bool finest) const {
+  if (finest) return CollisionStatus::undecided;
+  const double room = std::max(distance - model_.bodies.pairs[open.pair].padding - goal(), 0.1 * motion);
+  open.levels = std::clamp(static_cast<int>(std::log2(motion / room)), 0, max_levels);
+  return CollisionStatus::undecided;
+}
+
+/// Checks a pair over the interval around the current configuration.
+CollisionStatus Prover::check(Open& open, bool& finest) {
+  const Pair& pair = model_.bodies.pairs[open.pair];
   const double motion = approach(pair), goal = this->goal();
-  const double margin = pair.padding + motion + goal + NarrowPhase::tolerance, apart = workspace_.gap(pair);
-  const auto prove = [&](double at_least) {
-    proved_ = std::min(proved_, std::max(0.0, at_least));
-    return CollisionStatus::apart;
-  };
-  // An interval of the motion m shall be cut until m + goal is no more than the distance.
-  const auto cut_for = [&](double distance) {
-    if (finest) return CollisionStatus::open;
-    const double room = std::max(distance - pair.padding - this->goal(), 0.1 * motion);
-    open.levels = std::clamp(static_cast<int>(std::log2(motion / room)), 0, max_levels);
-    return CollisionStatus::open;
-  };
+  const double margin = pair.padding + motion + goal + NarrowPhase::tolerance;
+  const double bound = workspace_.distance_bound(pair);
   finest = motion < Checker::motion_floor;
-  if (apart > margin) return prove(apart - pair.padding - motion - NarrowPhase::tolerance);
-  if (!finest && motion + goal > workspace_.farthest(pair, apart)) {  // no need to ask what cannot be proved
-    if (apart > pair.padding || !workspace_.in_contact(pair, false)) return cut_for(apart + motion / 2.0);
-    return meet(pair, pair.padding);
+  if (bound > margin) return note_clearance(bound - pair.padding - motion - NarrowPhase::tolerance);
+  if (!finest && motion + goal > workspace_.likely_max_distance(pair, bound)) {  // no distance could prove it
+    if (bound > pair.padding || !workspace_.in_contact(pair, false))
+      return subdivide_for(open, bound + motion / 2.0, motion, finest);
+    return note_distance(pair, pair.padding);
   }
   if (!pair.solid) {
     const double hulls = workspace_.hull_distance(pair, margin, margin - 0.9 * motion);
-    if (hulls == infinity) return prove(goal);
-    // Hulls a tenth of the motion apart prove it once it is cut: cheaper than asking the meshes.
-    if (!finest && hulls > margin - 0.9 * motion) return cut_for(hulls);
+    if (hulls == infinity) return note_clearance(goal);
+    // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.
+    if (!finest && hulls > margin - 0.9 * motion) return subdivide_for(open, hulls, motion, finest);
   }
   const double touching = pair.padding + NarrowPhase::contact_distance;
   double found = workspace_.distance(pair, margin, pair.padding + rough_distance * motion);
-  if (found == infinity) return prove(goal);
+  if (found == infinity) return note_clearance(goal);
   if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, touching);
-  if (meet(pair, found) == CollisionStatus::contact) return CollisionStatus::contact;
-  // What is left of it is the pair's distance then: one that is only of two of its points is less than the motion.
+  if (note_distance(pair, found) == CollisionStatus::colliding) return CollisionStatus::colliding;
+  // What passes is the pair's distance: one that is only of two of its primitives is less than the motion.
   const double left = found - pair.padding - motion - NarrowPhase::tolerance;
-  if (left > (finest ? 0.0 : this->goal())) return prove(left);
-  return cut_for(found);
+  if (left > (finest ? 0.0 : this->goal())) return note_clearance(left);
+  return subdivide_for(open, found, motion, finest);
 }
 
-void Prover::leave(const Interval& interval, std::uint32_t pair) {
-  const std::pair<double, double> part{span(interval, false), span(interval, true)};
+void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
+  const std::pair<double, double> part{time_of(interval, false), time_of(interval, true)};
   proved_ = 0.0;
-  for (auto& [known, known_part] : left_)
+  for (auto& [known, known_part] : unproved_)
     if (known == pair && known_part.second >= part.first) {
       known_part.second = part.second;
       return;
     }
-  left_.emplace_back(pair, part);
+  unproved_.emplace_back(pair, part);
 }
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  if (looks_ >= max_looks || (deadline_ && deadline_->stop_requested())) {
-    for (std::size_t i = first; i < first + count; ++i) leave(interval, open_[i].pair);
+  if (samples_ >= max_samples || (deadline_ && deadline_->stop_requested())) {
+    for (std::size_t i = first; i < first + count; ++i) leave_unproved(interval, open_[i].pair);
     return true;
   }
   const auto due = [](const Open& open) { return open.levels == 0; };
   const auto begin = open_.begin() + static_cast<std::ptrdiff_t>(first);
-  const bool look = std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due);
-  if (look) {
-    ++looks_;
-    pieces_.range(interval, middle_, time_, change_);
+  if (std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due)) {
+    ++samples_;
+    segments_.range(interval, middle_, time_, change_);
     workspace_.place_in_range(middle_, change_);
     std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
   }
@@ -298,56 +308,66 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
       continue;
     }
     bool finest = false;
-    const CollisionStatus verdict = judge(open, finest);
-    if (verdict == CollisionStatus::contact) return false;
-    if (verdict == CollisionStatus::open && finest)
-      leave(interval, open.pair);
-    else if (verdict == CollisionStatus::open)
+    const CollisionStatus status = check(open, finest);
+    if (status == CollisionStatus::colliding) return false;
+    if (status == CollisionStatus::undecided && finest)
+      leave_unproved(interval, open.pair);
+    else if (status == CollisionStatus::undecided)
       open_.push_back(open);
   }
-  const std::size_t still = open_.size() - kept;
-  if (still > 0) {
-    Interval left = interval, right = interval;
-    if (interval.one_piece())
-      left.v = right.u = (interval.u + interval.v) / 2.0;
-    else
-      left.to = right.from = (interval.from + interval.to) / 2;
-    if (!prove(left, kept, still) || !prove(right, kept, still)) return false;
-  }
+  const std::size_t still_open = open_.size() - kept;
+  if (still_open > 0 && !prove_halves(interval, kept, still_open)) return false;
   open_.resize(kept);
   return true;
 }
 
+bool Prover::prove_halves(const Interval& interval, std::size_t first, std::size_t count) {
+  Interval left = interval, right = interval;
+  if (interval.in_one_segment())
+    left.v = right.u = (interval.u + interval.v) / 2.0;
+  else
+    left.to = right.from = (interval.from + interval.to) / 2;
+  return prove(left, first, count) && prove(right, first, count);
+}
+
+/// The distance noted of the nearest pair may have been that of any two near primitives: computes the pair's own.
+/// False: they are in contact.
+bool Prover::refine_nearest() {
+  workspace_.place(nearest_configuration_);
+  const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
+  clearance_ = std::min(clearance_, found);
+  return clearance_ > NarrowPhase::contact_distance;
+}
+
 MotionProof Prover::run() {
-  const std::vector<Pair>& pairs = impl_.bodies.pairs;
   const Eigen::Index last = motion_.positions.rows() - 1;
   std::uint64_t active = 0;
-  for (std::size_t k = 0; k < impl_.group.actuated_joints().size(); ++k) active |= std::uint64_t{1} << k;
+  for (std::size_t k = 0; k < model_.group.actuated_joints().size(); ++k) active |= std::uint64_t{1} << k;
   workspace_.start_any_motion(active);
-  bool free = true;
   if (gap_tolerance_ > 0.0 || last == 0)
-    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) look_at(row);
-  free = least_ > NarrowPhase::contact_distance;
+    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) find_nearest_at(row);
+  bool free = clearance_ > NarrowPhase::contact_distance;
   if (free && last > 0) {
     open_.clear();
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) open_.push_back({i, 0});
-    free = prove({0, last}, 0, pairs.size());
+    for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) open_.push_back({i, 0});
+    free = prove({0, last}, 0, model_.bodies.pairs.size());
   }
-  if (free && nearest_ && !nearest_->solid) {  // it may have been that of any two near points
-    workspace_.place(nearest_place_);
-    const double found = workspace_.distance(*nearest_, least_ + nearest_->padding, 0.0) - nearest_->padding;
-    least_ = std::min(least_, found);
-    free = least_ > NarrowPhase::contact_distance;
-  }
-  const double most = std::max(least_ - NarrowPhase::tolerance, 0.0);  // one row is proved by what it was found to have
-  MotionProof proof{free, least_, nearest_time_, "", "", free ? std::min(proved_, most) : 0.0, {}};
+  if (free && nearest_ && !nearest_->solid) free = refine_nearest();
+  return report(free);
+}
+
+MotionProof Prover::report(bool free) const {
+  // A motion of one row is proved to have the clearance that was found.
+  const double most = std::max(clearance_ - NarrowPhase::tolerance, 0.0);
+  MotionProof proof{free, clearance_, nearest_time_, "", "", free ? std::min(proved_, most) : 0.0, {}};
   if (nearest_) {
     proof.body_a = workspace_.body_a(*nearest_).name;
     proof.body_b = workspace_.body_b(*nearest_).name;
   }
-  for (const auto& [pair, part] : left_)
-    proof.unproved.push_back(
-        {part.first, part.second, workspace_.body_a(pairs[pair]).name, workspace_.body_b(pairs[pair]).name});
+  for (const auto& [number, part] : unproved_) {
+    const Pair& pair = model_.bodies.pairs[number];
+    proof.unproved.push_back({part.first, part.second, workspace_.body_a(pair).name, workspace_.body_b(pair).name});
+  }
   return proof;
 }
 
@@ -391,12 +411,16 @@ MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Chec
   if (!(options.gap_tolerance >= 0.0 && options.gap_tolerance < 1.0))
     throw InvalidArgument("motion proof: gap_tolerance is " + to_text(options.gap_tolerance) +
                           "; it must be in [0, 1)");
-  const Checker::Impl& impl = workspace.impl;
-  if (!impl.bodies.overlaps.empty()) {
+  const auto* scene_checker = dynamic_cast<const SceneChecker*>(&checker);
+  if (!scene_checker)
+    throw InvalidArgument("motion proof: it needs the library's own checker (make_checker), not another backend");
+  SceneWorkspace& scene_workspace = scene_checker->own(workspace);
+  const SceneModel& model = scene_checker->model();
+  if (!model.bodies.overlaps.empty()) {
     const Contact rigid = checker.contacts(motion.positions.row(0).transpose(), workspace).front();
     return {false, rigid.distance, motion.times[0], rigid.body_a, rigid.body_b, 0.0, {}};
   }
-  return Prover(impl, motion, workspace, options).run();
+  return Prover(model, motion, scene_workspace, options).run();
 }
 
 }  // namespace srmp

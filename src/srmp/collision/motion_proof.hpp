@@ -6,6 +6,12 @@
 
 #include "srmp/collision/checker.hpp"
 
+// The independent proof that a motion is free. It is a twin of the checker's own motion check (SceneWorkspace) on
+// purpose: the certificate of a motion must not rest on the code that planned it. The two share Coal's distances, the
+// kinematic tree with its bounds on how far a motion moves each body, the scene's geometry and the list of pairs whose
+// contact counts; they do not share spheres, tables of pairs, batches, or any code that decides which parts of a motion
+// are checked, subdivided and called free.
+
 namespace srmp {
 
 /// A motion of all joints of a checker: between two rows every joint follows the cubic polynomial with their positions
@@ -21,10 +27,10 @@ struct CubicMotion {
 
 struct MotionProof {
   bool free{};                 ///< no contact was found
-  double clearance{};          ///< [m] smallest distance found, less padding; infinity: nothing is near enough to look
-  double time{};               ///< [s] where that is, or the contact
+  double clearance{};          ///< [m] smallest distance found, less padding; infinity: no pair needed a distance
+  double time{};               ///< [s] when that is, or the contact
   std::string body_a, body_b;  ///< the pair there, named as in Contact
-  double proved{};             ///< [m] no pair comes nearer than this anywhere, but in `unproved`; >= 0
+  double proved{};             ///< [m] no pair comes nearer than this anywhere, except in `unproved`; >= 0
   /// A part of the motion over which a pair could not be proved apart, though no contact was found.
   struct Part {
     double from{}, to{};  ///< [s]
@@ -34,8 +40,8 @@ struct MotionProof {
 };
 
 struct ProofOptions {
-  /// The proof goes on until `proved` is at least this share of `clearance`, or within 25 µm of it, in [0, 1). 0: until
-  /// the motion is proved free; nothing is then said of the clearance.
+  /// The proof goes on until `proved` is at least this fraction of `clearance`, or within 25 µm of it, in [0, 1). 0:
+  /// until the motion is proved free; `clearance` and `proved` then have no meaning.
   double gap_tolerance{0.5};
   const Deadline* deadline{};  ///< once it passes, all that is open goes to `unproved`; null: none
 };
@@ -49,10 +55,10 @@ struct ProofOptions {
 /// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`, and so does all that is open
 /// when time is up, or after 200 000 configurations.
 ///
-/// No spheres, no tables and no code of Checker::is_motion_free have a say; with a checker of CheckMode::coal no pair
-/// was left out by them either. The answer depends on the arguments alone. Stops at the first contact. Throws
-/// InvalidArgument for no rows, sizes that do not match Checker::dof, NaN, positions beyond 1e100, and times that do
-/// not increase.
+/// With a checker of CheckMode::coal, no pair was left out because of a table either. The result depends on the
+/// arguments alone. Stops at the first contact. Throws InvalidArgument for no rows, sizes that do not match
+/// Checker::dof, NaN, positions beyond 1e100, times that do not increase, and a checker that is not the library's own
+/// (make_checker).
 MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Checker::Workspace& workspace,
                          const ProofOptions& options = {});
 

@@ -16,9 +16,9 @@ namespace {
 
 coal::Transform3s transform(const Eigen::Isometry3d& pose) { return {pose.linear(), pose.translation()}; }
 
-constexpr double farthest = 1e4;  // [m] that formulas are asked for
+constexpr double max_formula_margin = 1e4;  // [m]
 
-/// Octrees are stored in single precision; their boxes are too, by this share.
+/// Octrees and their boxes are stored in single precision: a relative error bound.
 constexpr double single_precision = 1e-6;
 
 /// When GJK runs out of iterations, its distance is too large by less than this [m].
@@ -48,7 +48,7 @@ void set_guess(coal::QueryRequest& request, const Placed& a, const Placed& b) {
   request.cached_support_func_guess.setZero();
 }
 
-/// Has Coal a formula for the distance of these two, so that it does not use GJK?
+/// Does Coal have a formula for the distance of these two, so that it does not use GJK?
 bool has_formula(coal::NODE_TYPE a, coal::NODE_TYPE b) {
   const auto beside_sphere = [](coal::NODE_TYPE type) {
     return type == coal::GEOM_SPHERE || type == coal::GEOM_BOX || type == coal::GEOM_CAPSULE ||
@@ -66,9 +66,9 @@ Bounds bounds_of(const coal::CollisionGeometry& geometry) {
   Bounds bounds{geometry.aabb_center, geometry.aabb_radius, box.center(), (box.max_ - box.min_) / 2};
   if (geometry.getNodeType() == coal::GEOM_SPHERE) bounds.radius = static_cast<const coal::Sphere&>(geometry).radius;
   if (geometry.getObjectType() == coal::OT_OCTREE) {
-    const double slack = single_precision * (box.min_.cwiseAbs().maxCoeff() + box.max_.cwiseAbs().maxCoeff());
-    bounds.radius += 2 * slack;
-    bounds.box_half.array() += slack;
+    const double error = single_precision * (box.min_.cwiseAbs().maxCoeff() + box.max_.cwiseAbs().maxCoeff());
+    bounds.radius += 2 * error;
+    bounds.box_half.array() += error;
   }
   return bounds;
 }
@@ -102,8 +102,8 @@ struct OrientedBox {
   /// Is it farther than `limit` from the triangle's plane?
   bool beyond_plane(const PrimitiveBvh::Triangle& t, double limit) const {
     const Eigen::Vector3d normal = (t[1] - t[0]).cross(t[2] - t[0]);
-    const double gap = std::abs(normal.dot(center - t[0])) - (axes.transpose() * normal).cwiseAbs().dot(half);
-    return gap > 0 && gap * gap > limit * limit * normal.squaredNorm();
+    const double scaled = std::abs(normal.dot(center - t[0])) - (axes.transpose() * normal).cwiseAbs().dot(half);
+    return scaled > 0 && scaled * scaled > limit * limit * normal.squaredNorm();
   }
 };
 
@@ -113,33 +113,33 @@ OrientedBox transformed(const Eigen::Isometry3d& by, const PrimitiveBvh::Node& n
 
 /// A lower bound of the squared distance of two boxes: along the axes of either.
 template <class A, class B>
-double squared_gap(const A& a, const B& b) {
-  const Eigen::Vector3d way = b.center - a.center;
-  const Eigen::Matrix3d turn = a.axes.transpose() * b.axes, absolute = turn.cwiseAbs();
-  const Eigen::Vector3d along_a = a.axes.transpose() * way, along_b = b.axes.transpose() * way;
+double squared_distance_bound(const A& a, const B& b) {
+  const Eigen::Vector3d offset = b.center - a.center;
+  const Eigen::Matrix3d rotation = a.axes.transpose() * b.axes, absolute = rotation.cwiseAbs();
+  const Eigen::Vector3d along_a = a.axes.transpose() * offset, along_b = b.axes.transpose() * offset;
   const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
   const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
   return std::max(of_a.squaredNorm(), of_b.squaredNorm());
 }
 
-Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t piece) {
-  if (tree.of_cubes()) return tree.cubes()[piece];
-  const PrimitiveBvh::Triangle& t = tree.triangles()[piece];
+Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
+  if (tree.of_cubes()) return tree.cubes()[primitive];
+  const PrimitiveBvh::Triangle& t = tree.triangles()[primitive];
   return (t[0] + t[1] + t[2]) / 3;
 }
 
-/// A piece as one of Coal's shapes.
-class PieceShape {
+/// A primitive of a BVH as one of Coal's shapes.
+class PrimitiveShape {
  public:
-  explicit PieceShape(const PrimitiveBvh& tree) : tree_(&tree), cube_(tree.edge(), tree.edge(), tree.edge()) {}
+  explicit PrimitiveShape(const PrimitiveBvh& tree) : tree_(&tree), cube_(tree.edge(), tree.edge(), tree.edge()) {}
   const coal::ShapeBase* shape() const {
     if (tree_->of_cubes()) return &cube_;
     return &triangle_;
   }
-  /// Changes shape() into the piece; returns its frame's origin in the tree's frame.
-  Eigen::Vector3d take(std::size_t piece) {
-    if (tree_->of_cubes()) return tree_->cubes()[piece];
-    const PrimitiveBvh::Triangle& t = tree_->triangles()[piece];
+  /// Changes shape() into the primitive; returns its frame's origin in the tree's frame.
+  Eigen::Vector3d set(std::size_t primitive) {
+    if (tree_->of_cubes()) return tree_->cubes()[primitive];
+    const PrimitiveBvh::Triangle& t = tree_->triangles()[primitive];
     triangle_.a = t[0], triangle_.b = t[1], triangle_.c = t[2];
     return Eigen::Vector3d::Zero();
   }
@@ -159,7 +159,7 @@ struct NarrowPhase::Impl {
   coal::CollisionRequest request;
   coal::CollisionResult result;
   struct Open {
-    double squared_gap;
+    double squared_distance_bound;
     std::uint32_t a, b;
   };
   std::vector<Open> open;
@@ -167,12 +167,12 @@ struct NarrowPhase::Impl {
 
   double run_gjk(const Eigen::Vector3d& guess, double margin);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
-  double solid_to_piece(const Placed& solid, const PrimitiveBvh& tree, std::size_t piece,
-                        const Eigen::Isometry3d& to_tree, PieceShape& shape, double margin);
+  double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
+                            const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
   double solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
                        double margin);
-  double solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough);
-  double pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough);
+  double solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough);
+  double primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough);
   void push_nearer_last(const Open& one, const Open& other, double limit);
 };
 
@@ -191,9 +191,9 @@ NarrowPhase::NarrowPhase(const FormulaTable& table) : impl_(std::make_unique<Imp
 
 NarrowPhase::~NarrowPhase() = default;
 
-/// GJK on `difference`, as Coal's functors run it, without their allocations. evaluate() starts afresh every time.
+/// Runs GJK on `difference` as Coal's functors do, without their allocations. evaluate() starts afresh every time.
 double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
-  gjk.setDistanceEarlyBreak(margin + contact_distance);  // enough once more than this is proved
+  gjk.setDistanceEarlyBreak(margin + contact_distance);  // it stops once more than this is proved
   gjk.evaluate(difference, guess);
   double distance = std::max(0.0, gjk.distance);
   switch (gjk.status) {
@@ -210,8 +210,8 @@ double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double
   Impl& impl = *impl_;
   if (formula >= 0) {
     // Formulas give the distance less the margin, which a very large one would swallow.
-    const double found = impl.by_formula(formula, a, b, std::min(margin, farthest));
-    if (found < infinity || margin <= farthest) return found;
+    const double found = impl.by_formula(formula, a, b, std::min(margin, max_formula_margin));
+    if (found < infinity || margin <= max_formula_margin) return found;
   }
   impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry), static_cast<const coal::ShapeBase*>(b.geometry),
                       transform(a.pose), transform(b.pose));
@@ -229,16 +229,16 @@ double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed&
   return std::max(0.0, result.distance_lower_bound + margin);
 }
 
-double NarrowPhase::pieces(const Placed& a, const Placed& b, double margin, double enough) {
-  if (!a.pieces) return impl_->solid_to_pieces(a, b, margin, enough);
-  if (!b.pieces) return impl_->solid_to_pieces(b, a, margin, enough);
-  return impl_->pieces_to_pieces(a, b, margin, enough);
+double NarrowPhase::primitives(const Placed& a, const Placed& b, double margin, double enough) {
+  if (!a.bvh) return impl_->solid_to_primitives(a, b, margin, enough);
+  if (!b.bvh) return impl_->solid_to_primitives(b, a, margin, enough);
+  return impl_->primitives_to_primitives(a, b, margin, enough);
 }
 
 /// `to_tree`: from the solid's frame.
-double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PrimitiveBvh& tree, std::size_t piece,
-                                         const Eigen::Isometry3d& to_tree, PieceShape& shape, double margin) {
-  const Eigen::Vector3d origin = shape.take(piece);
+double NarrowPhase::Impl::solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
+                                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin) {
+  const Eigen::Vector3d origin = shape.set(primitive);
   if (tree.of_cubes() && solid.geometry->getNodeType() == coal::GEOM_SPHERE) {
     const Eigen::Vector3d off = (to_tree.translation() - origin).cwiseAbs();
     const double distance = (off.array() - tree.edge() / 2).cwiseMax(0.0).matrix().norm() - solid.bounds.radius;
@@ -246,11 +246,12 @@ double NarrowPhase::Impl::solid_to_piece(const Placed& solid, const PrimitiveBvh
   }
   difference.set(static_cast<const coal::ShapeBase*>(solid.geometry), shape.shape(), transform(to_tree),
                  coal::Transform3s(Eigen::Matrix3d::Identity(), origin));
-  const Eigen::Vector3d guess = to_tree.linear().transpose() * (to_tree * solid.bounds.center - middle_of(tree, piece));
+  const Eigen::Vector3d guess =
+      to_tree.linear().transpose() * (to_tree * solid.bounds.center - middle_of(tree, primitive));
   return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin);
 }
 
-/// The distance to the box around pieces: a solid may be far from what its own box holds.
+/// The distance to the box around primitives: a solid may be far from its own bounding box.
 double NarrowPhase::Impl::solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node,
                                         const Eigen::Isometry3d& to_tree, double margin) {
   box.halfSide = node.half;
@@ -260,35 +261,36 @@ double NarrowPhase::Impl::solid_to_node(const Placed& solid, const PrimitiveBvh:
   return run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), margin + tolerance);
 }
 
-/// What is nearer is looked at first; what is too far, not at all.
+/// The nearer of the two is visited first; what is too far is not visited.
 void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, double limit) {
-  const Open &far = one.squared_gap > other.squared_gap ? one : other, &near = &far == &one ? other : one;
-  if (far.squared_gap <= limit * limit) open.push_back(far);
-  if (near.squared_gap <= limit * limit) open.push_back(near);
+  const Open &far = one.squared_distance_bound > other.squared_distance_bound ? one : other,
+             &near = &far == &one ? other : one;
+  if (far.squared_distance_bound <= limit * limit) open.push_back(far);
+  if (near.squared_distance_bound <= limit * limit) open.push_back(near);
 }
 
-double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& other, double margin, double enough) {
-  const PrimitiveBvh& tree = *other.pieces;
+double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough) {
+  const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
-  PieceShape shape(tree);
+  PrimitiveShape shape(tree);
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
   double best = infinity, limit = margin + tolerance;
-  const auto gap_to = [&](std::uint32_t node) { return squared_gap(tree.nodes()[node], box); };
-  open.assign(1, {gap_to(0), 0, 0});
+  const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
+  open.assign(1, {bound_to(0), 0, 0});
   while (!open.empty()) {
     const Open next = open.back();
     open.pop_back();
-    if (next.squared_gap > limit * limit) continue;
+    if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
       if (fills_its_box_badly && solid_to_node(solid, node, to_tree, limit) == infinity) continue;
-      push_nearer_last({gap_to(next.a + 1), next.a + 1, 0}, {gap_to(node.right), node.right, 0}, limit);
+      push_nearer_last({bound_to(next.a + 1), next.a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
       continue;
     }
     for (std::size_t i = node.first; i < node.first + node.size; ++i) {
       if (!tree.of_cubes() && box.beyond_plane(tree.triangles()[i], limit)) continue;
-      best = std::min(best, solid_to_piece(solid, tree, i, to_tree, shape, std::min(margin, best)));
+      best = std::min(best, solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best)));
       if (best < infinity && best <= enough) return best;
       limit = std::min(limit, best + tolerance);
     }
@@ -296,19 +298,19 @@ double NarrowPhase::Impl::solid_to_pieces(const Placed& solid, const Placed& oth
   return best;
 }
 
-double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, double margin, double enough) {
-  const PrimitiveBvh &tree_a = *a.pieces, &tree_b = *b.pieces;
+double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough) {
+  const PrimitiveBvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
-  PieceShape shape_a(tree_a), shape_b(tree_b);
+  PrimitiveShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
   const auto entry = [&](std::uint32_t i, std::uint32_t j) {
-    return Open{squared_gap(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
+    return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
   };
   open.assign(1, entry(0, 0));
   while (!open.empty()) {
     const Open next = open.back();
     open.pop_back();
-    if (next.squared_gap > limit * limit) continue;
+    if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
     if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
@@ -321,7 +323,7 @@ double NarrowPhase::Impl::pieces_to_pieces(const Placed& a, const Placed& b, dou
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
       for (std::size_t j = node_b.first; j < node_b.first + node_b.size; ++j) {
-        const Eigen::Vector3d origin_a = shape_a.take(i), origin_b = shape_b.take(j);
+        const Eigen::Vector3d origin_a = shape_a.set(i), origin_b = shape_b.set(j);
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
         const Eigen::Vector3d guess = node_a.center - to_a * node_b.center;
@@ -360,7 +362,8 @@ Proximity NarrowPhase::distance(const Placed& a, const Placed& b) {
   set_guess(request, a, b);
   coal::DistanceResult result;
   coal::distance(a.geometry, transform(a.pose), b.geometry, transform(b.pose), request, result);
-  if (result.min_distance <= 0.0) return deepest(a, b, 0.0);  // of a mesh, Coal stops at the first piece in contact
+  if (result.min_distance <= 0.0)
+    return deepest(a, b, 0.0);  // for a mesh, Coal stops at the first primitive in contact
   return {result.min_distance, result.nearest_points[0], result.nearest_points[1]};
 }
 

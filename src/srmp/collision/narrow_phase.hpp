@@ -8,7 +8,7 @@
 
 #include "srmp/geometry/primitive_bvh.hpp"
 
-// Coal, as the checker needs it: one query, whose answer depends on its arguments alone.
+// Distance queries with Coal, as the checker needs them: a result depends on the arguments alone.
 namespace srmp::detail {
 
 /// Bounding volumes of a geometry, in its own frame.
@@ -20,13 +20,13 @@ struct Bounds {
 };
 Bounds bounds_of(const coal::CollisionGeometry& geometry);
 
-/// One convex solid: GJK knows its distance, while a mesh or an octree is many pieces.
+/// Is it one convex solid, whose distance GJK computes? A mesh or an octree is many primitives.
 bool is_convex_solid(const coal::CollisionGeometry& geometry);
 
-/// A geometry at a place.
+/// A geometry at a pose.
 struct Placed {
   const coal::CollisionGeometry* geometry;
-  const PrimitiveBvh* pieces;  ///< make_primitive_bvh(*geometry): null for a convex solid
+  const PrimitiveBvh* bvh;  ///< make_primitive_bvh(*geometry): null for a convex solid
   const Bounds& bounds;
   const Eigen::Isometry3d& pose;
   const Eigen::Vector3d& center;  ///< of its bounding sphere, in the frame of the pose's parent
@@ -38,7 +38,7 @@ struct Proximity {
   Eigen::Vector3d point_a, point_b;
 };
 
-/// For which kinds of solids Coal has a formula for the distance, so that it does not use GJK.
+/// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.
 class FormulaTable {
  public:
   FormulaTable();
@@ -68,9 +68,9 @@ class NarrowPhase {
 
   /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
   double solids(int formula, const Placed& a, const Placed& b, double margin);
-  /// The same for two geometries of which at least one is in pieces: branch and bound over the trees. May return any
-  /// distance up to `enough` once it has met one.
-  double pieces(const Placed& a, const Placed& b, double margin, double enough);
+  /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives. May return the
+  /// distance of any two primitives once it is at most `enough`.
+  double primitives(const Placed& a, const Placed& b, double margin, double enough);
 
   /// The deepest contact of a pair within `margin` of each other; distance = margin when there is none. Allocates.
   static Proximity deepest(const Placed& a, const Placed& b, double margin);

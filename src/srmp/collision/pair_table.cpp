@@ -21,18 +21,18 @@ using namespace detail;
 namespace {
 
 constexpr std::string_view extension = ".pairs";
-constexpr std::uint64_t table_version = 2;  // raise when the same pair gets another table, or the layout changes
-constexpr int coarsest = 32;                // cells along an edge of what is tried first
-constexpr int max_questions = 60'000;       // a pair; then the rest is not proved
+constexpr std::uint64_t table_version = 2;   // raise when the same pair gets another table, or the layout changes
+constexpr int coarsest = 32;                 // cells along an edge of the blocks that are tried first
+constexpr int max_distance_checks = 60'000;  // of a pair; then the rest is not proved
 constexpr double turn = 2 * std::numbers::pi;
 
 int cell_of(double angle) { return static_cast<int>(std::floor(angle / turn * PairTable::cells)); }
 int wrapped(int cell) { return cell & (PairTable::cells - 1); }
 
-/// Joints that turn one geometry against the other, where a table can be made of them.
+/// Joints that move one geometry relative to the other, where a table can be made for them.
 struct Turning {
   std::array<int, 2> joints{-1, -1};
-  std::vector<std::size_t> of_a, of_b;  // drives, the deepest first
+  std::vector<std::size_t> of_a, of_b;  // actuated joints, the deepest first
 };
 
 std::optional<Turning> turning_of(const RobotModel& model, std::size_t a, std::size_t b) {
@@ -42,9 +42,9 @@ std::optional<Turning> turning_of(const RobotModel& model, std::size_t a, std::s
   for (std::size_t k = model.actuated_joints().size(); k-- > 0;) {
     const bool moves_a = support_a >> k & 1, moves_b = support_b >> k & 1;
     if (moves_a == moves_b) continue;
-    const ActuatedJoint& drive = model.actuated_joints()[k];
-    const int joint = static_cast<int>(drive.joint);
-    if (drive.prismatic || std::abs(drive.ratio) != 1.0 || count == 2 || joint == turning.joints[0])
+    const ActuatedJoint& actuated = model.actuated_joints()[k];
+    const int joint = static_cast<int>(actuated.joint);
+    if (actuated.prismatic || std::abs(actuated.ratio) != 1.0 || count == 2 || joint == turning.joints[0])
       return std::nullopt;
     turning.joints[count++] = joint;
     (moves_a ? turning.of_a : turning.of_b).push_back(k);
@@ -53,11 +53,11 @@ std::optional<Turning> turning_of(const RobotModel& model, std::size_t a, std::s
   return turning;
 }
 
-/// Proves boxes of angles free.
-class Prover {
+/// Proves boxes of joint angles free.
+class TableBuilder {
  public:
-  Prover(const RobotModel& model, const std::vector<GeometryParts>& parts, std::size_t a, std::size_t b,
-         const Turning& turning)
+  TableBuilder(const RobotModel& model, const std::vector<GeometryParts>& parts, std::size_t a, std::size_t b,
+               const Turning& turning)
       : model_(model),
         turning_(turning),
         a_(model.geometries()[a], parts[a], a),
@@ -81,19 +81,19 @@ class Prover {
  private:
   struct Part {
     Part(const LinkGeometry& geometry, const GeometryParts& parts, std::size_t i)
-        : index(i), shape(geometry.shape.get()), pieces(parts.bvh.get()), bounds(bounds_of(*geometry.shape)) {
+        : index(i), shape(geometry.shape.get()), bvh(parts.bvh.get()), bounds(bounds_of(*geometry.shape)) {
       bounds.center = geometry.center;
       bounds.radius = geometry.radius;
       if (is_convex_solid(*parts.hull)) solid = parts.hull.get();
     }
     std::size_t index;
     const coal::CollisionGeometry *shape, *solid{};
-    const PrimitiveBvh* pieces;
+    const PrimitiveBvh* bvh;
     Bounds bounds;
   };
 
   void prove(PairTable& table, int first, int second, int edge) {
-    if (++questions_ > max_questions) return;
+    if (++distance_checks_ > max_distance_checks) return;
     const int rows = std::min(edge, rows_);
     if (apart(first + 0.5 * edge, second + 0.5 * rows, 0.5 * edge)) {
       for (int y = second; y < second + rows; ++y)
@@ -109,8 +109,8 @@ class Prover {
       for (int x = first; x < first + edge; x += half) prove(table, x, y, half);
   }
 
-  /// Are the two apart while each joint is within `half` cells of these? As Checker proves a part of a motion: farther
-  /// apart in the middle than both can move.
+  /// Are the two proved apart while each joint is within `half` cells of these? As the checker proves a part of a
+  /// motion: in the middle they must be farther apart than both can move.
   bool apart(double first, double second, double half) {
     constexpr double cell = turn / PairTable::cells;
     q_[turning_.joints[0]] = first * cell;
@@ -123,13 +123,13 @@ class Prover {
     const double margin = moved(turning_.of_a, center_a, a_.bounds.radius, change) +
                           moved(turning_.of_b, center_b, b_.bounds.radius, change) + NarrowPhase::tolerance;
     if ((center_a - center_b).norm() - a_.bounds.radius - b_.bounds.radius > margin) return true;
-    constexpr double any = std::numeric_limits<double>::infinity();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     if (a_.solid && b_.solid &&
         narrow_->solids(formula_, {a_.solid, nullptr, a_.bounds, pose_a, center_a},
-                        {b_.solid, nullptr, b_.bounds, pose_b, center_b}, margin) == any)
+                        {b_.solid, nullptr, b_.bounds, pose_b, center_b}, margin) == infinity)
       return true;
-    return narrow_->pieces({a_.shape, a_.pieces, a_.bounds, pose_a, center_a},
-                           {b_.shape, b_.pieces, b_.bounds, pose_b, center_b}, margin, any) == any;
+    return narrow_->primitives({a_.shape, a_.bvh, a_.bounds, pose_a, center_a},
+                               {b_.shape, b_.bvh, b_.bounds, pose_b, center_b}, margin, infinity) == infinity;
   }
 
   double moved(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,
@@ -148,11 +148,11 @@ class Prover {
   RobotDataPtr data_;
   Eigen::VectorXd q_;
   FormulaTable formulas_;
-  int formula_{-1}, rows_{}, questions_{};
+  int formula_{-1}, rows_{}, distance_checks_{};
   std::optional<NarrowPhase> narrow_;
 };
 
-/// Geometries as they hang together, the joints that are not planned at two settings.
+/// Relative poses of geometries for two positions of the joints that are not planned: do these joints move them?
 class OtherJoints {
  public:
   explicit OtherJoints(const RobotModel& model) : model_(model), here_(model.make_data()), there_(model.make_data()) {
@@ -189,20 +189,20 @@ PairTables build(const RobotModel& model, const std::vector<GeometryParts>& part
   PairTables tables(jobs.size());
   WorkerPool pool(std::max(1u, std::thread::hardware_concurrency()));
   pool.run(jobs.size(), [&](std::size_t, std::size_t i) {
-    tables[i] = Prover(model, parts, jobs[i].a, jobs[i].b, jobs[i].turning).table();
+    tables[i] = TableBuilder(model, parts, jobs[i].a, jobs[i].b, jobs[i].turning).table();
   });
   return tables;
 }
 
-/// All that the tables depend on: shapes, and where they are at some configurations.
+/// A hash of all that the tables depend on: shapes, and where they are at some configurations.
 Sha256::Digest key_of(const RobotModel& model) {
   Sha256 hash = cover_key("pairs");
   hash.add(table_version);
   for (const LinkGeometry& geometry : model.geometries()) add_content(hash, *geometry.shape);
   for (const auto& [a, b] : model.self_pairs()) hash.add(static_cast<std::uint64_t>(a * model.geometries().size() + b));
-  for (const ActuatedJoint& drive : model.actuated_joints()) {
-    hash.add(static_cast<std::uint64_t>(drive.joint));
-    hash.add(drive.ratio);
+  for (const ActuatedJoint& actuated : model.actuated_joints()) {
+    hash.add(static_cast<std::uint64_t>(actuated.joint));
+    hash.add(actuated.ratio);
   }
   const RobotDataPtr data = model.make_data();
   for (std::size_t sample = 1; sample <= 4; ++sample) {
@@ -266,7 +266,7 @@ bool PairTable::is_free(const std::array<double, 2>& low, const std::array<doubl
   return true;
 }
 
-bool PairTable::never_meet() const {
+bool PairTable::never_collide() const {
   return std::all_of(free.begin(), free.end(), [](std::uint64_t word) { return word == ~std::uint64_t{0}; });
 }
 

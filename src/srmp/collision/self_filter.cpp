@@ -11,38 +11,38 @@ using namespace detail;
 
 namespace {
 
-/// Spheres around points against one geometry.
+/// Tests whether points are within a distance of one geometry: spheres around them against it.
 class NearGeometry {
  public:
   NearGeometry(const coal::CollisionGeometry& geometry, const GeometryParts& parts, const Eigen::Isometry3d& pose,
                double distance)
       : geometry_(geometry),
-        pieces_(parts.bvh.get()),
+        bvh_(parts.bvh.get()),
         bounds_(bounds_of(geometry)),
         pose_(pose),
         center_(pose * bounds_.center),
         sphere_(distance),
         sphere_bounds_{Eigen::Vector3d::Zero(), distance, Eigen::Vector3d::Zero(),
                        Eigen::Vector3d::Constant(distance)} {
-    if (!pieces_) formula_ = table_.index(sphere_, geometry_);
+    if (!bvh_) formula_ = table_.index(sphere_, geometry_);
     narrow_ = std::make_unique<NarrowPhase>(table_);
   }
 
-  bool holds(const Eigen::Vector3d& point) {
+  bool contains(const Eigen::Vector3d& point) {
     const Eigen::Vector3d local = pose_.linear().transpose() * (point - pose_.translation()) - bounds_.box_center;
     if ((local.cwiseAbs() - bounds_.box_half).cwiseMax(0.0).norm() > sphere_.radius) return false;
-    Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
-    place.translation() = point;
-    const Placed sphere{&sphere_, nullptr, sphere_bounds_, place, point};
-    const Placed body{&geometry_, pieces_, bounds_, pose_, center_};
-    const double apart =
-        pieces_ ? narrow_->pieces(sphere, body, 0.0, 1.0) : narrow_->solids(formula_, sphere, body, 0.0);
-    return apart <= NarrowPhase::contact_distance;
+    Eigen::Isometry3d sphere_pose = Eigen::Isometry3d::Identity();
+    sphere_pose.translation() = point;
+    const Placed sphere{&sphere_, nullptr, sphere_bounds_, sphere_pose, point};
+    const Placed body{&geometry_, bvh_, bounds_, pose_, center_};
+    const double distance =
+        bvh_ ? narrow_->primitives(sphere, body, 0.0, 1.0) : narrow_->solids(formula_, sphere, body, 0.0);
+    return distance <= NarrowPhase::contact_distance;
   }
 
  private:
   const coal::CollisionGeometry& geometry_;
-  const PrimitiveBvh* pieces_;
+  const PrimitiveBvh* bvh_;
   Bounds bounds_;
   Eigen::Isometry3d pose_;
   Eigen::Vector3d center_;
@@ -60,9 +60,9 @@ std::vector<Eigen::Vector3d> points_clear_of_robots(const Scene& scene, const st
   require_positive(distance, "self_filter_distance");
   std::vector<Eigen::Vector3d> kept = points;
   const auto filter = [&](const coal::CollisionGeometry& geometry, const GeometryParts& parts,
-                          const Eigen::Isometry3d& place) {
-    NearGeometry near(geometry, parts, place, distance);
-    std::erase_if(kept, [&](const Eigen::Vector3d& point) { return near.holds(pose * point); });
+                          const Eigen::Isometry3d& geometry_pose) {
+    NearGeometry near(geometry, parts, geometry_pose, distance);
+    std::erase_if(kept, [&](const Eigen::Vector3d& point) { return near.contains(pose * point); });
   };
   for (const auto& [name, robot] : scene.robots()) {
     const RobotDataPtr data = robot.model->make_data(robot.other_positions);

@@ -36,8 +36,8 @@ void require_time(double time, const char* what) {
 }  // namespace
 
 TimedChecker::TimedChecker(const Scene& scene, const std::string& robot, std::map<std::string, TimedPath> others,
-                           const CheckerOptions& options)
-    : checker_(scene, robot, with_other_robots(options, others)) {
+                           const CheckerOptions& options, const CheckerFactory& factory)
+    : checker_(factory(scene, robot, with_other_robots(options, others))) {
   for (auto& [name, path] : others) {
     const auto& model = scene.robot(name).model;
     require_valid(path, *model);
@@ -50,21 +50,21 @@ Eigen::VectorXd TimedChecker::Other::at(double time) const {
   const auto i = static_cast<std::size_t>(next - path.times.begin());
   if (i == 0) return path.configurations.front();
   if (i == path.times.size()) return path.configurations.back();
-  const double share = (time - path.times[i - 1]) / (path.times[i] - path.times[i - 1]);
+  const double fraction = (time - path.times[i - 1]) / (path.times[i] - path.times[i - 1]);
   const Eigen::VectorXd& before = path.configurations[i - 1];
-  return before + share * model->difference(before, path.configurations[i]);
+  return before + fraction * model->difference(before, path.configurations[i]);
 }
 
 Eigen::VectorXd TimedChecker::at(ConstVector q, double time) const {
   require_time(time, "time");
-  checker_.robot().require_configuration(q, "configuration");
-  Eigen::VectorXd all(static_cast<Eigen::Index>(checker_.dof()));
+  checker_->robot().require_configuration(q, "configuration");
+  Eigen::VectorXd all(static_cast<Eigen::Index>(checker_->dof()));
   all.head(q.size()) = q;
   Eigen::Index first = q.size();
   for (const Other& other : others_) {
-    const Eigen::VectorXd theirs = other.at(time);
-    all.segment(first, theirs.size()) = theirs;
-    first += theirs.size();
+    const Eigen::VectorXd q_other = other.at(time);
+    all.segment(first, q_other.size()) = q_other;
+    first += q_other.size();
   }
   return all;
 }
@@ -83,35 +83,35 @@ void TimedChecker::for_each_straight_part(ConstVector a, ConstVector b, double f
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin() + 1, times.end()), times.end());
   if (times.size() == 1) times.push_back(to);
-  checker_.robot().require_configuration(a, "start of the motion");
-  checker_.robot().require_configuration(b, "end of the motion");
-  const Eigen::VectorXd difference = checker_.robot().difference(a, b);
-  const auto share = [&](double time) { return to > from ? (time - from) / (to - from) : 0.0; };
+  checker_->robot().require_configuration(a, "start of the motion");
+  checker_->robot().require_configuration(b, "end of the motion");
+  const Eigen::VectorXd difference = checker_->robot().difference(a, b);
+  const auto fraction = [&](double time) { return to > from ? (time - from) / (to - from) : 0.0; };
   for (std::size_t i = 1; i < times.size(); ++i) {
-    const double s = share(times[i - 1]), e = i + 1 == times.size() ? 1.0 : share(times[i]);
+    const double s = fraction(times[i - 1]), e = i + 1 == times.size() ? 1.0 : fraction(times[i]);
     if (!part(at(a + s * difference, times[i - 1]), at(a + e * difference, times[i]), s, e)) return;
   }
 }
 
 bool TimedChecker::is_free(ConstVector q, double time, Checker::Workspace& workspace) const {
-  return checker_.is_free(at(q, time), workspace);
+  return checker_->is_free(at(q, time), workspace);
 }
 
 bool TimedChecker::is_motion_free(ConstVector a, ConstVector b, double from, double to,
                                   Checker::Workspace& workspace) const {
   bool free = true;
   for_each_straight_part(a, b, from, to, [&](const Eigen::VectorXd& start, const Eigen::VectorXd& end, double, double) {
-    return free = checker_.is_motion_free(start, end, workspace);
+    return free = checker_->is_motion_free(start, end, workspace);
   });
   return free;
 }
 
 MotionCertificate TimedChecker::certify_motion(ConstVector a, ConstVector b, double from, double to,
                                                Checker::Workspace& workspace) const {
-  MotionCertificate certificate{.proved = true};
+  MotionCertificate certificate{true, 0.0, 0.0, "", ""};
   for_each_straight_part(a, b, from, to,
                          [&](const Eigen::VectorXd& start, const Eigen::VectorXd& end, double low, double high) {
-                           const MotionCertificate part = checker_.certify_motion(start, end, workspace);
+                           const MotionCertificate part = checker_->certify_motion(start, end, workspace);
                            if (part.proved) return true;
                            certificate = part;
                            certificate.from = low + part.from * (high - low);
@@ -122,7 +122,7 @@ MotionCertificate TimedChecker::certify_motion(ConstVector a, ConstVector b, dou
 }
 
 std::optional<Contact> TimedChecker::nearest(ConstVector q, double time, Checker::Workspace& workspace) const {
-  return checker_.nearest(at(q, time), workspace);
+  return checker_->nearest(at(q, time), workspace);
 }
 
 }  // namespace srmp

@@ -427,7 +427,7 @@ double PlannerInterface::distance_to_collision(const std::string& robot, ConstVe
 
 std::shared_ptr<const Checker> PlannerInterface::collision_checker(const std::string& robot, CheckMode mode) const {
   impl_->scene.robot(robot);  // throws with the nearest name
-  return std::make_shared<const Checker>(impl_->scene, robot, impl_->checkers.options(mode));
+  return make_checker(impl_->scene, robot, impl_->checkers.options(mode));
 }
 
 std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(

@@ -24,7 +24,7 @@ void describe(Archive& archive, Ref<Archive, Fault> fault) {
 
 template <class Archive>
 void describe(Archive& archive, Ref<Archive, LimitUse> use) {
-  archive("share", use.share);
+  archive("fraction", use.fraction);
   archive("joint", use.joint);
   archive("time", use.time);
 }

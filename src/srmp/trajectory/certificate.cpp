@@ -14,7 +14,7 @@ std::string number(double value, double scale = 1.0) {
 }
 
 std::string line(const char* what, const LimitUse& use) {
-  std::string text = std::string(what) + number(use.share, 100.0) + " % of the limit";
+  std::string text = std::string(what) + number(use.fraction, 100.0) + " % of the limit";
   return use.joint.empty() ? text : text + " (" + use.joint + " at " + number(use.time) + " s)";
 }
 
@@ -53,7 +53,7 @@ std::string to_string(FaultKind kind) {
     case FaultKind::deviation: return "deviation";
     case FaultKind::start: return "start";
     case FaultKind::goal: return "goal";
-    case FaultKind::rest: return "rest";
+    case FaultKind::not_at_rest: return "not_at_rest";
   }
   return "unknown";
 }

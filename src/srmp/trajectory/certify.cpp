@@ -15,22 +15,22 @@ namespace {
 
 constexpr double limit_tolerance = 1e-6;  // of a limit
 constexpr double largest = 1e100;         // beyond it, squares overflow
-constexpr double narrowest = 1e-9;        // [rad or m] half a joint's range, where both limits are the same
+constexpr double min_half_range = 1e-9;   // [rad or m] of a joint whose two limits are the same
 constexpr double rest_tolerance = 1e-6;   // [rad/s or m/s]
 
-/// The worst of a joint: by how much of the limit, what it is, and where.
+/// Where a joint uses the largest fraction of a limit, and the value there.
 struct Worst {
-  double share{}, value{}, time{};
+  double fraction{}, value{}, time{};
   Eigen::Index row{};
-  void take(double new_share, double new_value, double new_time, Eigen::Index new_row) {
-    if (new_share > share) *this = {new_share, new_value, new_time, new_row};
+  void update(double new_fraction, double new_value, double new_time, Eigen::Index new_row) {
+    if (new_fraction > fraction) *this = {new_fraction, new_value, new_time, new_row};
   }
 };
 
-/// Is it a trajectory of this robot, of which claims can be made?
-class Reader {
+/// Checks that this is a trajectory of the robot and that its polynomials are finite.
+class FormatCheck {
  public:
-  Reader(const Trajectory& trajectory, const RobotModel& robot) : t_(trajectory), robot_(robot) {}
+  FormatCheck(const Trajectory& trajectory, const RobotModel& robot) : t_(trajectory), robot_(robot) {}
 
   std::optional<Fault> run() {
     if (names_agree() && shapes_agree() && numbers_are_finite() && times_increase() && polynomials_are_finite())
@@ -47,10 +47,10 @@ class Reader {
   bool names_agree() {
     const std::vector<std::string>& names = robot_.joint_names();
     if (t_.joint_names == names) return true;
-    auto sorted = names, theirs = t_.joint_names;
-    std::sort(sorted.begin(), sorted.end());
-    std::sort(theirs.begin(), theirs.end());
-    const std::string order = sorted == theirs ? "the joints are in another order: " : "the joints are ";
+    auto expected = names, given = t_.joint_names;
+    std::sort(expected.begin(), expected.end());
+    std::sort(given.begin(), given.end());
+    const std::string order = expected == given ? "the joints are in another order: " : "the joints are ";
     return fault(FaultKind::joint_names, order + quoted_list(t_.joint_names) + ", but those of robot '" +
                                              robot_.name() + "' are " + quoted_list(names));
   }
@@ -92,11 +92,11 @@ class Reader {
     return true;
   }
 
-  /// Rows too near in time, or too fast: no claim could be made of such a motion.
+  /// Where rows are too near in time, or too fast, the polynomials overflow and nothing can be verified.
   bool polynomials_are_finite() {
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
       for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
-        const detail::Cubic p = detail::piece_of(t_, row, j);
+        const detail::Cubic p = detail::segment_of(t_, row, j);
         const auto small = [](double x) { return std::abs(x) < largest; };
         if (!std::all_of(p.c.begin(), p.c.end(), small) || !small(p.h * p.c[1]) || !small(p.h * p.velocity(p.h)) ||
             !small(p.position(p.h)))
@@ -126,7 +126,7 @@ class Certifier {
       return std::move(result_);
     }
     check_limits();
-    check_rest();
+    check_ends_at_rest();
     check_deviation();
     if (options_.collisions) check_collisions();
     return std::move(result_);
@@ -143,110 +143,120 @@ class Certifier {
     for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) check_limits_of(j);
   }
 
+  /// Of one joint, over the whole motion.
+  struct Use {
+    Worst position, velocity, acceleration, jerk;
+  };
+
   void check_limits_of(Eigen::Index j) {
     const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
     const double middle = (joint.lower + joint.upper) / 2.0;
-    const double half = std::max((joint.upper - joint.lower) / 2.0, narrowest);
+    const double half = std::max((joint.upper - joint.lower) / 2.0, min_half_range);
     const bool bounded = std::isfinite(half);
-    Worst position, velocity, acceleration, jerk;
+    Use use;
     const auto at = [&](double q, double time, Eigen::Index row) {
-      if (bounded) position.take(std::abs(q - middle) / half, q, time, row);
+      if (bounded) use.position.update(std::abs(q - middle) / half, q, time, row);
     };
     for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic p = detail::piece_of(t_, row, j);
-      const double begin = t_.times[row], h = p.h;
-      // Positions are rounded, so a difference of order k is known to about this over h^k.
-      const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
-      const auto take = [&](Worst& worst, double value, double u, double unknown, double limit) {
-        worst.take(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
-      };
+      const detail::Cubic p = detail::segment_of(t_, row, j);
       if (t_.velocities.rows() > 0)
-        for (const double u : p.position_extrema()) at(p.position(u), begin + u, row);
-      for (const double u : {0.0, p.velocity_extremum(), h})
-        take(velocity, p.velocity(u), u, 2 * rounding / h, limits_.velocity[j]);
-      if (t_.velocities.rows() == 0) continue;  // straight pieces: jumps of the velocity are no accelerations
-      for (const double u : {0.0, h})
-        take(acceleration, p.acceleration(u), u, 12 * rounding / h / h, limits_.acceleration[j]);
-      take(jerk, p.jerk(), 0.0, 36 * rounding / h / h / h, limits_.jerk[j]);
+        for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
+      update_derivatives(p, j, row, use);
     }
-    if (t_.velocities.rows() == 0) check_jumps(j, acceleration);
-    note(result_.position, position, joint.name);
-    note(result_.velocity, velocity, joint.name);
-    note(result_.acceleration, acceleration, joint.name);
-    note(result_.jerk, jerk, joint.name);
-    const double slack = bounded ? std::max(limit_tolerance, limit_tolerance / half) : 0.0;
-    if (position.share > 1.0 + slack)
+    if (t_.velocities.rows() == 0) check_jumps(j, use.acceleration);
+    note(result_.position, use.position, joint.name);
+    note(result_.velocity, use.velocity, joint.name);
+    note(result_.acceleration, use.acceleration, joint.name);
+    note(result_.jerk, use.jerk, joint.name);
+    const double tolerance = bounded ? std::max(limit_tolerance, limit_tolerance / half) : 0.0;
+    if (use.position.fraction > 1.0 + tolerance)
       fault(FaultKind::position_limit,
-            joint.name + ": the position is " + to_text(position.value) + " at " + place(position.time, position.row) +
-                "; its limits are [" + to_text(joint.lower) + ", " + to_text(joint.upper) + "]",
-            position.time);
+            joint.name + ": the position is " + to_text(use.position.value) + " at " +
+                time_text(use.position.time, use.position.row) + "; its limits are [" + to_text(joint.lower) + ", " +
+                to_text(joint.upper) + "]",
+            use.position.time);
     if (!options_.limits) return;
-    judge(FaultKind::velocity_limit, "velocity", joint.name, velocity, limits_.velocity[j]);
-    judge(FaultKind::acceleration_limit, "acceleration", joint.name, acceleration, limits_.acceleration[j]);
-    if (options_.jerk) judge(FaultKind::jerk_limit, "jerk", joint.name, jerk, limits_.jerk[j]);
+    check_limit(FaultKind::velocity_limit, "velocity", joint.name, use.velocity, limits_.velocity[j]);
+    check_limit(FaultKind::acceleration_limit, "acceleration", joint.name, use.acceleration, limits_.acceleration[j]);
+    if (options_.jerk) check_limit(FaultKind::jerk_limit, "jerk", joint.name, use.jerk, limits_.jerk[j]);
+  }
+
+  void update_derivatives(const detail::Cubic& p, Eigen::Index j, Eigen::Index row, Use& use) const {
+    const double begin = t_.times[row], h = p.h;
+    // Positions are rounded, so a difference of order k is known to about this over h^k.
+    const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
+    const auto update = [&](Worst& worst, double value, double u, double unknown, double limit) {
+      worst.update(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
+    };
+    for (const double u : {0.0, p.velocity_extremum(), h})
+      update(use.velocity, p.velocity(u), u, 2 * rounding / h, limits_.velocity[j]);
+    if (t_.velocities.rows() == 0) return;  // straight segments: jumps of the velocity are no accelerations
+    for (const double u : {0.0, h})
+      update(use.acceleration, p.acceleration(u), u, 12 * rounding / h / h, limits_.acceleration[j]);
+    update(use.jerk, p.jerk(), 0.0, 36 * rounding / h / h / h, limits_.jerk[j]);
   }
 
   /// Without velocities the motion is straight between rows: the velocity jumps there, as if within half of the time to
   /// the rows on both sides.
   void check_jumps(Eigen::Index j, Worst& worst) const {
     for (Eigen::Index row = 1; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic before = detail::piece_of(t_, row - 1, j), after = detail::piece_of(t_, row, j);
+      const detail::Cubic before = detail::segment_of(t_, row - 1, j), after = detail::segment_of(t_, row, j);
       const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
-      worst.take(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
+      worst.update(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
     }
   }
 
   static void note(LimitUse& use, const Worst& worst, const std::string& joint) {
-    if (worst.share > use.share) use = {worst.share, joint, worst.time};
+    if (worst.fraction > use.fraction) use = {worst.fraction, joint, worst.time};
   }
 
-  std::string place(double time, Eigen::Index row) const {
+  std::string time_text(double time, Eigen::Index row) const {
     const std::string at = to_text(time) + " s (";
     if (row + 1 == t_.positions.rows()) return at + "row " + std::to_string(row) + ", the last)";
     return at + "between rows " + std::to_string(row) + " and " + std::to_string(row + 1) + ")";
   }
 
-  void judge(FaultKind kind, const char* what, const std::string& joint, const Worst& worst, double limit) {
-    if (worst.share <= 1.0 + limit_tolerance) return;
+  void check_limit(FaultKind kind, const char* what, const std::string& joint, const Worst& worst, double limit) {
+    if (worst.fraction <= 1.0 + limit_tolerance) return;
     fault(kind,
-          joint + ": the " + what + " reaches " + to_text(worst.value) + " at " + place(worst.time, worst.row) +
+          joint + ": the " + what + " reaches " + to_text(worst.value) + " at " + time_text(worst.time, worst.row) +
               "; its limit is " + to_text(limit),
           worst.time);
   }
 
-  void check_rest() {
+  void check_ends_at_rest() {
     if (!options_.at_rest || t_.velocities.rows() == 0) return;
     for (const Eigen::Index row : {Eigen::Index{0}, t_.velocities.rows() - 1}) {
       Eigen::Index j{};
       const double fastest = t_.velocities.row(row).cwiseAbs().maxCoeff(&j);
       if (fastest > rest_tolerance)
-        fault(FaultKind::rest,
+        fault(FaultKind::not_at_rest,
               t_.joint_names[static_cast<std::size_t>(j)] + ": the velocity is " + to_text(t_.velocities(row, j)) +
                   (row == 0 ? " at the start" : " at the end") + "; it should be 0",
               t_.times[row]);
     }
   }
 
-  // --- the way of the waypoints
+  // --- deviation from the waypoints
 
-  /// Of the polynomial's Bernstein coefficients from the straight segment, as the farthest that a point of the robot
-  /// can be apart: the curve stays between them.
+  /// A bound on how far any point of the robot gets from the straight segment: the largest distance of the polynomial's
+  /// Bernstein coefficients, which enclose the curve.
   double off_segment(const std::array<Eigen::RowVectorXd, 4>& points, Eigen::Index segment) {
     const auto from = t_.waypoints.row(segment), to = t_.waypoints.row(segment + 1);
-    double most = 0.0;
-    for (const Eigen::RowVectorXd& point : points) most = std::max(most, off_segment(point, from, to));
-    return most;
+    double largest_off = 0.0;
+    for (const Eigen::RowVectorXd& point : points) largest_off = std::max(largest_off, off_segment(point, from, to));
+    return largest_off;
   }
 
-  /// The least sum of reach * |difference of a joint| along the segment: a weighted median.
+  /// The smallest sum of reach * |difference of a joint| to a point of the segment: at a weighted median.
   double off_segment(const Eigen::RowVectorXd& point, const Eigen::RowVectorXd& from, const Eigen::RowVectorXd& to) {
     breaks_.clear();
     double total = 0.0;
     for (Eigen::Index j = 0; j < point.size(); ++j) {
-      const double way = to[j] - from[j], weight = reach_[j] * std::abs(way);
+      const double step = to[j] - from[j], weight = reach_[j] * std::abs(step);
       if (!(weight > 0.0)) continue;
-      breaks_.emplace_back((point[j] - from[j]) / way, weight);
+      breaks_.emplace_back((point[j] - from[j]) / step, weight);
       total += weight;
     }
     std::sort(breaks_.begin(), breaks_.end());
@@ -265,25 +275,25 @@ class Certifier {
     result_.deviation_time = t_.times[0];
     if (t_.waypoints.rows() == 1) {
       for (Eigen::Index row = 0; row < t_.positions.rows(); ++row)
-        deviate((t_.positions.row(row) - t_.waypoints.row(0)).cwiseAbs().dot(reach_), row);
+        note_deviation((t_.positions.row(row) - t_.waypoints.row(0)).cwiseAbs().dot(reach_), row);
       return;
     }
     const Eigen::Index segments = t_.waypoints.rows() - 1;
-    Eigen::Index at = 0;  // the motion goes along the segments in their order
+    Eigen::Index at = 0;  // the motion follows the segments in their order
     std::array<Eigen::RowVectorXd, 4> points;
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
       bernstein(row, points);
-      double least = off_segment(points, at);
-      for (Eigen::Index next = at + 1; next < segments && least > 0.0; ++next) {
+      double smallest = off_segment(points, at);
+      for (Eigen::Index next = at + 1; next < segments && smallest > 0.0; ++next) {
         const double off = off_segment(points, next);
-        if (off < least) {
-          least = off;
+        if (off < smallest) {
+          smallest = off;
           at = next;
         } else if (next > at + 4) {
           break;
         }
       }
-      deviate(least, row);
+      note_deviation(smallest, row);
     }
   }
 
@@ -297,7 +307,7 @@ class Certifier {
     points[2] = moves ? Eigen::RowVectorXd(points[3] - third * t_.velocities.row(next)) : points[3];
   }
 
-  void deviate(double off, Eigen::Index row) {
+  void note_deviation(double off, Eigen::Index row) {
     if (off <= result_.deviation) return;
     result_.deviation = off;
     result_.deviation_time = t_.times[row];
@@ -337,7 +347,7 @@ class Certifier {
 }  // namespace
 
 std::optional<Fault> unreadable(const Trajectory& trajectory, const RobotModel& robot) {
-  return Reader(trajectory, robot).run();
+  return FormatCheck(trajectory, robot).run();
 }
 
 void add_proof(Certificate& certificate, const MotionProof& proof) {

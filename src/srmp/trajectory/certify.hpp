@@ -11,29 +11,31 @@
 namespace srmp {
 
 struct CertifyOptions {
-  bool limits{true};      ///< hold velocities and accelerations against their limits
-  bool jerk{false};       ///< hold the motion against the jerk limits too
-  bool collisions{true};  ///< look for collisions
-  /// [s] what comes before is not held against collisions: the way out of a start in collision.
+  bool limits{true};      ///< check velocities and accelerations against their limits
+  bool jerk{false};       ///< check the jerk limits too
+  bool collisions{true};  ///< check for collisions
+  /// [s] what comes before is not checked for collisions: the recovery from a start in collision.
   double free_from{-std::numeric_limits<double>::infinity()};
   double gap_tolerance{0.5};   ///< of the clearance proved: ProofOptions::gap_tolerance, above 0
   bool at_rest{true};          ///< a velocity at the ends is a fault
   const Deadline* deadline{};  ///< once it passes, what is not proved yet goes to Certificate::sampled; null: none
 };
 
-/// Why a trajectory cannot be looked over: joint names, arrays that do not fit together, numbers that are not finite or
+/// Why a trajectory cannot be verified: joint names, arrays that do not fit together, numbers that are not finite or
 /// polynomials that overflow, times that do not increase. None: it can.
 std::optional<Fault> unreadable(const Trajectory& trajectory, const RobotModel& robot);
 
-/// Looks a trajectory over, whoever made it, by code that plans nothing: the polynomials' extrema against every limit
-/// (to 1e-6 of it, or to what rounded positions let be known), the motion against everything that it could hit
-/// (prove_motion), and its distance from its waypoints. Faults are found, not thrown; a trajectory that is
-/// unreadable is not looked at further. Best with a checker of CheckMode::coal,
-/// which has nothing in common with the one that planned.
+/// Verifies a trajectory, whoever made it, by code that is no part of planning: the extrema of its polynomials against
+/// every limit (to 1e-6 of it, or as far as the rounding of positions allows), the motion against everything that it
+/// could hit (prove_motion), and its deviation from its waypoints. Faults are returned, not thrown; an unreadable
+/// trajectory is not verified further. Best with a checker of CheckMode::coal, which shares no sphere and no table with
+/// the one that planned. Throws InvalidArgument for limits and options out of range, and, where collisions are to be
+/// checked, for a checker that is not the library's own.
 Certificate certify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
                     const CertifyOptions& options = {});
 
-/// What a proof says of a motion, taken into the certificate of that motion.
+/// Adds the results of a proof to the certificate of the motion: the smaller clearance counts, faults and unproved
+/// parts are appended.
 void add_proof(Certificate& certificate, const MotionProof& proof);
 
 }  // namespace srmp

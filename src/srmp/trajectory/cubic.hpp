@@ -19,7 +19,7 @@ struct Cubic {
   double acceleration(double u) const { return 2.0 * c[2] + u * 6.0 * c[3]; }
   double jerk() const { return 6.0 * c[3]; }
 
-  /// Where the velocity is largest or smallest within the piece, besides its ends; h when nowhere.
+  /// Where the velocity is largest or smallest within the segment, besides its ends; h when nowhere.
   double velocity_extremum() const {
     const double u = -c[2] / (3.0 * c[3]);
     return u > 0.0 && u < h ? u : h;  // NaN and infinity, of straight lines and parabolas, too
@@ -41,7 +41,7 @@ inline Cubic hermite(double q0, double v0, double q1, double v1, double h) {
 inline Cubic line(double q0, double q1, double h) { return {{q0, (q1 - q0) / h, 0.0, 0.0}, h}; }
 
 /// From a row to the next, which there must be.
-inline Cubic piece_of(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
+inline Cubic segment_of(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
   const double q0 = t.positions(row, joint), q1 = t.positions(row + 1, joint), h = t.times[row + 1] - t.times[row];
   if (t.velocities.rows() == 0) return line(q0, q1, h);
   return hermite(q0, t.velocities(row, joint), q1, t.velocities(row + 1, joint), h);

@@ -1,4 +1,4 @@
-// Where the end effector goes: the part of Trajectory that asks a robot.
+// Where the end effector goes: the part of Trajectory that needs forward kinematics.
 #include <algorithm>
 #include <cmath>
 
@@ -16,8 +16,8 @@ constexpr double max_points = 1e7;
 const PlacedRobot& require_known(const PlacedRobot* robot) {
   if (!robot || !robot->model)
     throw InvalidArgument(
-        "trajectory: it does not know its robot (only a plan does, until it is pickled or written); say which planner "
-        "and robot to ask");
+        "trajectory: it does not know its robot (only a plan does, until it is pickled or written); name a planner and "
+        "a robot");
   return *robot;
 }
 
@@ -37,10 +37,10 @@ std::vector<Eigen::Index> columns_of(const RobotModel& robot, const std::vector<
   return columns;
 }
 
-/// The origin of a link, in the world.
-class Tip {
+/// Forward kinematics of the origin of a link, in the world.
+class LinkOrigin {
  public:
-  Tip(const Trajectory& trajectory, const PlacedRobot& robot, const std::string& link)
+  LinkOrigin(const Trajectory& trajectory, const PlacedRobot& robot, const std::string& link)
       : robot_(require_known(&robot)),
         columns_(columns_of(*robot.model, trajectory.joint_names)),
         link_(robot.model->link_index(link.empty() ? robot.model->end_effector() : link)),
@@ -65,24 +65,24 @@ double steps(const Trajectory& t, Eigen::Index i) {
   return std::max(1.0, std::ceil(size));
 }
 
-Eigen::VectorXd position_at(const Trajectory& t, Eigen::Index i, double share) {
-  if (t.timed()) return t.sample(t.times[i] + share * (t.times[i + 1] - t.times[i]));
-  return (t.positions.row(i) + share * (t.positions.row(i + 1) - t.positions.row(i))).transpose();
+Eigen::VectorXd position_at(const Trajectory& t, Eigen::Index i, double fraction) {
+  if (t.timed()) return t.sample(t.times[i] + fraction * (t.times[i + 1] - t.times[i]));
+  return (t.positions.row(i) + fraction * (t.positions.row(i + 1) - t.positions.row(i))).transpose();
 }
 
 }  // namespace
 
 RowMatrix Trajectory::end_effector_path(const PlacedRobot& of, const std::string& link) const {
   validate();
-  Tip tip(*this, of, link);
+  LinkOrigin origin(*this, of, link);
   RowMatrix path(positions.rows(), 3);
-  for (Eigen::Index i = 0; i < path.rows(); ++i) path.row(i) = tip(positions.row(i).transpose()).transpose();
+  for (Eigen::Index i = 0; i < path.rows(); ++i) path.row(i) = origin(positions.row(i).transpose()).transpose();
   return path;
 }
 
 double Trajectory::end_effector_length(const PlacedRobot& of, const std::string& link) const {
   validate();
-  Tip tip(*this, of, link);
+  LinkOrigin origin(*this, of, link);
   double points = 0.0;
   for (Eigen::Index i = 0; i + 1 < positions.rows(); ++i) points += steps(*this, i);
   if (!(points < max_points))
@@ -91,11 +91,11 @@ double Trajectory::end_effector_length(const PlacedRobot& of, const std::string&
         "this motion of " +
         to_text(duration()) + " s; ask for slices of it");
   double length = 0.0;
-  Eigen::Vector3d last = tip(positions.row(0).transpose());
+  Eigen::Vector3d last = origin(positions.row(0).transpose());
   for (Eigen::Index i = 0; i + 1 < positions.rows(); ++i) {
     const double count = steps(*this, i);
     for (double k = 1.0; k <= count; k += 1.0) {
-      const Eigen::Vector3d next = tip(position_at(*this, i, k / count));
+      const Eigen::Vector3d next = origin(position_at(*this, i, k / count));
       length += (next - last).norm();
       last = next;
     }

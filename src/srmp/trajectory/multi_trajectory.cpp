@@ -22,7 +22,7 @@ const Trajectory& MultiTrajectory::at(const std::string& robot) const {
 
 namespace {
 
-/// Rows of every robot at one instant, or of one number where there are no times.
+/// Copies the state of one robot at `time`, or its row of this number where there are no times.
 void copy_row(const Trajectory& from, double time, Eigen::Index row, Eigen::Index first, Trajectory& to) {
   const auto columns = static_cast<Eigen::Index>(from.dof());
   if (!from.timed()) {
@@ -33,10 +33,10 @@ void copy_row(const Trajectory& from, double time, Eigen::Index row, Eigen::Inde
     to.positions.row(row).segment(first, columns) = from.sample(time).transpose();
     return;
   }
-  const bool over = time > from.times[from.times.size() - 1];
+  const bool ended = time > from.times[from.times.size() - 1];
   const MotionState state = from.state(time);
   to.positions.row(row).segment(first, columns) = state.position.transpose();
-  if (over) return;
+  if (ended) return;
   to.velocities.row(row).segment(first, columns) = state.velocity.transpose();
   to.accelerations.row(row).segment(first, columns) = state.acceleration.transpose();
 }

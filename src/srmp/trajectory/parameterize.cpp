@@ -14,13 +14,13 @@ namespace srmp {
 namespace {
 
 using detail::Knots;
-using detail::PathPiece;
+using detail::PathSegment;
 using detail::SmoothPath;
 
 constexpr double max_rows = 1e7;
 constexpr double same_waypoint = 1e-7;    // [rad or m]
-constexpr double min_duration = 1e-3;     // [s] of a stretch between stops: keeps second differences above rounding
-constexpr double min_row_gap = 5e-4;      // [s] between a row of the sample period and a knot
+constexpr double min_duration = 1e-3;     // [s] of a motion between stops: keeps second differences above rounding
+constexpr double min_row_spacing = 5e-4;  // [s] between a row of the sample period and a knot
 constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
 constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
 
@@ -38,45 +38,48 @@ RowMatrix without_tiny_steps(const RowMatrix& path) {
   return path(kept, Eigen::all);
 }
 
-/// The largest share of a limit that the cubics use, as far as rounded positions let it be known: time must stretch by
-/// this.
-double overuse(const Knots& knots, const MotionLimits& limits, bool with_jerk) {
-  double most = 0.0;
+/// The largest fraction of a limit that the cubics use, as far as the rounding of positions allows to know it: the
+/// factor by which time must be stretched.
+double limit_use(const Knots& knots, const MotionLimits& limits, bool with_jerk) {
+  double largest = 0.0;
   for (std::size_t i = 0; i + 1 < knots.times.size(); ++i)
     for (Eigen::Index j = 0; j < limits.velocity.size(); ++j) {
       const double h = knots.times[i + 1] - knots.times[i], q = knots.positions[i][j];
       const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(q));
-      const detail::Cubic piece =
+      const detail::Cubic segment =
           detail::hermite(q, knots.velocities[i][j], knots.positions[i + 1][j], knots.velocities[i + 1][j], h);
-      const auto share = [](double value, double unknown, double limit) {
+      const auto fraction = [](double value, double unknown, double limit) {
         return std::max(0.0, std::abs(value) - unknown) / limit;
       };
-      for (const double u : {0.0, piece.velocity_extremum(), h})
-        most = std::max(most, share(piece.velocity(u), 2 * rounding / h, limits.velocity[j]));
+      for (const double u : {0.0, segment.velocity_extremum(), h})
+        largest = std::max(largest, fraction(segment.velocity(u), 2 * rounding / h, limits.velocity[j]));
       for (const double u : {0.0, h})
-        most = std::max(most, std::sqrt(share(piece.acceleration(u), 12 * rounding / h / h, limits.acceleration[j])));
-      if (with_jerk) most = std::max(most, std::cbrt(share(piece.jerk(), 36 * rounding / h / h / h, limits.jerk[j])));
+        largest = std::max(largest,
+                           std::sqrt(fraction(segment.acceleration(u), 12 * rounding / h / h, limits.acceleration[j])));
+      if (with_jerk)
+        largest = std::max(largest, std::cbrt(fraction(segment.jerk(), 36 * rounding / h / h / h, limits.jerk[j])));
     }
-  return most;
+  return largest;
 }
 
-void stretch(Knots& knots, double factor) {
+void stretch_time(Knots& knots, double factor) {
   for (double& time : knots.times) time *= factor;
   for (Eigen::VectorXd& velocity : knots.velocities) velocity /= factor;
 }
 
-/// Between two stops, or from or to a given speed at an end of the whole motion.
-class Stretch {
+/// The timing of a path between two stops, or from or to a given speed at an end of the whole motion.
+class SmoothPathTiming {
  public:
-  Stretch(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, double start_speed, double end_speed)
+  SmoothPathTiming(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, double start_speed,
+                   double end_speed)
       : path_(path), limits_(limits), method_(method), start_speed_(start_speed), end_speed_(end_speed) {}
 
   Knots time() const {
     if (start_speed_ != 0.0 || end_speed_ != 0.0) return time_between_speeds();
     Knots knots = solve(limits_);
-    if (const double use = overuse(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
-      stretch(knots, use);
-    if (knots.times.back() < min_duration) stretch(knots, min_duration / knots.times.back());
+    if (const double use = limit_use(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
+      stretch_time(knots, use);
+    if (knots.times.back() < min_duration) stretch_time(knots, min_duration / knots.times.back());
     return knots;
   }
 
@@ -93,7 +96,7 @@ class Stretch {
     MotionLimits limits = limits_;
     for (int i = 0; i < attempts; ++i) {
       Knots knots = solve(limits);
-      const double use = overuse(knots, limits_, jerk_limited());
+      const double use = limit_use(knots, limits_, jerk_limited());
       if (use <= 1.0 + rounding_margin) return knots;
       limits.acceleration /= use * use * (1.0 + 1e-6);
       limits.jerk /= use * use * use * (1.0 + 1e-6);
@@ -107,40 +110,40 @@ class Stretch {
   double start_speed_, end_speed_;
 };
 
-/// ds/dt at an end of the path, where the motion is to have this velocity.
-double speed_along(const Eigen::VectorXd& velocity, const Eigen::VectorXd& way, const MotionLimits& limits,
+/// ds/dt at an end of the path for this velocity.
+double speed_along(const Eigen::VectorXd& velocity, const Eigen::VectorXd& direction, const MotionLimits& limits,
                    const std::vector<std::string>& joint_names, const std::string& what) {
   if (velocity.size() == 0) return 0.0;
-  if (velocity.size() != way.size())
+  if (velocity.size() != direction.size())
     throw InvalidArgument(what + " has " + std::to_string(velocity.size()) + " entries, but there are " +
-                          std::to_string(way.size()) + " joints");
+                          std::to_string(direction.size()) + " joints");
   require_finite({velocity.data(), static_cast<std::size_t>(velocity.size())}, what, joint_names);
   for (Eigen::Index j = 0; j < velocity.size(); ++j)
     if (std::abs(velocity[j]) > limits.velocity[j] * (1.0 + 1e-9))
       throw InvalidArgument(joint_names[static_cast<std::size_t>(j)] + ": the " + what + " " + to_text(velocity[j]) +
                             " is above the limit " + to_text(limits.velocity[j]));
-  const double speed = velocity.dot(way) / way.squaredNorm();
-  if (speed < 0.0 || (velocity - speed * way).norm() > 1e-6 * (1e-3 + velocity.norm()))
+  const double speed = velocity.dot(direction) / direction.squaredNorm();
+  if (speed < 0.0 || (velocity - speed * direction).norm() > 1e-6 * (1e-3 + velocity.norm()))
     throw InvalidArgument(what + " does not point along the path's " + (what == "start velocity" ? "first" : "last") +
                           " segment");
   return speed;
 }
 
-Knots joined(const std::vector<SmoothPath>& paths, const MotionLimits& limits, const TimingOptions& options,
-             const std::vector<std::string>& names) {
-  const PathPiece &first = paths.front().front(), &last = paths.back().back();
-  const double start_speed = speed_along(options.start_velocity, first.way, limits, names, "start velocity");
-  const double end_speed = speed_along(options.end_velocity, last.way, limits, names, "end velocity");
+Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits, const TimingOptions& options,
+               const std::vector<std::string>& names) {
+  const PathSegment &first = paths.front().front(), &last = paths.back().back();
+  const double start_speed = speed_along(options.start_velocity, first.direction, limits, names, "start velocity");
+  const double end_speed = speed_along(options.end_velocity, last.direction, limits, names, "end velocity");
   Knots all;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const double from = i == 0 ? start_speed : 0.0, to = i + 1 == paths.size() ? end_speed : 0.0;
     Knots part;
     try {
-      part = Stretch(paths[i], limits, options.method, from, to).time();
+      part = SmoothPathTiming(paths[i], limits, options.method, from, to).time();
     } catch (const Error& error) {
-      const std::string where = "stretch " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
+      const std::string where = "part " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
       if (from == 0.0 && to == 0.0) throw Error("time parameterisation failed on " + where + ": " + error.what());
-      throw InvalidArgument("the limits leave no way to " + std::string(from != 0.0 ? "start" : "end") +
+      throw InvalidArgument("the limits do not allow to " + std::string(from != 0.0 ? "start" : "end") +
                             " at the given velocity on this path (" + where + ": " + error.what() + ")");
     }
     const double begin = all.times.empty() ? 0.0 : all.times.back();
@@ -158,9 +161,9 @@ Trajectory to_rows(const Knots& knots, const std::vector<std::string>& joint_nam
   for (std::size_t i = 0; i < knots.times.size(); ++i) {
     rows.emplace_back(knots.times[i], i);
     if (i + 1 == knots.times.size()) break;
-    const double gap = std::min(min_row_gap, 0.1 * sample_period);
-    for (; tick * sample_period < knots.times[i + 1] - gap; tick += 1.0)
-      if (tick * sample_period > knots.times[i] + gap) rows.emplace_back(tick * sample_period, i);
+    const double spacing = std::min(min_row_spacing, 0.1 * sample_period);
+    for (; tick * sample_period < knots.times[i + 1] - spacing; tick += 1.0)
+      if (tick * sample_period > knots.times[i] + spacing) rows.emplace_back(tick * sample_period, i);
   }
   const auto n = static_cast<Eigen::Index>(rows.size()), dof = waypoints.cols();
   Trajectory result{joint_names, RowMatrix(n, dof), RowMatrix(n, dof), RowMatrix(n, dof), Eigen::VectorXd(n), waypoints,
@@ -176,12 +179,13 @@ Trajectory to_rows(const Knots& knots, const std::vector<std::string>& joint_nam
         result.velocities(row, j) = result.accelerations(row, j) = 0.0;
         continue;
       }
-      const detail::Cubic piece = detail::hermite(knots.positions[a][j], knots.velocities[a][j], knots.positions[b][j],
-                                                  knots.velocities[b][j], knots.times[b] - knots.times[a]);
+      const detail::Cubic segment =
+          detail::hermite(knots.positions[a][j], knots.velocities[a][j], knots.positions[b][j], knots.velocities[b][j],
+                          knots.times[b] - knots.times[a]);
       const double u = time - knots.times[a];
-      result.positions(row, j) = knot ? knots.positions[i][j] : piece.position(u);
-      result.velocities(row, j) = knot ? knots.velocities[i][j] : piece.velocity(u);
-      result.accelerations(row, j) = piece.acceleration(u);
+      result.positions(row, j) = knot ? knots.positions[i][j] : segment.position(u);
+      result.velocities(row, j) = knot ? knots.velocities[i][j] : segment.velocity(u);
+      result.accelerations(row, j) = segment.acceleration(u);
     }
   }
   return result;
@@ -212,13 +216,13 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
   if (path.rows() == 1) {
     for (const Eigen::VectorXd* velocity : {&options.start_velocity, &options.end_velocity})
       if (velocity->size() && !velocity->isZero(0.0))
-        throw InvalidArgument("the path is one place: it leaves no way to start or end with a velocity");
+        throw InvalidArgument("the path is a single point: it cannot start or end with a velocity");
     knots.add(0.0, path.row(0).transpose(), Eigen::VectorXd::Zero(path.cols()));
   } else {
     TimingOptions rounding = options;
     if (options.method == TimingMethod::ruckig) rounding.blend_deviation = 0.0;
-    knots = joined(detail::round_corners(path, limits, rounding), limits, options, joint_names);
-    // Sums along the way must not move the ends.
+    knots = time_all(detail::round_corners(path, limits, rounding), limits, options, joint_names);
+    // Rounding of sums must not move the ends.
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();
   }

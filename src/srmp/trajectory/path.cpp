@@ -65,7 +65,7 @@ std::vector<Eigen::VectorXd> unstack_waypoints(ConstRows waypoints) {
 }
 
 RowMatrix without_redundant_waypoints(ConstRows waypoints) {
-  std::vector<Eigen::Index> distinct;  // the last of equal rows may stand for all: they are equal
+  std::vector<Eigen::Index> distinct;  // without equal successive rows
   for (Eigen::Index i = 0; i < waypoints.rows(); ++i)
     if (distinct.empty() || waypoints.row(i) != waypoints.row(distinct.back())) distinct.push_back(i);
   const RowMatrix path = waypoints(distinct, Eigen::all);

@@ -15,7 +15,7 @@ std::vector<double> rows_of_both(const Trajectory& a, const Trajectory& b) {
   return times;
 }
 
-/// Fills a motion's columns. Between two of the times it follows one polynomial, or rests after its own end.
+/// Fills a motion's columns. Between two of the times it follows one polynomial; after its own end it does not move.
 void copy_columns(const Trajectory& motion, const Eigen::VectorXd& times, Eigen::Ref<RowMatrix> positions,
                   Eigen::Ref<RowMatrix> departures, Eigen::Ref<RowMatrix> arrivals) {
   const bool straight = motion.velocities.rows() == 0;
@@ -35,7 +35,7 @@ void copy_columns(const Trajectory& motion, const Eigen::VectorXd& times, Eigen:
 
 double end_of(const Trajectory& motion) { return motion.times[motion.times.size() - 1]; }
 
-MotionProof prove_collision_free(const Checker& judge, const Trajectory& a, const Trajectory& b,
+MotionProof prove_collision_free(const Checker& checker, const Trajectory& a, const Trajectory& b,
                                  const ProofOptions& options) {
   const std::vector<double> rows = rows_of_both(a, b);
   const auto n = static_cast<Eigen::Index>(rows.size());
@@ -45,16 +45,16 @@ MotionProof prove_collision_free(const Checker& judge, const Trajectory& a, cons
   RowMatrix departures = RowMatrix::Zero(n, of_a + of_b), arrivals = departures;
   copy_columns(a, times, positions.leftCols(of_a), departures.leftCols(of_a), arrivals.leftCols(of_a));
   copy_columns(b, times, positions.rightCols(of_b), departures.rightCols(of_b), arrivals.rightCols(of_b));
-  return prove_motion(judge, {times, positions, departures, &arrivals}, *judge.make_workspace(), options);
+  return prove_motion(checker, {times, positions, departures, &arrivals}, *checker.make_workspace(), options);
 }
 
-MotionProof seen_from_other_robot(MotionProof proof, const Checker& judge, const std::string& companion) {
-  const std::vector<std::string>& links = judge.robot().link_names();
-  const std::string prefix = companion + "/";
-  const auto swap = [&](std::string& mine, std::string& other) {
-    if (std::find(links.begin(), links.end(), mine) != links.end()) mine = judge.robot().name() + "/" + mine;
+MotionProof seen_from_other_robot(MotionProof proof, const Checker& checker, const std::string& other_robot) {
+  const std::vector<std::string>& links = checker.robot().link_names();
+  const std::string prefix = other_robot + "/";
+  const auto swap = [&](std::string& own, std::string& other) {
+    if (std::find(links.begin(), links.end(), own) != links.end()) own = checker.robot().name() + "/" + own;
     if (other.starts_with(prefix)) other.erase(0, prefix.size());
-    std::swap(mine, other);
+    std::swap(own, other);
   };
   swap(proof.body_a, proof.body_b);
   for (MotionProof::Part& part : proof.unproved) swap(part.body_a, part.body_b);

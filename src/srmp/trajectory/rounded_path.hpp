@@ -8,21 +8,22 @@
 // Paths with parabolas for corners, between waypoints and timing.
 namespace srmp::detail {
 
-/// q(s) = start + s way + s^2 bend / 2, for s in [0, length].
-struct PathPiece {
+/// q(s) = start + s direction + s^2 curvature / 2, for s in [0, length]: a straight segment or a parabola.
+struct PathSegment {
   double length{};
-  Eigen::VectorXd start, way, bend;  // bend is zero on straight pieces
+  Eigen::VectorXd start, direction, curvature;  // the curvature of a straight segment is zero
   bool rounded{};
 
-  Eigen::VectorXd position(double s) const { return start + s * (way + 0.5 * s * bend); }
-  Eigen::VectorXd tangent(double s) const { return way + s * bend; }
+  Eigen::VectorXd position(double s) const { return start + s * (direction + 0.5 * s * curvature); }
+  Eigen::VectorXd tangent(double s) const { return direction + s * curvature; }
 };
 
-/// Pieces whose tangents agree where they meet, so that the path may be run through without a stop.
-using SmoothPath = std::vector<PathPiece>;
+/// Segments with equal tangents where one follows the other, so that the path can be followed without a stop.
+using SmoothPath = std::vector<PathSegment>;
 
-/// The waypoints as smooth paths from stop to stop; s is the time [s] that it takes at full speed. Corners are rounded
-/// as `options` say; a corner that cannot be is a stop. Waypoints that follow each other are not equal.
+/// Divides the path along the waypoints into smooth paths from stop to stop; s is the time [s] that the motion takes at
+/// full speed. Corners are rounded as `options` say; one that cannot be rounded is a stop. Consecutive waypoints
+/// differ.
 std::vector<SmoothPath> round_corners(const RowMatrix& waypoints, const MotionLimits& limits,
                                       const TimingOptions& options);
 

@@ -32,9 +32,9 @@ class Shortcutter {
   bool stopped() const { return stopped_; }
 
  private:
-  /// b - a, continuous joints by the short way.
-  Point way(const Point& a, const Point& b) const;
-  double distance(const Point& a, const Point& b) const { return way(a, b).norm(); }
+  /// b - a; continuous joints go the short way.
+  Point difference(const Point& a, const Point& b) const;
+  double distance(const Point& a, const Point& b) const { return difference(a, b).norm(); }
   double length(const Path& path) const;
   bool visible(const Point& a, const Point& b);
 
@@ -46,7 +46,7 @@ class Shortcutter {
 
   void remove_corner(Path& path, std::size_t i);
   void slide_corner(Path& path, std::size_t i);
-  double slide(const Point& corner, const Point& towards, const Point& seen_from, bool forward);
+  double slide(const Point& corner, const Point& towards, const Point& from, bool forward);
   void pull_corner(Path& path, std::size_t i);
   bool cut_corner(Path& path, std::size_t i);
 
@@ -58,7 +58,7 @@ class Shortcutter {
   double total_{0.0};  ///< length at the start of the round: what gains are measured against
 };
 
-Point Shortcutter::way(const Point& a, const Point& b) const {
+Point Shortcutter::difference(const Point& a, const Point& b) const {
   Point d = b - a;
   for (std::size_t j = 0; j < options_.continuous.size(); ++j)
     if (options_.continuous[j])
@@ -107,35 +107,35 @@ void Shortcutter::remove_corner(Path& path, std::size_t i) {
   path.erase(path.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
-/// The largest share of the way from `corner` to `towards` (of those tried) whose point is visible from `seen_from`.
-double Shortcutter::slide(const Point& corner, const Point& towards, const Point& seen_from, bool forward) {
-  const Point along = way(corner, towards);
-  const double before = distance(seen_from, corner);
+/// The largest fraction (of those tried) of the segment from `corner` to `towards` whose point is visible from `from`.
+double Shortcutter::slide(const Point& corner, const Point& towards, const Point& from, bool forward) {
+  const Point along = difference(corner, towards);
+  const double before = distance(from, corner);
   double reached = 0.0, blocked = 1.0;
   for (int k = 0; k < options_.halvings; ++k) {
-    // What could still be saved beyond `reached`: nothing worth a check, nothing tried.
-    const double saved_at_most = distance(seen_from, corner + reached * along) + (blocked - reached) * along.norm() -
-                                 distance(seen_from, corner + blocked * along);
+    // An upper bound of what could be saved beyond `reached`: too little is not worth a check.
+    const double saved_at_most = distance(from, corner + reached * along) + (blocked - reached) * along.norm() -
+                                 distance(from, corner + blocked * along);
     if (saved_at_most < options_.min_gain * total_) break;
     const double middle = 0.5 * (reached + blocked);
     const Point there = corner + middle * along;
-    const bool seen = forward ? visible(seen_from, there) : visible(there, seen_from);
+    const bool seen = forward ? visible(from, there) : visible(there, from);
     (seen ? reached : blocked) = middle;
   }
-  const double saved = before + reached * along.norm() - distance(seen_from, corner + reached * along);
+  const double saved = before + reached * along.norm() - distance(from, corner + reached * along);
   return saved > 0.0 ? reached : 0.0;
 }
 
 void Shortcutter::slide_corner(Path& path, std::size_t i) {
   Waypoint &before = path[i - 1], &corner = path[i], &after = path[i + 1];
-  if (const double share = slide(corner.q, after.q, before.q, true); share > 0.0) {
-    corner.q += share * way(corner.q, after.q);
+  if (const double fraction = slide(corner.q, after.q, before.q, true); fraction > 0.0) {
+    corner.q += fraction * difference(corner.q, after.q);
     corner.proved = true;
-    after.proved = false;  // part of a free segment, but not asked for itself
+    after.proved = false;  // part of a free segment, but not checked itself
     for (Waypoint* moved : {&before, &corner, &after}) touch(*moved);
   }
-  if (const double share = slide(corner.q, before.q, after.q, false); share > 0.0) {
-    corner.q += share * way(corner.q, before.q);
+  if (const double fraction = slide(corner.q, before.q, after.q, false); fraction > 0.0) {
+    corner.q += fraction * difference(corner.q, before.q);
     corner.proved = false;
     after.proved = true;
     for (Waypoint* moved : {&before, &corner, &after}) touch(*moved);
@@ -148,9 +148,9 @@ void Shortcutter::pull_corner(Path& path, std::size_t i) {
   Waypoint &before = path[i - 1], &corner = path[i], &after = path[i + 1];
   const Eigen::Index dof = corner.q.size();
   for (Eigen::Index j = 0; j <= dof; ++j) {
-    const Point chord = way(before.q, after.q), offset = way(before.q, corner.q);
-    const double share = std::clamp(offset.dot(chord) / chord.squaredNorm(), 0.0, 1.0);
-    Point pull = share * chord - offset;
+    const Point chord = difference(before.q, after.q), offset = difference(before.q, corner.q);
+    const double fraction = std::clamp(offset.dot(chord) / chord.squaredNorm(), 0.0, 1.0);
+    Point pull = fraction * chord - offset;
     if (j < dof) {
       const double only = pull[j];
       pull.setZero();
@@ -170,11 +170,12 @@ void Shortcutter::pull_corner(Path& path, std::size_t i) {
 }
 
 bool Shortcutter::cut_corner(Path& path, std::size_t i) {
-  const Point corner = path[i].q, back = way(corner, path[i - 1].q), ahead = way(corner, path[i + 1].q);
+  const Point corner = path[i].q, back = difference(corner, path[i - 1].q), ahead = difference(corner, path[i + 1].q);
   const double reach = std::min(back.norm(), ahead.norm());
-  for (double share = 0.5; share > 0.1; share *= 0.5) {
-    const Point in = corner + share * reach / back.norm() * back, out = corner + share * reach / ahead.norm() * ahead;
-    if (2 * share * reach - distance(in, out) < options_.cut_gain * total_) return false;
+  for (double fraction = 0.5; fraction > 0.1; fraction *= 0.5) {
+    const Point in = corner + fraction * reach / back.norm() * back,
+                out = corner + fraction * reach / ahead.norm() * ahead;
+    if (2 * fraction * reach - distance(in, out) < options_.cut_gain * total_) return false;
     if (!visible(in, out)) continue;
     path[i].q = in;
     path[i].proved = false;
@@ -208,7 +209,7 @@ void Shortcutter::pull_corners(Path& path) {
     if (std::exchange(path[i].unpulled, false)) pull_corner(path, i);
 }
 
-/// Asks for every segment that is only part of a free one. False when one is refused, or when time is up.
+/// Checks every segment that is only part of a free one. False when one is not free, or when time is up.
 bool Shortcutter::prove(Path& path) {
   for (std::size_t i = 1; i < path.size(); ++i)
     if (!path[i].proved && !(path[i].proved = visible(path[i - 1].q, path[i].q))) return false;

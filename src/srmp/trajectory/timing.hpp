@@ -4,10 +4,10 @@
 
 #include "srmp/trajectory/rounded_path.hpp"
 
-// The two ways of putting a path in time.
+// The two methods of time parameterisation.
 namespace srmp::detail {
 
-/// Knots of a motion: it follows cubics between them.
+/// Knots of a motion, which follows cubics between them.
 struct Knots {
   std::vector<double> times;  // [s], from 0
   std::vector<Eigen::VectorXd> positions, velocities;
@@ -19,10 +19,10 @@ struct Knots {
   }
 };
 
-/// Time-optimal; `start_speed` and `end_speed` are ds/dt. Throws Error when TOPP-RA finds no way to keep the limits.
+/// Time-optimal; `start_speed` and `end_speed` are ds/dt. Throws Error when TOPP-RA finds no motion within the limits.
 Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed);
 
-/// Jerk-limited along one straight piece. Throws Error when Ruckig finds no way.
-Knots time_with_ruckig(const PathPiece& piece, const MotionLimits& limits, double start_speed, double end_speed);
+/// Jerk-limited along one straight segment. Throws Error when Ruckig finds no motion within the limits.
+Knots time_with_ruckig(const PathSegment& segment, const MotionLimits& limits, double start_speed, double end_speed);
 
 }  // namespace srmp::detail

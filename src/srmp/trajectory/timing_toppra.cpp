@@ -12,8 +12,8 @@ namespace srmp::detail {
 
 namespace {
 
-constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight pieces
-constexpr int min_straight = 8, max_straight = 60, per_corner = 8;  // grid intervals of a piece
+constexpr double spacing = 0.03;  // [s at full speed] between grid points of straight segments
+constexpr int min_straight = 8, max_straight = 60, per_corner = 8;  // grid intervals of a segment
 
 constexpr double within = 1.0 - 1e-6;  // of the speed that a curve allows: at the limit itself rounding decides
 
@@ -26,9 +26,9 @@ struct Scales {
   Eigen::VectorXd joint;  // [rad or m]
 
   Scales(const SmoothPath& path, const MotionLimits& limits) : length(0.0), time(0.0) {
-    for (const PathPiece& piece : path) length += piece.length;
-    for (const PathPiece& piece : path)
-      time = std::max(time, (piece.way.array().abs() / limits.acceleration.array()).maxCoeff());
+    for (const PathSegment& segment : path) length += segment.length;
+    for (const PathSegment& segment : path)
+      time = std::max(time, (segment.direction.array().abs() / limits.acceleration.array()).maxCoeff());
     time = std::max(length, std::sqrt(time * length));
     joint = limits.acceleration * time * time;
   }
@@ -39,29 +39,31 @@ class ScaledPath : public toppra::GeometricPath {
   ScaledPath(const SmoothPath& path, const Scales& scales)
       : GeometricPath(static_cast<int>(scales.joint.size())), path_(path), scales_(scales) {
     double begin = 0.0;
-    for (const PathPiece& piece : path) {
+    for (const PathSegment& segment : path) {
       begins_.push_back(begin);
-      begin += piece.length / scales.length;
+      begin += segment.length / scales.length;
     }
   }
 
   toppra::Vector eval_single(toppra::value_type at, int order) const override {
-    const auto [piece, s] = find(at);
+    const auto [segment, s] = find(at);
     const double unit = std::pow(scales_.length, order);
-    const Eigen::VectorXd value = order == 0 ? piece->position(s) : order == 1 ? piece->tangent(s) : piece->bend;
+    const Eigen::VectorXd value = order == 0   ? segment->position(s)
+                                  : order == 1 ? segment->tangent(s)
+                                               : segment->curvature;
     return unit * value.cwiseQuotient(scales_.joint);
   }
 
   toppra::Bound pathInterval() const override { return {0.0, 1.0}; }
 
-  /// The piece that begins at or before `at` (not at the very end), and s in it.
-  std::pair<const PathPiece*, double> find(double at) const {
+  /// The segment that begins at or before `at` (not at the very end), and s in it.
+  std::pair<const PathSegment*, double> find(double at) const {
     const auto after = std::upper_bound(begins_.begin() + 1, begins_.end(), at);
     const auto i = static_cast<std::size_t>(after - begins_.begin()) - 1;
     return {&path_[i], (at - begins_[i]) * scales_.length};
   }
 
-  /// Every piece evenly; its ends are among them.
+  /// Grid points: evenly on every segment, its ends included.
   Eigen::VectorXd grid() const {
     std::vector<double> points{0.0};
     for (std::size_t i = 0; i < path_.size(); ++i) {
@@ -79,9 +81,9 @@ class ScaledPath : public toppra::GeometricPath {
   std::vector<double> begins_;  // in 0 … 1
 };
 
-/// Velocity and acceleration limits. Pieces are straight or parabolas and the path's acceleration is constant between
+/// Velocity and acceleration limits. Segments are straight or parabolas and the path's acceleration is constant between
 /// grid points, so a joint's acceleration is linear there: it keeps its limit if it does so at both ends, each with the
-/// curvature of the piece between them.
+/// curvature of the segment between them.
 class Limits : public toppra::LinearConstraint {
  public:
   Limits(const ScaledPath& path, const Eigen::VectorXd& speed)
@@ -109,18 +111,18 @@ class Limits : public toppra::LinearConstraint {
       const std::size_t before = i - (i > 0), after = std::min(i + 1, a.size() - 1);
       xbound[i] << 0.0, std::min({fastest[before], fastest[i], fastest[after]});
       const double from = grid[std::min(row, last - 1)], to = grid[std::min(row, last - 1) + 1];
-      const Eigen::VectorXd bend = path_.eval_single(from, 2), tangent = path_.eval_single(from, 1);
-      const double most = bend.cwiseAbs().maxCoeff();
-      if (most > 0.0)
-        for (const std::size_t end : {i, after}) xbound[end][1] = std::min(xbound[end][1], within / most);
+      const Eigen::VectorXd curvature = path_.eval_single(from, 2), tangent = path_.eval_single(from, 1);
+      const double largest = curvature.cwiseAbs().maxCoeff();
+      if (largest > 0.0)
+        for (const std::size_t end : {i, after}) xbound[end][1] = std::min(xbound[end][1], within / largest);
       c[i].setZero();
       if (row == last) {
         a[i].setZero();
         b[i].setZero();
         continue;
       }
-      a[i] << tangent, tangent + (to - from) * bend + 2.0 * (to - from) * bend;
-      b[i] << bend, bend;
+      a[i] << tangent, tangent + (to - from) * curvature + 2.0 * (to - from) * curvature;
+      b[i] << curvature, curvature;
     }
   }
 
@@ -154,7 +156,7 @@ Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, doubl
   // The library takes the square of the speed at the start, and the speed at the end.
   const double start = std::pow(start_speed * unit, 2), end = end_speed * unit;
   if ((start > 0.0 || end > 0.0) && !solver.can_start_with(start, end))
-    throw Error("too fast for the way that there is");  // found out here: the library would complain on stderr
+    throw Error("too fast for the length of the path");  // checked here: the library would complain on stderr
   const auto code = solver.computePathParametrization(start, end);
   if (code != toppra::ReturnCode::OK)
     throw Error("TOPP-RA found no timing (error " + std::to_string(static_cast<int>(code)) + ")");
@@ -168,8 +170,8 @@ Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, doubl
       time += 2.0 * (found.gridpoints[i] - found.gridpoints[i - 1]) / (rate + speed_before) * scales.time;
       if (!std::isfinite(time)) throw Error("TOPP-RA stopped within the path");
     }
-    const auto [piece, s] = scaled->find(found.gridpoints[i]);
-    knots.add(time, piece->position(s), piece->tangent(s) * (rate / unit));
+    const auto [segment, s] = scaled->find(found.gridpoints[i]);
+    knots.add(time, segment->position(s), segment->tangent(s) * (rate / unit));
     speed_before = rate;
   }
   return knots;

@@ -15,8 +15,9 @@ namespace {
 constexpr double max_rows = 1e7;
 constexpr double same_position = 1e-9;  // [rad or m] where one motion ends and the next begins
 constexpr double same_velocity = 1e-6;  // [rad/s or m/s]
-constexpr double same_time = 1e-6;  // [s] a cut as near as this to a row is made there: shorter pieces magnify rounding
-constexpr double short_tick = 0.01;  // of dt: a last piece shorter than this does the same
+constexpr double same_time =
+    1e-6;  // [s] a cut as near as this to a row is made there: shorter segments magnify rounding
+constexpr double short_tick = 0.01;  // of dt: a last segment shorter than this does the same
 
 [[noreturn]] void refuse(const std::string& why) { throw InvalidArgument("trajectory: " + why); }
 
@@ -82,34 +83,34 @@ double require_time(double t, const char* what) {
 }
 
 /// The row whose polynomial holds at time t, which is within the motion: never the last, unless there is only one.
-Eigen::Index piece_at(const Trajectory& trajectory, double t) {
+Eigen::Index segment_at(const Trajectory& trajectory, double t) {
   const double* begin = trajectory.times.data();
   const auto after = static_cast<Eigen::Index>(std::upper_bound(begin, begin + trajectory.times.size(), t) - begin);
   return std::clamp<Eigen::Index>(after - 1, 0, std::max<Eigen::Index>(trajectory.times.size() - 2, 0));
 }
 
-/// The same where there may be one row only, from which the motion does not get away.
-detail::Cubic piece_or_place(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
-  if (row + 1 < t.positions.rows()) return detail::piece_of(t, row, joint);
+/// The same where there may be one row only: the motion is then that point.
+detail::Cubic segment_or_point(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
+  if (row + 1 < t.positions.rows()) return detail::segment_of(t, row, joint);
   const double q0 = t.positions(row, joint);
   return {{q0, t.velocities.rows() ? t.velocities(row, joint) : 0.0, 0.0, 0.0}, 0.0};
 }
 
-void require_finite_pieces(const Trajectory& t) {
+void require_finite_segments(const Trajectory& t) {
   for (Eigen::Index i = 0; i + 1 < t.times.size(); ++i)
     for (Eigen::Index j = 0; j < t.positions.cols(); ++j)
-      for (const double c : detail::piece_of(t, i, j).c)
+      for (const double c : detail::segment_of(t, i, j).c)
         if (!std::isfinite(c))
           refuse("rows " + std::to_string(i) + " and " + std::to_string(i + 1) + " are " +
-                 to_text(t.times[i + 1] - t.times[i]) + " s apart, too little for the way of " +
+                 to_text(t.times[i + 1] - t.times[i]) + " s apart, too little for the motion of " +
                  t.joint_names[static_cast<std::size_t>(j)] + " between them");
 }
 
-/// A row of the motion that is near enough, else t.
-double snapped(const Eigen::VectorXd& times, double t) {
+/// The time of a row that is near enough, else t.
+double time_of_near_row(const Eigen::VectorXd& times, double t) {
   Eigen::Index nearest{};
-  const double gap = (times.array() - t).abs().minCoeff(&nearest);
-  return gap <= same_time ? times[nearest] : t;
+  const double off = (times.array() - t).abs().minCoeff(&nearest);
+  return off <= same_time ? times[nearest] : t;
 }
 
 /// Row by row, at the times given. Its waypoints are its rows.
@@ -143,10 +144,10 @@ RowMatrix stacked(const RowMatrix& above, const RowMatrix& below) {
 
 const RowMatrix& path_of(const Trajectory& t) { return t.waypoints.rows() ? t.waypoints : t.positions; }
 
-/// One path and then the other; the point where they meet stands there once.
+/// One path and then the other; a common point in between appears once.
 RowMatrix joined(const RowMatrix& first, const RowMatrix& second) {
-  const bool meet = (first.bottomRows(1) - second.topRows(1)).cwiseAbs().maxCoeff() <= same_position;
-  return stacked(first, second.bottomRows(second.rows() - (meet ? 1 : 0)));
+  const bool common = (first.bottomRows(1) - second.topRows(1)).cwiseAbs().maxCoeff() <= same_position;
+  return stacked(first, second.bottomRows(second.rows() - (common ? 1 : 0)));
 }
 
 /// Refuses a next motion that does not begin as this one ends.
@@ -175,7 +176,7 @@ void Trajectory::validate() const {
   require_finite_rows(accelerations, "accelerations", joint_names);
   require_finite_rows(waypoints, "waypoints", joint_names);
   require_times(times);
-  require_finite_pieces(*this);
+  require_finite_segments(*this);
 }
 
 double Trajectory::length() const { return path_length(positions); }
@@ -185,15 +186,15 @@ Eigen::VectorXd Trajectory::sample(double t) const { return state(t).position; }
 MotionState Trajectory::state(double t) const {
   require_motion(*this);
   t = std::clamp(require_time(t, "the time to sample"), times[0], times[times.size() - 1]);
-  const Eigen::Index row = piece_at(*this, t), dof = positions.cols();
+  const Eigen::Index row = segment_at(*this, t), dof = positions.cols();
   MotionState state{Eigen::VectorXd(dof), Eigen::VectorXd(dof), Eigen::VectorXd(dof), Eigen::VectorXd(dof)};
   for (Eigen::Index j = 0; j < dof; ++j) {
-    const detail::Cubic piece = piece_or_place(*this, row, j);
+    const detail::Cubic segment = segment_or_point(*this, row, j);
     const double u = t - times[row];
-    state.position[j] = piece.position(u);
-    state.velocity[j] = piece.velocity(u);
-    state.acceleration[j] = piece.acceleration(u);
-    state.jerk[j] = piece.jerk();
+    state.position[j] = segment.position(u);
+    state.velocity[j] = segment.velocity(u);
+    state.acceleration[j] = segment.acceleration(u);
+    state.jerk[j] = segment.jerk();
   }
   // What a row says is meant to the last bit.
   for (const Eigen::Index at : {row, std::min(row + 1, positions.rows() - 1)})
@@ -210,7 +211,7 @@ RowMatrix Trajectory::jerks() const {
   RowMatrix result(positions.rows(), positions.cols());
   for (Eigen::Index i = 0; i < result.rows(); ++i)
     for (Eigen::Index j = 0; j < result.cols(); ++j)
-      result(i, j) = piece_or_place(*this, std::min(i, std::max<Eigen::Index>(result.rows() - 2, 0)), j).jerk();
+      result(i, j) = segment_or_point(*this, std::min(i, std::max<Eigen::Index>(result.rows() - 2, 0)), j).jerk();
   return result;
 }
 
@@ -239,7 +240,8 @@ Trajectory Trajectory::slice(double from, double to) const {
   if (!(from < to) || from > last || to < first)
     refuse("a slice from " + to_text(from) + " s to " + to_text(to) + " s holds nothing of a motion from " +
            to_text(first) + " s to " + to_text(last) + " s");
-  const double begin = snapped(times, std::clamp(from, first, last)), end = snapped(times, std::clamp(to, first, last));
+  const double begin = time_of_near_row(times, std::clamp(from, first, last)),
+               end = time_of_near_row(times, std::clamp(to, first, last));
   if (begin == first && end == last) return *this;
   std::vector<double> kept{begin};
   for (const double time : times)

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "collision/worlds.hpp"
+#include "srmp/collision/scene_checker.hpp"
 #include "srmp/planner_interface.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "support/throws.hpp"
@@ -26,7 +27,7 @@ double table_height(const Eigen::VectorXd& q, double depth) {
     Scene scene;
     scene.add_robot(worlds::arm7());
     scene.add_object("table", Box{{0.4, 0.4, 0.02}}, at(0.35, 0.0, height));
-    const Checker checker(scene, "arm7", {CheckMode::coal});
+    const SceneChecker checker(scene, "arm7", {CheckMode::coal});
     (checker.is_free(q, *checker.make_workspace()) ? free : touched) = height;
   }
   return free + depth;
@@ -98,7 +99,7 @@ BOOST_AUTO_TEST_SUITE(start_recovery)
 
 BOOST_AUTO_TEST_CASE(a_gripper_leaves_a_table_by_a_short_path) {
   for (const double depth : {0.0001, 0.001, 0.002, 0.003, 0.005, 0.009}) {
-    const Checker checker(gripper_in_table(depth), "arm7");
+    const SceneChecker checker(gripper_in_table(depth), "arm7");
     const Path path = recovery_of(checker, ready());
     check_recovery(checker, ready(), path);
     BOOST_CHECK_LT(length(path), 0.02 + 10.0 * depth);  // the fingers are a third of a metre from joints 2 and 4
@@ -106,18 +107,18 @@ BOOST_AUTO_TEST_CASE(a_gripper_leaves_a_table_by_a_short_path) {
 }
 
 BOOST_AUTO_TEST_CASE(it_goes_a_millimetre_beyond_contact_where_there_is_room) {
-  const Checker checker(gripper_in_table(0.003), "arm7");
+  const SceneChecker checker(gripper_in_table(0.003), "arm7");
   const auto nearest = checker.nearest(recovery_of(checker, ready()).back(), *checker.make_workspace());
   BOOST_CHECK_GT(nearest->distance, 0.5e-3);
 }
 
 BOOST_AUTO_TEST_CASE(several_pairs_are_separated_at_once) {
   Scene scene = planar_among({{0.6, 0.097}, {1.5, 0.098}});
-  const Checker both(scene, "planar");
+  const SceneChecker both(scene, "planar");
   check_recovery(both, Eigen::Vector2d::Zero(), recovery_of(both, Eigen::Vector2d::Zero()));
-  const Checker sides(planar_among({{0.6, 0.097}, {1.5, -0.096}}), "planar");
+  const SceneChecker sides(planar_among({{0.6, 0.097}, {1.5, -0.096}}), "planar");
   check_recovery(sides, Eigen::Vector2d::Zero(), recovery_of(sides, Eigen::Vector2d::Zero()));
-  const Checker self(planar_among({}), "planar");
+  const SceneChecker self(planar_among({}), "planar");
   const Eigen::Vector2d folded(0.2, 3.0);
   if (!self.is_free(folded, *self.make_workspace())) check_recovery(self, folded, recovery_of(self, folded));
 }
@@ -130,7 +131,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_shape_can_be_left_and_padding_counts) {
     for (;; y -= 0.004) {
       Scene trial = scene;
       trial.add_object(kind, shape, at(1.5, y, 0.0), 0.01);
-      const Checker checker(trial, "planar", {CheckMode::coal});
+      const SceneChecker checker(trial, "planar", {CheckMode::coal});
       if (checker.is_free(Eigen::Vector2d::Zero(), *checker.make_workspace())) continue;
       BOOST_TEST_CONTEXT(kind)
       check_recovery(checker, Eigen::Vector2d::Zero(), recovery_of(checker, Eigen::Vector2d::Zero()));
@@ -140,7 +141,7 @@ BOOST_AUTO_TEST_CASE(every_kind_of_shape_can_be_left_and_padding_counts) {
 }
 
 BOOST_AUTO_TEST_CASE(joints_at_their_limits_leave_the_separation_to_the_others) {
-  const Checker checker(planar_among({{2.0 * std::cos(3.0) + 0.3, 2.0 * std::sin(3.0) - 0.14}}), "planar");
+  const SceneChecker checker(planar_among({{2.0 * std::cos(3.0) + 0.3, 2.0 * std::sin(3.0) - 0.14}}), "planar");
   const Eigen::Vector2d start(3.0, 0.0);  // the box is on the side that joint a could only leave beyond its limit
   BOOST_REQUIRE(!checker.is_free(start, *checker.make_workspace()));
   check_recovery(checker, start, recovery_of(checker, start));
@@ -148,20 +149,20 @@ BOOST_AUTO_TEST_CASE(joints_at_their_limits_leave_the_separation_to_the_others) 
 
 BOOST_AUTO_TEST_CASE(there_is_no_path_where_every_motion_deepens_a_contact) {
   // The upper bar is held from both sides by the same depth.
-  const Checker held(planar_among({{0.6, 0.095}, {0.6, -0.095}}), "planar");
+  const SceneChecker held(planar_among({{0.6, 0.095}, {0.6, -0.095}}), "planar");
   BOOST_CHECK(recovery_of(held, Eigen::Vector2d::Zero()).empty());
   // Every motion out of one box leads into another.
-  const Checker between(planar_among({{0.9, 0.095}, {0.6, -0.101}, {0.3, -0.101}}), "planar");
+  const SceneChecker between(planar_among({{0.9, 0.095}, {0.6, -0.101}, {0.3, -0.101}}), "planar");
   BOOST_CHECK(recovery_of(between, Eigen::Vector2d::Zero()).empty());
   // A link that no joint moves cannot be separated from an object.
   Scene rigid = gripper_in_table(0.002);
   rigid.add_object("wall", Box{{0.1, 0.1, 0.1}}, at(0.0, 0.1, 0.05));
-  const Checker walled(rigid, "arm7");
+  const SceneChecker walled(rigid, "arm7");
   BOOST_CHECK(recovery_of(walled, ready()).empty());
 }
 
 BOOST_AUTO_TEST_CASE(the_rule_is_broken_by_depth_by_new_pairs_and_by_an_end_in_contact) {
-  const Checker checker(planar_among({{0.6, 0.097}, {1.5, -0.15}}), "planar");
+  const SceneChecker checker(planar_among({{0.6, 0.097}, {1.5, -0.15}}), "planar");
   const auto workspace = checker.make_workspace();
   const Eigen::Vector2d start(0.0, 0.0);
   const Path out = recovery_of(checker, start);
@@ -177,7 +178,7 @@ BOOST_AUTO_TEST_CASE(the_rule_is_broken_by_depth_by_new_pairs_and_by_an_end_in_c
 }
 
 BOOST_AUTO_TEST_CASE(the_path_is_the_same_every_time) {
-  const Checker exact(gripper_in_table(0.004), "arm7"), coal(gripper_in_table(0.004), "arm7", {CheckMode::coal});
+  const SceneChecker exact(gripper_in_table(0.004), "arm7"), coal(gripper_in_table(0.004), "arm7", {CheckMode::coal});
   const auto used = exact.make_workspace();
   const Path first = find_start_recovery(exact, ready(), *used);
   for (int i = 0; i < 3; ++i) BOOST_CHECK(find_start_recovery(exact, ready(), *used) == first);
@@ -186,7 +187,7 @@ BOOST_AUTO_TEST_CASE(the_path_is_the_same_every_time) {
 }
 
 BOOST_AUTO_TEST_CASE(every_check_may_end_the_search) {
-  const Checker checker(gripper_in_table(0.004), "arm7");
+  const SceneChecker checker(gripper_in_table(0.004), "arm7");
   int checks = 0;
   const auto stop = [&] {
     if (++checks == 20) throw std::runtime_error("enough");

@@ -2,6 +2,7 @@
 #include <boost/test/unit_test.hpp>
 #include <limits>
 
+#include "srmp/collision/scene_checker.hpp"
 #include "srmp/planner_interface.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
@@ -58,7 +59,7 @@ Trajectory plan(srmp::PlannerInterface& planner, const Trajectory& obstacle, con
 /// The smallest distance at instants 1 ms apart.
 double distance(const srmp::PlannerInterface& planner, const Trajectory& left, const Trajectory& right,
                 const std::string& one = "left", const std::string& other = "right") {
-  const srmp::Checker both(planner.scene(), one,
+  const srmp::SceneChecker both(planner.scene(), one,
                            {.mode = srmp::CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
   const auto workspace = both.make_workspace();
   double least = 1e9;

@@ -8,18 +8,19 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/collision/batch/simd_backend.hpp"
 #include "srmp/cover/sphere_cover.hpp"
 
 namespace srmp {
 
 class DistanceField;
 
-// Plain data that a BatchChecker is made of: the driven joints, spheres for each rigid body, obstacles. All frames and
-// poses start from the robot's base; lengths in metres, angles in radians.
+// Plain data that a BatchChecker is made of: the actuated joints, spheres for each rigid body, obstacles. All frames
+// and poses are relative to the robot's base; lengths in metres, angles in radians.
 
-/// A tree joint moved by a planned joint. Its frame has the joint's axis as z.
+/// A joint of the kinematic tree that a planned joint moves. Its frame has the joint's axis as z.
 struct BatchActuatedJoint {
-  int parent{-1};  ///< index of the driven joint it hangs on, -1: the base; smaller than its own index
+  int parent{-1};  ///< index of the actuated joint that carries it, -1: the base; smaller than its own index
   Eigen::Isometry3d frame{Eigen::Isometry3d::Identity()};  ///< in the parent's frame, at value 0
   bool prismatic{false};
   int joint{};  ///< planned joint; value = ratio * q[joint] + offset
@@ -28,16 +29,16 @@ struct BatchActuatedJoint {
   double max_travel{0.0};  ///< prismatic: bound on |value|
 };
 
-/// A rigid body under spheres, in the frame of the drive that it hangs on.
+/// A rigid body covered by spheres, in the frame of the actuated joint that carries it.
 struct BatchBody {
-  int drive{-1};                     ///< -1: fixed to the base
-  PlacedSphere bound;                ///< holds the body
-  std::vector<PlacedSphere> coarse;  ///< together hold the body
+  int actuated_joint{-1};            ///< -1: fixed to the base
+  PlacedSphere bound;                ///< contains the body
+  std::vector<PlacedSphere> coarse;  ///< together contain the body
   bool exact{false};                 ///< the coarse spheres are the body (then no fine or inner spheres)
-  std::vector<PlacedSphere> fine;    ///< together hold the body; may be empty
+  std::vector<PlacedSphere> fine;    ///< together contain the body; may be empty
   std::vector<std::vector<std::uint32_t>> children;  ///< cover_children(coarse, fine); empty when fine is
   std::vector<PlacedSphere> inner;                   ///< inside the body
-  bool hollow{false};   ///< what is wholly inside does not collide: inner spheres count against larger things only
+  bool hollow{false};   ///< an object wholly inside does not collide: inner spheres count against larger ones only
   double padding{0.0};  ///< kept clear of obstacles
 };
 
@@ -47,10 +48,10 @@ struct BatchObstacle {
   Eigen::Vector3d size{Eigen::Vector3d::Zero()};
   std::shared_ptr<const DistanceField> field{};
   Eigen::Vector3d field_center{Eigen::Vector3d::Zero()};  ///< the pose's origin in the field's frame
-  bool connected{true};  ///< in one piece, so that as much of it as fits into nothing smaller sticks out
+  bool connected{true};  ///< so that an object larger than a hollow body cannot be wholly inside
   Eigen::Isometry3d pose{Eigen::Isometry3d::Identity()};
   double padding{0.0};
-  bool exact{true};  ///< false: only something around the object, so a hit proves nothing
+  bool exact{true};  ///< false: the shape only contains the object, so a hit proves nothing
 };
 
 struct BatchSelfPair {
@@ -70,20 +71,13 @@ struct BatchWorld {
 
 enum class CollisionStatus { free, colliding, undecided };
 
-/// What could not be settled: a pair, over part of a motion (half = 0: at one configuration).
+/// A pair that the spheres could not decide, over part of a motion (half = 0: at one configuration).
 struct UndecidedPair {
-  double t{};     ///< middle of the part, 0..1 on the motion; for judge_block the index of the configuration
+  double t{};     ///< middle of the part, 0..1 on the motion; for check_block the index of the configuration
   double half{};  ///< half its length
   bool self{};
   int pair{};  ///< index into BatchWorld::self_pairs when self, else into obstacle_pairs
 };
-
-enum class SimdBackend { portable, avx2, avx512 };
-std::string to_string(SimdBackend backend);
-/// The best that this CPU has, or what the environment variable SRMP_SIMD names. Throws InvalidArgument when it names
-/// none, or one that this CPU lacks.
-SimdBackend default_simd_backend();
-std::vector<SimdBackend> available_simd_backends();
 
 struct BatchStatistics {
   std::uint64_t blocks{};  ///< kernel calls of 16 configurations
@@ -92,12 +86,12 @@ struct BatchStatistics {
 };
 
 /// Checks 16 configurations at a time in float32, with sound rounding: what it calls free is free, what it calls
-/// colliding collides, and the rest it hands over pair by pair. All backends give the same bits.
+/// colliding collides, and the pairs that it leaves undecided are listed. All instruction sets give the same bits.
 ///
-/// "Free" for a motion holds between samples: a sample stands for an interval around it, and a pair is proved there
-/// when its distance exceeds what both bodies can move within the interval. That bound is summed over the joints
-/// between the two, hand to base: each turns what lies beyond it, at its distance from the axis plus what it moved
-/// already.
+/// "Free" for a motion holds between samples: a sample stands for an interval around it, and a pair is proved free
+/// there when its distance exceeds what both bodies can move within the interval. That bound is summed over the joints
+/// between the two, from the distal to the proximal: each turns what it carries, at its distance from the axis plus
+/// what the joints before it moved it already.
 ///
 /// Const; threads share it, each with a Workspace of its own.
 class BatchChecker {
@@ -116,45 +110,47 @@ class BatchChecker {
 
   static constexpr int block = 16;
 
-  /// What is known of each configuration of a block, bit i for number i; neither bit: free.
+  /// The result for each configuration of a block, bit i for number i; neither bit: free.
   struct Lanes {
     std::uint16_t colliding{}, undecided{};
   };
-  /// Up to 16 configurations, each dof() long, one after the other. `proofs_only`: it does not matter which of the two
-  /// bits one has that is not free, nor which of its pairs undecided() names.
-  Lanes judge_block(std::span<const double> configurations, Workspace& workspace, bool proofs_only = false) const;
+  /// Checks up to 16 configurations, each dof() long, one after the other. `proofs_only`: only which ones are free
+  /// matters; which of the two bits another one has, and which of its pairs undecided() lists, is then arbitrary (but
+  /// deterministic).
+  Lanes check_block(std::span<const double> configurations, Workspace& workspace, bool proofs_only = false) const;
 
-  /// One block: the motion from a by `difference` (joint space, straight) in 16 equal intervals.
+  /// Checks the straight motion from a by `difference` (joint space) in one block: 16 equal intervals.
   CollisionStatus motion_block(std::span<const double> a, std::span<const double> difference,
                                Workspace& workspace) const;
 
-  /// As many blocks as it takes: the motion is cut so that no point moves more than about `step` [m] within half an
-  /// interval; intervals not proved are cut into four, up to `refinements` times. Lanes are spread over the motion.
+  /// Checks it in as many blocks as it takes: intervals are so short that no point moves more than about `step` [m]
+  /// within half of one; undecided intervals are subdivided into four, up to `refinements` times. The lanes of a block
+  /// are spread over the motion.
   struct MotionOptions {
     double step{0.02};
     int refinements{2};
-    int max_blocks{256};  ///< then the rest is undecided
+    int max_blocks{256};  ///< after these, what is open stays undecided
   };
   CollisionStatus motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                          const MotionOptions& options) const;
 
-  /// Is the motion proved free, by the same intervals? Ends at the first that cannot be, and says nothing of what is
-  /// undecided or collides. After max_blocks a part is cut once at most, where motion() ends with the level that it is
-  /// at: there alone one may prove what the other does not.
+  /// Is the motion proved free, by the same intervals? Ends at the first one that cannot be, without finding out
+  /// whether it is undecided or collides. After max_blocks an interval is subdivided once at most, whereas motion()
+  /// ends with its current level: only there one of the two may prove what the other does not.
   bool proves_free(std::span<const double> a, std::span<const double> difference, Workspace& workspace,
                    const MotionOptions& options) const;
 
-  /// Of the last call that said undecided; in order of (t, pair).
+  /// The undecided pairs of the last call; in order of (t, pair).
   const std::vector<UndecidedPair>& undecided(const Workspace& workspace) const;
   const BatchStatistics& statistics(const Workspace& workspace) const;
 
   std::size_t dof() const;
   SimdBackend backend() const;
-  /// Bound on the float error of any distance that a verdict relies on [m].
-  double slack() const;
+  /// Bound on the float error of any distance that a result relies on [m].
+  double error_bound() const;
 
-  /// Pose of drive k at q as the kernel computes it (float32), for tests.
-  Eigen::Isometry3d drive_pose(std::span<const double> q, std::size_t k, Workspace& workspace) const;
+  /// Pose of actuated joint k at q as the kernel computes it (float32), for tests.
+  Eigen::Isometry3d actuated_joint_pose(std::span<const double> q, std::size_t k, Workspace& workspace) const;
 
  private:
   void begin_motion(std::span<const double> a, std::span<const double> difference, Workspace& workspace,

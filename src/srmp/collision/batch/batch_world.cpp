@@ -32,9 +32,9 @@ PlacedSphere around(const std::vector<PlacedSphere>& spheres) {
   };
   for (int i = 1; i <= 30; ++i) {
     const PlacedSphere far = farthest();
-    const Eigen::Vector3d way = far.center - result.center;
-    const double distance = way.norm();
-    if (distance > 0) result.center += way * ((distance + far.radius) / distance / (i + 1));
+    const Eigen::Vector3d offset = far.center - result.center;
+    const double distance = offset.norm();
+    if (distance > 0) result.center += offset * ((distance + far.radius) / distance / (i + 1));
   }
   const PlacedSphere far = farthest();
   result.radius = ((far.center - result.center).norm() + far.radius) * (1 + 1e-12);
@@ -50,7 +50,7 @@ class Builder {
 
   BatchScene build() {
     scene_.world.dof = group_.joints().size();
-    add_drives();
+    add_actuated_joints();
     for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
     for (BatchBody& body : scene_.world.bodies) finish(body);
     for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
@@ -59,22 +59,22 @@ class Builder {
   }
 
  private:
-  void add_drives() {
+  void add_actuated_joints() {
     for (std::size_t k = 0; k < group_.actuated_joints().size(); ++k) {
       const ActuatedJoint& from = group_.actuated_joints()[k];
       frames_.push_back(frame_on_axis(group_.actuated_joint_axis(data_, k)));
-      BatchActuatedJoint drive;
-      drive.parent = group_.parent(k);
-      drive.frame =
-          drive.parent < 0 ? frames_[k] : frames_[static_cast<std::size_t>(drive.parent)].inverse() * frames_[k];
-      drive.prismatic = from.prismatic;
-      drive.joint = static_cast<int>(from.joint);
-      drive.ratio = from.ratio;
+      BatchActuatedJoint actuated;
+      actuated.parent = group_.parent(k);
+      actuated.frame =
+          actuated.parent < 0 ? frames_[k] : frames_[static_cast<std::size_t>(actuated.parent)].inverse() * frames_[k];
+      actuated.prismatic = from.prismatic;
+      actuated.joint = static_cast<int>(from.joint);
+      actuated.ratio = from.ratio;
       if (from.prismatic) {
         const Joint& joint = group_.joints()[from.joint];
-        drive.max_travel = std::abs(from.ratio) * (std::max(std::abs(joint.lower), std::abs(joint.upper)) + 1.0);
+        actuated.max_travel = std::abs(from.ratio) * (std::max(std::abs(joint.lower), std::abs(joint.upper)) + 1.0);
       }
-      scene_.world.actuated_joints.push_back(drive);
+      scene_.world.actuated_joints.push_back(actuated);
     }
   }
 
@@ -82,12 +82,12 @@ class Builder {
     if (from.kind == BodyKind::link)
       add_spheres(body, cover_of_(*from.geometry), pose);
     else
-      add_spheres(body, cover_of_held(from), pose);
+      add_spheres(body, cover_of_attached(from), pose);
   }
 
-  /// Nobody waits for the covers of a held object: unless it is a sphere, cells of the box around it are put into
-  /// spheres.
-  static GeometryCover cover_of_held(const Body& from) {
+  /// A cover of an attached object must be quick to make: unless it is a sphere, the cells of its bounding box are
+  /// covered.
+  static GeometryCover cover_of_attached(const Body& from) {
     GeometryCover cover;
     cover.bound = {from.bounds.center, from.bounds.radius};
     if (const auto* sphere = dynamic_cast<const coal::Sphere*>(from.geometry.get())) {
@@ -96,7 +96,7 @@ class Builder {
       cover.exact = true;
       return cover;
     }
-    cover.hollow = true;  // as far as the cells know
+    cover.hollow = true;  // the cells do not tell
     cover.coarse = spheres_around_cells(from.bounds.box_center, from.bounds.box_half, 3);
     for (const PlacedSphere& sphere : cover.coarse) {
       const auto first = static_cast<std::uint32_t>(cover.fine.size());
@@ -160,15 +160,15 @@ class Builder {
   }
 
   int add_moving(const MovingBody& body) {
-    const int drive = deepest_drive(body.support);
+    const int actuated = deepest_actuated_joint(body.support);
     const auto key = std::pair(body.name_id, body.attached());
     const auto [place, added] = links_.try_emplace(key, static_cast<int>(scene_.world.bodies.size()));
     if (added) {
       scene_.world.bodies.emplace_back();
-      scene_.world.bodies.back().drive = drive;
+      scene_.world.bodies.back().actuated_joint = actuated;
       scene_.world.bodies.back().padding = body.padding;
     }
-    add_cover(scene_.world.bodies[place->second], body, frames_[drive].inverse() * pose_of(body, group_, data_));
+    add_cover(scene_.world.bodies[place->second], body, frames_[actuated].inverse() * pose_of(body, group_, data_));
     return place->second;
   }
 
@@ -199,15 +199,15 @@ class Builder {
     return o;
   }
 
-  /// A distance field takes longer over a sphere than another sphere does: it pays for links under as many.
+  /// A distance field takes longer to check than a sphere: it pays only for links that need as many spheres.
   static constexpr std::size_t many_spheres = 512;
 
-  /// Does a body stand among the obstacles? A link with a distance field may; but obstacles keep their padding from all
-  /// that moves, and a hit of any geometry of a link counts.
+  /// Is a fixed body an obstacle? A link with a distance field may be; but obstacles keep their padding from all that
+  /// moves, and a hit of any geometry of a link counts.
   bool is_obstacle(std::size_t fixed) const {
     const FixedBody& body = bodies_.fixed[fixed];
     if (body.kind != BodyKind::link) return true;
-    if (body.member >= 0 && body.padding != 0.0) return false;
+    if (body.robot >= 0 && body.padding != 0.0) return false;
     if (!body.field || cover_of_(*body.geometry).fine.size() < many_spheres) return false;
     std::vector<int> geometries(scene_.world.bodies.size()), pairs(geometries.size());
     for (std::size_t i = 0; i < bodies_.moving.size(); ++i) {
@@ -255,18 +255,19 @@ class Builder {
     for (std::size_t i = 0; i < places.size(); ++i) {
       const auto a = places[i] / bodies, b = places[i] % bodies;
       const std::span<const std::uint32_t> pairs = scene_.self_pairs[i];
-      // Where some geometries of the two may touch, a hit may be theirs.
+      // Where some geometries of the two may touch, a hit proves nothing.
       const bool all = pairs.size() == bounds_[a].size() * bounds_[b].size();
       const double padding = bodies_.pairs[pairs.front()].padding + NarrowPhase::contact_distance;
       scene_.world.self_pairs.push_back({static_cast<int>(a), static_cast<int>(b), padding, all});
     }
   }
 
-  /// A list for each place that numbers belong to, in the order of places, which are told; numbers keep their order.
+  /// Makes a list for each place that has numbers, in the order of places, and calls tell(place); numbers keep their
+  /// order.
   template <class Tell>
   static NumberLists lists_of(const std::vector<std::uint32_t>& numbers, const std::vector<std::uint32_t>& places,
                               std::size_t place_count, Tell&& tell) {
-    std::vector<std::uint32_t> next(place_count + 1);  // free room of each place
+    std::vector<std::uint32_t> next(place_count + 1);  // free slot of each place
     for (const std::uint32_t place : places) ++next[place + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());
     NumberLists lists;
@@ -285,7 +286,7 @@ class Builder {
   const CoverOf& cover_of_;
   RobotGroup::Data data_;
   BatchScene scene_;
-  std::vector<Eigen::Isometry3d> frames_;  // of drives, at q = 0
+  std::vector<Eigen::Isometry3d> frames_;  // of actuated joints, at q = 0
   std::vector<int> body_of_moving_;
   std::vector<std::pair<bool, int>> fixed_;            // of Bodies::fixed: (obstacle?, index)
   std::map<std::pair<std::size_t, bool>, int> links_;  // by name_id

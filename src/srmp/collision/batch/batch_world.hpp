@@ -14,10 +14,10 @@ namespace srmp::detail {
 struct Bodies;
 class RobotGroup;
 
-/// The cover of a link's geometry; made once per geometry, kept by the caller.
+/// Returns the cover of a link's geometry; made once per geometry, kept by the caller.
 using CoverOf = std::function<const GeometryCover&(const coal::CollisionGeometry& shape)>;
 
-/// Lists of numbers, one after the other in one piece of memory.
+/// Lists of numbers in contiguous memory.
 struct NumberLists {
   std::vector<std::uint32_t> numbers;
   std::vector<std::uint32_t> ends;  ///< of each list, in `numbers`
@@ -28,15 +28,16 @@ struct NumberLists {
   }
 };
 
-/// What a BatchChecker needs to stand in front of the exact one, and how its pairs translate.
+/// The world of a BatchChecker that checks before Coal does, and the pairs of Bodies that its pairs stand for.
 struct BatchScene {
   BatchWorld world;
-  /// By index of BatchWorld::obstacle_pairs and self_pairs: the pairs of Bodies that each speaks for, increasing.
+  /// By index of BatchWorld::obstacle_pairs and self_pairs: the pairs of Bodies that each stands for, increasing.
   NumberLists obstacle_pairs, self_pairs;
 };
 
-/// The geometries of one link become one body; so do links at rest, on the base, and objects in a hand. Objects that
-/// are boxes, spheres, cylinders or capsules become obstacles as they are; others are known by their distance fields.
+/// The geometries of one link become one body; so do links that do not move, fixed to the base, and attached objects.
+/// Objects that are boxes, spheres, cylinders or capsules become obstacles as they are; others are represented by their
+/// distance fields.
 BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of);
 
 }  // namespace srmp::detail

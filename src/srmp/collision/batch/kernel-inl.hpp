@@ -1,4 +1,4 @@
-// The kernel, included once per instruction set by kernel_*.cpp, which names the entry point SRMP_KERNEL. The answer of
+// The kernel, included once per instruction set by kernel_*.cpp, which names the entry point SRMP_KERNEL. The result of
 // a lane depends on this lane alone, so it does not depend on how many lanes an instruction set has.
 
 #include "srmp/collision/batch/kernel.hpp"
@@ -11,8 +11,8 @@ struct V3 {
   V x, y, z;
 };
 
-/// Where one lane that is not free is enough.
-SRMP_INLINE bool is_answered(const KernelRequest& request, const KernelResult& result) {
+/// Is a lane found that is not free, where one such lane decides the request?
+SRMP_INLINE bool is_decided(const KernelRequest& request, const KernelResult& result) {
   return (result.colliding | (result.undecided & request.proofs_only)) != 0;
 }
 
@@ -48,7 +48,7 @@ class Slice {
   }
 
  private:
-  SRMP_INLINE bool done() const { return request_.every_lane ? alive_ == 0 : is_answered(request_, result_); }
+  SRMP_INLINE bool done() const { return request_.every_lane ? alive_ == 0 : is_decided(request_, result_); }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -63,10 +63,10 @@ class Slice {
     const KernelNode& node = m_.nodes[i];
     const float* parent = frames_ + 12 * kWidth * node.parent;
     float* frame = frames_ + 12 * kWidth * i;
-    const V value = load(request_.values + node.drive * kLanes + lane_);
+    const V value = load(request_.values + node.actuated_joint * kLanes + lane_);
     const float *r = node.rotation, *t = node.translation;
-    SinCos turn{};
-    if (!node.prismatic) turn = sincos(value);
+    SinCos angle{};
+    if (!node.prismatic) angle = sincos(value);
     for (int k = 0; k < 3; ++k) {
       const V px = row(parent, 3 * k), py = row(parent, 3 * k + 1), pz = row(parent, 3 * k + 2);
       V x = sum(mul(px, all(r[0])), mul(py, all(r[3])), mul(pz, all(r[6])));
@@ -76,8 +76,8 @@ class Slice {
       if (node.prismatic) {
         p = add(p, mul(z, value));
       } else {
-        const V turned = add(mul(x, turn.cos), mul(y, turn.sin));
-        y = sub(mul(y, turn.cos), mul(x, turn.sin));
+        const V turned = add(mul(x, angle.cos), mul(y, angle.sin));
+        y = sub(mul(y, angle.cos), mul(x, angle.sin));
         x = turned;
       }
       set_row(frame, 3 * k, x);
@@ -95,8 +95,8 @@ class Slice {
             add(sum(mul(row(f, 6), vx), mul(row(f, 7), vy), mul(row(f, 8), vz)), row(f, 11))};
   }
 
-  /// Centre of the body, and how far it can move while every driven joint stays within its half width: joints from the
-  /// hand to the base, each turning everything beyond it, which may have moved already.
+  /// Computes the centre of the body, and how far it can move while every actuated joint stays within its half width:
+  /// joints from the distal to the proximal, each turning what it carries, which may have moved already.
   SRMP_INLINE void place_body(int i) {
     const KernelBody& body = m_.bodies[i];
     const V3 c = transform(body.node, body.x, body.y, body.z);
@@ -109,7 +109,7 @@ class Slice {
     for (int n = body.node; n != 0; n = m_.nodes[n].parent) {
       set_row(stages_, stage++, moved);
       if (!request_.half_widths) continue;
-      const V width = load(request_.half_widths + m_.nodes[n].drive * kLanes + lane_);
+      const V width = load(request_.half_widths + m_.nodes[n].actuated_joint * kLanes + lane_);
       if (m_.nodes[n].prismatic) {
         moved = add(moved, width);
         continue;
@@ -118,8 +118,8 @@ class Slice {
       const V dx = sub(c.x, row(f, 9)), dy = sub(c.y, row(f, 10)), dz = sub(c.z, row(f, 11));
       const V ax = row(f, 2), ay = row(f, 5), az = row(f, 8);
       const V x = sub(mul(dy, az), mul(dz, ay)), y = sub(mul(dz, ax), mul(dx, az)), z = sub(mul(dx, ay), mul(dy, ax));
-      const V arm = add(sqrt(sum(mul(x, x), mul(y, y), mul(z, z))), all(body.reach_radius));
-      moved = add(moved, mul(width, add(arm, moved)));
+      const V lever = add(sqrt(sum(mul(x, x), mul(y, y), mul(z, z))), all(body.reach_radius));
+      moved = add(moved, mul(width, add(lever, moved)));
     }
     set_row(stages_, stage, moved);
     set_row(margins_, i, moved);
@@ -169,7 +169,8 @@ class Slice {
     return add(max0(inside), place.squared_off);
   }
 
-  /// Lanes surely nearer than the radius to what a field describes: by way of the nearest point of its grid.
+  /// Lanes surely nearer than the radius to what a field describes: an upper bound of the distance through the nearest
+  /// grid point.
   SRMP_INLINE unsigned surely_within(const KernelObstacle& o, const V3& c, float radius) const {
     const KernelField& f = o.field;
     const GridPlace place = grid_place(o, c);
@@ -177,8 +178,8 @@ class Slice {
     const V squared = max0(gather(f.squared, sum(x, mul(y, all(f.row)), mul(z, all(f.layer)))));
     const V dx = sub(place.at.x, x), dy = sub(place.at.y, y), dz = sub(place.at.z, z);
     const V to_grid = mul(all(f.cell), sqrt(sum(mul(dx, dx), mul(dy, dy), mul(dz, dz))));
-    const V way = sum(sqrt(squared), to_grid, add(sqrt(place.squared_off), all(f.excess)));
-    return bits(less(way, all(radius < f.reach ? radius : f.reach)));
+    const V distance = sum(sqrt(squared), to_grid, add(sqrt(place.squared_off), all(f.error)));
+    return bits(less(distance, all(radius < f.reach ? radius : f.reach)));
   }
 
   /// Of an obstacle without a field.
@@ -267,7 +268,7 @@ class Slice {
     report(pair, undecided);
   }
 
-  /// Does a sphere surely meet the obstacle in some lanes of `mask`? True when that ends the run.
+  /// Does a sphere surely hit the obstacle in some lanes of `mask`? True when that ends the run.
   SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, float sphere, unsigned mask) {
     const float radius = sphere + o.inner_radius;
     if (!o.field.squared) return hit(squared_distance(o, center), radius, mask);
@@ -307,7 +308,7 @@ class Slice {
       const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
       const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};
       const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
-      const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), all(pair.padding + pair.slack));
+      const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), all(pair.padding + pair.error));
       const unsigned pending = within(between(ca, cb), add(limit, all(a.radius + b.radius))) & alive_;
       if (pending == 0) continue;
       check_self_closely(k, pair, pending, limit);
@@ -332,7 +333,7 @@ class Slice {
         const unsigned near = within(squared, add(limit, all(ri + m_.spheres[j].radius))) & around & ~undecided;
         if (near == 0) continue;
         if (pair.exact && a.exact && b.exact &&
-            hit(squared, ri + m_.spheres[j].radius + pair.padding - pair.slack, near))
+            hit(squared, ri + m_.spheres[j].radius + pair.padding - pair.error, near))
           return;
         undecided |= finer(a, m_.spheres[i], ci, b, m_.spheres[j], coarse(j), limit, near);
       }
@@ -344,20 +345,20 @@ class Slice {
     report(m_.pair_count + k, undecided);
   }
 
-  /// Does a sphere inside a surely meet one inside b?
+  /// Does a sphere inside a surely hit one inside b?
   bool check_inner(const KernelBody& a, const KernelBody& b, const KernelSelfPair& pair, unsigned undecided) {
     for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
       const V3 ci = fine(a, m_.spheres[i]);
       for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
         if (hit(between(ci, fine(b, m_.spheres[j])),
-                m_.spheres[i].radius + m_.spheres[j].radius + pair.padding - pair.slack, undecided))
+                m_.spheres[i].radius + m_.spheres[j].radius + pair.padding - pair.error, undecided))
           return true;
     }
     return false;
   }
 
-  /// Children of a coarse sphere that are near another body's coarse sphere, found as far as they are asked for. Each
-  /// is placed once, however many spheres of the other body it is compared with.
+  /// Children of a coarse sphere that are near another body's coarse sphere, found one by one as needed. Each is placed
+  /// once, however many spheres of the other body it is compared with.
   class NearChildren {
    public:
     SRMP_INLINE NearChildren(const Slice& slice, const KernelBody& body, const KernelSphere& parent, const V3& other,
@@ -428,7 +429,7 @@ class Slice {
   KernelResult& result_;
   const int lane_;
   const unsigned proofs_only_;          // of this slice
-  unsigned alive_{(1u << kWidth) - 1};  // lanes not known to collide, nor answered
+  unsigned alive_{(1u << kWidth) - 1};  // lanes that are not decided yet
   float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
 
@@ -437,7 +438,7 @@ class Slice {
 void SRMP_KERNEL(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     Slice(model, request, scratch, result, lane).run();
-    if (!request.every_lane && is_answered(request, result)) return;
+    if (!request.every_lane && is_decided(request, result)) return;
   }
 }
 

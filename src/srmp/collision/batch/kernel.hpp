@@ -10,10 +10,10 @@ namespace srmp::batch {
 constexpr int kLanes = 16;  ///< configurations a block; processed as 1 x 16, 2 x 8 or 4 x 4 lanes with equal bits
 using LaneMask = std::uint16_t;
 
-/// A driven joint; its frame sits on the axis, z along it. Node 0 is the robot's base. Parents before children.
+/// An actuated joint; its frame is on the axis, z along it. Node 0 is the robot's base. Parents before children.
 struct KernelNode {
   int parent;
-  int drive;  // row of the values, -1 for the base
+  int actuated_joint;  // row of the values, -1 for the base
   int prismatic;
   float rotation[9];  // of the frame at value 0 in the parent's, row by row
   float translation[3];
@@ -25,14 +25,14 @@ struct KernelSphere {
   int first_child, children;  // into Model::children; 0 children: nothing finer
 };
 
-/// A rigid part of the robot (a link, an attached object) under spheres: one around all, coarse ones, fine ones.
+/// A rigid part of the robot (a link, an attached object) covered by spheres: one around all, coarse ones, fine ones.
 struct KernelBody {
   int node;
   int depth;        // nodes from this one up to the base, both counted
   int first_stage;  // row of its margins in the scratch memory; depth rows
   float x, y, z;    // sphere around all, in the node's frame
   float radius;
-  float reach_radius;         // the same, for motion bounds: float slack included
+  float reach_radius;         // the same, for motion bounds: float error included
   float padding;              // kept clear of obstacles
   int first_sphere, spheres;  // coarse
   int first_inner, inners;    // spheres inside
@@ -47,7 +47,7 @@ struct KernelField {
   float row, layer;      // grid points along x; along x times those along y
   float last[3];         // of the grid's indices
   float cell, per_cell;  // edge of a cell, and 1 / edge
-  float excess, reach;
+  float error, reach;
 };
 
 /// A rounded box (sphere and capsule: a box without extent), a cylinder along z, or anything with a distance field.
@@ -59,8 +59,8 @@ struct KernelObstacle {
   float offset[3];     // local = rotation * world + offset; a field's grid starts at local 0
   float half[3];       // half extents; cylinder: radius, unused, half length
   float size;          // a lower bound of its diameter
-  float radius;        // rounding, padding and float slack, for proofs of "free"
-  float inner_radius;  // rounding and padding less float slack, for proofs of "hit"
+  float radius;        // rounding, padding and float error, for proofs of "free"
+  float inner_radius;  // rounding and padding less float error, for proofs of "hit"
   KernelField field;
 };
 
@@ -69,7 +69,7 @@ struct KernelSelfPair {
   int exact;
   int stage_a, stage_b;  // margins of the two relative to their last common node
   float padding;         // kept clear between the two
-  float slack;
+  float error;
 };
 
 struct KernelModel {
@@ -90,11 +90,11 @@ struct KernelModel {
 };
 
 struct KernelRequest {
-  const float* values;       // [drive][kLanes]: angle (|.| <= 2 pi) or travel of each driven joint
-  const float* half_widths;  // [drive][kLanes]: how far it may be from there, >= 0; null: exactly there
+  const float* values;       // [actuated joint][kLanes]: angle (|.| <= 2 pi) or travel
+  const float* half_widths;  // [actuated joint][kLanes]: how far it may be from there, >= 0; null: exactly there
   int every_lane;            // go on after a collision, until it is known which lanes collide
-  LaneMask proofs_only;      // lanes of which it is asked only whether they are free: one undecided pair is the answer,
-                             // and unless every_lane, it ends the run
+  LaneMask proofs_only;      // lanes of which only whether they are free matters: one undecided pair decides that, and
+                             // unless every_lane, it ends the run
 };
 
 struct KernelResult {

@@ -11,15 +11,15 @@ namespace {
 
 using Motions = std::map<std::string, Trajectory>;
 
-Checker without(const Scene& scene, const std::string& robot, const Motions& others) {
+std::unique_ptr<const Checker> without(const Scene& scene, const std::string& robot, const Motions& others) {
   CheckerOptions options{.mode = CheckMode::coal};
   for (const auto& [name, other] : others)
     if (name != robot) options.excluded_robots.push_back(name);
-  return Checker(scene, robot, options);
+  return make_checker(scene, robot, options);
 }
 
-Checker beside(const Scene& scene, const std::string& robot, const std::string& other) {
-  return Checker(scene, robot, {.mode = CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
+std::unique_ptr<const Checker> beside(const Scene& scene, const std::string& robot, const std::string& other) {
+  return make_checker(scene, robot, {.mode = CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
 }
 
 /// Why a motion cannot be held against others; nothing: it can.
@@ -35,9 +35,9 @@ std::optional<Fault> unfitness(const Trajectory& motion, const RobotModel& robot
 
 Certificate certify_among(const Scene& scene, const std::string& robot, const Trajectory& motion, const Motions& others,
                           const MotionLimits& limits, const CertifyOptions& options) {
-  Certificate certificate = certify(motion, without(scene, robot, others), limits, options);
+  Certificate certificate = certify(motion, *without(scene, robot, others), limits, options);
   for (const auto& [name, other] : others)
-    add_proof(certificate, prove_collision_free(beside(scene, robot, name), motion, other,
+    add_proof(certificate, prove_collision_free(*beside(scene, robot, name), motion, other,
                                                 {options.gap_tolerance, options.deadline}));
   return certificate;
 }
@@ -50,16 +50,16 @@ MotionsTogether::MotionsTogether(const Scene& scene, const Motions& motions, dou
 
 const MotionProof& MotionsTogether::proof(const std::string& robot, const std::string& other) {
   if (const auto known = proofs_.find({robot, other}); known != proofs_.end()) return known->second;
-  const Checker judge = beside(scene_, robot, other);
+  const std::unique_ptr<const Checker> judge = beside(scene_, robot, other);
   const MotionProof proof =
-      prove_collision_free(judge, motions_.at(robot), motions_.at(other), {.gap_tolerance = gap_tolerance_});
-  proofs_.emplace(std::pair(other, robot), seen_from_other_robot(proof, judge, other));
+      prove_collision_free(*judge, motions_.at(robot), motions_.at(other), {.gap_tolerance = gap_tolerance_});
+  proofs_.emplace(std::pair(other, robot), seen_from_other_robot(proof, *judge, other));
   return proofs_.emplace(std::pair(robot, other), proof).first->second;
 }
 
 Certificate MotionsTogether::verify(const std::string& robot, const MotionLimits& limits,
                                     const VerifyOptions& options) {
-  Certificate certificate = srmp::verify(motions_.at(robot), without(scene_, robot, motions_), limits, options);
+  Certificate certificate = srmp::verify(motions_.at(robot), *without(scene_, robot, motions_), limits, options);
   if (!certificate.collisions_checked) return certificate;
   if (const auto unfit = unfit_.find(robot); unfit != unfit_.end()) {
     certificate.faults.push_back(unfit->second);

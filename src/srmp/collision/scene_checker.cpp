@@ -1,0 +1,213 @@
+#include "srmp/collision/scene_checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include "srmp/collision/motion_proof.hpp"
+#include "srmp/collision/scene_workspace.hpp"
+#include "srmp/robot/robot_cover.hpp"
+
+namespace srmp {
+
+using detail::Bodies;
+using detail::NarrowPhase;
+using detail::Pair;
+using detail::Proximity;
+using detail::RobotGroup;
+using detail::SceneWorkspace;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Where spheres are the bodies, subdividing down to them decides the check. Elsewhere the batch stops early, because
+/// Coal resolves what is left open, pair by pair, in less time than more blocks would take.
+BatchChecker::MotionOptions batch_options_for(const BatchWorld& world) {
+  const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
+  return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
+}
+
+using Tables = std::vector<std::shared_ptr<const PairTables>>;
+Tables tables_of(const RobotGroup& group, const CheckerOptions& options) {
+  Tables tables(group.size());
+  if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const RobotInstance& robot = group.instance(i);
+      tables[i] = options.pair_tables->tables(robot.model, robot.parts);
+    }
+  return tables;
+}
+std::vector<const PairTables*> addresses(const Tables& tables) {
+  std::vector<const PairTables*> result;
+  for (const auto& table : tables) result.push_back(table.get());
+  return result;
+}
+
+const detail::Body& body_of(const Bodies& bodies, bool fixed, std::size_t index) {
+  if (fixed) return bodies.fixed[index];
+  return bodies.moving[index];
+}
+
+/// Keeps one entry for each pair of bodies, the deepest; sorts them by depth, then by name.
+void keep_deepest(std::vector<Contact>& contacts) {
+  const auto names = [](const Contact& c) { return std::tie(c.body_a, c.body_b); };
+  std::stable_sort(contacts.begin(), contacts.end(), [&](const Contact& a, const Contact& b) {
+    return names(a) != names(b) ? names(a) < names(b) : a.distance < b.distance;
+  });
+  const auto same = [&](const Contact& a, const Contact& b) { return names(a) == names(b); };
+  contacts.erase(std::unique(contacts.begin(), contacts.end(), same), contacts.end());
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const Contact& a, const Contact& b) { return a.distance < b.distance; });
+}
+
+}  // namespace
+
+namespace detail {
+
+SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const CheckerOptions& options)
+    : group(robots),
+      tables(tables_of(group, options)),
+      bodies(scene, group, options, addresses(tables)),
+      mode(options.mode) {
+  if (mode == CheckMode::coal) return;
+  const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
+  for (const auto& [name, other] : scene.robots())
+    if (group.contains(name) || !bodies.leaves_out(name)) ensure_covered(*other.model, *covers);
+  const CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
+  batch_scene = make_batch_scene(bodies, group, cover_of);
+  batch.emplace(batch_scene.world);
+  batch_options = batch_options_for(batch_scene.world);
+}
+
+bool SceneModel::spheres_reach(ConstVector q) const {
+  for (std::size_t i = 0; i < group.joints().size(); ++i) {
+    const Joint& joint = group.joints()[i];
+    const double value = q[static_cast<Eigen::Index>(i)];
+    if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
+  }
+  return true;
+}
+
+bool SceneModel::has_tables() const {
+  return std::any_of(tables.begin(), tables.end(), [](const auto& of_robot) { return of_robot != nullptr; });
+}
+
+}  // namespace detail
+
+SceneChecker::SceneChecker(const Scene& scene, const std::string& robot, const CheckerOptions& options)
+    : Checker(scene, robot, options), model_(scene, group(), options) {}
+
+SceneWorkspace& SceneChecker::own(Workspace& workspace) const {
+  require_own(workspace);
+  return static_cast<SceneWorkspace&>(workspace);
+}
+
+Checker::WorkspacePtr SceneChecker::do_make_workspace() const { return std::make_unique<SceneWorkspace>(model_); }
+
+bool SceneChecker::do_is_free(ConstVector q, Workspace& workspace) const {
+  if (!model_.bodies.overlaps.empty()) return false;
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  scene.place(q);
+  return scene.is_free_here();
+}
+
+bool SceneChecker::do_is_motion_free(ConstVector a, ConstVector b, Workspace& workspace,
+                                     const MotionQuery& query) const {
+  if (!model_.bodies.overlaps.empty()) return false;
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  scene.start_motion(a, b);
+  return scene.is_motion_free(query.start_is_free, query.spheres_only || model_.mode == CheckMode::conservative);
+}
+
+void SceneChecker::do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
+  if (!model_.bodies.overlaps.empty()) {
+    std::fill(free.begin(), free.end(), false);
+    return;
+  }
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  bool has_spheres = model_.batch.has_value();
+  for (Eigen::Index i = 0; i < q.rows() && has_spheres; ++i) has_spheres = model_.spheres_reach(q.row(i).transpose());
+  if (!has_spheres) {
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      scene.place(q.row(static_cast<Eigen::Index>(i)).transpose());
+      free[i] = scene.is_free_here();
+    }
+    return;
+  }
+  for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
+    const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
+    scene.check_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
+                      free.subspan(first, count), query.spheres_only || model_.mode == CheckMode::conservative);
+  }
+}
+
+MotionCertificate SceneChecker::do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const {
+  if (!model_.bodies.overlaps.empty()) {
+    const std::vector<Contact> rigid = do_contacts(a, workspace);
+    return {false, 0.0, 1.0, rigid.front().body_a, rigid.front().body_b};
+  }
+  RowMatrix ends(2, a.size());
+  ends << a.transpose(), b.transpose();
+  for (std::size_t i = 0; i < group().continuous().size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    if (group().continuous()[i]) ends(1, j) = a[j] + std::remainder(b[j] - a[j], 2.0 * std::numbers::pi);
+  }
+  const Eigen::VectorXd times = Eigen::Vector2d(0.0, 1.0);
+  const MotionProof proof =
+      prove_motion(*this, {times, ends, RowMatrix(0, a.size())}, workspace, {.gap_tolerance = 0.0});
+  if (!proof.free) return {false, proof.time, proof.time, proof.body_a, proof.body_b};
+  if (proof.unproved.empty()) return {true, 0.0, 0.0, "", ""};
+  const MotionProof::Part& part = proof.unproved.front();
+  return {false, part.from, part.to, part.body_a, part.body_b};
+}
+
+std::vector<Contact> SceneChecker::do_contacts(ConstVector q, Workspace& workspace) const {
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  const Bodies& bodies = model_.bodies;
+  scene.place(q);
+  std::vector<Contact> contacts;
+  const auto add = [&](bool a_fixed, std::size_t a, bool b_fixed, std::size_t b, double padding) {
+    const Proximity found = NarrowPhase::deepest(scene.placed(a_fixed, a), scene.placed(b_fixed, b), padding);
+    contacts.push_back(scene.contact(body_of(bodies, a_fixed, a), body_of(bodies, b_fixed, b), found, padding));
+  };
+  for (const detail::RigidOverlap& overlap : bodies.overlaps)
+    add(overlap.a_fixed, overlap.a, overlap.b_fixed, overlap.b, 0.0);
+  for (const Pair& pair : bodies.pairs)
+    if (scene.in_contact(pair)) add(false, pair.a, pair.b_fixed, pair.b, pair.padding);
+  keep_deepest(contacts);
+  return contacts;
+}
+
+std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& workspace) const {
+  std::vector<Contact> in_contact = do_contacts(q, workspace);
+  if (!in_contact.empty()) return in_contact.front();
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  const Bodies& bodies = model_.bodies;
+  std::vector<std::pair<double, std::size_t>> order;  // by the lower bound, so that most pairs need no distance
+  for (std::size_t i = 0; i < bodies.pairs.size(); ++i)
+    order.emplace_back(scene.distance_bound(bodies.pairs[i]) - bodies.pairs[i].padding, i);
+  std::sort(order.begin(), order.end());
+  double smallest = infinity;
+  const Pair* pair = nullptr;
+  for (const auto& [bound, i] : order) {
+    if (bound > smallest) break;
+    const Pair& next = bodies.pairs[i];
+    const double distance = scene.distance(next, smallest + next.padding, 0.0) - next.padding;
+    if (distance >= smallest) continue;
+    smallest = distance;
+    pair = &next;
+  }
+  if (!pair) return std::nullopt;
+  const Proximity found = NarrowPhase::distance(scene.placed(false, pair->a), scene.placed(pair->b_fixed, pair->b));
+  return scene.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
+}
+
+std::unique_ptr<const Checker> make_checker(const Scene& scene, const std::string& robot,
+                                            const CheckerOptions& options) {
+  return std::make_unique<const SceneChecker>(scene, robot, options);
+}
+
+}  // namespace srmp

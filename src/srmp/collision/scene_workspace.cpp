@@ -1,0 +1,420 @@
+#include "srmp/collision/scene_workspace.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+namespace srmp::detail {
+
+namespace {
+
+/// Distances of meshes below this fraction of an interval's motion are not refined: the interval is subdivided anyway.
+constexpr double rough_distance = 0.3;
+
+/// An interval is subdivided into so many parts that the pair's distance could prove each, but no more than this.
+constexpr int max_parts = 16;
+constexpr int samples_per_deadline_check = 32;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Does the pair's table prove the two apart from a to b? Angles may have any value.
+bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  std::array<double, 2> low{}, high{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (pair.table->joints[i] < 0) continue;
+    const auto joint = static_cast<Eigen::Index>(pair.first_joint) + pair.table->joints[i];
+    low[i] = std::min(a[joint], b[joint]) - 1e-9;
+    high[i] = std::max(a[joint], b[joint]) + 1e-9;
+    if (!(std::abs(low[i]) < 1e3 && std::abs(high[i]) < 1e3)) return false;
+  }
+  return pair.table->is_free(low, high);
+}
+
+std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+
+}  // namespace
+
+SceneWorkspace::SceneWorkspace(const SceneModel& model)
+    : model_(model), bodies_(model.bodies), data_(model.group.make_data()), narrow_(model.bodies.formulas) {
+  if (model_.batch) batch_ = model_.batch->make_workspace();
+  span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
+  open_.reserve(1024);
+  next_.reserve(1024);
+  const std::size_t actuated_joints = model_.group.actuated_joints().size(), moving = bodies_.moving.size();
+  poses_.resize(moving);
+  centers_.resize(moving);
+  const auto dof = static_cast<Eigen::Index>(model_.group.joints().size());
+  start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
+  active_list_.reserve(actuated_joints);
+  speed_.resize(actuated_joints);
+  axes_.resize(actuated_joints);
+  reach_.resize(moving * actuated_joints);
+  reach_known_.resize(moving);
+}
+
+void SceneWorkspace::place(ConstVector q) {
+  ++statistics.configurations;
+  here_ = q;
+  model_.group.forward(data_, q);
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const MovingBody& body = bodies_.moving[i];
+    poses_[i] = pose_of(body, model_.group, data_);
+    centers_[i] = poses_[i] * body.bounds.center;
+  }
+}
+
+Placed SceneWorkspace::placed(bool fixed, std::size_t i) const {
+  if (!fixed) {
+    const MovingBody& body = bodies_.moving[i];
+    return {body.geometry.get(), body.parts.bvh.get(), body.bounds, poses_[i], centers_[i]};
+  }
+  const FixedBody& body = bodies_.fixed[i];
+  return {body.geometry.get(), body.parts.bvh.get(), body.bounds, body.pose, body.center};
+}
+
+Contact SceneWorkspace::contact(const Body& a, const Body& b, const Proximity& found, double padding) const {
+  const Pose& base = model_.group.instance(0).base;
+  return {a.name, b.name, found.distance - padding, base * found.point_a, base * found.point_b, padding,
+          a.kind, b.kind};
+}
+
+// --- one configuration
+
+/// From a sphere around a, and a box or a sphere around b.
+double SceneWorkspace::distance_bound(const Pair& pair) const {
+  const Eigen::Vector3d& center = centers_[pair.a];
+  const double radius = bodies_.moving[pair.a].bounds.radius;
+  if (!pair.b_fixed) return (center - centers_[pair.b]).norm() - radius - bodies_.moving[pair.b].bounds.radius;
+  const FixedBody& b = bodies_.fixed[pair.b];
+  const Eigen::Vector3d local = b.pose.linear().transpose() * (center - b.pose.translation()) - b.bounds.box_center;
+  return (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0).norm() - radius;
+}
+
+/// A body usually has points on all sides of its bounding sphere's centre, or near it.
+double SceneWorkspace::likely_max_distance(const Pair& pair, double bound) const {
+  const double a = bodies_.moving[pair.a].bounds.radius;
+  return bound + 2.0 * (pair.b_fixed ? a : a + bodies_.moving[pair.b].bounds.radius);
+}
+
+double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin,
+                                      double enough) {
+  ++statistics.narrow_phase;
+  if (!a.bvh && !b.bvh) return narrow_.solids(pair.formula, a, b, margin);
+  return narrow_.primitives(a, b, margin, enough);
+}
+
+double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices) {
+  const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
+  const Placed solid_a{bodies_.moving[pair.a].solid, nullptr, a.bounds, a.pose, a.center};
+  const Placed solid_b{body_b(pair).solid, nullptr, b.bounds, b.pose, b.center};
+  double found = 0.0;
+  if (solid_a.geometry && solid_b.geometry) found = query_distance(pair, solid_a, solid_b, margin, suffices);
+  if (!pair.both_meshes || found > suffices) return found;
+  if (solid_a.geometry && !solid_b.geometry) return query_distance(pair, solid_a, b, margin, suffices);
+  if (solid_b.geometry && !solid_a.geometry) return query_distance(pair, a, solid_b, margin, suffices);
+  return found;
+}
+
+double SceneWorkspace::distance(const Pair& pair, double margin, double enough) {
+  return query_distance(pair, placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough);
+}
+
+/// Does the pair's table prove the two apart over this part of the motion?
+bool SceneWorkspace::table_proves(const Pair& pair, double from, double to) {
+  if (!pair.table) return false;
+  const bool proved = is_free_by_table(pair, start_ + from * delta_, start_ + to * delta_);
+  statistics.by_tables += proved;
+  return proved;
+}
+
+bool SceneWorkspace::in_contact(const Pair& pair, bool use_tables) {
+  if (distance_bound(pair) > pair.padding + NarrowPhase::tolerance) return false;
+  if (pair.table && use_tables && is_free_by_table(pair, here_, here_)) return false;
+  if (!pair.solid && hull_distance(pair, pair.padding + NarrowPhase::tolerance, infinity) == infinity) return false;
+  return distance(pair, pair.padding, pair.padding + NarrowPhase::contact_distance) < infinity;
+}
+
+/// Visits the pairs of a moving body with those fixed bodies whose boxes come within `margin` plus padding of its
+/// sphere.
+template <class Visit>
+bool SceneWorkspace::for_each_fixed_near(std::size_t body, double margin, Visit&& visit) {
+  const MovingBody& moving = bodies_.moving[body];
+  const double reach =
+      moving.bounds.radius + moving.padding + bodies_.max_fixed_padding + margin + NarrowPhase::tolerance;
+  const std::int32_t* row = bodies_.fixed_pair.data() + body * bodies_.fixed.size();
+  return bodies_.tree.for_each_near(centers_[body], reach, [&](std::size_t fixed) {
+    return row[fixed] < 0 || visit(static_cast<std::uint32_t>(row[fixed]));
+  });
+}
+
+bool SceneWorkspace::is_free_here() {
+  for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
+    if (!for_each_fixed_near(i, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); }))
+      return false;
+  return std::none_of(bodies_.moving_pairs.begin(), bodies_.moving_pairs.end(),
+                      [&](std::uint32_t pair) { return in_contact(bodies_.pairs[pair]); });
+}
+
+// --- motions
+
+void SceneWorkspace::start_motion(ConstVector a, ConstVector b) {
+  start_ = a;
+  delta_ = b - a;
+  for (std::size_t i = 0; i < model_.group.continuous().size(); ++i)
+    if (model_.group.continuous()[i]) delta_[i] = std::remainder(delta_[i], 2.0 * std::numbers::pi);
+  active_ = 0;
+  active_list_.clear();
+  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
+  for (std::size_t k = actuated_joints.size(); k-- > 0;) {  // children first
+    speed_[k] = std::abs(actuated_joints[k].ratio * delta_[static_cast<Eigen::Index>(actuated_joints[k].joint)]);
+    if (speed_[k] == 0.0) continue;
+    active_ |= std::uint64_t{1} << k;
+    active_list_.push_back(k);
+  }
+}
+
+void SceneWorkspace::start_any_motion(std::uint64_t active) {
+  active_ = active;
+  active_list_.clear();
+  for (std::size_t k = model_.group.actuated_joints().size(); k-- > 0;)
+    if (active >> k & 1) active_list_.push_back(k);
+}
+
+void SceneWorkspace::place_in_range(ConstVector q, std::span<const double> change) {
+  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
+  for (std::size_t k : active_list_) speed_[k] = std::abs(actuated_joints[k].ratio) * change[actuated_joints[k].joint];
+  place_with_axes(q);
+}
+
+void SceneWorkspace::place_on_motion(double t) {
+  q_ = start_ + t * delta_;
+  place_with_axes(q_);
+}
+
+void SceneWorkspace::place_with_axes(ConstVector q) {
+  place(q);
+  for (std::size_t k : active_list_) axes_[k] = model_.group.actuated_joint_axis(data_, k);
+  std::fill(reach_known_.begin(), reach_known_.end(), 0);
+}
+
+/// The farthest that a point of the body may be from the joint's axis, here.
+double SceneWorkspace::axis_reach(std::size_t body, std::size_t actuated) {
+  const std::size_t actuated_joints = speed_.size();
+  double* reach = reach_.data() + body * actuated_joints;
+  if (!reach_known_[body]) {
+    for (std::size_t k : active_list_)
+      reach[k] = (centers_[body] - axes_[k].first).cross(axes_[k].second).norm() + bodies_.moving[body].bounds.radius;
+    reach_known_[body] = 1;
+  }
+  return reach[actuated];
+}
+
+/// Bounds on what the joints add up to, from the deepest to the shallowest: each one turns the body about the axis
+/// where it is now, since all that carries it stands still meanwhile, after the deeper ones moved the body by `moved`
+/// at most.
+double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, double half_width) {
+  double moved = 0.0;
+  for (std::size_t k : active_list_) {
+    if (!(support >> k & 1)) continue;
+    const double change = speed_[k] * half_width;
+    moved += model_.group.actuated_joints()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
+  }
+  return moved;
+}
+
+double SceneWorkspace::approach(const Pair& pair, double half_width) {
+  const double motion = displacement(pair.a, pair.support_a, half_width);
+  return (pair.support_b & active_) ? motion + displacement(pair.b, pair.support_b, half_width) : motion;
+}
+
+/// Checks the pair over an interval around here. `parts`: into how many the interval is to be subdivided when the
+/// result is undecided. Below motion_floor, what is not proved free counts as colliding.
+CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, int& parts) {
+  const double motion = approach(pair, half_width);
+  const double margin = pair.padding + motion + NarrowPhase::tolerance;
+  const double bound = distance_bound(pair);
+  parts = 2;
+  if (bound > margin) return CollisionStatus::free;
+  const CollisionStatus unproved =
+      motion < Checker::motion_floor ? CollisionStatus::colliding : CollisionStatus::undecided;
+  if (motion > likely_max_distance(pair, bound)) {  // no distance could prove it
+    if (bound > pair.padding) return unproved;
+    return in_contact(pair) ? CollisionStatus::colliding : unproved;
+  }
+  const auto subdivide_for = [&](double distance) {
+    while (parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
+    return unproved;
+  };
+  if (!pair.solid) {
+    const double limit = margin + NarrowPhase::tolerance, found = hull_distance(pair, limit, limit - 0.9 * motion);
+    if (found == infinity) return CollisionStatus::free;
+    // Hulls a tenth of the motion apart prove the parts: that is cheaper than the distance of the meshes.
+    if (found > limit - 0.9 * motion && unproved == CollisionStatus::undecided) return subdivide_for(found);
+  }
+  const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + rough_distance * motion;
+  const double found = distance(pair, margin, enough);
+  if (found == infinity) return CollisionStatus::free;
+  if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
+    return CollisionStatus::colliding;
+  return subdivide_for(found);
+}
+
+/// Checks the pair over an interval around here, and subdivides the interval when that is undecided. False: the motion
+/// is not free.
+bool SceneWorkspace::process(std::uint32_t pair, double t, double half_width) {
+  if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
+  if (table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
+  int parts;
+  const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, parts);
+  if (status == CollisionStatus::undecided) subdivide(t, half_width, pair, parts);
+  return status != CollisionStatus::colliding;
+}
+
+/// Leaves the parts of the interval for the next level.
+void SceneWorkspace::subdivide(double t, double half_width, std::uint32_t pair, int parts) {
+  const double part = half_width / parts;
+  for (int i = 0; i < parts; ++i) next_.push_back({t - half_width + (2 * i + 1) * part, part, pair});
+}
+
+bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
+  constexpr double half_width = 0.5;
+  if (bodies_.moving[body].support & active_)
+    return for_each_fixed_near(body, displacement(body, bodies_.moving[body].support, half_width),
+                               [&](std::uint32_t pair) { return process(pair, 0.5, half_width); });
+  if (start_is_free_) return true;
+  return for_each_fixed_near(body, 0.0, [&](std::uint32_t pair) { return !in_contact(bodies_.pairs[pair]); });
+}
+
+/// Processes all pairs over the whole motion as one interval around its middle.
+bool SceneWorkspace::process_whole_motion() {
+  place_on_motion(0.5);
+  for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
+    if (!process_whole_motion_of(i)) return false;
+  return std::all_of(bodies_.moving_pairs.begin(), bodies_.moving_pairs.end(),
+                     [&](std::uint32_t pair) { return process(pair, 0.5, 0.5); });
+}
+
+void SceneWorkspace::sort_open() {
+  std::sort(open_.begin(), open_.end(), [](const Interval& a, const Interval& b) {
+    return std::tie(a.t, a.half_width, a.pair) < std::tie(b.t, b.half_width, b.pair);
+  });
+}
+
+/// Resolves the open intervals with Coal, in order of t. Those of pairs still undecided are subdivided, level by level,
+/// so that the samples of a level are placed once for all pairs and a contact is found early.
+bool SceneWorkspace::resolve_open() {
+  int samples = 0;
+  while (!open_.empty()) {
+    next_.clear();
+    sort_open();
+    for (std::size_t i = 0; i < open_.size();) {
+      const double t = open_[i].t;
+      place_on_motion(t);
+      if (deadline && ++samples % samples_per_deadline_check == 0 && deadline->expired()) throw MotionCheckStopped();
+      for (; i < open_.size() && open_[i].t == t; ++i)
+        if (!process(open_[i].pair, t, open_[i].half_width)) return false;
+    }
+    std::swap(open_, next_);
+  }
+  return true;
+}
+
+/// Checks the motion with the spheres; the pairs that they leave undecided go to open_.
+CollisionStatus SceneWorkspace::check_with_spheres() {
+  const BatchChecker& batch = *model_.batch;
+  const std::uint64_t blocks = batch.statistics(*batch_).blocks;
+  const CollisionStatus status = batch.motion(as_span(start_), as_span(delta_), *batch_, model_.batch_options);
+  statistics.blocks += batch.statistics(*batch_).blocks - blocks;
+  open_.clear();
+  if (status != CollisionStatus::undecided) return status;
+  // One interval a pair, from the first to the last that is open: Coal proves a long one as readily as a short one.
+  for (const UndecidedPair& u : batch.undecided(*batch_))
+    for (std::uint32_t pair : model_.pairs_of(u)) {
+      if (table_proves(bodies_.pairs[pair], u.t - u.half, u.t + u.half)) continue;
+      auto& [low, high] = span_of_[pair];
+      if (high < low) {
+        open_.push_back({0.0, 0.0, pair});
+        low = u.t - u.half;
+      }
+      high = u.t + u.half;
+    }
+  for (Interval& interval : open_) {
+    auto& [low, high] = span_of_[interval.pair];
+    interval.t = (low + high) / 2;
+    interval.half_width = (high - low) / 2;
+    low = 1.0;
+    high = 0.0;
+  }
+  statistics.undecided += batch.undecided(*batch_).size();
+  return open_.empty() ? CollisionStatus::free : status;
+}
+
+/// Do the spheres alone prove the motion free?
+bool SceneWorkspace::prove_with_spheres() {
+  const std::uint64_t blocks = model_.batch->statistics(*batch_).blocks;
+  const bool proved = model_.batch->proves_free(as_span(start_), as_span(delta_), *batch_, model_.batch_options);
+  statistics.blocks += model_.batch->statistics(*batch_).blocks - blocks;
+  return proved;
+}
+
+/// Checks the whole motion by Coal's distances.
+bool SceneWorkspace::resolve_with_coal() {
+  next_.clear();
+  if (!process_whole_motion()) return false;
+  std::swap(open_, next_);
+  return resolve_open();
+}
+
+bool SceneWorkspace::is_motion_free(bool start_is_free, bool spheres_only) {
+  start_is_free_ = start_is_free;
+  if (active_ == 0) {
+    if (start_is_free) return true;
+    place(start_);
+    return is_free_here();
+  }
+  if (!model_.batch || !model_.spheres_reach(start_) || !model_.spheres_reach(start_ + delta_))
+    return resolve_with_coal();
+  if (spheres_only && !model_.has_tables()) {
+    ++statistics.motions_by_spheres;
+    return prove_with_spheres();
+  }
+  const CollisionStatus status = check_with_spheres();
+  if (status == CollisionStatus::undecided && !spheres_only) return resolve_open();
+  ++statistics.motions_by_spheres;
+  return status == CollisionStatus::free;
+}
+
+// --- blocks of configurations
+
+/// Are all of the pairs that the spheres left undecided apart at q?
+bool SceneWorkspace::resolve_lane(ConstVector q, std::span<const UndecidedPair> open) {
+  place(q);
+  for (const UndecidedPair& u : open)
+    for (std::uint32_t pair : model_.pairs_of(u))
+      if (in_contact(bodies_.pairs[pair])) return false;
+  return true;
+}
+
+void SceneWorkspace::check_block(ConstRows q, std::span<bool> free, bool spheres_only) {
+  const BatchChecker& batch = *model_.batch;
+  const auto lanes = batch.check_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, spheres_only);
+  ++statistics.blocks;
+  std::span<const UndecidedPair> open = batch.undecided(*batch_);
+  if (!spheres_only) statistics.undecided += open.size();
+  for (std::size_t lane = 0; lane < free.size(); ++lane) {
+    std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
+    while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
+    const bool undecided = lanes.undecided >> lane & 1;
+    free[lane] = !undecided && !(lanes.colliding >> lane & 1);
+    if (undecided && !spheres_only)
+      free[lane] = resolve_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
+    else
+      ++statistics.states_by_spheres;
+    open = open.subspan(count);
+  }
+}
+
+}  // namespace srmp::detail

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "srmp/collision/narrow_phase.hpp"
+#include "srmp/collision/scene_checker.hpp"
+
+namespace srmp::detail {
+
+/// A thread's scratch memory of a SceneChecker: the bodies at one configuration, and the checks that need them there.
+/// Once warm, checks of configurations and motions allocate nothing.
+///
+/// prove_motion uses the public part for its distances and motion bounds; all that decides is_motion_free is private.
+class SceneWorkspace final : public Checker::Workspace {
+ public:
+  explicit SceneWorkspace(const SceneModel& model);
+
+  // --- one configuration
+
+  /// Places the bodies at q: what follows is about them there.
+  void place(ConstVector q);
+  /// A lower bound of the pair's distance from bounding volumes; padding not counted.
+  double distance_bound(const Pair& pair) const;
+  /// The pair's distance is rarely more than this, given its distance_bound.
+  double likely_max_distance(const Pair& pair, double bound) const;
+  /// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
+  /// exceeds `margin`. One that is more than `suffices` is not improved.
+  double hull_distance(const Pair& pair, double margin, double suffices);
+  /// The distance of the pair, padding not counted; infinity when it exceeds `margin`. May be the distance of any two
+  /// of their primitives that is at most `enough`.
+  double distance(const Pair& pair, double margin, double enough);
+  /// Are the two in contact, padding counted? By Coal; hulls, and tables unless `use_tables` is false, decide most
+  /// pairs.
+  bool in_contact(const Pair& pair, bool use_tables = true);
+  bool is_free_here();
+
+  const Body& body_a(const Pair& pair) const { return bodies_.moving[pair.a]; }
+  const Body& body_b(const Pair& pair) const {
+    if (pair.b_fixed) return bodies_.fixed[pair.b];
+    return bodies_.moving[pair.b];
+  }
+  Placed placed(bool fixed, std::size_t index) const;
+  Contact contact(const Body& a, const Body& b, const Proximity& found, double padding) const;
+
+  // --- any motion near a configuration, for prove_motion
+
+  /// The actuated joints of `active` may move.
+  void start_any_motion(std::uint64_t active);
+  /// Places the bodies at q, from where joint j moves by `change[j]` at most.
+  void place_in_range(ConstVector q, std::span<const double> change);
+  /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here.
+  double approach(const Pair& pair, double half_width = 1.0);
+
+  // --- straight motions and blocks, for SceneChecker
+
+  void start_motion(ConstVector a, ConstVector b);
+  /// Of the motion started last.
+  bool is_motion_free(bool start_is_free, bool spheres_only);
+  /// Checks up to 16 configurations, the rows of q.
+  void check_block(ConstRows q, std::span<bool> free, bool spheres_only);
+
+ private:
+  /// A part of the motion around t, over which a pair is still to be checked.
+  struct Interval {
+    double t, half_width;
+    std::uint32_t pair;
+  };
+
+  double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough);
+  double axis_reach(std::size_t body, std::size_t actuated);
+  void place_with_axes(ConstVector q);
+  void place_on_motion(double t);
+  /// By how far the body can move while the actuated joints of `support` move through `half_width` of the motion.
+  double displacement(std::size_t body, std::uint64_t support, double half_width);
+  /// Does the motion leave the two where they are relative to each other?
+  bool is_still(const Pair& pair) const { return ((pair.support_a | pair.support_b) & active_) == 0; }
+  template <class Visit>
+  bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
+
+  bool table_proves(const Pair& pair, double from, double to);
+  CollisionStatus check_pair(const Pair& pair, double half_width, int& parts);
+  bool process(std::uint32_t pair, double t, double half_width);
+  void subdivide(double t, double half_width, std::uint32_t pair, int parts);
+  bool process_whole_motion();
+  bool process_whole_motion_of(std::size_t body);
+  void sort_open();
+  bool resolve_open();
+  bool resolve_with_coal();
+  CollisionStatus check_with_spheres();
+  bool prove_with_spheres();
+  bool resolve_lane(ConstVector q, std::span<const UndecidedPair> open);
+
+  const SceneModel& model_;
+  const Bodies& bodies_;
+  RobotGroup::Data data_;
+  NarrowPhase narrow_;
+  std::vector<Eigen::Isometry3d> poses_;  // of moving bodies
+  std::vector<Eigen::Vector3d> centers_;  // of their bounding spheres
+  Eigen::VectorXd start_, delta_, q_, here_;
+  std::uint64_t active_{};                // actuated joints that this motion moves
+  std::vector<std::size_t> active_list_;  // the same, the deepest first
+  std::vector<double> speed_;             // of each actuated joint [rad or m over the whole motion]
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes_;  // of active joints, here
+  std::vector<double> reach_;      // [body * actuated joints + k]: farthest point of the body from the joint's axis
+  std::vector<char> reach_known_;  // of this body, here
+  BatchChecker::WorkspacePtr batch_;
+  bool start_is_free_{};  // pairs that the motion does not move need no check
+  std::vector<Interval> open_, next_;
+  std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
+};
+
+}  // namespace srmp::detail
