@@ -291,7 +291,8 @@ BOOST_AUTO_TEST_CASE(a_refused_file_leaves_the_scene_as_it_was) {
   refused("id: wedge", "id: table", "table");
   refused("entry_names: [upper, tip,", "entry_names: [upper, tool,", "tool");
   refused("default_entry_names: [upper]\n  default_entry_values: [false]",
-          "default_entry_names: [shelf]\n  default_entry_values: [true]", "allows object 'shelf' contact with everything");
+          "default_entry_names: [shelf]\n  default_entry_values: [true]",
+          "allows object 'shelf' contact with everything");
 }
 
 BOOST_AUTO_TEST_CASE(objects_can_be_given_in_the_frame_of_a_link) {

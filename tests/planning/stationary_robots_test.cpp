@@ -38,7 +38,7 @@ const Goals goals{{"left", GoalConstraint::joints(Vector2d(-0.45, 0.0))},
 /// The smallest distance of the holder from the others, at instants 2 ms apart.
 double distance(const srmp::PlannerInterface& planner, const MultiTrajectory& motion) {
   const srmp::SceneChecker all(planner.scene(), "holder",
-                          {.mode = srmp::CheckMode::coal, .other_robots = {"left", "right"}});
+                               {.mode = srmp::CheckMode::coal, .other_robots = {"left", "right"}});
   const auto workspace = all.make_workspace();
   double least = 1e9;
   for (double t = 0.0; t <= motion.duration(); t += 2e-3) {

@@ -28,7 +28,7 @@ using OnSolution = std::function<bool(const Solution&, ConstRows waypoints)>;
 struct PlanStatistics {
   Status status{Status::exhausted};  ///< how the plan ended
   std::string reason;                ///< why there is no trajectory; "" when solved
-  std::string found_by;  ///< strategy that found the path: "RRT-Connect", a lattice as in `graph`, …
+  std::string found_by;              ///< strategy that found the path: "RRT-Connect", a lattice as in `graph`, …
   std::string note;       ///< what was changed in the request (a start clamped onto a limit, or recovered); mostly ""
   double plan_time_s{};   ///< [s] checks of start and goal, IK, heuristics, search, shortcut: until the path is ready
   double total_time_s{};  ///< [s] from call to return, timing and verification included

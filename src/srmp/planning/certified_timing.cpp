@@ -47,11 +47,11 @@ class CertifiedTiming {
     if (merged_) record_merged_costs();
     MultiTrajectory result;
     for (Group& group : groups_)
-      for (std::size_t i = 0; i < group.path.arms.size(); ++i) {
+      for (std::size_t i = 0; i < group.path.robots.size(); ++i) {
         Trajectory& trajectory = group.trajectories[i];
         if (common_.certify)
-          attach_certificate(trajectory, std::move(group.certificates[i]), name(group.path.arms[i]), statistics_);
-        result.robots.emplace(name(group.path.arms[i]), std::move(trajectory));
+          attach_certificate(trajectory, std::move(group.certificates[i]), name(group.path.robots[i]), statistics_);
+        result.robots.emplace(name(group.path.robots[i]), std::move(trajectory));
       }
     set_times(result);
     return result;
@@ -68,23 +68,24 @@ class CertifiedTiming {
 
   /// The paths that were found for both, which do not collide, shortened together.
   void merge_groups(std::size_t i, std::size_t j) {
-    const JointPath raw = side_by_side(raw_path(groups_[i].path.arms), raw_path(groups_[j].path.arms));
+    const JointPath raw = side_by_side(raw_path(groups_[i].path.robots), raw_path(groups_[j].path.robots));
     groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(j));
     const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
     groups_[i] = {common_.shortcut ? shortened(raw, *world_, deadline_) : raw};
     merged_ = true;
     std::erase_if(proofs_, [&](const auto& known) {
-      const std::vector<std::size_t>& arms = groups_[i].path.arms;
-      return std::binary_search(arms.begin(), arms.end(), known.first.first) ||
-             std::binary_search(arms.begin(), arms.end(), known.first.second);
+      const std::vector<std::size_t>& robots = groups_[i].path.robots;
+      return std::binary_search(robots.begin(), robots.end(), known.first.first) ||
+             std::binary_search(robots.begin(), robots.end(), known.first.second);
     });
   }
 
   /// As the search found it.
-  JointPath raw_path(const std::vector<std::size_t>& arms) const {
+  JointPath raw_path(const std::vector<std::size_t>& robots) const {
     std::optional<JointPath> raw;
     for (const JointPath& path : raw_)
-      if (std::binary_search(arms.begin(), arms.end(), path.arms.front())) raw = raw ? side_by_side(*raw, path) : path;
+      if (std::binary_search(robots.begin(), robots.end(), path.robots.front()))
+        raw = raw ? side_by_side(*raw, path) : path;
     return *raw;
   }
 
@@ -111,12 +112,12 @@ class CertifiedTiming {
   const GroupCheckers& checkers() const { return problem_.checkers.verification(); }
 
   RobotMotion motion_of(const Group& group, std::size_t i) const {
-    const std::size_t robot = group.path.arms[i];
+    const std::size_t robot = group.path.robots[i];
     return {robot, &problem_.robots[robot], group.trajectories[i], recovery_segments_};
   }
   std::vector<RobotMotion> motions_of(const Group& group) const {
     std::vector<RobotMotion> motions;
-    for (std::size_t i = 0; i < group.path.arms.size(); ++i) motions.push_back(motion_of(group, i));
+    for (std::size_t i = 0; i < group.path.robots.size(); ++i) motions.push_back(motion_of(group, i));
     return motions;
   }
 
@@ -133,8 +134,8 @@ class CertifiedTiming {
     std::vector<MemberPair> open;
     for (std::size_t i = 0; i < groups_.size(); ++i)
       for (std::size_t j = i + 1; j < groups_.size(); ++j)
-        for (std::size_t k = 0; k < groups_[i].path.arms.size(); ++k)
-          for (std::size_t l = 0; l < groups_[j].path.arms.size(); ++l) {
+        for (std::size_t k = 0; k < groups_[i].path.robots.size(); ++k)
+          for (std::size_t l = 0; l < groups_[j].path.robots.size(); ++l) {
             MemberPair pair{{i, k}, {j, l}};
             if (number(pair.a) > number(pair.b)) std::swap(pair.a, pair.b);
             if (checkers().may_conflict(number(pair.a), number(pair.b)) &&
@@ -143,7 +144,7 @@ class CertifiedTiming {
           }
     return open;
   }
-  std::size_t number(const Member& robot) const { return groups_[robot.group].path.arms[robot.index]; }
+  std::size_t number(const Member& robot) const { return groups_[robot.group].path.robots[robot.index]; }
   RobotMotion motion_of(const Member& robot) const { return motion_of(groups_[robot.group], robot.index); }
 
   /// Proves that robots of different groups stay clear of each other; false: the groups of the first two of which that
@@ -171,7 +172,7 @@ class CertifiedTiming {
   void add_proofs() {
     std::map<std::size_t, Member> members;
     for (std::size_t i = 0; i < groups_.size(); ++i)
-      for (std::size_t k = 0; k < groups_[i].path.arms.size(); ++k) members[groups_[i].path.arms[k]] = {i, k};
+      for (std::size_t k = 0; k < groups_[i].path.robots.size(); ++k) members[groups_[i].path.robots[k]] = {i, k};
     for (const auto& [numbers, proof] : proofs_) {
       const Member a = members.at(numbers.first), b = members.at(numbers.second);
       add_pair_proof(checkers(), proof, motion_of(a), groups_[a.group].certificates[a.index], motion_of(b),
@@ -183,7 +184,7 @@ class CertifiedTiming {
     std::vector<std::string> names;
     MotionLimits limits;
     Eigen::VectorXd reach;
-    for (const std::size_t i : path.arms) {
+    for (const std::size_t i : path.robots) {
       const MotionLimits own = scaled(problem_.robots[i].limits, common_);
       for (const std::string& joint : model(i).joint_names()) names.push_back(world_ ? name(i) + "/" + joint : joint);
       append(limits.velocity, own.velocity);
@@ -223,12 +224,12 @@ class CertifiedTiming {
       to.emplace_back(b.segment(first, q.cols()));
       first += q.cols();
     }
-    for (std::size_t i = 0; i < path.arms.size(); ++i)
-      if (!world_->is_free_for_one(path.arms[i], from[i]) || !world_->is_free_for_one(path.arms[i], from[i], to[i]))
+    for (std::size_t i = 0; i < path.robots.size(); ++i)
+      if (!world_->is_free_for_one(path.robots[i], from[i]) || !world_->is_free_for_one(path.robots[i], from[i], to[i]))
         return false;
-    for (std::size_t i = 0; i < path.arms.size(); ++i)
-      for (std::size_t j = i + 1; j < path.arms.size(); ++j)
-        if (!world_->are_collision_free(path.arms[i], from[i], to[i], path.arms[j], from[j], to[j])) return false;
+    for (std::size_t i = 0; i < path.robots.size(); ++i)
+      for (std::size_t j = i + 1; j < path.robots.size(); ++j)
+        if (!world_->are_collision_free(path.robots[i], from[i], to[i], path.robots[j], from[j], to[j])) return false;
     return true;
   }
 
@@ -236,12 +237,16 @@ class CertifiedTiming {
   std::vector<Trajectory> parts(const Trajectory& all, const JointPath& path) const {
     std::vector<Trajectory> result;
     Eigen::Index first = 0;
-    for (std::size_t i = 0; i < path.arms.size(); ++i) {
+    for (std::size_t i = 0; i < path.robots.size(); ++i) {
       const Eigen::Index columns = path.positions[i].cols();
       const auto part = [&](const RowMatrix& of) -> RowMatrix { return of.middleCols(first, columns); };
-      Trajectory one{model(path.arms[i]).joint_names(), part(all.positions), part(all.velocities),
-                     part(all.accelerations),           all.times,           part(all.waypoints)};
-      one.robot = problem_.robots[path.arms[i]].placed;
+      Trajectory one{model(path.robots[i]).joint_names(),
+                     part(all.positions),
+                     part(all.velocities),
+                     part(all.accelerations),
+                     all.times,
+                     part(all.waypoints)};
+      one.robot = problem_.robots[path.robots[i]].placed;
       result.push_back(std::move(one));
       first += columns;
     }

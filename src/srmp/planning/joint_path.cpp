@@ -41,15 +41,15 @@ std::vector<double> all_steps(const JointPath& a, const JointPath& b) {
 
 JointPath side_by_side(const JointPath& a, const JointPath& b) {
   JointPath both{{}, all_steps(a, b), {}};
-  std::vector<std::tuple<std::size_t, const JointPath*, std::size_t>> arms;
+  std::vector<std::tuple<std::size_t, const JointPath*, std::size_t>> robots;
   for (const JointPath* path : {&a, &b})
-    for (std::size_t i = 0; i < path->arms.size(); ++i) arms.emplace_back(path->arms[i], path, i);
-  std::sort(arms.begin(), arms.end());
-  for (const auto& [arm, path, i] : arms) {
+    for (std::size_t i = 0; i < path->robots.size(); ++i) robots.emplace_back(path->robots[i], path, i);
+  std::sort(robots.begin(), robots.end());
+  for (const auto& [robot, path, i] : robots) {
     RowMatrix q(static_cast<Eigen::Index>(both.size()), path->positions[i].cols());
     for (std::size_t row = 0; row < both.size(); ++row)
       q.row(static_cast<Eigen::Index>(row)) = position_at(*path, i, both.steps[row]).transpose();
-    both.arms.push_back(arm);
+    both.robots.push_back(robot);
     both.positions.push_back(std::move(q));
   }
   return both;

@@ -102,7 +102,7 @@ class IndependenceDetection {
     std::vector<std::vector<std::size_t>> all;
     std::vector<char> merged(groups_.size(), false);
     for (const auto& [i, j] : pairs) {
-      const auto &a = groups_[i].found.path.arms, &b = groups_[j].found.path.arms;
+      const auto &a = groups_[i].found.path.robots, &b = groups_[j].found.path.robots;
       std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all.emplace_back()));
       merged[i] = merged[j] = true;
     }
@@ -178,7 +178,7 @@ class IndependenceDetection {
     const Deadline until(asked.time_of(deadline_.remaining()), [this] { return deadline_.cancelled(); });
     std::vector<std::size_t> coupled;  // groups
     for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (groups_[g].found.path.arms.size() > 1) coupled.push_back(g);
+      if (groups_[g].found.path.robots.size() > 1) coupled.push_back(g);
     if (coupled.empty()) return;
     if (common_.shortcut || asked.wanted())
       try_for(coupled, until, [&](const Group& group, const Deadline& deadline, PlanStatistics& statistics) {
@@ -265,8 +265,8 @@ void record_costs(const PlanProblem& problem, const std::vector<JointPath>& path
                   const Deadline& deadline, PlanStatistics& statistics) {
   statistics.path_cost_rad = 0.0;
   for (const JointPath& path : paths)
-    for (std::size_t i = 0; i < path.arms.size(); ++i) {
-      double& cost = statistics.robot_cost_rad[problem.robots[path.arms[i]].robot];
+    for (std::size_t i = 0; i < path.robots.size(); ++i) {
+      double& cost = statistics.robot_cost_rad[problem.robots[path.robots[i]].robot];
       statistics.path_cost_rad += cost = path.length(i);
     }
   record_solution(statistics, lower, deadline);

@@ -15,9 +15,9 @@ namespace srmp {
 using multi::Move;
 using search::StateId;
 
-class MultiRobotWorld::Arm : public multi::Agent {
+class MultiRobotWorld::RobotAgent : public multi::Agent {
  public:
-  Arm(const Checker& checker, WorldTask task, const Options& options)
+  RobotAgent(const Checker& checker, WorldTask task, const Options& options)
       : checker_(checker),
         robot_(checker.robot()),
         workspace_(checker.make_workspace()),
@@ -105,7 +105,7 @@ class MultiRobotWorld::Arm : public multi::Agent {
   std::unordered_map<std::uint64_t, double> costs_;  // of edges
 };
 
-/// What is known of two arms, a < b. Threads share it.
+/// What is known of two robots, a < b. Threads share it.
 class MultiRobotWorld::Pair {
  public:
   explicit Pair(const Checker& checker) : checker_(checker), workspace_(checker.make_workspace()) {}
@@ -170,7 +170,7 @@ class MultiRobotWorld::Pair {
   Checker::WorkspacePtr workspace_;
   Eigen::VectorXd from_, to_;
   std::uint64_t checks_{};
-  /// Two moves of two arms, times since the later of their starts.
+  /// Two moves of two robots, times since the later of their starts.
   using Meeting = std::array<std::uint32_t, 8>;
   struct MeetingHash {
     std::size_t operator()(const Meeting& key) const {
@@ -185,16 +185,16 @@ class MultiRobotWorld::Pair {
 MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<WorldTask> tasks, const Options& options)
     : checkers_(checkers), options_(options) {
   for (std::size_t i = 0; i < checkers.size(); ++i) {
-    arms_.push_back(std::make_unique<Arm>(checkers.alone(i), std::move(tasks[i]), options));
-    step_time_ = std::max(step_time_, options.resolution / arms_.back()->limits().velocity.mean());
+    agents_.push_back(std::make_unique<RobotAgent>(checkers.alone(i), std::move(tasks[i]), options));
+    step_time_ = std::max(step_time_, options.resolution / agents_.back()->limits().velocity.mean());
     for (std::size_t j = i + 1; j < checkers.size(); ++j)
       if (const Checker* both = checkers.pair(i, j)) pairs_.emplace(std::pair(i, j), std::make_unique<Pair>(*both));
   }
-  for (const auto& arm : arms_) arm->step_time = step_time_;
+  for (const auto& robot : agents_) robot->step_time = step_time_;
 }
 MultiRobotWorld::~MultiRobotWorld() = default;
 
-multi::Agent& MultiRobotWorld::agent(std::size_t i) { return *arms_[i]; }
+multi::Agent& MultiRobotWorld::agent(std::size_t i) { return *agents_[i]; }
 
 MultiRobotWorld::Pair* MultiRobotWorld::pair(std::size_t a, std::size_t b) const {
   const auto found = pairs_.find({a, b});
@@ -209,19 +209,19 @@ std::uint64_t MultiRobotWorld::pair_checks() const {
 
 std::uint64_t MultiRobotWorld::states() const {
   std::uint64_t sum = 0;
-  for (const auto& arm : arms_) sum += arm->states();
+  for (const auto& robot : agents_) sum += robot->states();
   return sum;
 }
 
 std::size_t MultiRobotWorld::memory() const {
   std::size_t sum = 0;
-  for (const auto& arm : arms_) sum += arm->memory();
+  for (const auto& robot : agents_) sum += robot->memory();
   for (const auto& [numbers, pair] : pairs_) sum += pair->memory();
   return sum;
 }
 
-Eigen::VectorXd MultiRobotWorld::at(std::size_t arm, const Move& move, int step) const {
-  const Arm& a = *arms_[arm];
+Eigen::VectorXd MultiRobotWorld::at(std::size_t robot, const Move& move, int step) const {
+  const RobotAgent& a = *agents_[robot];
   const Eigen::VectorXd from = a.configuration(move.from);
   if (move.waits() || step <= move.start) return from;
   const Eigen::VectorXd to = a.configuration(move.to);
@@ -241,28 +241,31 @@ bool MultiRobotWorld::in_conflict(std::size_t a, const Move& move_a, std::size_t
 }
 
 bool MultiRobotWorld::has_own_primitives() const {
-  return std::any_of(arms_.begin(), arms_.end(), [](const auto& arm) { return arm->task().primitives.has_value(); });
+  return std::any_of(agents_.begin(), agents_.end(),
+                     [](const auto& robot) { return robot->task().primitives.has_value(); });
 }
 
-int MultiRobotWorld::duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
-  return std::max(1, static_cast<int>(std::ceil(arms_[arm]->time_of(from, to) / step_time_ - 1e-9)));
+int MultiRobotWorld::duration(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  return std::max(1, static_cast<int>(std::ceil(agents_[robot]->time_of(from, to) / step_time_ - 1e-9)));
 }
 
-RowMatrix MultiRobotWorld::unwrapped(std::size_t arm, ConstRows rows) const {
-  return unwrap_waypoints(rows, arms_[arm]->limits().continuous);
+RowMatrix MultiRobotWorld::unwrapped(std::size_t robot, ConstRows rows) const {
+  return unwrap_waypoints(rows, agents_[robot]->limits().continuous);
 }
 
-const WorldTask& MultiRobotWorld::task(std::size_t arm) const { return arms_[arm]->task(); }
+const WorldTask& MultiRobotWorld::task(std::size_t robot) const { return agents_[robot]->task(); }
 
-double MultiRobotWorld::direct(std::size_t arm) const {
-  const WorldTask& task = arms_[arm]->task();
+double MultiRobotWorld::direct(std::size_t robot) const {
+  const WorldTask& task = agents_[robot]->task();
   double least = task.anywhere ? 0.0 : search::infinity;
   for (const Eigen::VectorXd& target : task.targets)
-    least = std::min(least, robot(arm).difference(task.start, target).norm());
+    least = std::min(least, model(robot).difference(task.start, target).norm());
   return least;
 }
 
-double MultiRobotWorld::alone(std::size_t arm) const { return task(arm).anywhere ? 0.0 : arms_[arm]->length_alone(); }
+double MultiRobotWorld::alone(std::size_t robot) const {
+  return task(robot).anywhere ? 0.0 : agents_[robot]->length_alone();
+}
 
 bool MultiRobotWorld::are_collision_free(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a,
                                          std::size_t b, const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b,
@@ -280,10 +283,12 @@ std::vector<char> MultiRobotWorld::collision_free_with(std::size_t a, const Eige
   return both->collision_free_with(side_by_side(rows, q.transpose().replicate(rows.rows(), 1), a < b));
 }
 
-bool MultiRobotWorld::is_free_for_one(std::size_t arm, const Eigen::VectorXd& q) { return arms_[arm]->is_free(q); }
+bool MultiRobotWorld::is_free_for_one(std::size_t robot, const Eigen::VectorXd& q) {
+  return agents_[robot]->is_free(q);
+}
 
-bool MultiRobotWorld::is_free_for_one(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
-  return arms_[arm]->is_free(from, to);
+bool MultiRobotWorld::is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+  return agents_[robot]->is_free(from, to);
 }
 
 }  // namespace srmp

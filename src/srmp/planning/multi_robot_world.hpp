@@ -12,7 +12,7 @@
 
 namespace srmp {
 
-/// What an arm is to do, found for it alone.
+/// What a robot is to do, found for it alone.
 struct WorldTask {
   Eigen::VectorXd start;                  ///< free
   std::vector<Eigen::VectorXd> targets;   ///< free
@@ -22,10 +22,10 @@ struct WorldTask {
   std::optional<PrimitiveSet> primitives{};
 };
 
-/// Arms on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
+/// Robots on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
 ///
-/// Threads may share it, each with arms of its own: lattices grow, and so does what is known of an arm's motions. Any
-/// thread may ask for what two arms do to each other, and for what never changes: robots, tasks, durations.
+/// Threads may share it, each with robots of its own: lattices grow, and so does what is known of a robot's motions.
+/// Any thread may ask for what two robots do to each other, and for what never changes: robots, tasks, durations.
 class MultiRobotWorld : public multi::World {
  public:
   struct Options {
@@ -33,27 +33,27 @@ class MultiRobotWorld : public multi::World {
     double prismatic_resolution{};  ///< [m]
   };
 
-  /// References outlive this. One task an arm, in the order of the checkers' names.
+  /// References outlive this. One task a robot, in the order of the checkers' names.
   MultiRobotWorld(const GroupCheckers& checkers, std::vector<WorldTask> tasks, const Options& options);
   ~MultiRobotWorld() override;
 
-  std::size_t size() const override { return arms_.size(); }
+  std::size_t size() const override { return agents_.size(); }
   multi::Agent& agent(std::size_t i) override;
   bool may_conflict(std::size_t a, std::size_t b) const override { return checkers_.may_conflict(a, b); }
   bool in_conflict(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override;
 
-  /// Where the arm is at a step of its move.
-  Eigen::VectorXd at(std::size_t arm, const multi::Move& move, int step) const;
-  const RobotModel& robot(std::size_t arm) const { return checkers_.alone(arm).robot(); }
+  /// Where the robot is at a step of its move.
+  Eigen::VectorXd at(std::size_t robot, const multi::Move& move, int step) const;
+  const RobotModel& model(std::size_t robot) const { return checkers_.alone(robot).robot(); }
   double step_time() const { return step_time_; }  ///< [s] at full speed
   bool has_own_primitives() const;                 ///< has any task?
   /// Steps that a straight motion takes, > 0.
-  int duration(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
+  int duration(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
   /// Full turns added to continuous joints, so that every row follows the one before by the short way.
-  RowMatrix unwrapped(std::size_t arm, ConstRows rows) const;
-  const WorldTask& task(std::size_t arm) const;
-  double alone(std::size_t arm) const;   ///< length of its way as if it were alone [rad, prismatic joints m]
-  double direct(std::size_t arm) const;  ///< straight from its start to its nearest goal: no way is shorter
+  RowMatrix unwrapped(std::size_t robot, ConstRows rows) const;
+  const WorldTask& task(std::size_t robot) const;
+  double alone(std::size_t robot) const;   ///< length of its way as if it were alone [rad, prismatic joints m]
+  double direct(std::size_t robot) const;  ///< straight from its start to its nearest goal: no way is shorter
   const Options& options() const { return options_; }
 
   /// Are two straight motions at the same time free of collisions with each other?
@@ -62,23 +62,23 @@ class MultiRobotWorld : public multi::World {
   /// Of each point of b: are the two surely apart when a is at q? By spheres alone: quick, and never true wrongly.
   std::vector<char> collision_free_with(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
                                         std::span<const Eigen::VectorXd> points);
-  bool is_free_for_one(std::size_t arm, const Eigen::VectorXd& q);
+  bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& q);
   /// A straight motion from where it is free.
-  bool is_free_for_one(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+  bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
-  std::uint64_t pair_checks() const;  ///< motions of two arms that were looked at
+  std::uint64_t pair_checks() const;  ///< motions of two robots that were looked at
   std::uint64_t states() const;
   std::size_t memory() const;  ///< bytes of the lattices and of what is known of motions and pairs of them
 
  private:
-  class Arm;
+  class RobotAgent;
   class Pair;
   /// Of a < b; null: they never meet.
   Pair* pair(std::size_t a, std::size_t b) const;
 
   const GroupCheckers& checkers_;
   Options options_;
-  std::vector<std::unique_ptr<Arm>> arms_;
+  std::vector<std::unique_ptr<RobotAgent>> agents_;
   std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<Pair>> pairs_;
   double step_time_{};
 };

@@ -6,21 +6,21 @@
 
 namespace srmp {
 
-/// Some of the arms of a world, as a world.
+/// Some of the robots of a world, as a world.
 class WorldSubset : public multi::World {
  public:
-  WorldSubset(MultiRobotWorld& world, std::vector<std::size_t> arms) : world_(world), arms_(std::move(arms)) {}
+  WorldSubset(MultiRobotWorld& world, std::vector<std::size_t> robots) : world_(world), robots_(std::move(robots)) {}
 
-  std::size_t size() const override { return arms_.size(); }
-  multi::Agent& agent(std::size_t i) override { return world_.agent(arms_[i]); }
-  bool may_conflict(std::size_t a, std::size_t b) const override { return world_.may_conflict(arms_[a], arms_[b]); }
+  std::size_t size() const override { return robots_.size(); }
+  multi::Agent& agent(std::size_t i) override { return world_.agent(robots_[i]); }
+  bool may_conflict(std::size_t a, std::size_t b) const override { return world_.may_conflict(robots_[a], robots_[b]); }
   bool in_conflict(std::size_t a, const multi::Move& move_a, std::size_t b, const multi::Move& move_b) override {
-    return world_.in_conflict(arms_[a], move_a, arms_[b], move_b);
+    return world_.in_conflict(robots_[a], move_a, robots_[b], move_b);
   }
 
  private:
   MultiRobotWorld& world_;
-  std::vector<std::size_t> arms_;
+  std::vector<std::size_t> robots_;
 };
 
 }  // namespace srmp

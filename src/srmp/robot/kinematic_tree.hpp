@@ -31,7 +31,7 @@ class KinematicTree {
   const FixedPlacement& fixed_placement(std::size_t urdf_link) const { return placements_[urdf_link]; }
   const Slot& slot(std::size_t urdf_joint) const {
     return slots_[urdf_joint];
-  }                                 ///< joints with one degree of freedom only
+  }  ///< joints with one degree of freedom only
   std::size_t joint_count() const;  ///< with the base as joint 0
   /// The parent of a joint of the tree; it has a smaller index.
   std::size_t parent(std::size_t joint) const;

@@ -60,7 +60,7 @@ Trajectory plan(srmp::PlannerInterface& planner, const Trajectory& obstacle, con
 double distance(const srmp::PlannerInterface& planner, const Trajectory& left, const Trajectory& right,
                 const std::string& one = "left", const std::string& other = "right") {
   const srmp::SceneChecker both(planner.scene(), one,
-                           {.mode = srmp::CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
+                                {.mode = srmp::CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
   const auto workspace = both.make_workspace();
   double least = 1e9;
   for (double t = 0.0; t <= std::max(left.duration(), right.duration()); t += 1e-3) {

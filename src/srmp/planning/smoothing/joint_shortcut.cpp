@@ -14,7 +14,7 @@ class Shortener {
       : path_(path), world_(world), deadline_(deadline) {}
 
   void tighten() {
-    for (std::size_t arm = 0; arm < path_.positions.size(); ++arm) tighten(arm);
+    for (std::size_t robot = 0; robot < path_.positions.size(); ++robot) tighten(robot);
   }
 
   void run() {
@@ -22,7 +22,7 @@ class Shortener {
       const double before = path_.length();
       straighten_all();
       if (path_.size() < 3) return;
-      for (std::size_t arm = 0; arm < path_.positions.size(); ++arm) straighten(arm);
+      for (std::size_t robot = 0; robot < path_.positions.size(); ++robot) straighten(robot);
       drop_rows();
       if (path_.length() > 0.98 * before) return;
     }
@@ -31,33 +31,33 @@ class Shortener {
  private:
   static constexpr double slack = 0.05;  // that is worth tightening [rad, prismatic joints m]
 
-  std::size_t number(std::size_t arm) const { return path_.arms[arm]; }
+  std::size_t number(std::size_t robot) const { return path_.robots[robot]; }
   bool late() const { return deadline_.stop_requested(); }
 
-  Eigen::VectorXd at(std::size_t arm, std::size_t row) const {
-    return path_.positions[arm].row(static_cast<Eigen::Index>(row)).transpose();
+  Eigen::VectorXd at(std::size_t robot, std::size_t row) const {
+    return path_.positions[robot].row(static_cast<Eigen::Index>(row)).transpose();
   }
   /// On the straight way between two rows.
-  Eigen::VectorXd between(std::size_t arm, std::size_t a, std::size_t b, std::size_t row) const {
+  Eigen::VectorXd between(std::size_t robot, std::size_t a, std::size_t b, std::size_t row) const {
     const double share = (path_.steps[row] - path_.steps[a]) / (path_.steps[b] - path_.steps[a]);
-    return at(arm, a) + share * (at(arm, b) - at(arm, a));
+    return at(robot, a) + share * (at(robot, b) - at(robot, a));
   }
 
-  /// Is it worth asking, and free, for one arm to go straight between two rows?
-  bool can_straighten(std::size_t arm, std::size_t a, std::size_t b) {
+  /// Is it worth asking, and free, for one robot to go straight between two rows?
+  bool can_straighten(std::size_t robot, std::size_t a, std::size_t b) {
     if (late()) return false;
-    const Eigen::VectorXd from = at(arm, a), to = at(arm, b);
-    if (!short_way(arm, from, to) || !world_.is_free_for_one(number(arm), from, to)) return false;
-    return is_apart(arm, a, b, [&](std::size_t row) { return between(arm, a, b, row); });
+    const Eigen::VectorXd from = at(robot, a), to = at(robot, b);
+    if (!short_way(robot, from, to) || !world_.is_free_for_one(number(robot), from, to)) return false;
+    return is_apart(robot, a, b, [&](std::size_t row) { return between(robot, a, b, row); });
   }
 
-  /// From the others as they go, when the arm is at `place(row)` in each row.
+  /// From the others as they go, when the robot is at `place(row)` in each row.
   template <class Place>
-  bool is_apart(std::size_t arm, std::size_t a, std::size_t b, Place&& place) {
+  bool is_apart(std::size_t robot, std::size_t a, std::size_t b, Place&& place) {
     for (std::size_t other = 0; other < path_.positions.size(); ++other) {
-      if (other == arm || !world_.may_conflict(number(arm), number(other))) continue;
+      if (other == robot || !world_.may_conflict(number(robot), number(other))) continue;
       for (std::size_t row = a; row < b; ++row)
-        if (!world_.are_collision_free(number(arm), place(row), place(row + 1), number(other), at(other, row),
+        if (!world_.are_collision_free(number(robot), place(row), place(row + 1), number(other), at(other, row),
                                        at(other, row + 1), {.start_is_free = true}))
           return false;
     }
@@ -65,8 +65,8 @@ class Shortener {
   }
 
   /// Continuous joints that have been unwrapped by more than half a turn would go the other way round.
-  bool short_way(std::size_t arm, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
-    return (world_.robot(number(arm)).difference(from, to) - (to - from)).cwiseAbs().maxCoeff() < 1e-9;
+  bool short_way(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+    return (world_.model(number(robot)).difference(from, to) - (to - from)).cwiseAbs().maxCoeff() < 1e-9;
   }
 
   /// The farthest row that one can go straight to, by bisection; the last one first, unless it is said not to be worth
@@ -83,75 +83,75 @@ class Shortener {
     return reached;
   }
 
-  /// From each row to the farthest that the arm can go straight to.
-  void straighten(std::size_t arm) {
+  /// From each row to the farthest that the robot can go straight to.
+  void straighten(std::size_t robot) {
     const std::size_t last = path_.size() - 1;
     for (std::size_t a = 0; a < last && !late();) {
       const std::size_t reached =
-          farthest(a, worth(arm, a, last), [&](std::size_t b) { return can_straighten(arm, a, b); });
-      for (std::size_t row = a + 1; row < reached; ++row) scratch_.push_back(between(arm, a, reached, row));
+          farthest(a, worth(robot, a, last), [&](std::size_t b) { return can_straighten(robot, a, b); });
+      for (std::size_t row = a + 1; row < reached; ++row) scratch_.push_back(between(robot, a, reached, row));
       for (std::size_t row = a + 1; row < reached; ++row)
-        path_.positions[arm].row(static_cast<Eigen::Index>(row)) = scratch_[row - a - 1].transpose();
+        path_.positions[robot].row(static_cast<Eigen::Index>(row)) = scratch_[row - a - 1].transpose();
       scratch_.clear();
       a = reached;
     }
   }
 
-  void tighten(std::size_t arm) {
+  void tighten(std::size_t robot) {
     const std::size_t last = path_.size() - 1;
     for (std::size_t part = last; part >= 2; part = part > 2 ? (part + 1) / 2 : 1)
-      for (std::size_t a = 0; a < last && !late(); a += part / 2) tighten(arm, a, std::min(a + part, last));
+      for (std::size_t a = 0; a < last && !late(); a += part / 2) tighten(robot, a, std::min(a + part, last));
   }
 
   /// By bisection, if there is much to gain.
-  void tighten(std::size_t arm, std::size_t a, std::size_t b) {
+  void tighten(std::size_t robot, std::size_t a, std::size_t b) {
     if (b < a + 2) return;
-    RowMatrix& rows = path_.positions[arm];
+    RowMatrix& rows = path_.positions[robot];
     const auto first = static_cast<Eigen::Index>(a + 1), count = static_cast<Eigen::Index>(b - a - 1);
     const RowMatrix bent = rows.middleRows(first, count);
-    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(arm, b) - at(arm, a)).norm() < slack) return;
+    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(robot, b) - at(robot, a)).norm() < slack) return;
     RowMatrix straight = bent;
     for (std::size_t row = a + 1; row < b; ++row)
-      straight.row(static_cast<Eigen::Index>(row - a - 1)) = between(arm, a, b, row).transpose();
+      straight.row(static_cast<Eigen::Index>(row - a - 1)) = between(robot, a, b, row).transpose();
     RowMatrix best = bent;
     double left = 1.0;
     for (const double less : {0.5, 0.25, 0.125}) {
       rows.middleRows(first, count) = straight + (left - less) * (bent - straight);
-      if (!is_free(arm, a, b)) continue;
+      if (!is_free(robot, a, b)) continue;
       best = rows.middleRows(first, count);
       left -= less;
     }
     rows.middleRows(first, count) = best;
   }
 
-  bool is_free(std::size_t arm, std::size_t a, std::size_t b) {
+  bool is_free(std::size_t robot, std::size_t a, std::size_t b) {
     for (std::size_t row = a; row < b; ++row)
-      if (late() || !world_.is_free_for_one(number(arm), at(arm, row), at(arm, row + 1))) return false;
-    return is_apart(arm, a, b, [&](std::size_t row) { return at(arm, row); });
+      if (late() || !world_.is_free_for_one(number(robot), at(robot, row), at(robot, row + 1))) return false;
+    return is_apart(robot, a, b, [&](std::size_t row) { return at(robot, row); });
   }
 
   /// Is the part not straight and even already?
-  bool worth(std::size_t arm, std::size_t a, std::size_t b) const {
+  bool worth(std::size_t robot, std::size_t a, std::size_t b) const {
     for (std::size_t row = a + 1; row < b; ++row)
-      if ((at(arm, row) - between(arm, a, b, row)).cwiseAbs().maxCoeff() > 1e-9) return true;
+      if ((at(robot, row) - between(robot, a, b, row)).cwiseAbs().maxCoeff() > 1e-9) return true;
     return false;
   }
 
   bool can_straighten_all(std::size_t a, std::size_t b) {
-    for (std::size_t arm = 0; arm < path_.positions.size(); ++arm) {
+    for (std::size_t robot = 0; robot < path_.positions.size(); ++robot) {
       if (late()) return false;
-      const Eigen::VectorXd from = at(arm, a), to = at(arm, b);
-      if (!short_way(arm, from, to) || !world_.is_free_for_one(number(arm), from, to)) return false;
+      const Eigen::VectorXd from = at(robot, a), to = at(robot, b);
+      if (!short_way(robot, from, to) || !world_.is_free_for_one(number(robot), from, to)) return false;
     }
-    for (std::size_t arm = 0; arm < path_.positions.size(); ++arm)
-      for (std::size_t other = arm + 1; other < path_.positions.size(); ++other)
-        if (!world_.are_collision_free(number(arm), at(arm, a), at(arm, b), number(other), at(other, a), at(other, b),
-                                       {.start_is_free = true}))
+    for (std::size_t robot = 0; robot < path_.positions.size(); ++robot)
+      for (std::size_t other = robot + 1; other < path_.positions.size(); ++other)
+        if (!world_.are_collision_free(number(robot), at(robot, a), at(robot, b), number(other), at(other, a),
+                                       at(other, b), {.start_is_free = true}))
           return false;
     return true;
   }
 
-  /// Takes out the rows between those that all arms can go straight between.
+  /// Takes out the rows between those that all robots can go straight between.
   void straighten_all() {
     std::vector<std::size_t> kept{0};
     const std::size_t last = path_.size() - 1;
@@ -162,13 +162,13 @@ class Shortener {
     keep(kept);
   }
 
-  /// Rows where no arm turns or changes its speed.
+  /// Rows where no robot turns or changes its speed.
   void drop_rows() {
     std::vector<std::size_t> kept{0};
     for (std::size_t row = 1; row + 1 < path_.size(); ++row) {
       bool bend = false;
-      for (std::size_t arm = 0; arm < path_.positions.size() && !bend; ++arm)
-        bend = (at(arm, row) - between(arm, kept.back(), row + 1, row)).cwiseAbs().maxCoeff() > 1e-12;
+      for (std::size_t robot = 0; robot < path_.positions.size() && !bend; ++robot)
+        bend = (at(robot, row) - between(robot, kept.back(), row + 1, row)).cwiseAbs().maxCoeff() > 1e-12;
       if (bend) kept.push_back(row);
     }
     kept.push_back(path_.size() - 1);

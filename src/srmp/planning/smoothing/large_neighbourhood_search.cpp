@@ -69,8 +69,8 @@ class NeighbourhoodSearch {
   }
 
  private:
-  std::size_t number(std::size_t robot) const { return path_.arms[robot]; }
-  const RobotModel& model() const { return world_.robot(number(robot_)); }
+  std::size_t number(std::size_t robot) const { return path_.robots[robot]; }
+  const RobotModel& model() const { return world_.model(number(robot_)); }
 
   // --- vertices
 
@@ -123,7 +123,7 @@ class NeighbourhoodSearch {
       if (added) known->second = world_.is_free_for_one(number(robot_), vertices_[from.vertex], vertices_[to.vertex]);
       if (!known->second) return false;
     }
-    for (std::size_t other = 0; other < path_.arms.size(); ++other)
+    for (std::size_t other = 0; other < path_.robots.size(); ++other)
       if (other != robot_ && world_.may_conflict(number(robot_), number(other)) && !are_collision_free(from, to, other))
         return false;
     return true;
@@ -161,16 +161,16 @@ class NeighbourhoodSearch {
       q.row(row) = vertices_[node.vertex].transpose();
     }
     own.positions.push_back(world_.unwrapped(number(robot_), q));
-    for (std::size_t other = 0; other < path_.arms.size(); ++other)
+    for (std::size_t other = 0; other < path_.robots.size(); ++other)
       if (other != robot_) {
-        others.arms.push_back(path_.arms[other]);
+        others.robots.push_back(path_.robots[other]);
         others.positions.push_back(path_.positions[other]);
       }
     return side_by_side(own, others);
   }
 
   const JointPath& path_;
-  std::size_t robot_;  // index in path_.arms
+  std::size_t robot_;  // index in path_.robots
   MultiRobotWorld& world_;
   const LargeNeighbourhoodOptions& options_;
   const WorldTask& task_;
@@ -188,10 +188,10 @@ class NeighbourhoodSearch {
 JointPath reroute_one_robot(JointPath path, MultiRobotWorld& world, const Deadline& deadline,
                             const std::vector<std::vector<Eigen::VectorXd>>& configurations,
                             const LargeNeighbourhoodOptions& options) {
-  if (path.size() < 3 || path.arms.size() < 2) return path;
-  for (std::size_t robot = 0; robot < path.arms.size() && !deadline.stop_requested(); ++robot) {
+  if (path.size() < 3 || path.robots.size() < 2) return path;
+  for (std::size_t robot = 0; robot < path.robots.size() && !deadline.stop_requested(); ++robot) {
     const std::vector<Eigen::VectorXd> of_robot =
-        configurations.empty() ? std::vector<Eigen::VectorXd>{} : configurations[path.arms[robot]];
+        configurations.empty() ? std::vector<Eigen::VectorXd>{} : configurations[path.robots[robot]];
     if (auto shorter = NeighbourhoodSearch(path, robot, world, of_robot, options).run(deadline))
       path = std::move(*shorter);
   }

@@ -17,9 +17,9 @@ struct LargeNeighbourhoodOptions {
   std::size_t max_nodes{4000};
 };
 
-/// Shortens the path robot by robot, in the order of path.arms: each in turn gets the cheapest path in space-time that
-/// conflicts with none of the others, which move as before. Large-neighbourhood search with neighbourhoods of one robot
-/// (Li, Chen, Harabor, Stuckey, Koenig 2021, "Anytime multi-agent path finding via large neighborhood search").
+/// Shortens the path robot by robot, in the order of path.robots: each in turn gets the cheapest path in space-time
+/// that conflicts with none of the others, which move as before. Large-neighbourhood search with neighbourhoods of one
+/// robot (Li, Chen, Harabor, Stuckey, Koenig 2021, "Anytime multi-agent path finding via large neighborhood search").
 ///
 /// A robot moves straight between vertices: the waypoints of its path, those of its single-robot path, and
 /// `configurations` (by the robot's number in the world, or empty). It waits at any of them for as long as it likes,

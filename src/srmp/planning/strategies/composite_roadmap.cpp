@@ -37,7 +37,7 @@ CompositeRoadmap::CompositeRoadmap(MultiRobotWorld& world, CompositeRoadmapOptio
 /// one is q, unless it is a vertex already (`known`).
 void CompositeRoadmap::add_edge(Roadmap& map, std::size_t robot, Vertex from, const Eigen::VectorXd& q,
                                 std::optional<Vertex> known) const {
-  const Eigen::VectorXd start = map.vertices[from], motion = world_.robot(robot).difference(start, q);
+  const Eigen::VectorXd start = map.vertices[from], motion = world_.model(robot).difference(start, q);
   const int parts = std::max(1, static_cast<int>(std::ceil(motion.norm() / options_.spacing)));
   const double length = motion.norm() / parts;
   Vertex last = from;
@@ -77,7 +77,7 @@ std::vector<CompositeRoadmap::Vertex> CompositeRoadmap::branch_points(const Road
 
 /// Configurations around the branch points with one or two joints displaced, those of the shortest detour first.
 std::vector<Eigen::VectorXd> CompositeRoadmap::retreat_candidates(std::size_t robot_number) const {
-  const RobotModel& robot = world_.robot(robot_number);
+  const RobotModel& robot = world_.model(robot_number);
   const Roadmap& map = maps_[robot_number];
   const Eigen::VectorXd &start = map.vertices.front(), &goal = map.vertices[map.goal];
   const auto dof = static_cast<Eigen::Index>(robot.dof());

@@ -6,15 +6,15 @@ namespace srmp {
 
 namespace {
 
-constexpr double stays = 0.1;  // share of the samples in which an arm is at its start; as many, at its goal
+constexpr double stays = 0.1;  // share of the samples in which a robot is at its start; as many, at its goal
 
 using Sampler = std::function<Eigen::VectorXd(search::RandomSequence&)>;
 
-/// Of each arm as if it were alone.
+/// Of each robot as if it were alone.
 std::vector<Sampler> samplers(const CompositeSpace& space) {
   std::vector<Sampler> found;
   for (std::size_t i = 0; i < space.size(); ++i)
-    found.push_back(rrt_space(space.robot(i), space.task(i).start, space.task(i).targets).sample);
+    found.push_back(rrt_space(space.model(i), space.task(i).start, space.task(i).targets).sample);
   return found;
 }
 

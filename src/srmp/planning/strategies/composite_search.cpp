@@ -16,7 +16,7 @@ class CompositeLattices : public LatticeFamily {
  public:
   explicit CompositeLattices(const CompositeSpace& space) : space_(space) {
     for (std::size_t i = 0; i < space_.size(); ++i)
-      for (const auto& [j, k] : parallel_pairs(space_.robot(i)))
+      for (const auto& [j, k] : parallel_pairs(space_.model(i)))
         pairs_.emplace_back(j + space_.first(i), k + space_.first(i));
     make_weights();
   }
@@ -61,21 +61,21 @@ class CompositeLattices : public LatticeFamily {
     const Eigen::VectorXd step = lattice_step(space_.joints(), scale * std::min(lattice.resolution, M_PI / 2 / scale),
                                               scale * lattice.prismatic_resolution);
     PrimitiveSet set = rich_primitives(space_.joints(), step, pairs_);
-    PrimitiveFamily one_arm{"one arm", PrimitiveUse::to_targets, {}};  // the others stay
+    PrimitiveFamily one_robot{"one arm", PrimitiveUse::to_targets, {}};  // the others stay
     const Eigen::VectorXd& all = set.families.front().moves.front();
     for (std::size_t i = 0; i < space_.size(); ++i) {
-      Eigen::VectorXd& move = one_arm.moves.emplace_back(Eigen::VectorXd::Zero(step.size()));
+      Eigen::VectorXd& move = one_robot.moves.emplace_back(Eigen::VectorXd::Zero(step.size()));
       space_.part(move, i) = space_.part(all, i);
     }
-    set.families.push_back(std::move(one_arm));
+    set.families.push_back(std::move(one_robot));
     return set;
   }
 
-  /// All joints alike; those near the bases counting for more; those near the hands; and one arm after the other.
+  /// All joints alike; those near the bases counting for more; those near the hands; and one robot after the other.
   void make_weights() {
-    const std::size_t arms = space_.size();
-    weights_ = RowMatrix::Ones(3 + static_cast<Eigen::Index>(arms), space_.first(arms));
-    for (std::size_t i = 0; i < arms; ++i) {
+    const std::size_t robots = space_.size();
+    weights_ = RowMatrix::Ones(3 + static_cast<Eigen::Index>(robots), space_.first(robots));
+    for (std::size_t i = 0; i < robots; ++i) {
       const Eigen::Index first = space_.first(i), last = space_.first(i + 1);
       weights_.block(0, first, 3, last - first) = distance_weights(static_cast<std::size_t>(last - first));
       weights_.row(3 + static_cast<Eigen::Index>(i)).segment(first, last - first).setConstant(3.0);

@@ -8,10 +8,10 @@ namespace {
 constexpr std::size_t max_targets = 16;
 }
 
-CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> arms)
-    : world_(world), arms_(std::move(arms)) {
-  for (const std::size_t arm : arms_) {
-    const std::vector<Joint>& joints = world.robot(arm).joints();
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots)
+    : world_(world), robots_(std::move(robots)) {
+  for (const std::size_t robot : robots_) {
+    const std::vector<Joint>& joints = world.model(robot).joints();
     first_.push_back(std::ssize(joints_));
     joints_.insert(joints_.end(), joints.begin(), joints.end());
   }
@@ -21,7 +21,7 @@ CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> 
   add_targets(0, start_);
 }
 
-/// The first goals of each arm first.
+/// The first goals of each robot first.
 void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
   if (targets_.size() >= max_targets) return;
   if (i == size()) {
@@ -35,7 +35,7 @@ void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
     part(q, i) = choice;
     bool apart = true;
     for (std::size_t k = 0; k < i && apart; ++k)
-      apart = world_.are_collision_free(arms_[k], part(all, k), part(all, k), arms_[i], choice, choice);
+      apart = world_.are_collision_free(robots_[k], part(all, k), part(all, k), robots_[i], choice, choice);
     if (apart) add_targets(i + 1, q);
   }
 }
@@ -49,12 +49,12 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   std::vector<char> moves(size());
   for (std::size_t i = 0; i < size(); ++i) {
     moves[i] = part(a, i) != part(b, i);
-    if (moves[i] && !world_.is_free_for_one(arms_[i], part(a, i), part(b, i))) return false;
+    if (moves[i] && !world_.is_free_for_one(robots_[i], part(a, i), part(b, i))) return false;
   }
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = i + 1; k < size(); ++k)
-      if ((moves[i] || moves[k]) && !world_.are_collision_free(arms_[i], part(a, i), part(b, i), arms_[k], part(a, k),
-                                                               part(b, k), {true, by_spheres}))
+      if ((moves[i] || moves[k]) && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k],
+                                                               part(a, k), part(b, k), {true, by_spheres}))
         return false;
   return true;
 }
@@ -63,7 +63,7 @@ JointPath CompositeSpace::path(const std::vector<Eigen::VectorXd>& rows) const {
   std::vector<std::vector<Eigen::VectorXd>> ways(size());
   for (std::size_t i = 0; i < size(); ++i)
     for (const Eigen::VectorXd& row : rows) ways[i].push_back(part(row, i));
-  return joint_path(world_, arms_, ways);
+  return joint_path(world_, robots_, ways);
 }
 
 }  // namespace srmp

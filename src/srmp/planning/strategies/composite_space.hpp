@@ -6,21 +6,21 @@
 
 namespace srmp {
 
-/// Arms as one robot with all their joints: where it begins, where it may end, and which of its motions are free. Arms
-/// whose goal is anywhere end where they start.
+/// Robots as one robot with all their joints: where it begins, where it may end, and which of its motions are free.
+/// Robots whose goal is anywhere end where they start.
 class CompositeSpace {
  public:
   /// The world outlives this.
-  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> arms);
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots);
 
-  std::size_t size() const { return arms_.size(); }
+  std::size_t size() const { return robots_.size(); }
   const MultiRobotWorld& world() const { return world_; }
   const std::vector<Joint>& joints() const { return joints_; }
-  const RobotModel& robot(std::size_t i) const { return world_.robot(arms_[i]); }
-  const WorldTask& task(std::size_t i) const { return world_.task(arms_[i]); }
-  Eigen::Index first(std::size_t i) const { return first_[i]; }  ///< joint of arm i; first(size()): of all
+  const RobotModel& model(std::size_t i) const { return world_.model(robots_[i]); }
+  const WorldTask& task(std::size_t i) const { return world_.task(robots_[i]); }
+  Eigen::Index first(std::size_t i) const { return first_[i]; }  ///< joint of robot i; first(size()): of all
   const Eigen::VectorXd& start() const { return start_; }
-  const std::vector<Eigen::VectorXd>& targets() const { return targets_; }  ///< goals of all arms that go together
+  const std::vector<Eigen::VectorXd>& targets() const { return targets_; }  ///< goals of all robots that go together
 
   Eigen::VectorBlock<Eigen::VectorXd> part(Eigen::VectorXd& q, std::size_t i) const {
     return q.segment(first_[i], first_[i + 1] - first_[i]);
@@ -29,7 +29,7 @@ class CompositeSpace {
     return q.segment(first_[i], first_[i + 1] - first_[i]);
   }
 
-  /// `a` is free. Where the arms must be, it matters how near they are exactly; elsewhere spheres are quicker.
+  /// `a` is free. Where the robots must be, it matters how near they are exactly; elsewhere spheres are quicker.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
 
   JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
@@ -39,7 +39,7 @@ class CompositeSpace {
   bool is_end(const Eigen::VectorXd& q) const;
 
   MultiRobotWorld& world_;
-  std::vector<std::size_t> arms_;
+  std::vector<std::size_t> robots_;
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;

@@ -35,7 +35,7 @@ double GroupPlanner::direct(const std::vector<std::size_t>& robots) const {
 }
 
 JointPath GroupPlanner::reroute_each(JointPath path, const Deadline& deadline) {
-  const auto retreats = roadmaps_.retreats(path.arms);
+  const auto retreats = roadmaps_.retreats(path.robots);
   for (double before = search::infinity; path.length() < 0.99 * before;) {
     before = path.length();
     JointPath better = reroute_one_robot(path, world_, deadline, retreats);
@@ -45,12 +45,12 @@ JointPath GroupPlanner::reroute_each(JointPath path, const Deadline& deadline) {
 }
 
 bool GroupPlanner::may_change(const JointPath& known) const {
-  return replan_.worth_a_change * known.length() > direct(known.arms);
+  return replan_.worth_a_change * known.length() > direct(known.robots);
 }
 
 JointPath GroupPlanner::replan(const JointPath& known, std::uint64_t seed, const Deadline& deadline,
                                PlanStatistics& statistics) {
-  const CompositeSpace space(world_, known.arms);
+  const CompositeSpace space(world_, known.robots);
   search::RrtConnect trees(rrt_space(space), seed);
   const auto rows = trees.grow(replan_.attempts, deadline);
   statistics.expansions += trees.attempts();

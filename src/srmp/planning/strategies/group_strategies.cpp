@@ -74,7 +74,7 @@ std::optional<JointPath> CompositeRoadmapStrategy::find(std::size_t level, const
 /// Is there more than a little to gain on roadmaps, which are made of the robots' paths alone?
 bool CompositeRoadmapStrategy::may_be_shorter(const JointPath& path) const {
   double alone = 0.0;
-  for (const std::size_t i : path.arms) alone += world_.alone(i);
+  for (const std::size_t i : path.robots) alone += world_.alone(i);
   return path.length() > budgets.worth_shortening * alone;
 }
 

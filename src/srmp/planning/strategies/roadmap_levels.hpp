@@ -19,8 +19,8 @@ class RoadmapLevels {
   CompositeRoadmap& at(std::size_t level) {
     const std::lock_guard lock(mutex_);
     auto& slot = levels_[level];
-    if (!slot) slot = std::make_unique<CompositeRoadmap>(
-          world_, CompositeRoadmapOptions{.retreats = std::size_t{2} << level});
+    if (!slot)
+      slot = std::make_unique<CompositeRoadmap>(world_, CompositeRoadmapOptions{.retreats = std::size_t{2} << level});
     return *slot;
   }
 
@@ -41,7 +41,7 @@ class RoadmapLevels {
 
  private:
   MultiRobotWorld& world_;
-  std::mutex mutex_;                                    // of the making of roadmaps
+  std::mutex mutex_;                                       // of the making of roadmaps
   std::vector<std::unique_ptr<CompositeRoadmap>> levels_;  // null: not made yet
 };
 

@@ -16,7 +16,8 @@ namespace {
 using search::AnyHeuristic;
 
 /// What distances_to_targets writes with distance_weights.
-constexpr std::array<std::string_view, 4> measure_names{"joint_euclidean", "joint_proximal", "joint_distal", "joint_sum"};
+constexpr std::array<std::string_view, 4> measure_names{"joint_euclidean", "joint_proximal", "joint_distal",
+                                                        "joint_sum"};
 
 std::size_t measure_index(const std::string& name) {
   return static_cast<std::size_t>(std::find(measure_names.begin(), measure_names.end(), name) - measure_names.begin());
