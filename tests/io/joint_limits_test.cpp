@@ -60,7 +60,7 @@ BOOST_AUTO_TEST_CASE(limits_are_read_and_scaled) {
   BOOST_TEST((file.unused == std::vector<std::string>{"finger", "wheel"}));
 }
 
-BOOST_AUTO_TEST_CASE(what_is_not_said_is_the_default) {
+BOOST_AUTO_TEST_CASE(limits_that_are_not_given_are_the_defaults) {
   for (const char* text :
        {"joint_limits:\n", "joint_limits: {b: {}}", "default_velocity_scaling_factor: 1",
         "joint_limits: {b: {has_velocity_limits: false, max_velocity: 9, has_jerk_limits: false}}"}) {
@@ -73,7 +73,7 @@ BOOST_AUTO_TEST_CASE(what_is_not_said_is_the_default) {
   BOOST_TEST(read("joint_limits: {b: {max_velocity: 9}}").limits.velocity[1] == 9.0);  // has_… may be left out
 }
 
-BOOST_AUTO_TEST_CASE(position_limits_are_the_urdfs) {
+BOOST_AUTO_TEST_CASE(position_limits_are_those_of_the_urdf) {
   read(replaced(good, "max_position: 3.1", "max_position: 2.999995"));
   check_unsupported("max_position: 3.1", "max_position: 2.9",
                     ":13: b: max_position is 2.9, but the URDF's limit is 3; narrower position limits belong in");
@@ -84,7 +84,7 @@ BOOST_AUTO_TEST_CASE(position_limits_are_the_urdfs) {
                 "has_position_limits: false\n    min_position: 9"));
 }
 
-BOOST_AUTO_TEST_CASE(what_is_not_planned_with_is_refused) {
+BOOST_AUTO_TEST_CASE(unsupported_limits_are_refused) {
   for (const std::string key : {"has_deceleration_limits", "has_effort_limits", "has_soft_limits"}) {
     check_unsupported("angle_wraparound: false", key + ": true", "b: " + key + " is true, but only limits of velocity");
     read(replaced(good, "angle_wraparound: false", key + ": false"));

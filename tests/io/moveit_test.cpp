@@ -48,8 +48,8 @@ std::filesystem::path mbm_directory() {
   return directory ? directory : "";
 }
 
-/// Where <robot>'s problems are unpacked: in the data directory, or from its archive into `scratch`. Empty if neither
-/// is there.
+/// The directory of <robot>'s problems: in the data directory, or unpacked from its archive into `scratch`. Empty if
+/// neither exists.
 std::filesystem::path unpacked_problems(const std::string& robot, const std::filesystem::path& scratch) {
   const std::filesystem::path directory = mbm_directory() / robot;
   if (std::filesystem::is_directory(directory / "problems")) return directory / "problems";
@@ -77,7 +77,7 @@ BOOST_AUTO_TEST_CASE(a_scene_file_is_read_in_full) {
   BOOST_TEST(std::get<Sphere>(scene.objects[1].shape).radius == 0.5);
   BOOST_TEST(std::get<Cone>(scene.objects[2].shape).length == 0.4);
   BOOST_TEST(std::get<Cone>(scene.objects[2].shape).radius == 0.1);
-  check_near(scene.objects[0].pose.p, {1, 1, 0});  // the object is turned by 90 degrees
+  check_near(scene.objects[0].pose.p, {1, 1, 0});  // the object is rotated by 90 degrees
   check_near(scene.objects[1].pose.p, {1, 0, 1});
   check_near(scene.objects[2].pose * Eigen::Vector3d(1, 0, 0), {1, 1, 0});
 
@@ -135,7 +135,7 @@ BOOST_AUTO_TEST_CASE(a_request_file_is_read_in_full) {
   BOOST_TEST(pose.orientations[0].rotation_vector);
 }
 
-BOOST_AUTO_TEST_CASE(what_a_scene_leaves_out_is_empty) {
+BOOST_AUTO_TEST_CASE(parts_that_a_scene_leaves_out_are_empty) {
   const SceneFile empty = scene_from("name: ''\n");
   BOOST_TEST(empty.objects.empty());
   BOOST_TEST(empty.robot_state.joints.empty());
@@ -145,7 +145,7 @@ BOOST_AUTO_TEST_CASE(what_a_scene_leaves_out_is_empty) {
   BOOST_TEST(bare.objects[0].frame == "");
 }
 
-BOOST_AUTO_TEST_CASE(our_own_files_are_told_from_moveits) {
+BOOST_AUTO_TEST_CASE(files_of_srmp_are_refused_in_place_of_moveits) {
   const std::string ours = "{\n\"format\": \"srmp problem\", \"format_version\": 1}";
   check_throws<FileError>([&] { scene_from(ours); },
                           ":2: this is a file of the format 'srmp problem', not a MoveIt planning scene; Planner");
@@ -154,7 +154,7 @@ BOOST_AUTO_TEST_CASE(our_own_files_are_told_from_moveits) {
       ":2: this is a file of the format 'srmp problem', not a MoveIt motion plan request; srmp replay");
 }
 
-BOOST_AUTO_TEST_CASE(mistakes_in_scenes_are_refused_with_their_line) {
+BOOST_AUTO_TEST_CASE(errors_in_scenes_name_their_line) {
   scene_refused("primitive_poses:\n        - {p", "primitve_poses:\n        - {p",
                 "unknown key 'primitve_poses' in a collision object, did you mean 'primitive_poses'?");
   scene_refused("fixed_frame_transforms", "fixed_frame_transform",
@@ -197,7 +197,7 @@ BOOST_AUTO_TEST_CASE(mistakes_in_scenes_are_refused_with_their_line) {
   check_throws<FileError>([] { read_moveit_scene("/no/such.yaml"); }, "there is no such file");
 }
 
-BOOST_AUTO_TEST_CASE(what_scenes_may_hold_but_is_not_done_here_is_said) {
+BOOST_AUTO_TEST_CASE(unsupported_parts_of_scenes_are_refused) {
   scene_refused<NotSupported>("planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "object 'wedge' is a plane");
   scene_refused<NotSupported>("data: []", "data: [1, 2]", "octomap");
   scene_refused<NotSupported>("padding: 0}", "padding: 0.1}", "sets the padding of link 'upper'");
@@ -208,7 +208,7 @@ BOOST_AUTO_TEST_CASE(what_scenes_may_hold_but_is_not_done_here_is_said) {
       [] { scene_from(one_object("meshes: [{resource: 'a.stl'}], pose: {}, mesh_poses: [{}]")); }, "names a mesh file");
 }
 
-BOOST_AUTO_TEST_CASE(mistakes_in_requests_are_refused_with_their_line) {
+BOOST_AUTO_TEST_CASE(errors_in_requests_name_their_line) {
   request_refused("goal_constraints:", "goal_constraint:",
                   ":15: unknown key 'goal_constraint' in a motion plan request, did you mean 'goal_constraints'?");
   request_refused("- {joint_name: a, position: 0.3, ", "- {joint_name: a, ",
@@ -233,7 +233,7 @@ BOOST_AUTO_TEST_CASE(mistakes_in_requests_are_refused_with_their_line) {
   check_throws<FileError>([] { request_from("goal_constraints: [{name: a}]\n"); }, "holds no constraints");
 }
 
-BOOST_AUTO_TEST_CASE(what_requests_may_hold_but_is_not_done_here_is_said) {
+BOOST_AUTO_TEST_CASE(unsupported_parts_of_requests_are_refused) {
   request_refused<NotSupported>("target_point_offset: {x: 0", "target_point_offset: {x: 0.1", "target_point_offset");
   request_refused<NotSupported>("type: sphere, dimensions: [0.001]", "type: cylinder, dimensions: [1, 1]",
                                 "a cylinder is not supported");
@@ -251,23 +251,23 @@ BOOST_AUTO_TEST_CASE(what_requests_may_hold_but_is_not_done_here_is_said) {
                   .allowed_planning_time.has_value());
 }
 
-BOOST_AUTO_TEST_CASE(a_scene_file_goes_into_a_scene) {
+BOOST_AUTO_TEST_CASE(a_scene_file_is_applied_to_a_scene) {
   Scene scene = scene_with_robot();
   const Pose robot_base = Pose::from_xyzw({0, 0, 10}, {0, 0, 0, 1});
   apply(read_moveit_scene(data + "scene.yaml"), scene, robot_base);
   BOOST_TEST((scene.object_names() == std::vector<std::string>{"bottle", "shelf", "shelf_1", "shelf_2", "wedge"}));
-  check_near(scene.object_pose("shelf").p, {1, 1, 12});  // through its frame, into the world
+  check_near(scene.object_pose("shelf").p, {1, 1, 12});  // from its frame to the world
   check_near(scene.object_pose("wedge").p, {5, 0, 10});
   BOOST_TEST(scene.attachments().at("bottle").link == "tip");
   BOOST_TEST(scene.attachments().at("bottle").touch_links.contains("upper"));
-  check_near(scene.object_pose("bottle").p, {2, 0, 0.1});  // in the hand of the robot, which stands at the origin
+  check_near(scene.object_pose("bottle").p, {2, 0, 0.1});  // attached to the robot, whose base is at the origin
 
   BOOST_TEST(scene.allowed_collision("tip", "shelf_2"));  // every shape of the object
   BOOST_TEST(scene.allowed_collision("bottle", "shelf"));
   BOOST_TEST(!scene.allowed_collision("upper", "shelf"));
 }
 
-BOOST_AUTO_TEST_CASE(entries_between_links_are_the_robots_business) {
+BOOST_AUTO_TEST_CASE(entries_between_links_are_ignored) {
   Scene scene = scene_with_robot();
   const bool before = scene.allowed_collision("upper", "tip");
   // Links that this robot does not have may be named, as long as no object's entry allows contact with them.
@@ -303,7 +303,7 @@ BOOST_AUTO_TEST_CASE(objects_can_be_given_in_the_frame_of_a_link) {
   check_near(scene.object_pose("thing").p, {1, 1, 0});
 }
 
-BOOST_AUTO_TEST_CASE(a_request_can_hold_an_object_in_the_hand) {
+BOOST_AUTO_TEST_CASE(a_request_can_attach_objects) {
   const std::string held =
       replaced(request_text, "start_state:\n",
                "start_state:\n  attached_collision_objects: [{link_name: tip, object: {id: cup, header: {frame_id: "

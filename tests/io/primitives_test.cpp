@@ -71,12 +71,12 @@ families:
   BOOST_TEST(set.near_distance == 0.4);
 }
 
-BOOST_AUTO_TEST_CASE(the_example_that_ships_can_be_read) {
+BOOST_AUTO_TEST_CASE(the_installed_example_can_be_read) {
   const PrimitiveSet set = read_primitives(SRMP_SOURCE_DIR "/python/srmp/data/primitives/default.yaml", joints());
   BOOST_TEST(set.families.size() == 2u);
 }
 
-BOOST_AUTO_TEST_CASE(mistakes_are_refused_with_their_line) {
+BOOST_AUTO_TEST_CASE(errors_name_their_line) {
   check_refused("use: far", "use: fra", ":7: use is 'fra'; it must be far, near or always");
   check_refused("use: far", "use: far\n    step: 3", ":8: unknown key 'step' in a family");
   check_refused("families", "familes", "unknown key 'familes' in a primitive file, did you mean 'families'?");
@@ -121,7 +121,7 @@ BOOST_AUTO_TEST_CASE(a_set_must_have_moves_everywhere) {
   check_throws<FileError>([&] { read("units: degrees\nfamilies: []"); }, "no family is used far");
 }
 
-BOOST_AUTO_TEST_CASE(files_that_are_no_primitive_files_are_refused) {
+BOOST_AUTO_TEST_CASE(other_files_are_refused_as_primitive_files) {
   check_throws<FileError>([] { read(""); }, "the file is empty");
   check_throws<FileError>([] { read("# only a comment\n"); }, "the file is empty");
   check_throws<FileError>([] { read("- 1\n- 2\n"); }, "must be a map of keys and values, not a list");

@@ -28,7 +28,7 @@ void check_refused(const std::string& text, const std::string& fragment) {
 
 BOOST_AUTO_TEST_SUITE(scene_file)
 
-BOOST_AUTO_TEST_CASE(a_scene_comes_back_bit_for_bit) {
+BOOST_AUTO_TEST_CASE(a_scene_is_read_back_bit_for_bit) {
   const srmp::Scene scene = worlds::every_kind();
   const TempFile file(text_of_every_kind());
   const srmp::Scene read = srmp::io::load_scene(file.path());
@@ -45,7 +45,7 @@ BOOST_AUTO_TEST_CASE(a_scene_comes_back_bit_for_bit) {
   BOOST_CHECK(mesh.triangles == std::get<srmp::Mesh>(scene.object("surface").shape).triangles);
   BOOST_CHECK(std::get<srmp::PointCloud>(read.object("cloud").shape).points ==
               std::get<srmp::PointCloud>(scene.object("cloud").shape).points);
-  const srmp::Attachment& held = read.attachments().at("sphere");
+  const srmp::Attachment& held = read.attachments().at("attached");
   BOOST_CHECK_EQUAL(held.link, "tip");
   BOOST_CHECK((held.touch_links == std::set<std::string>{"lower", "tip"}));
   BOOST_CHECK(read.allowed_settings() == scene.allowed_settings());
@@ -59,20 +59,20 @@ BOOST_AUTO_TEST_CASE(a_scene_comes_back_bit_for_bit) {
   BOOST_CHECK(read_text(directory.path("again.json")) == read_text(file.path()));
 }
 
-BOOST_AUTO_TEST_CASE(a_pose_that_was_computed_comes_back_to_the_last_bit) {
+BOOST_AUTO_TEST_CASE(poses_are_read_bit_for_bit) {
   srmp::Scene scene = worlds::every_kind();
-  for (int i = 0; i < 5; ++i) {  // roundings add up
-    scene.detach_object("sphere");
-    scene.attach_object("sphere", "planar", "lower");
+  for (int i = 0; i < 5; ++i) {  // rounding errors add up
+    scene.detach_object("attached");
+    scene.attach_object("attached", "planar", "lower");
     scene.set_qpos("planar", Eigen::Vector2d(0.1 * i, 0.2 * i));
   }
   const TemporaryDirectory directory;
   srmp::io::save_scene(scene, directory.path("scene.json"));
   BOOST_CHECK(
-      same(srmp::io::load_scene(directory.path("scene.json")).object("sphere").pose, scene.object("sphere").pose));
+      same(srmp::io::load_scene(directory.path("scene.json")).object("attached").pose, scene.object("attached").pose));
 }
 
-BOOST_AUTO_TEST_CASE(robots_do_not_need_their_files_but_for_meshes) {
+BOOST_AUTO_TEST_CASE(robots_need_only_their_mesh_files) {
   const TemporaryDirectory directory;
   const std::string urdf = robots::planar_description().urdf_text, mesh = R"(<mesh filename="parts/tip.stl"/>)";
   const std::string with_mesh = replaced(
@@ -118,7 +118,7 @@ BOOST_AUTO_TEST_CASE(other_files_are_refused) {
                 "");
 }
 
-BOOST_AUTO_TEST_CASE(damaged_files_are_refused_with_the_place) {
+BOOST_AUTO_TEST_CASE(errors_in_damaged_files_name_the_place) {
   const std::string text = text_of_every_kind();
   const auto changed = [&](const std::string& from, const std::string& to) { return replaced(text, from, to); };
   check_refused(changed("\"padding\": 0.01", "\"padding\": \"0.01\""),
@@ -130,7 +130,7 @@ BOOST_AUTO_TEST_CASE(damaged_files_are_refused_with_the_place) {
                 "unknown key 'colour' in scene.objects[1]");
   check_refused(changed("\"kind\": \"box\"", "\"kind\": \"torus\""),
                 "scene.objects[1].shape: the kind is 'torus'; known");
-  check_refused(changed("\"radius\": 0.05", "\"radius\": -1"), "sphere radius of object 'sphere' is -1");
+  check_refused(changed("\"radius\": 0.05", "\"radius\": -1"), "sphere radius of object 'attached' is -1");
   check_refused(changed("\"convex\": false", "\"convex\": \"perhaps\""), "must be true or false");
   check_refused(changed("[0, 1, 2]", "[0, 1.5, 2]"), "must be a whole number");
   check_refused(changed("[0, 1, 2]", "[0, 1]"), "triangles[0] must be 3 numbers, not 2");

@@ -52,7 +52,7 @@ void check_refused(const std::string& text, const std::string& fragment) {
 
 BOOST_AUTO_TEST_SUITE(trajectory_file)
 
-BOOST_AUTO_TEST_CASE(numbers_come_back_bit_for_bit) {
+BOOST_AUTO_TEST_CASE(numbers_are_read_back_bit_for_bit) {
   const srmp::Trajectory t = odd_numbers(), read = round_trip(t);
   BOOST_TEST(read.joint_names == t.joint_names);
   BOOST_CHECK(same_bits(read.positions, t.positions));
@@ -64,7 +64,7 @@ BOOST_AUTO_TEST_CASE(numbers_come_back_bit_for_bit) {
   BOOST_CHECK_EQUAL(round_trip(srmp::Trajectory{}).dof(), 0u);
 }
 
-BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
+BOOST_AUTO_TEST_CASE(the_certificate_is_saved_too) {
   srmp::Certificate c;
   c.faults = {{srmp::FaultKind::not_at_rest, "it moves at its end", std::nan("")},
               {srmp::FaultKind::joint_names, "\"q\"", 0.1}};
@@ -102,7 +102,7 @@ BOOST_AUTO_TEST_CASE(the_certificate_comes_with_it) {
   BOOST_CHECK_EQUAL(srmp::io::to_json(*read), srmp::io::to_json(c));  // every field, every bit
 }
 
-BOOST_AUTO_TEST_CASE(arrays_that_do_not_fit_are_refused_both_ways) {
+BOOST_AUTO_TEST_CASE(arrays_of_mismatched_sizes_are_neither_saved_nor_loaded) {
   srmp::Trajectory t = odd_numbers();
   t.times.conservativeResize(2);
   const TemporaryDirectory directory;

@@ -5,10 +5,10 @@
 
 namespace worlds {
 
-/// The planar arm (here "planar"), its base turned, and one object of every kind around it; its hand holds a sphere.
+/// The planar robot, its base rotated, with an attached object and one object of every kind of shape around it.
 inline srmp::Scene every_kind() {
-  const auto pose = [](double x, double y, double turn) {
-    return srmp::Pose::from_rpy({x, y, 0.1 / 3}, {turn, turn / 3, 1.0});
+  const auto pose = [](double x, double y, double angle) {
+    return srmp::Pose::from_rpy({x, y, 0.1 / 3}, {angle, angle / 3, 1.0});
   };
   const std::vector<Eigen::Vector3d> corners{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 1.0 / 30}};
   srmp::Scene scene;
@@ -23,11 +23,11 @@ inline srmp::Scene every_kind() {
   scene.add_object("surface", srmp::Mesh{corners, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 2, 3}}}, pose(0.7, 1.3, 1.5));
   scene.add_object("hull", srmp::Mesh{corners, {}, true}, pose(1.5, 1.5, 1.7));
   scene.add_object("cloud", srmp::PointCloud{corners, 0.1 / 3}, pose(-0.5, -1.5, 1.9));
-  scene.add_object("sphere", srmp::Sphere{0.05}, {});
-  scene.attach_object("sphere", "planar", "tip", {"lower"}, pose(0.1, 0, 2.1));
+  scene.add_object("attached", srmp::Sphere{0.05}, {});
+  scene.attach_object("attached", "planar", "tip", {"lower"}, pose(0.1, 0, 2.1));
   scene.set_allowed_collision("planar", "cloud");
   scene.set_allowed_collision("planar/upper", "cloud", false);
-  scene.set_allowed_collision("sphere", "box");
+  scene.set_allowed_collision("attached", "box");
   return scene;
 }
 

@@ -181,7 +181,7 @@ BOOST_AUTO_TEST_CASE(priorities_alone_prove_that_two_cannot_pass) {
   BOOST_TEST(result.stuck_agent == no_agent);
 }
 
-BOOST_AUTO_TEST_CASE(weights_below_1_are_refused) {
+BOOST_AUTO_TEST_CASE(options_out_of_range_are_refused) {
   GridWorld world = grid({"a.b"}, {"a.b"});
   for (const double bad : {std::nan(""), 0.99, -1.0, infinity}) {
     const std::string text = " is " + to_text(bad) + ", it must be finite and at least 1";
@@ -189,6 +189,7 @@ BOOST_AUTO_TEST_CASE(weights_below_1_are_refused) {
     check_throws<InvalidArgument>([&] { plan(world, {.low_focal = bad}); }, "low_focal" + text);
     check_throws<InvalidArgument>([&] { plan(world, {.high_focal = bad}); }, "high_focal" + text);
   }
+  check_throws<InvalidArgument>([&] { plan(world, {.lower_bound_period = 0}); }, "lower_bound_period is 0");
 }
 
 BOOST_AUTO_TEST_CASE(agents_that_break_their_contract_are_refused) {

@@ -33,7 +33,7 @@ BOOST_AUTO_TEST_CASE(ara_costs_and_bounds_never_rise_and_end_at_the_optimum) {
       };
       const Result last = plan(problem, options);
       check_result(problem, last, 1.0);
-      BOOST_REQUIRE_LE(problem.graph.max_asked(), 1);
+      BOOST_REQUIRE_LE(problem.graph.max_evaluations(), 1);
       BOOST_REQUIRE_EQUAL(seen.empty(), last.status != Status::solved);
       if (seen.empty()) continue;
       check_same(seen.back(), last);

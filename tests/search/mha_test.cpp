@@ -18,7 +18,7 @@ BOOST_AUTO_TEST_CASE(mha_keeps_its_bound_with_misleading_heuristics) {
       const MhaOptions options{.w1 = 1.0 + 0.5 * (seed % 5), .w2 = 1.0 + 0.7 * (seed % 3)};
       const Result result = mha_star(problem.graph, problem.starts, problem, others, options, Deadline());
       check_result(problem, result, options.w1 * options.w2);
-      BOOST_REQUIRE_LE(problem.graph.max_asked(), 1);
+      BOOST_REQUIRE_LE(problem.graph.max_evaluations(), 1);
       BOOST_REQUIRE_LE(result.statistics.expansions, 2 * problem.graph.arcs.size());
     }
   }

@@ -49,9 +49,6 @@ PathConflicts conflicts_of(World& world, const OtherPath& a, const OtherPath& b)
 
 namespace {
 
-/// Every how many nodes one is taken for its lower bound: fewer raise the bound earlier, more solve conflicts earlier.
-constexpr std::uint64_t lower_bound_period = 4;
-
 using PathPtr = std::shared_ptr<const TimedPath>;
 using Pair = std::pair<std::size_t, std::size_t>;  // first < second
 
@@ -158,7 +155,7 @@ class ConflictSearch {
     for (; !beyond_.empty() && (*beyond_.begin())->cost <= limit; beyond_.erase(beyond_.begin()))
       focal_.insert(*beyond_.begin());
     const bool optimal = options_.bound() == 1.0 && !options_.priorities;  // all of focal_ has the least lower bound
-    proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++taken_ % lower_bound_period == 0);
+    proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++taken_ % options_.lower_bound_period == 0);
     if (!proves_) node = *focal_.begin();
     held_ -= memory_of(*node);
     open_.erase(node);
@@ -331,6 +328,8 @@ ConflictSearchResult conflict_search(World& world, const ConflictSearchOptions& 
   search::require_weight(options.low_level_weight, "conflict_search: low_level_weight");
   search::require_weight(options.low_focal, "conflict_search: low_focal");
   search::require_weight(options.high_focal, "conflict_search: high_focal");
+  if (options.lower_bound_period == 0)
+    throw InvalidArgument("conflict_search: lower_bound_period is 0, it must be at least 1");
   return ConflictSearch(world, options, deadline).run();
 }
 

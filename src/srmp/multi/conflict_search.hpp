@@ -26,6 +26,10 @@ struct ConflictSearchOptions {
   /// Moves evaluated by all searches together, after which the result is timed_out.
   std::uint64_t max_evaluations{std::numeric_limits<std::uint64_t>::max()};
 
+  /// > 0: every so many nodes one is expanded for its lower bound rather than for few conflicts. Smaller raises the
+  /// bound earlier, larger resolves conflicts earlier.
+  std::uint64_t lower_bound_period{4};
+
   /// cost <= bound() * optimum of the agents' graphs.
   double bound() const;
 };
@@ -47,9 +51,11 @@ struct ConflictSearchResult {
   ConflictSearchStatistics statistics;
 };
 
-/// Conflict-based search (Sharon, Stern, Felner, Sturtevant 2015) with focal lists on both levels (Barer, Sharon,
-/// Stern, Felner 2014). Sum of costs at most options.bound() times the optimum. Deterministic: ties are broken by node
-/// number.
+/// Conflict-based search (Sharon, Stern, Felner, Sturtevant 2015, "Conflict-based search for optimal multi-agent
+/// pathfinding") with focal lists on both levels (Barer, Sharon, Stern, Felner 2014, "Suboptimal variants of the
+/// conflict-based search algorithm for the multi-agent pathfinding problem"). Guarantee: the sum of costs is at most
+/// options.bound() times the optimum. Deterministic: ties are broken by node number. Throws InvalidArgument for options
+/// out of range and for agents that break their contract.
 ///
 /// Exhausted: an agent has no path to its goal at all, or none under the constraints of any node. A world that holds a
 /// path for each agent but none for all together may be searched without end.
