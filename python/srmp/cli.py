@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 import srmp
+from srmp._cli_bench import bench
+from srmp._cli_options import cover_first, decorated, parse_key_values, planner_options, steps_bar
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
 EXIT_NO_PATH = 1  # a valid request, but there is no trajectory, it has faults, the state is in collision, …
@@ -54,30 +55,8 @@ _JOINT_LIMITS = click.option(
 )
 
 
-def _decorated(command: Any, decorators: Sequence[Callable[[Any], Any]]) -> Any:
-    for decorator in reversed(decorators):
-        command = decorator(command)
-    return command
-
-
 def _robot_details(command: Any) -> Any:
-    return _decorated(command, _ROBOT_DETAILS)
-
-
-def _planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
-    def decorate(command: Any) -> Any:
-        decorators = [
-            click.option("--planner", default="auto", show_default=True, help="Planner id."),
-            click.option(
-                "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
-            ),
-            click.option(
-                "--time-limit", type=float, default=time_limit, show_default=True, help="Seconds for each plan."
-            ),
-        ]
-        return _decorated(command, decorators)
-
-    return decorate
+    return decorated(command, _ROBOT_DETAILS)
 
 
 def _robot_options(command: Any) -> Any:
@@ -86,20 +65,7 @@ def _robot_options(command: Any) -> Any:
         *_ROBOT_DETAILS,
         click.option("--scene", type=EXISTING_FILE, help="Objects: MoveIt scene YAML."),
     ]
-    return _decorated(command, decorators)
-
-
-def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
-    """["weight=10"] as a dictionary; the planner checks keys and values."""
-    values: dict[str, str] = {}
-    for pair in pairs:
-        key, equals, value = pair.partition("=")
-        if not equals or not key.strip():
-            raise click.BadParameter(f"'{pair}' is not KEY=VALUE.")
-        if key.strip() in values:
-            raise click.BadParameter(f"'{key.strip()}' is given twice.")
-        values[key.strip()] = value.strip()
-    return values
+    return decorated(command, decorators)
 
 
 def _make_world(
@@ -142,14 +108,14 @@ def _apply_joint_limits(world: srmp.PlannerInterface, robot: str, path: str | No
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False), default=".", show_default=True, help="Directory for the files."
 )
-@_planner_options(time_limit=30.0)
+@planner_options(time_limit=30.0)
 def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float) -> None:
     """A 7-joint arm reaches into a shelf; writes demo.json and demo.png."""
     from srmp.demo import run
 
-    planner_options = {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)}
-    _cover_first(srmp.data_path("arm7.urdf"))
-    result = run(planner_options)
+    chosen_options = {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)}
+    cover_first(srmp.data_path("arm7.urdf"))
+    result = run(chosen_options)
     directory = Path(output)
     directory.mkdir(parents=True, exist_ok=True)
     result.write(directory / "demo.json")
@@ -171,7 +137,7 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
 @click.option("-o", "--output", required=True, type=click.Path(dir_okay=False), help="Result file (JSON).")
 @click.option("--save", type=click.Path(dir_okay=False), help="Write the whole problem too, for srmp replay (JSON).")
 @_JOINT_LIMITS
-@_planner_options()
+@planner_options()
 def plan(
     urdf: str,
     srdf: str | None,
@@ -201,7 +167,7 @@ def plan(
     world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
     problem = _apply_request(world, "robot", request)
     _apply_joint_limits(world, "robot", joint_limits)
-    _cover_first(urdf, package_dirs)
+    cover_first(urdf, package_dirs)
     world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
     try:
         trajectory = world.plan("robot", problem.start, problem.goals)
@@ -441,7 +407,7 @@ def cover(
     for path in (output, figure):
         if path and not Path(path).parent.is_dir():
             raise click.BadParameter(f"the directory {Path(path).parent} does not exist.")
-    with _steps_bar() as progress:
+    with steps_bar() as progress:
         result = srmp.cover(
             urdf,
             package_dirs=list(package_dirs),
@@ -466,165 +432,13 @@ def cover(
             click.echo(f"wrote {figure}")
 
 
-def _cover_first(urdf: str | Path, package_dirs: Sequence[str] = ()) -> None:
-    """Computes the sphere cover of a new robot, which takes up to a minute, with a bar; later it is in the cache."""
-    if os.environ.get("SRMP_CACHE_DIR") != "":  # without a cache the planner makes its own
-        with _steps_bar() as progress:
-            srmp.cover(str(urdf), package_dirs=list(package_dirs), progress=progress)
-
-
-@contextlib.contextmanager
-def _steps_bar() -> Iterator[Callable[[int, int], None]]:
-    """Shows steps done of steps in all on stderr, where that is a terminal."""
-    from tqdm import tqdm
-
-    with tqdm(desc="covering", disable=None, leave=False, dynamic_ncols=True) as bar:
-
-        def show(done: int, total: int) -> None:
-            bar.total = total
-            bar.update(done - bar.n)
-
-        yield show
-
-
 @main.command("cmake-dir")
 def cmake_dir() -> None:
     """Print the directory of srmpConfig.cmake, for -Dsrmp_DIR=…"""
     click.echo(srmp.get_cmake_dir())
 
 
-@main.group()
-def bench() -> None:
-    """Benchmarks on public problem sets."""
-
-
-@bench.command()
-@click.option(
-    "--data", required=True, type=click.Path(exists=True, file_okay=False), help="Directory with <robot>/problems…"
-)
-@click.option("--robot", required=True, help="panda, ur5 or fetch.")
-@click.option("--scenario", "scenarios", multiple=True, help="Only this one; may be repeated.")
-@click.option("--problems", default="", help="Numbers in each scenario, such as 1-10 or 1,3,5-7; default: all.")
-@_planner_options()
-@click.option(
-    "--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model."
-)
-@click.option(
-    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
-)
-def mbm(
-    data: str,
-    robot: str,
-    scenarios: tuple[str, ...],
-    problems: str,
-    planner: str,
-    options: tuple[str, ...],
-    time_limit: float,
-    geometry: str,
-    out: str | None,
-) -> None:
-    """MotionBenchMaker: solve its problems and print a table per scenario."""
-    from srmp.bench import mbm as benchmark
-
-    _require_directory(out)
-    planner_options = parse_key_values(options)
-    files = benchmark.robot_files(data, robot, geometry)
-    _cover_first(files.urdf, [str(files.directory)])
-    result = benchmark.run(
-        data,
-        robot,
-        scenarios=scenarios,
-        problems=problems,
-        planner_id=planner,
-        options=planner_options,
-        geometry=geometry,
-        time_limit=time_limit,
-        progress=_progress_bar,
-    )
-    _report(result, benchmark.format_statistics, out)
-
-
-@bench.command()
-@click.option("--scenario", required=True, help="A file, or ring, binpick, shelves, grid or mixed.")
-@click.option("--robots", type=int, help="How many, of generated scenarios.")
-@click.option("--problems", default="", help="Numbers, such as 1-10 or 1,3,5-7; default: all, or the first 50.")
-@_planner_options(time_limit=20.0)
-@click.option("--seed", type=int, default=0, show_default=True, help="Of generated problems.")
-@click.option(
-    "--data",
-    type=click.Path(exists=True, file_okay=False),
-    help="Directory with MotionBenchMaker's robots; default: those of example-robot-data.",
-)
-@click.option(
-    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
-)
-def multi(
-    scenario: str,
-    robots: int | None,
-    problems: str,
-    planner: str,
-    options: tuple[str, ...],
-    time_limit: float,
-    seed: int,
-    data: str | None,
-    out: str | None,
-) -> None:
-    """Several robots at once: solve the problems of a scenario and print a table."""
-    from srmp.bench import multi as benchmark
-    from srmp.bench import scenarios
-
-    _require_directory(out)
-    planner_options = parse_key_values(options)
-    for model in scenarios.find(scenario, robots, seed, data).world.models:
-        _cover_first(model.urdf, model.package_dirs)
-    result = benchmark.run(
-        scenario,
-        robots,
-        problems=problems,
-        planner_id=planner,
-        options=planner_options,
-        time_limit=time_limit,
-        seed=seed,
-        data=data,
-        progress=_progress_bar,
-    )
-    _report(result, benchmark.format_statistics, out)
-
-
-def _require_directory(out: str | None) -> None:
-    if out and not Path(out).parent.is_dir():
-        raise click.BadParameter(f"--out: the directory {Path(out).parent} does not exist.")
-
-
-def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: str | None) -> None:
-    """The table, the problems that are none, and the result file."""
-    from srmp._files import write_json
-
-    if result["rows"]:
-        click.echo(table(result["rows"]))
-    for row in result["rows"]:
-        if row["status"] in ("start_invalid", "goal_invalid"):
-            click.echo(f"{row['problem']} is not a valid problem: {row['reason']}")
-    if out:
-        write_json(out, result)
-        click.echo(f"wrote {out}")
-    if not result["header"]["complete"]:
-        raise click.Abort
-
-
-@contextlib.contextmanager
-def _progress_bar(problems: Sequence[Any]) -> Iterator[Iterator[Any]]:
-    """Shows what is being solved on stderr, where that is a terminal."""
-    from tqdm import tqdm
-
-    with tqdm(problems, unit="problem", disable=None, leave=False, dynamic_ncols=True) as bar:
-
-        def named() -> Iterator[Any]:
-            for problem in bar:
-                bar.set_description(problem.name)
-                yield problem
-
-        yield named()
+main.add_command(bench)
 
 
 if __name__ == "__main__":

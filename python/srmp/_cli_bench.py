@@ -1,0 +1,146 @@
+"""The commands srmp bench mbm and srmp bench multi."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from srmp._cli_options import cover_first, parse_key_values, planner_options
+
+
+@click.group()
+def bench() -> None:
+    """Benchmarks on public problem sets."""
+
+
+@bench.command()
+@click.option(
+    "--data", required=True, type=click.Path(exists=True, file_okay=False), help="Directory with <robot>/problems…"
+)
+@click.option("--robot", required=True, help="panda, ur5 or fetch.")
+@click.option("--scenario", "scenarios", multiple=True, help="Only this one; may be repeated.")
+@click.option("--problems", default="", help="Numbers in each scenario, such as 1-10 or 1,3,5-7; default: all.")
+@planner_options()
+@click.option(
+    "--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model."
+)
+@click.option(
+    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
+)
+def mbm(
+    data: str,
+    robot: str,
+    scenarios: tuple[str, ...],
+    problems: str,
+    planner: str,
+    options: tuple[str, ...],
+    time_limit: float,
+    geometry: str,
+    out: str | None,
+) -> None:
+    """MotionBenchMaker: solve its problems and print a table per scenario."""
+    from srmp.bench import mbm as benchmark
+
+    _require_directory(out)
+    chosen_options = parse_key_values(options)
+    files = benchmark.robot_files(data, robot, geometry)
+    cover_first(files.urdf, [str(files.directory)])
+    result = benchmark.run(
+        data,
+        robot,
+        scenarios=scenarios,
+        problems=problems,
+        planner_id=planner,
+        options=chosen_options,
+        geometry=geometry,
+        time_limit=time_limit,
+        progress=_progress_bar,
+    )
+    _report(result, benchmark.format_statistics, out)
+
+
+@bench.command()
+@click.option("--scenario", required=True, help="A file, or ring, binpick, shelves, grid or mixed.")
+@click.option("--robots", type=int, help="How many, of generated scenarios.")
+@click.option("--problems", default="", help="Numbers, such as 1-10 or 1,3,5-7; default: all, or the first 50.")
+@planner_options(time_limit=20.0)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of generated problems.")
+@click.option(
+    "--data",
+    type=click.Path(exists=True, file_okay=False),
+    help="Directory with MotionBenchMaker's robots; default: those of example-robot-data.",
+)
+@click.option(
+    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
+)
+def multi(
+    scenario: str,
+    robots: int | None,
+    problems: str,
+    planner: str,
+    options: tuple[str, ...],
+    time_limit: float,
+    seed: int,
+    data: str | None,
+    out: str | None,
+) -> None:
+    """Several robots at once: solve the problems of a scenario and print a table."""
+    from srmp.bench import multi as benchmark
+    from srmp.bench import scenarios
+
+    _require_directory(out)
+    chosen_options = parse_key_values(options)
+    for model in scenarios.find(scenario, robots, seed, data).world.models:
+        cover_first(model.urdf, model.package_dirs)
+    result = benchmark.run(
+        scenario,
+        robots,
+        problems=problems,
+        planner_id=planner,
+        options=chosen_options,
+        time_limit=time_limit,
+        seed=seed,
+        data=data,
+        progress=_progress_bar,
+    )
+    _report(result, benchmark.format_statistics, out)
+
+
+def _require_directory(out: str | None) -> None:
+    if out and not Path(out).parent.is_dir():
+        raise click.BadParameter(f"--out: the directory {Path(out).parent} does not exist.")
+
+
+def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: str | None) -> None:
+    """The table, the problems that are none, and the result file."""
+    from srmp._files import write_json
+
+    if result["rows"]:
+        click.echo(table(result["rows"]))
+    for row in result["rows"]:
+        if row["status"] in ("start_invalid", "goal_invalid"):
+            click.echo(f"{row['problem']} is not a valid problem: {row['reason']}")
+    if out:
+        write_json(out, result)
+        click.echo(f"wrote {out}")
+    if not result["header"]["complete"]:
+        raise click.Abort
+
+
+@contextlib.contextmanager
+def _progress_bar(problems: Sequence[Any]) -> Iterator[Iterator[Any]]:
+    """Shows what is being solved on stderr, where that is a terminal."""
+    from tqdm import tqdm
+
+    with tqdm(problems, unit="problem", disable=None, leave=False, dynamic_ncols=True) as bar:
+
+        def named() -> Iterator[Any]:
+            for problem in bar:
+                bar.set_description(problem.name)
+                yield problem
+
+        yield named()

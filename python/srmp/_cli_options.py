@@ -1,0 +1,69 @@
+"""Options and progress bars that the commands of the command line share."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+import srmp
+
+
+def decorated(command: Any, decorators: Sequence[Callable[[Any], Any]]) -> Any:
+    for decorator in reversed(decorators):
+        command = decorator(command)
+    return command
+
+
+def planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
+    def decorate(command: Any) -> Any:
+        decorators = [
+            click.option("--planner", default="auto", show_default=True, help="Planner id."),
+            click.option(
+                "--option", "options", multiple=True, metavar="KEY=VALUE", help="Planner option; may be repeated."
+            ),
+            click.option(
+                "--time-limit", type=float, default=time_limit, show_default=True, help="Seconds for each plan."
+            ),
+        ]
+        return decorated(command, decorators)
+
+    return decorate
+
+
+def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
+    """["weight=10"] as a dictionary; the planner checks keys and values."""
+    values: dict[str, str] = {}
+    for pair in pairs:
+        key, equals, value = pair.partition("=")
+        if not equals or not key.strip():
+            raise click.BadParameter(f"'{pair}' is not KEY=VALUE.")
+        if key.strip() in values:
+            raise click.BadParameter(f"'{key.strip()}' is given twice.")
+        values[key.strip()] = value.strip()
+    return values
+
+
+def cover_first(urdf: str | Path, package_dirs: Sequence[str] = ()) -> None:
+    """Computes the sphere cover of a new robot, which takes up to a minute, with a bar; later it is in the cache."""
+    if os.environ.get("SRMP_CACHE_DIR") != "":  # without a cache the planner makes its own
+        with steps_bar() as progress:
+            srmp.cover(str(urdf), package_dirs=list(package_dirs), progress=progress)
+
+
+@contextlib.contextmanager
+def steps_bar() -> Iterator[Callable[[int, int], None]]:
+    """Shows steps done of steps in all on stderr, where that is a terminal."""
+    from tqdm import tqdm
+
+    with tqdm(desc="covering", disable=None, leave=False, dynamic_ncols=True) as bar:
+
+        def show(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield show
