@@ -51,11 +51,13 @@ void bind_limits(nb::module_& m) {
           "empty = none is.\n\n"
           "Raises InvalidArgument unless all have one entry a joint, above 0 and finite.")
       .def_prop_ro(
-          "velocity", [](const MotionLimits& l) { return to_numpy(l.velocity); }, "(dof,) [rad/s or m/s]")
+          "velocity", [](const MotionLimits& l) { return to_numpy(l.velocity); },
+          "Velocity limits (dof,) [rad/s or m/s].")
       .def_prop_ro(
-          "acceleration", [](const MotionLimits& l) { return to_numpy(l.acceleration); }, "(dof,) [rad/s^2 or m/s^2]")
+          "acceleration", [](const MotionLimits& l) { return to_numpy(l.acceleration); },
+          "Acceleration limits (dof,) [rad/s^2 or m/s^2].")
       .def_prop_ro(
-          "jerk", [](const MotionLimits& l) { return to_numpy(l.jerk); }, "(dof,) [rad/s^3 or m/s^3]")
+          "jerk", [](const MotionLimits& l) { return to_numpy(l.jerk); }, "Jerk limits (dof,) [rad/s^3 or m/s^3].")
       .def_ro("continuous", &MotionLimits::continuous,
               "Joints whose waypoints must follow by the short way round; empty = none.")
       .def("__repr__", [](const MotionLimits& l) { return "MotionLimits(" + std::to_string(l.size()) + " joints)"; });
@@ -99,8 +101,8 @@ void bind_faults(nb::module_& m) {
       .value("not_at_rest", FaultKind::not_at_rest, "Its velocity at the start or end is not 0, though it should be.");
 
   nb::class_<Fault> fault(m, "Fault", "Something that is wrong, and where.");
-  fault.def_ro("kind", &Fault::kind, "A FaultKind.")
-      .def_ro("text", &Fault::text, "A sentence.")
+  fault.def_ro("kind", &Fault::kind, "The kind of the fault.")
+      .def_ro("text", &Fault::text, "What is wrong, as a sentence.")
       .def_ro("time", &Fault::time, "[s] when it is worst; NaN: at no particular time.")
       .def("__repr__", [](const Fault& f) { return "Fault(" + to_string(f.kind) + ": " + f.text + ")"; });
   make_value(
@@ -113,7 +115,7 @@ void bind_parts(nb::module_& m) {
   use.def_ro("fraction", &LimitUse::fraction,
              "Of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end.")
       .def_ro("joint", &LimitUse::joint, "By which joint; '' = nothing moves, or there is no limit.")
-      .def_ro("time", &LimitUse::time, "[s]")
+      .def_ro("time", &LimitUse::time, "The time of it [s].")
       .def("__repr__", [](const LimitUse& u) {
         return "LimitUse(" + to_text(u.fraction) + (u.joint.empty() ? "" : ", " + u.joint) + ")";
       });
@@ -124,8 +126,8 @@ void bind_parts(nb::module_& m) {
   nb::class_<SampledInterval> sampled(m, "SampledInterval",
                                       "A part of a motion over which two bodies could not be proved to stay apart; "
                                       "they are apart at every sample in it.");
-  sampled.def_ro("from_time", &SampledInterval::from, "[s]")
-      .def_ro("to_time", &SampledInterval::to, "[s]")
+  sampled.def_ro("from_time", &SampledInterval::from, "Begin of the interval [s].")
+      .def_ro("to_time", &SampledInterval::to, "End of the interval [s].")
       .def_ro("body_a", &SampledInterval::body_a, "Link (or attached object) of the robot.")
       .def_ro("body_b", &SampledInterval::body_b, "Object, link of the same robot, or 'robot/link' of another.")
       .def("__repr__", [](const SampledInterval& i) {
@@ -211,12 +213,12 @@ void bind_certificate(nb::module_& m) {
       .def_ro("velocity", &Certificate::velocity, "LimitUse of the velocity limits.")
       .def_ro("acceleration", &Certificate::acceleration, "LimitUse of the acceleration limits.")
       .def_ro("jerk", &Certificate::jerk, "LimitUse of the jerk limits.")
-      .def_ro("collisions_checked", &Certificate::collisions_checked, "Were collisions checked?")
+      .def_ro("collisions_checked", &Certificate::collisions_checked, "Whether collisions were checked.")
       .def_ro("checked_from", &Certificate::checked_from,
               "[s]: what comes before is the recovery from a start in collision.")
       .def_ro("clearance", &Certificate::clearance,
               "[m] the smallest that was found; inf: there is nothing to collide with.")
-      .def_ro("clearance_time", &Certificate::clearance_time, "[s] when.")
+      .def_ro("clearance_time", &Certificate::clearance_time, "The time of the smallest clearance [s].")
       .def_ro("body_a", &Certificate::body_a, "Of the pair there: link (or attached object) of the robot.")
       .def_ro("body_b", &Certificate::body_b, "Object, link of the same robot, or 'robot/link' of another.")
       .def_ro("clearance_proved", &Certificate::clearance_proved,
@@ -225,7 +227,7 @@ void bind_certificate(nb::module_& m) {
               "SampledIntervals: parts that are not proved free; empty: all of the motion is.")
       .def_ro("deviation", &Certificate::deviation,
               "[m]: no point of the robot leaves its path along the waypoints by more.")
-      .def_ro("deviation_time", &Certificate::deviation_time, "[s] when.")
+      .def_ro("deviation_time", &Certificate::deviation_time, "The time of the largest deviation [s].")
       .def_ro("goal_error", &Certificate::goal_error,
               "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")
       .def_ro("bound", &Certificate::bound,

@@ -289,7 +289,7 @@ void bind_collision_checker(nb::module_& m) {
           "(dof,) [m/rad, prismatic joints 1]: how far a unit of each joint moves any point of the robot, or of what "
           "it "
           "holds, at most.")
-      .def_prop_ro("dof", [](const Self& self) { return self.dof(); }, "Planned joints.");
+      .def_prop_ro("dof", [](const Self& self) { return self.dof(); }, "Number of planned joints.");
   nb::class_<Timed>(m, "TimedCollisionChecker",
                     "Collision checks of one robot among others whose motions are known, in the scene as it was when\n"
                     "planner.timed_collision_checker made this. Arrays as for CollisionChecker; times are one [s], or "

@@ -121,7 +121,7 @@ void bind_cover(nb::module_& m) {
       "Raises InvalidArgument for fewer than four points, points in one plane, and NaN.");
   nb::class_<LinkCover>(m, "LinkCover",
                         "The spheres of one link, in its frame: arrays of shape (n, 4) with rows x, y, z, radius [m].")
-      .def_ro("link", &LinkCover::link)
+      .def_ro("link", &LinkCover::link, "Name of the link.")
       .def_prop_ro(
           "coarse", [](const LinkCover& c) { return rows(c.coarse); },
           "Together they contain the link's collision geometry.")

@@ -21,6 +21,7 @@ namespace detail {
 class RobotGroup;
 }
 
+/// What a body of a contact is.
 enum class BodyKind { link, object, attached_object };
 
 /// Two bodies in contact, or the nearest two.
@@ -31,8 +32,8 @@ struct Contact {
   Eigen::Vector3d point_a;  ///< on body_a, world frame [m]
   Eigen::Vector3d point_b;  ///< on body_b, world frame [m]
   double padding{};         ///< of the pair [m]
-  BodyKind kind_a{};
-  BodyKind kind_b{};
+  BodyKind kind_a{};        ///< what body_a is
+  BodyKind kind_b{};        ///< what body_b is
 
   /// "link 'panda_link5' and object 'shelf' overlap by 12.3 mm".
   std::string describe() const;
@@ -46,8 +47,9 @@ enum class CheckMode {
   coal,          ///< Coal alone
 };
 
+/// Options of a checker.
 struct CheckerOptions {
-  CheckMode mode{CheckMode::exact};
+  CheckMode mode{CheckMode::exact};            ///< how motions are decided
   std::shared_ptr<CoverStore> covers{};        ///< where spheres are looked up; nullptr: a store of the checker's own
   std::vector<std::string> other_robots{};     ///< robots that move too: their joints follow in a configuration
   std::vector<std::string> excluded_robots{};  ///< robots left out, with all that they hold
@@ -71,13 +73,14 @@ struct CheckStatistics {
 
 /// Proof that a motion is free, or a contact on it, or the first part of it that could not be proved.
 struct MotionCertificate {
-  bool proved{};
+  bool proved{};               ///< the whole motion is proved free
   double from{}, to{};         ///< part of the motion, 0..1, that could not be proved; from = to: a contact there
   std::string body_a, body_b;  ///< the pair there, named as in Contact
 };
 
 /// Thrown by Checker::is_motion_free; see Checker::stop_at.
 struct MotionCheckStopped : std::exception {
+  /// The sentence of the exception.
   const char* what() const noexcept override { return "the deadline passed during a check of a motion"; }
 };
 
@@ -148,6 +151,7 @@ class Checker {
     friend class Checker;
     const Checker* owner_{nullptr};
   };
+  /// Owns the scratch memory of one thread.
   using WorkspacePtr = std::unique_ptr<Workspace>;
 
   Checker(const Checker&) = delete;
@@ -172,6 +176,8 @@ class Checker {
   // All queries throw InvalidArgument unless configurations have dof() finite entries and the workspace is of this
   // checker's make_workspace.
 
+  /// Returns whether the robot at q (dof,) [rad or m] touches nothing. Limits are not checked. Throws InvalidArgument
+  /// unless q has dof() finite entries.
   bool is_free(ConstVector q, Workspace& workspace) const;
   /// The straight motion from a to b, both ends included.
   bool is_motion_free(ConstVector a, ConstVector b, Workspace& workspace, const MotionQuery& query = {}) const;
@@ -196,6 +202,7 @@ class Checker {
   /// workspace.
   void stop_at(const Deadline& deadline, Workspace& workspace) const;
 
+  /// The counts of this workspace's checks.
   const CheckStatistics& statistics(const Workspace& workspace) const { return workspace.statistics; }
 
  protected:

@@ -35,6 +35,7 @@ class TimedChecker {
   // All of these throw InvalidArgument unless configurations have dof() finite entries, times are finite, and the
   // workspace is one of checker().
 
+  /// Returns whether the robot at q (dof,) [rad or m] touches nothing at `time` [s].
   bool is_free(ConstVector q, double time, Checker::Workspace& workspace) const;
   /// The straight motion from a at time `from` to b at time `to` [s], at constant speed. Throws InvalidArgument unless
   /// from <= to.

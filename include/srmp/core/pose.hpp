@@ -28,6 +28,7 @@ struct Pose {
 
   std::array<double, 7> to_list() const;  ///< the numbers of from_list
   Eigen::Matrix4d matrix() const;         ///< homogeneous
+  /// The pose as an Eigen transform.
   Eigen::Isometry3d isometry() const;
   /// Nothing is checked; the quaternion is normalised.
   static Pose from_isometry(const Eigen::Isometry3d& transform);

@@ -10,7 +10,7 @@ namespace srmp::io {
 
 /// The contents of a joint_limits.yaml for a robot's planned joints.
 struct JointLimitsFile {
-  MotionLimits limits;
+  MotionLimits limits;              ///< of the planned joints
   std::vector<std::string> unused;  ///< joints of the file that are not planned, in its order
 };
 

@@ -21,16 +21,16 @@ enum class PrimitiveUse {
 
 /// Moves that belong together. A move is a joint displacement [rad or m], one entry per planned joint.
 struct PrimitiveFamily {
-  std::string name;
-  PrimitiveUse use{PrimitiveUse::always};
-  std::vector<Eigen::VectorXd> moves;
+  std::string name;                        ///< unique in its set
+  PrimitiveUse use{PrimitiveUse::always};  ///< where its moves are used
+  std::vector<Eigen::VectorXd> moves;      ///< joint displacements (dof,) [rad or m]
 };
 
 /// The action space of a lattice (Cohen, Chitta, Likhachev 2010, "Search-based planning for manipulation with motion
 /// primitives"; long and short ones as in Cohen et al. 2011, "Planning for manipulation with adaptive motion
 /// primitives").
 struct PrimitiveSet {
-  std::vector<PrimitiveFamily> families;
+  std::vector<PrimitiveFamily> families;  ///< in the order in which moves are tried
   double near_distance{0.4};  ///< joint-space distance to the start or a goal [rad, prismatic joints m], >= 0
 };
 
@@ -48,6 +48,7 @@ PrimitiveSet axis_primitives(const std::vector<Joint>& joints, const Eigen::Vect
 /// Two planned joints, next to each other or with one joint between them, whose axes are parallel when all joints are
 /// at 0: by opposite rotations they translate what they carry and keep its orientation.
 using JointPair = std::pair<Eigen::Index, Eigen::Index>;
+/// All such pairs of the robot.
 std::vector<JointPair> parallel_pairs(const RobotModel& robot);
 
 /// For several lattices that are searched in a portfolio: by one step, all planned joints at once to the target, every

@@ -204,11 +204,13 @@ struct Auto {
   int num_threads{1};
 };
 
+/// The options of one planner.
 using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised>;
 
 /// A value of a dictionary. A string may also hold a number or a truth value ("5", "true"), or names with commas or
 /// spaces between them for an option that is a list of names.
 using OptionValue = std::variant<bool, double, std::string, std::vector<std::string>>;
+/// Options by name, as dictionaries and files bring them.
 using OptionMap = std::map<std::string, OptionValue>;
 
 /// Reads a dictionary: "planner_id" selects the planner (default: auto), every other key must be an option of it, and
@@ -251,8 +253,11 @@ struct Improvement {
   double time{0.0};  ///< [s]; 0 with rounds: as long as the rounds take.
   double final_weight{1.0};
 
+  /// Whether better paths are requested.
   bool wanted() const { return rounds > 0 || time > 0.0; }
+  /// Whether another round follows.
   bool goes_on_after(int round) const { return rounds > 0 ? round < rounds : time > 0.0; }
+  /// The time for better paths [s], within what remains.
   double time_of(double remaining) const { return time > 0.0 ? std::min(time, remaining) : remaining; }
 };
 /// No rounds and no time for planners without such options.

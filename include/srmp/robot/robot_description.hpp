@@ -29,6 +29,7 @@ struct RobotDescription {
   std::vector<std::string> package_dirs{};  ///< searched for package:// and relative meshes, after the URDF's directory
 };
 
+/// How a scalar joint moves: about an axis with or without limits, or along one.
 enum class JointKind {
   revolute,    ///< [rad], with limits
   continuous,  ///< [rad], without limits; positions that differ by 2 pi are the same
@@ -37,8 +38,8 @@ enum class JointKind {
 
 /// A joint with one degree of freedom.
 struct Joint {
-  std::string name;
-  JointKind kind{};
+  std::string name;       ///< as in the URDF
+  JointKind kind{};       ///< how it moves
   double lower{};         ///< [rad or m]; minus infinity for continuous joints
   double upper{};         ///< [rad or m]; infinity for continuous joints
   double max_velocity{};  ///< [rad/s or m/s]; 0 when the URDF gives none, which planned joints must have

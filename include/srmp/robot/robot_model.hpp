@@ -24,9 +24,12 @@ struct RobotModelImpl;
 
 /// Scratch memory of one thread, which holds the kinematics of one configuration. RobotModel::make_data creates it.
 class RobotData;
+/// Deletes RobotData, whose type is incomplete here.
 struct RobotDataDeleter {
+  /// Deletes the scratch memory.
   void operator()(RobotData*) const;
 };
+/// Owns the scratch memory of one thread.
 using RobotDataPtr = std::unique_ptr<RobotData, RobotDataDeleter>;
 
 /// A robot: kinematics, limits, collision geometry and the self-collisions to check. Immutable; threads share it, each

@@ -20,8 +20,8 @@ class DistanceField;
 
 /// A body of the scene that is not part of a robot.
 struct Object {
-  std::string name;  ///< unique in the scene
-  Shape shape;
+  std::string name;                                         ///< unique in the scene
+  Shape shape;                                              ///< as it was added
   std::shared_ptr<const coal::CollisionGeometry> geometry;  ///< of shape
   GeometryParts parts;                                      ///< of geometry
   std::shared_ptr<const DistanceField> field;               ///< of geometry; nullptr if the distance is a formula
@@ -31,8 +31,8 @@ struct Object {
 
 /// The link that an attached object moves with.
 struct Attachment {
-  std::string robot;
-  std::string link;
+  std::string robot;                  ///< name of the robot that holds it
+  std::string link;                   ///< the link that it moves with
   std::set<std::string> touch_links;  ///< links of this robot that may touch the object; `link` is always one
 };
 
@@ -106,8 +106,11 @@ class Scene {
   const std::map<std::pair<std::string, std::string>, bool>& allowed_settings() const { return allowed_; }
 
   // --- the content, by name
+  /// The robots by name.
   const std::map<std::string, RobotInstance>& robots() const { return robots_; }
+  /// The objects by name, attached ones too.
   const std::map<std::string, Object>& objects() const { return objects_; }
+  /// The attachments by object name.
   const std::map<std::string, Attachment>& attachments() const { return attachments_; }
   const RobotInstance& robot(const std::string& name) const;  ///< throws InvalidArgument with the nearest name
   const Object& object(const std::string& name) const;        ///< throws InvalidArgument with the nearest name

@@ -11,25 +11,28 @@ namespace srmp {
 // Shapes are solid unless stated otherwise, and centred at the origin of their own frame. Lengths are in metres,
 // positive and finite. The axis of cylinders, capsules and cones is z.
 
+/// A box, centred.
 struct Box {
   Eigen::Vector3d size;  ///< full edge lengths
 };
+/// A sphere, centred.
 struct Sphere {
-  double radius;
+  double radius;  ///< [m], > 0
 };
+/// A cylinder along z, centred.
 struct Cylinder {
-  double radius;
-  double length;
+  double radius;  ///< [m], > 0
+  double length;  ///< [m], > 0
 };
 /// A cylinder of `length` with a half sphere at each end; the total height is length + 2 radius.
 struct Capsule {
-  double radius;
-  double length;
+  double radius;  ///< [m], > 0
+  double length;  ///< [m], > 0
 };
 /// The base is at z = -length/2 and the apex at z = +length/2.
 struct Cone {
-  double radius;
-  double length;
+  double radius;  ///< [m], > 0
+  double length;  ///< [m], > 0
 };
 /// The triangles as a surface, or the convex hull of the vertices as a solid.
 struct Mesh {

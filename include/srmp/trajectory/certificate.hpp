@@ -24,11 +24,12 @@ enum class FaultKind {
   goal,         ///< it does not end at the given goal
   not_at_rest,  ///< its velocity at the start or end is not 0, though it should be
 };
+/// The name of a kind, such as "velocity_limit".
 std::string to_string(FaultKind kind);
 
 /// Something that is wrong, and where.
 struct Fault {
-  FaultKind kind{};
+  FaultKind kind{};  ///< what is wrong
   std::string text;  ///< a sentence
   double time{};     ///< [s] when it is worst; NaN: at no particular time
   bool operator==(const Fault&) const = default;
@@ -55,10 +56,10 @@ struct SampledInterval {
 struct Certificate {
   std::vector<Fault> faults;  ///< empty: every claim below holds
 
-  MotionLimits limits;  ///< that the motion was verified against
-  LimitUse position, velocity, acceleration, jerk;
+  MotionLimits limits;                              ///< that the motion was verified against
+  LimitUse position, velocity, acceleration, jerk;  ///< use of the limits
 
-  bool collisions_checked{};
+  bool collisions_checked{};   ///< whether collisions were checked
   double checked_from{};       ///< [s]: what comes before is the recovery from a start in collision
   double clearance{};          ///< [m] the smallest that was found; infinity: there is nothing to collide with
   double clearance_time{};     ///< [s]
@@ -74,6 +75,7 @@ struct Certificate {
   std::string bound_graph;                                      ///< PlanStatistics::bound_graph
   double time_s{};                                              ///< computing time [s]
 
+  /// Whether there are no faults.
   bool holds() const { return faults.empty(); }
   /// Collisions were checked, there is none, and all of the motion is proved free, between samples too.
   bool proved_free() const;

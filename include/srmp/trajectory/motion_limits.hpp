@@ -15,6 +15,7 @@ struct MotionLimits {
   Eigen::VectorXd jerk;          ///< [rad/s^3 or m/s^3]
   std::vector<bool> continuous;  ///< joints that turn without limits: waypoints follow by the short way; empty = none
 
+  /// Number of joints.
   std::size_t size() const { return static_cast<std::size_t>(velocity.size()); }
 };
 

@@ -9,13 +9,15 @@
 
 namespace srmp {
 
+/// How a path becomes a motion in time.
 enum class TimingMethod {
   toppra,  ///< time-optimal along the path with rounded corners; accelerations may jump (Pham, Pham 2018)
   ruckig,  ///< jerk-limited, from rest to rest between corners, on the path itself (Berscheid, Kröger 2021)
 };
 
+/// Options of time_parameterize.
 struct TimingOptions {
-  TimingMethod method{TimingMethod::toppra};
+  TimingMethod method{TimingMethod::toppra};  ///< how the path is timed
   double sample_period{0.02};  ///< [s], > 0: there is a row at every multiple of it, or less than 0.5 ms from it
   /// Corners are rounded so that no point of the robot leaves the path by more than this [m], >= 0; 0: a stop at each.
   double blend_deviation{0.005};

@@ -22,9 +22,9 @@ struct MotionState {
 
 /// A robot and its placement in the world: what forward kinematics needs besides a configuration.
 struct PlacedRobot {
-  std::shared_ptr<const RobotModel> model;
-  Pose base{};                        ///< of the root link, in the world
-  Eigen::VectorXd other_positions{};  ///< of RobotModel::other_joints [rad or m]; empty: at their defaults
+  std::shared_ptr<const RobotModel> model;  ///< its immutable model
+  Pose base{};                              ///< of the root link, in the world
+  Eigen::VectorXd other_positions{};        ///< of RobotModel::other_joints [rad or m]; empty: at their defaults
 
   bool operator==(const PlacedRobot& other) const;
 };
@@ -49,7 +49,9 @@ struct Trajectory {
   std::shared_ptr<const PlacedRobot> robot{};        ///< for which it was planned; null: not known
 
   std::size_t size() const { return static_cast<std::size_t>(positions.rows()); }  ///< rows
+  /// Number of joints.
   std::size_t dof() const { return joint_names.size(); }
+  /// Whether it has times.
   bool timed() const { return times.size() > 0; }
   double duration() const { return times.size() ? times[times.size() - 1] - times[0] : 0.0; }  ///< [s]
   /// Length of the motion: sum of the Euclidean norms of joint differences of rows [rad, prismatic joints m].
@@ -64,6 +66,7 @@ struct Trajectory {
 
   /// Position at time t [s]. Times outside are moved to the nearest end.
   Eigen::VectorXd sample(double t) const;
+  /// Position, velocity, acceleration and jerk at time t [s], as sample.
   MotionState state(double t) const;
   /// n x dof [rad/s^3 or m/s^3]: of the polynomial after each row, the last row's is that before it.
   RowMatrix jerks() const;
