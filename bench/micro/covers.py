@@ -75,7 +75,7 @@ def measure(urdf: Path, packages: list[str]) -> dict:
     }
 
 
-def measure_apart(urdf: Path, packages: list[str]) -> dict:
+def measure_in_process(urdf: Path, packages: list[str]) -> dict:
     """In a process of its own: what another robot left in memory must not help."""
     command = [sys.executable, __file__, "--one", str(urdf), *packages]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -127,7 +127,7 @@ def main() -> None:
     }
     if not found:
         parser.error("no robot is there: give --data, or install example-robot-data")
-    rows = [{"robot": name, **measure_apart(*found[name])} for name in tqdm(found, disable=None)]
+    rows = [{"robot": name, **measure_in_process(*found[name])} for name in tqdm(found, disable=None)]
     header = mbm.header("covers", cores=os.cpu_count(), load_before=os.getloadavg()[0])
     results = {"header": header, "rows": rows}
     if arguments.out:

@@ -32,7 +32,7 @@ void bind_option_info(nb::module_& m) {
       .def_ro("unit", &OptionInfo::unit, "'s', 'm', 'degrees'; '' for a number without unit, and for other types.")
       .def_ro("range", &OptionInfo::range, "Of a number, such as '>= 1' or '> 0 and <= 1'; '' for other types.")
       .def_ro("choices", &OptionInfo::choices, "All allowed words; [] when any text is allowed.")
-      .def_ro("description", &OptionInfo::description, "One sentence.")
+      .def_ro("description", &OptionInfo::description, "What the option does, in one sentence.")
       .def_ro("common", &OptionInfo::common, "Whether every planner has it.")
       .def_ro("per_robot", &OptionInfo::per_robot,
               "Whether it may also be given for one robot among many: `heuristic_panda`, for the robot 'panda'.")
@@ -43,7 +43,7 @@ void bind_planner_info(nb::module_& m) {
   nb::class_<PlannerInfo>(m, "PlannerInfo", "What is known of a planner; see planner_info.")
       .def_ro("id", &PlannerInfo::id, "options['planner_id'] in a dictionary.")
       .def_ro("class_name", &PlannerInfo::class_name, "Of the class with its options: srmp.WAStar for 'WAStar'.")
-      .def_ro("summary", &PlannerInfo::summary, "One line.")
+      .def_ro("summary", &PlannerInfo::summary, "What the planner does, in one line.")
       .def_ro("papers", &PlannerInfo::papers, "What the planner is called in the literature, and where.")
       .def_ro("guarantee", &PlannerInfo::guarantee, "On the cost of the path, relative to the optimum.")
       .def_ro("one_robot", &PlannerInfo::one_robot, "Whether it serves plan.")

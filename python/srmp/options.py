@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar
 
-__all__ = ["CBS", "ECBS", "WPASE", "XECBS", "ARAStar", "AStar", "Auto", "MHAStar", "Prioritised", "WAStar"]
+__all__ = ["CBS", "ECBS", "WPASE", "XECBS", "ARAStar", "AStar", "Auto", "MHAStar", "Prioritised", "RRTConnect", "WAStar"]
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -178,6 +178,18 @@ class WPASE(_Options):
     """This many threads evaluate edges; the path does not depend on it [> 0 and <= 1024]."""
     batch_size: int = 16
     """This many edges are evaluated together; another size may find another path [> 0]."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class RRTConnect(_Options):
+    """Two trees that grow towards each other, by the same samples every time: quick, not optimal.
+
+    Literature: RRT-Connect: Kuffner, LaValle 2000.
+
+    Guarantee: none; no path is shorter than the straight line, which bounds the cost.
+    """
+
+    planner_id: ClassVar[str] = "RRTConnect"
 
 
 @dataclasses.dataclass(kw_only=True)

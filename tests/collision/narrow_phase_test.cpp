@@ -13,7 +13,6 @@ using namespace srmp::detail;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 using Geometry = std::shared_ptr<const coal::CollisionGeometry>;
 
 struct NamedShape {

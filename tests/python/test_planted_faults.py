@@ -139,8 +139,8 @@ NAMED = [
     (a_jump, "velocity_limit: arm7_joint6: the velocity reaches {number} at {between}; its limit is 3"),
     (another_start, "start: arm7_joint1: the trajectory starts at {number}, not at {number}"),
     (missed_goal, "goal: the end misses the goal by {number} times its tolerance"),
-    (moving_at_the_start, "rest: arm7_joint3: the velocity is 0.001 at the start; it should be 0"),
-    (moving_at_the_end, "rest: arm7_joint5: the velocity is -0.001 at the end; it should be 0"),
+    (moving_at_the_start, "not_at_rest: arm7_joint3: the velocity is 0.001 at the start; it should be 0"),
+    (moving_at_the_end, "not_at_rest: arm7_joint5: the velocity is -0.001 at the end; it should be 0"),
 ]
 WITH_OPTIONS = [
     (jerk, ("--jerk",), "jerk_limit: arm7_joint7: the jerk reaches {number} at {between}; its limit is"),

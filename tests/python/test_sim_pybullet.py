@@ -365,8 +365,8 @@ def test_refresh_moves_adds_and_removes(small):
 
     p.removeBody(2, physicsClientId=small)  # the post; its number goes to the next body
     sphere = body(small, "sphere", (p.GEOM_SPHERE, {"radius": 0.1}), [0, 0.5, 0.5])
-    sphere = p.createCollisionShape(p.GEOM_SPHERE, radius=0.1, physicsClientId=small)
-    unnamed = p.createMultiBody(0, sphere, -1, [9, 0, 0], physicsClientId=small)
+    shape = p.createCollisionShape(p.GEOM_SPHERE, radius=0.1, physicsClientId=small)
+    unnamed = p.createMultiBody(0, shape, -1, [9, 0, 0], physicsClientId=small)
     world.refresh()
     assert sphere == 2
     assert planner.object_names == [f"body{unnamed}", "cube", "floor", "sphere"]

@@ -109,7 +109,7 @@ def test_a_urdf_has_every_shape_where_it_is(tmp_path, monkeypatch):
 def test_joints_and_planes_that_urdfs_do_not_have():
     names = {"base": "base", "arm": "arm"}
     with pytest.raises(srmp.NotSupported, match="joint 'turn' of articulation 'robot' has more than one degree"):
-        to_urdf(one_joint("sphere"), names, {"turn": "turn"})
+        to_urdf(one_joint("ball"), names, {"turn": "turn"})
     with pytest.raises(srmp.NotSupported, match="link 'arm' has a plane, which is endless"):
         to_urdf(one_joint("revolute", Geometry("", shapes.Plane(), srmp.Pose(), 0)), names, {"turn": "turn"})
 

@@ -158,6 +158,9 @@ class Checker {
   Checker& operator=(const Checker&) = delete;
   virtual ~Checker();
 
+  /// Throws InvalidArgument unless this checker made the workspace.
+  void require_own(const Workspace& workspace) const;
+
   const RobotModel& robot() const;  ///< the planned robot
   std::size_t dof() const;          ///< of a configuration: joints of the robot and of CheckerOptions::other_robots
   const Pose& base() const;         ///< of the robot, in the world
@@ -213,8 +216,6 @@ class Checker {
 
   /// The kinematics of the robots; for backends inside the library.
   const detail::RobotGroup& group() const;
-  /// Throws InvalidArgument unless this checker made the workspace.
-  void require_own(const Workspace& workspace) const;
 
  private:
   // What a backend overrides. Arguments are checked already: configurations have dof() finite entries, spans have as

@@ -122,6 +122,13 @@ struct WPASE {
   int batch_size{16};
 };
 
+/// Two trees that grow towards each other, by the same samples every time: quick, not optimal.
+/// Literature: RRT-Connect: Kuffner, LaValle 2000.
+/// Guarantee: none; no path is shorter than the straight line, which bounds the cost.
+struct RRTConnect {
+  CommonOptions common{};
+};
+
 /// Many robots: the least sum of costs on their lattices.
 /// Literature: CBS: Sharon, Stern, Felner, Sturtevant 2015.
 /// Guarantee: sum of costs = optimum.
@@ -205,7 +212,8 @@ struct Auto {
 };
 
 /// The options of one planner.
-using PlannerOptions = std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised>;
+using PlannerOptions =
+    std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised, RRTConnect>;
 
 /// A value of a dictionary. A string may also hold a number or a truth value ("5", "true"), or names with commas or
 /// spaces between them for an option that is a list of names.

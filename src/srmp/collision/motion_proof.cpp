@@ -8,6 +8,7 @@
 
 namespace srmp {
 
+using detail::infinity;
 using detail::NarrowPhase;
 using detail::Pair;
 using detail::SceneModel;
@@ -15,7 +16,6 @@ using detail::SceneWorkspace;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rough_distance =
     0.3;                              // of an interval's motion: smaller distances are not refined, it is halved anyway
 constexpr int max_levels = 3;         // of halving at once
@@ -411,16 +411,16 @@ MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Chec
   if (!(options.gap_tolerance >= 0.0 && options.gap_tolerance < 1.0))
     throw InvalidArgument("motion proof: gap_tolerance is " + to_text(options.gap_tolerance) +
                           "; it must be in [0, 1)");
-  const auto* scene_checker = dynamic_cast<const SceneChecker*>(&checker);
-  if (!scene_checker)
+  checker.require_own(workspace);
+  auto* scene_workspace = dynamic_cast<SceneWorkspace*>(&workspace);
+  if (!scene_workspace)
     throw InvalidArgument("motion proof: it needs the library's own checker (make_checker), not another backend");
-  SceneWorkspace& scene_workspace = scene_checker->own(workspace);
-  const SceneModel& model = scene_checker->model();
+  const SceneModel& model = scene_workspace->model();
   if (!model.bodies.overlaps.empty()) {
     const Contact rigid = checker.contacts(motion.positions.row(0).transpose(), workspace).front();
     return {false, rigid.distance, motion.times[0], rigid.body_a, rigid.body_b, 0.0, {}};
   }
-  return Prover(model, motion, scene_workspace, options).run();
+  return Prover(model, motion, *scene_workspace, options).run();
 }
 
 }  // namespace srmp

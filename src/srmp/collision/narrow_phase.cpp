@@ -92,8 +92,6 @@ int FormulaTable::index(const coal::CollisionGeometry& a, const coal::CollisionG
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// A box, its edges along the columns of `axes`.
 struct OrientedBox {
   Eigen::Matrix3d axes;

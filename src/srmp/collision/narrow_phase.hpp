@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -10,6 +11,8 @@
 
 // Distance queries with Coal, as the checker needs them: a result depends on the arguments alone.
 namespace srmp::detail {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Bounding volumes of a geometry, in its own frame.
 struct Bounds {

@@ -21,31 +21,6 @@ using detail::SceneWorkspace;
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Where spheres are the bodies, subdividing down to them decides the check. Elsewhere the batch stops early, because
-/// Coal resolves what is left open, pair by pair, in less time than more blocks would take.
-BatchChecker::MotionOptions batch_options_for(const BatchWorld& world) {
-  const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
-  return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
-}
-
-using Tables = std::vector<std::shared_ptr<const PairTables>>;
-Tables tables_of(const RobotGroup& group, const CheckerOptions& options) {
-  Tables tables(group.size());
-  if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
-    for (std::size_t i = 0; i < group.size(); ++i) {
-      const RobotInstance& robot = group.instance(i);
-      tables[i] = options.pair_tables->tables(robot.model, robot.parts);
-    }
-  return tables;
-}
-std::vector<const PairTables*> addresses(const Tables& tables) {
-  std::vector<const PairTables*> result;
-  for (const auto& table : tables) result.push_back(table.get());
-  return result;
-}
-
 const detail::Body& body_of(const Bodies& bodies, bool fixed, std::size_t index) {
   if (fixed) return bodies.fixed[index];
   return bodies.moving[index];
@@ -65,45 +40,8 @@ void keep_deepest(std::vector<Contact>& contacts) {
 
 }  // namespace
 
-namespace detail {
-
-SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const CheckerOptions& options)
-    : group(robots),
-      tables(tables_of(group, options)),
-      bodies(scene, group, options, addresses(tables)),
-      mode(options.mode) {
-  if (mode == CheckMode::coal) return;
-  const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
-  for (const auto& [name, other] : scene.robots())
-    if (group.contains(name) || !bodies.leaves_out(name)) ensure_covered(*other.model, *covers);
-  const CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
-  batch_scene = make_batch_scene(bodies, group, cover_of);
-  batch.emplace(batch_scene.world);
-  batch_options = batch_options_for(batch_scene.world);
-}
-
-bool SceneModel::spheres_reach(ConstVector q) const {
-  for (std::size_t i = 0; i < group.joints().size(); ++i) {
-    const Joint& joint = group.joints()[i];
-    const double value = q[static_cast<Eigen::Index>(i)];
-    if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
-  }
-  return true;
-}
-
-bool SceneModel::has_tables() const {
-  return std::any_of(tables.begin(), tables.end(), [](const auto& of_robot) { return of_robot != nullptr; });
-}
-
-}  // namespace detail
-
 SceneChecker::SceneChecker(const Scene& scene, const std::string& robot, const CheckerOptions& options)
     : Checker(scene, robot, options), model_(scene, group(), options) {}
-
-SceneWorkspace& SceneChecker::own(Workspace& workspace) const {
-  require_own(workspace);
-  return static_cast<SceneWorkspace&>(workspace);
-}
 
 Checker::WorkspacePtr SceneChecker::do_make_workspace() const { return std::make_unique<SceneWorkspace>(model_); }
 
@@ -190,7 +128,7 @@ std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& worksp
   for (std::size_t i = 0; i < bodies.pairs.size(); ++i)
     order.emplace_back(scene.distance_bound(bodies.pairs[i]) - bodies.pairs[i].padding, i);
   std::sort(order.begin(), order.end());
-  double smallest = infinity;
+  double smallest = std::numeric_limits<double>::infinity();
   const Pair* pair = nullptr;
   for (const auto& [bound, i] : order) {
     if (bound > smallest) break;

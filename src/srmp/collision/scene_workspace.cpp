@@ -18,8 +18,6 @@ constexpr double rough_distance = 0.3;
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Does the pair's table prove the two apart from a to b? Angles may have any value.
 bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   std::array<double, 2> low{}, high{};

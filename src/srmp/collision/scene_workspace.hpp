@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "srmp/collision/narrow_phase.hpp"
-#include "srmp/collision/scene_checker.hpp"
+#include "srmp/collision/scene_model.hpp"
 
 namespace srmp::detail {
 
@@ -16,6 +16,8 @@ namespace srmp::detail {
 class SceneWorkspace final : public Checker::Workspace {
  public:
   explicit SceneWorkspace(const SceneModel& model);
+
+  const SceneModel& model() const { return model_; }
 
   // --- one configuration
 

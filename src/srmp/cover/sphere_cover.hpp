@@ -23,7 +23,7 @@ struct SphereCover {
 };
 
 /// Covers the solid, deterministically. Every sphere is an inscribed sphere of the solid, grown by at most
-/// max_inflation; they are chosen among spheres on the medial axis (shrinking-sphere transform: Ma, Bae, Choi 2012),
+/// max_inflation; they are chosen among spheres on the medial axis (shrinking-ball transform: Ma, Bae, Choi 2012),
 /// greedily and then by local search (smaller_cover). Containment is proved, not sampled: a sphere is convex, so a
 /// triangle (or a cell) is inside when its corners are, and is subdivided otherwise; what stays uncovered is returned
 /// to the greedy selection. The proof covers the whole interior of convex solids, and every triangle and every enclosed

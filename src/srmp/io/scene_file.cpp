@@ -6,7 +6,7 @@ namespace srmp::io {
 
 namespace {
 
-const std::vector<std::string> formats{scene_format, problem_format};
+const std::vector<std::string> scene_formats{scene_format, problem_format};
 
 /// A robot and its state in the scene.
 struct RobotText {
@@ -205,7 +205,7 @@ void save_scene(const Scene& scene, const std::string& path) {
 }
 
 Scene load_scene(const std::string& path, const std::vector<std::string>& package_dirs) {
-  const JsonFile file(path, formats);
+  const JsonFile file(path, scene_formats);
   JsonReader root = file.root();
   Scene scene = read_scene(root.inner("scene"), package_dirs);
   if (file.format() == scene_format) root.finish();

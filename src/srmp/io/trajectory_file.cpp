@@ -6,7 +6,7 @@ namespace srmp::io {
 
 namespace {
 
-const std::vector<std::string> formats{trajectory_format, problem_format};
+const std::vector<std::string> trajectory_formats{trajectory_format, problem_format};
 
 /// Results of `srmp plan -o` (python/srmp/result.py) have no format field; only their trajectory is read.
 Trajectory result_trajectory(const YamlFile& file) {
@@ -75,7 +75,7 @@ std::string to_json(const Certificate& certificate) {
 Trajectory load_trajectory(const std::string& path) {
   YamlFile yaml(path, "JSON");
   if (is_result(yaml.root())) return result_trajectory(yaml);
-  const JsonFile file(std::move(yaml), formats);
+  const JsonFile file(std::move(yaml), trajectory_formats);
   JsonReader root = file.root();
   Trajectory trajectory;
   if (file.format() == trajectory_format) {

@@ -83,7 +83,7 @@ struct TreeNode {
 using NodePtr = std::shared_ptr<TreeNode>;
 
 /// Bytes of a node in OPEN, without its paths.
-std::uint64_t memory_of(const TreeNode& node) {
+std::uint64_t memory_of_node(const TreeNode& node) {
   constexpr std::size_t in_two_sets = 2 * (tree_node_overhead + sizeof(NodePtr));
   return sizeof(TreeNode) + in_two_sets + srmp::memory_of(node.paths) + srmp::memory_of(node.lower) +
          node.ahead.size() * (tree_node_overhead + sizeof(Pair)) + srmp::memory_of(node.conflicts);
@@ -140,7 +140,7 @@ class ConflictSearch {
   void push(NodePtr node) {
     if (!node) return;
     node->number = result_.statistics.tree_nodes++;
-    held_ += memory_of(*node) + memory_left_by(*node);
+    held_ += memory_of_node(*node) + memory_left_by(*node);
     open_.insert(node);
     beyond_.insert(std::move(node));
   }
@@ -157,7 +157,7 @@ class ConflictSearch {
     const bool optimal = options_.bound() == 1.0 && !options_.priorities;  // all of focal_ has the least lower bound
     proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++taken_ % options_.lower_bound_period == 0);
     if (!proves_) node = *focal_.begin();
-    held_ -= memory_of(*node);
+    held_ -= memory_of_node(*node);
     open_.erase(node);
     beyond_.erase(node);
     focal_.erase(node);

@@ -95,7 +95,8 @@ class Pipeline {
     JointPaths paths;
     paths.raw.push_back(path_of_one(waypoints));
     paths.smoothed.push_back(path_of_one(std::move(waypoints)));
-    statistics_.robot_cost_rad[problem_.robots.front().robot] = statistics_.path_cost_rad;
+    const auto cost = statistics_.robot_cost_rad.find(problem_.robots.front().robot);  // of requests for many
+    if (cost != statistics_.robot_cost_rad.end()) cost->second = statistics_.path_cost_rad;
     return paths;
   }
 

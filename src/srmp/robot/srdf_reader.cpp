@@ -18,9 +18,9 @@ using Names = std::vector<std::string>;
 constexpr std::size_t kVariantLinks = 3;
 
 /// Reads one SRDF document; errors give the line.
-class Reader {
+class SrdfReader {
  public:
-  Reader(const xml::Document& document, const Urdf& urdf)
+  SrdfReader(const xml::Document& document, const Urdf& urdf)
       : xml_(document), urdf_(urdf), link_names_(urdf.link_names()), joint_names_(urdf.joint_names()) {
     srdf_.label = document.label();
   }
@@ -197,7 +197,7 @@ class Reader {
 
 Srdf Srdf::parse(const std::string& text, const Urdf& urdf, const std::string& label) {
   const auto document = xml::Document::parse(text, label, "robot");
-  return Reader(document, urdf).read();
+  return SrdfReader(document, urdf).read();
 }
 
 }  // namespace srmp

@@ -18,9 +18,9 @@ using tinyxml2::XMLElement;
 using Names = std::vector<std::string>;
 
 /// Reads one URDF document; errors give the line.
-class Reader {
+class UrdfReader {
  public:
-  explicit Reader(const xml::Document& document) : xml_(document) { urdf_.label = document.label(); }
+  explicit UrdfReader(const xml::Document& document) : xml_(document) { urdf_.label = document.label(); }
 
   Urdf read() {
     const XMLElement& robot = xml_.root();
@@ -292,12 +292,12 @@ class Reader {
 
 Urdf Urdf::read_file(const std::string& path) {
   const auto document = xml::Document::read_file(path, "URDF", "robot");
-  return Reader(document).read();
+  return UrdfReader(document).read();
 }
 
 Urdf Urdf::parse(const std::string& text, const std::string& label) {
   const auto document = xml::Document::parse(text, label, "robot");
-  return Reader(document).read();
+  return UrdfReader(document).read();
 }
 
 }  // namespace srmp

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "srmp/trajectory/trajectory.hpp"
+#include "srmp/core/matrix.hpp"
 
 // The motion of one joint between two rows of a trajectory.
 namespace srmp::detail {
@@ -41,7 +41,8 @@ inline Cubic hermite(double q0, double v0, double q1, double v1, double h) {
 inline Cubic line(double q0, double q1, double h) { return {{q0, (q1 - q0) / h, 0.0, 0.0}, h}; }
 
 /// From a row to the next, which there must be.
-inline Cubic segment_of(const Trajectory& t, Eigen::Index row, Eigen::Index joint) {
+template <class Motion>
+Cubic segment_of(const Motion& t, Eigen::Index row, Eigen::Index joint) {
   const double q0 = t.positions(row, joint), q1 = t.positions(row + 1, joint), h = t.times[row + 1] - t.times[row];
   if (t.velocities.rows() == 0) return line(q0, q1, h);
   return hermite(q0, t.velocities(row, joint), q1, t.velocities(row + 1, joint), h);

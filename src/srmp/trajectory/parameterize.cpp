@@ -17,7 +17,7 @@ using detail::Knots;
 using detail::PathSegment;
 using detail::SmoothPath;
 
-constexpr double max_rows = 1e7;
+constexpr double max_samples = 1e7;
 constexpr double same_waypoint = 1e-7;    // [rad or m]
 constexpr double min_duration = 1e-3;     // [s] of a motion between stops: keeps second differences above rounding
 constexpr double min_row_spacing = 5e-4;  // [s] between a row of the sample period and a knot
@@ -226,7 +226,7 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();
   }
-  if (!(knots.times.back() / options.sample_period < max_rows))
+  if (!(knots.times.back() / options.sample_period < max_samples))
     throw InvalidArgument("a sample period of " + to_text(options.sample_period) +
                           " s would give more than ten million rows of this " + to_text(knots.times.back()) +
                           " s motion; use a longer one");

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
-#include "srmp/trajectory/trajectory.hpp"
+#include "srmp/core/matrix.hpp"
 
 namespace srmp {
 

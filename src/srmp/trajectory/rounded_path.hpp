@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "srmp/core/matrix.hpp"
-#include "srmp/trajectory/parameterize.hpp"
+#include "srmp/trajectory/motion_limits.hpp"
+#include "srmp/trajectory/timing_options.hpp"
+#include "srmp/trajectory/trajectory.hpp"
 
 // Paths with parabolas for corners, between waypoints and timing.
 namespace srmp::detail {

@@ -268,11 +268,11 @@ BOOST_AUTO_TEST_CASE(a_start_that_cannot_be_left_is_an_error) {
 BOOST_AUTO_TEST_CASE(the_deadline_and_cancellation_hold_during_the_recovery) {
   PlannerInterface planner = gripper_in_table_planner(0.003, Auto{{.time_limit = 1e-4, .recover_start = true}});
   const auto goal = GoalConstraint::joints(ready() + Eigen::VectorXd::Unit(7, 0));
-  check_throws<PlanningError>([&] { planner.plan("arm7", ready(), goal); }, "passed during the escape from the start");
+  check_throws<PlanningError>([&] { planner.plan("arm7", ready(), goal); }, "passed during the recovery of the start");
   BOOST_CHECK(planner.get_planning_stats().status == Status::timed_out);
   planner.make_planner({"arm7"}, Auto{{.recover_start = true}});
   check_throws<PlanningError>([&] { planner.plan("arm7", ready(), goal, [] { return true; }); },
-                              "cancelled during the escape from the start");
+                              "cancelled during the recovery of the start");
   BOOST_CHECK(planner.get_planning_stats().status == Status::cancelled);
 }
 

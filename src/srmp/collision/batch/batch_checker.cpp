@@ -35,7 +35,7 @@ struct Interval {
 }  // namespace
 
 BatchChecker::BatchChecker(const BatchWorld& world, SimdBackend backend)
-    : impl_(std::make_unique<const Impl>(world, backend)) {}
+    : impl_(std::make_unique<const BatchModel>(world, backend)) {}
 
 BatchChecker::~BatchChecker() = default;
 BatchChecker::BatchChecker(BatchChecker&&) noexcept = default;
@@ -47,7 +47,7 @@ double BatchChecker::error_bound() const { return impl_->error_bound; }
 
 class BatchChecker::Workspace {
  public:
-  explicit Workspace(const Impl& impl)
+  explicit Workspace(const BatchModel& impl)
       : values(aligned_floats(impl.world.actuated_joints.size() * kLanes + kLanes)),
         half_widths(aligned_floats(impl.world.actuated_joints.size() * kLanes + kLanes)),
         scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
@@ -70,7 +70,7 @@ class BatchChecker::Workspace {
   std::array<Interval, kLanes> lanes;
   BatchStatistics statistics;
 
-  batch::KernelResult run(const Impl& impl, bool moving, unsigned proofs_only = 0) {
+  batch::KernelResult run(const BatchModel& impl, bool moving, unsigned proofs_only = 0) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, pair_lanes.data()};
     const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving,
@@ -82,7 +82,7 @@ class BatchChecker::Workspace {
   /// Moves the kernel's report into `undecided`, for those of the lanes `used` that do not collide; `at(lane)` is the
   /// interval of a lane.
   template <class At>
-  void collect(const Impl& impl, const batch::KernelResult& result, unsigned used, At&& at) {
+  void collect(const BatchModel& impl, const batch::KernelResult& result, unsigned used, At&& at) {
     if (!result.undecided) return;
     used &= ~static_cast<unsigned>(result.colliding);
     const int pairs = view.pair_count;
@@ -98,7 +98,7 @@ class BatchChecker::Workspace {
 
   void clear_pair_lanes() { std::fill(pair_lanes.begin(), pair_lanes.end(), batch::LaneMask{0}); }
 
-  void set_motion(const Impl& impl, std::span<const double> a, std::span<const double> difference) {
+  void set_motion(const BatchModel& impl, std::span<const double> a, std::span<const double> difference) {
     for (std::size_t k = 0; k < start.size(); ++k) {
       const BatchActuatedJoint& actuated = impl.world.actuated_joints[k];
       start[k] = actuated.ratio * a[actuated.joint] + actuated.offset;

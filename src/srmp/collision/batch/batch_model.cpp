@@ -143,7 +143,7 @@ void require_valid_obstacle(const BatchWorld& world, std::size_t i) {
 
 }  // namespace
 
-BatchChecker::Impl::Impl(const BatchWorld& batch_world, SimdBackend simd) : world(batch_world), backend(simd) {
+BatchModel::BatchModel(const BatchWorld& batch_world, SimdBackend simd) : world(batch_world), backend(simd) {
   if (!is_available(backend)) throw InvalidArgument("batch checker: this CPU does not have " + to_string(backend));
   kernel = kernel_of(backend);
   require_valid();
@@ -155,7 +155,7 @@ BatchChecker::Impl::Impl(const BatchWorld& batch_world, SimdBackend simd) : worl
   add_reach();
 }
 
-void BatchChecker::Impl::require_valid() const {
+void BatchModel::require_valid() const {
   for (std::size_t k = 0; k < world.actuated_joints.size(); ++k) require_valid_joint(world, k);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) require_valid_body(world, i);
   for (std::size_t i = 0; i < world.obstacles.size(); ++i) require_valid_obstacle(world, i);
@@ -173,7 +173,7 @@ void BatchChecker::Impl::require_valid() const {
     throw InvalidArgument("batch checker: there are more than 4 million pairs");
 }
 
-void BatchChecker::Impl::add_nodes() {
+void BatchModel::add_nodes() {
   nodes.push_back({-1, -1, 0, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}});
   rotation_error.push_back(0);
   position_error.push_back(0);
@@ -195,7 +195,7 @@ void BatchChecker::Impl::add_nodes() {
   }
 }
 
-void BatchChecker::Impl::add_reach() {
+void BatchModel::add_reach() {
   actuated_reach.assign(world.actuated_joints.size(), 0.0);
   for (const BatchBody& body : world.bodies) {
     double beyond = body.bound.center.norm() + body.bound.radius;
@@ -206,7 +206,7 @@ void BatchChecker::Impl::add_reach() {
   }
 }
 
-double BatchChecker::Impl::body_error(const BatchBody& body) const {
+double BatchModel::body_error(const BatchBody& body) const {
   const std::size_t node = static_cast<std::size_t>(body.actuated_joint + 1);
   double far = body.bound.center.norm() + body.bound.radius;
   for (const auto* spheres : {&body.coarse, &body.fine, &body.inner})
@@ -214,7 +214,7 @@ double BatchChecker::Impl::body_error(const BatchBody& body) const {
   return position_error[node] + rotation_error[node] * far + 12 * kUnit * (node_reach[node] + far);
 }
 
-void BatchChecker::Impl::add_bodies() {
+void BatchModel::add_bodies() {
   for (const BatchBody& body : world.bodies) {
     batch::KernelBody kernel{};
     kernel.node = body.actuated_joint + 1;
@@ -238,7 +238,7 @@ void BatchChecker::Impl::add_bodies() {
   for (std::size_t i = 0; i < bodies.size(); ++i) add_fine_and_inner_spheres(i);
 }
 
-void BatchChecker::Impl::add_fine_and_inner_spheres(std::size_t i) {
+void BatchModel::add_fine_and_inner_spheres(std::size_t i) {
   const BatchBody& body = world.bodies[i];
   const int first_fine = static_cast<int>(spheres.size());
   for (const PlacedSphere& sphere : body.fine) spheres.push_back(kernel_sphere(sphere));
@@ -254,7 +254,7 @@ void BatchChecker::Impl::add_fine_and_inner_spheres(std::size_t i) {
   for (const PlacedSphere& sphere : body.inner) spheres.push_back(kernel_sphere(sphere, true));
 }
 
-void BatchChecker::Impl::add_obstacles() {
+void BatchModel::add_obstacles() {
   for (const BatchObstacle& o : world.obstacles) {
     batch::KernelObstacle kernel{};
     const Eigen::Isometry3d inverse = o.pose.inverse();
@@ -293,7 +293,7 @@ void BatchChecker::Impl::add_obstacles() {
   }
 }
 
-bool BatchChecker::Impl::reachable(const BatchBody& body, const BatchObstacle& o) const {
+bool BatchModel::reachable(const BatchBody& body, const BatchObstacle& o) const {
   const double reach =
       node_reach[body.actuated_joint + 1] + body.bound.center.norm() + body.bound.radius + body.padding;
   const Eigen::Vector3d p = o.pose.inverse().translation();  // the base in the obstacle's frame
@@ -303,7 +303,7 @@ bool BatchChecker::Impl::reachable(const BatchBody& body, const BatchObstacle& o
   return distance - o.padding <= reach * 1.0001 + 1e-3;
 }
 
-void BatchChecker::Impl::add_pairs() {
+void BatchModel::add_pairs() {
   std::vector<std::array<int, 3>> pairs;  // body, obstacle, index
   for (const auto& [body, obstacle] : world.obstacle_pairs)
     pairs.push_back({body, obstacle, static_cast<int>(pairs.size())});
@@ -319,7 +319,7 @@ void BatchChecker::Impl::add_pairs() {
   }
 }
 
-void BatchChecker::Impl::add_self_pairs() {
+void BatchModel::add_self_pairs() {
   for (const BatchSelfPair& pair : world.self_pairs) {
     const auto chain = [&](int body) {
       std::vector<int> result;

@@ -2,15 +2,16 @@
 
 #include <vector>
 
-#include "srmp/collision/batch/batch_checker.hpp"
+#include "srmp/collision/batch/batch_data.hpp"
 #include "srmp/collision/batch/kernel.hpp"
+#include "srmp/collision/batch/simd_backend.hpp"
 
 namespace srmp {
 
 /// The world of a BatchChecker in the kernel's form, with bounds on the kernel's float errors. Const once built.
-struct BatchChecker::Impl {
+struct BatchModel {
   /// Throws InvalidArgument for what BatchChecker refuses.
-  Impl(const BatchWorld& batch_world, SimdBackend simd);
+  BatchModel(const BatchWorld& batch_world, SimdBackend simd);
 
   BatchWorld world;
   SimdBackend backend{};

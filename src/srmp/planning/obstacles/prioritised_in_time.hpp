@@ -11,18 +11,18 @@
 
 namespace srmp {
 
-/// Robots that are planned in time one after the other, each around the committed motions and those of the robots
+/// Robots that are planned in time one after the other, each around the moving obstacles and the robots planned
 /// before it (priorities: Erdmann, Lozano-Pérez 1987).
 class PrioritisedInTime {
  public:
   using Motions = std::map<std::string, Trajectory>;
 
-  /// `team`: judges of the problem's robots, in their order, and after them the committed ones. References outlive
-  /// this.
+  /// `team`: checkers, by Coal alone, of the problem's robots, in their order, and after them the moving obstacles.
+  /// References outlive this.
   PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& team, const Deadline& deadline,
                     PlanStatistics& statistics);
 
-  /// What plan_multi_robot asks of starts and goals, but that a start may be where a committed motion ends. Throws
+  /// Checks starts and goals as the pipeline does, but a start may be where the motion of an obstacle ends. Throws
   /// PlanningError.
   void require_ends();
 

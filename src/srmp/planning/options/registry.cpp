@@ -150,6 +150,17 @@ RegisteredPlanner astar() {
                         {}, {"a*"});
 }
 
+RegisteredPlanner rrt_connect() {
+  return planner<RRTConnect>(
+      {.id = "RRTConnect",
+       .class_name = "RRTConnect",
+       .summary = "two trees that grow towards each other, by the same samples every time: quick, not optimal",
+       .papers = "RRT-Connect: Kuffner, LaValle 2000",
+       .guarantee = "none; no path is shorter than the straight line, which bounds the cost",
+       .one_robot = true},
+      {}, {"rrtconnect", "rrt"});
+}
+
 RegisteredPlanner weighted_astar() {
   return planner<WAStar>({.id = "wAstar",
                           .class_name = "WAStar",
@@ -266,15 +277,11 @@ std::string normalized(const std::string& id) {
 
 const std::vector<RegisteredPlanner>& registry() {
   static const std::vector<RegisteredPlanner> planners{
-      automatic(),
-      astar(),
-      weighted_astar(),
-      ara_star(),
-      mha_star(),
-      parallel_weighted_astar(),
-      conflict_based_search(),
-      enhanced_cbs(),
-      experience_accelerated_ecbs(),
+      automatic(),      astar(),
+      weighted_astar(), ara_star(),
+      mha_star(),       parallel_weighted_astar(),
+      rrt_connect(),    conflict_based_search(),
+      enhanced_cbs(),   experience_accelerated_ecbs(),
       prioritised(),
   };
   return planners;

@@ -39,6 +39,8 @@ class PathSearch {
     try {
       if (const auto* options = std::get_if<Auto>(&context_.options))
         run_auto(*options);
+      else if (std::holds_alternative<RRTConnect>(context_.options))
+        run_rrt_connect();
       else
         run_lattice_search();
     } catch (const MotionCheckStopped&) {
@@ -65,10 +67,22 @@ class PathSearch {
     return attempt_in_rounds(strategies, direct_, weight, context_.deadline);
   }
 
+  void run_rrt_connect() {
+    best_.bound(direct_, "every path");
+    best_.take(find_by_rrt_connect(), context_.deadline);
+  }
+
+  FoundPath find_by_rrt_connect() {
+    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    Strategies strategies;
+    strategies.push_back(std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{}));
+    return attempt_in_rounds(strategies, direct_, search::infinity, context_.deadline);
+  }
+
   void run_lattice_search() {
     Strategies strategies;
     strategies.push_back(std::make_unique<LatticeSearch>(context_, endpoints_, lattices_, best_));
-    FoundPath found = attempt_in_rounds(strategies, direct_, 1.0, context_.deadline);
+    FoundPath found = attempt_in_rounds(strategies, 0.0, 1.0, context_.deadline);
     if (best_.empty()) best_.take(std::move(found), context_.deadline);  // ARA* has handed in its own
   }
 

@@ -12,8 +12,8 @@ struct RobotPath {
 };
 
 /// Finds the endpoints, and a path between them by the strategies that the context's options name: RRT-Connect and
-/// lattices side by side for `auto`, one lattice else. Fills costs, bound and solutions of the statistics. Throws
-/// PlanningError.
+/// lattices side by side for `auto`, RRT-Connect alone for `RRTConnect`, one lattice for the others. Fills costs, bound
+/// and solutions of the statistics. Throws PlanningError.
 RobotPath find_robot_path(RobotContext& context);
 
 }  // namespace srmp

@@ -1,0 +1,64 @@
+#include "srmp/collision/scene_model.hpp"
+
+#include <algorithm>
+
+#include "srmp/robot/robot_cover.hpp"
+
+namespace srmp::detail {
+
+namespace {
+
+/// Where spheres are the bodies, subdividing down to them decides the check. Elsewhere the batch stops early, because
+/// Coal resolves what is left open, pair by pair, in less time than more blocks would take.
+BatchChecker::MotionOptions batch_options_for(const BatchWorld& world) {
+  const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
+  return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
+}
+
+using Tables = std::vector<std::shared_ptr<const PairTables>>;
+Tables tables_of(const RobotGroup& group, const CheckerOptions& options) {
+  Tables tables(group.size());
+  if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      const RobotInstance& robot = group.instance(i);
+      tables[i] = options.pair_tables->tables(robot.model, robot.parts);
+    }
+  return tables;
+}
+std::vector<const PairTables*> addresses(const Tables& tables) {
+  std::vector<const PairTables*> result;
+  for (const auto& table : tables) result.push_back(table.get());
+  return result;
+}
+
+}  // namespace
+
+SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const CheckerOptions& options)
+    : group(robots),
+      tables(tables_of(group, options)),
+      bodies(scene, group, options, addresses(tables)),
+      mode(options.mode) {
+  if (mode == CheckMode::coal) return;
+  const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
+  for (const auto& [name, other] : scene.robots())
+    if (group.contains(name) || !bodies.leaves_out(name)) ensure_covered(*other.model, *covers);
+  const CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
+  batch_scene = make_batch_scene(bodies, group, cover_of);
+  batch.emplace(batch_scene.world);
+  batch_options = batch_options_for(batch_scene.world);
+}
+
+bool SceneModel::spheres_reach(ConstVector q) const {
+  for (std::size_t i = 0; i < group.joints().size(); ++i) {
+    const Joint& joint = group.joints()[i];
+    const double value = q[static_cast<Eigen::Index>(i)];
+    if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
+  }
+  return true;
+}
+
+bool SceneModel::has_tables() const {
+  return std::any_of(tables.begin(), tables.end(), [](const auto& of_robot) { return of_robot != nullptr; });
+}
+
+}  // namespace srmp::detail
