@@ -71,7 +71,9 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar
 
-__all__ = {names}
+__all__ = [
+{names}
+]
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -134,7 +136,8 @@ def robots_field(options: Iterable[srmp.OptionInfo]) -> str:
 def module_text(_: str) -> str:
     names = sorted((planner.class_name for planner in planners()), key=lambda name: (not name.isupper(), name))
     text = MODULE_HEAD.format(
-        names=quoted(names), fields="\n".join(module_field(option) for option in common_options())
+        names="\n".join(f'    "{name}",' for name in names),
+        fields="\n".join(module_field(option) for option in common_options()),
     )
     for planner in planners():
         fields = [robots_field(planner.options)] if planner.many_robots else []

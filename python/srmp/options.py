@@ -11,7 +11,19 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, ClassVar
 
-__all__ = ["CBS", "ECBS", "WPASE", "XECBS", "ARAStar", "AStar", "Auto", "MHAStar", "Prioritised", "RRTConnect", "WAStar"]
+__all__ = [
+    "CBS",
+    "ECBS",
+    "WPASE",
+    "XECBS",
+    "ARAStar",
+    "AStar",
+    "Auto",
+    "MHAStar",
+    "Prioritised",
+    "RRTConnect",
+    "WAStar",
+]
 
 
 @dataclasses.dataclass(kw_only=True)

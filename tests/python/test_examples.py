@@ -46,7 +46,9 @@ def built(tmp_path_factory):
         lines.append(f'target_compile_definitions({name} PRIVATE SRMP_DATA_DIR="${{srmp_DATA_DIR}}")')
     (directory / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
     # Without optimisation: quick to build, and what is computed is computed in the library.
-    run(cmake, "-S", directory, "-B", directory / "build", f"-Dsrmp_DIR={srmp.get_cmake_dir()}", "-DCMAKE_CXX_FLAGS=-O0")
+    run(
+        cmake, "-S", directory, "-B", directory / "build", f"-Dsrmp_DIR={srmp.get_cmake_dir()}", "-DCMAKE_CXX_FLAGS=-O0"
+    )
     run(cmake, "--build", directory / "build", "--parallel", "2")
     return directory / "build"
 
