@@ -50,10 +50,10 @@ MotionsTogether::MotionsTogether(const Scene& scene, const Motions& motions, dou
 
 const MotionProof& MotionsTogether::proof(const std::string& robot, const std::string& other) {
   if (const auto known = proofs_.find({robot, other}); known != proofs_.end()) return known->second;
-  const std::unique_ptr<const Checker> judge = beside(scene_, robot, other);
+  const std::unique_ptr<const Checker> checker = beside(scene_, robot, other);
   const MotionProof proof =
-      prove_collision_free(*judge, motions_.at(robot), motions_.at(other), {.gap_tolerance = gap_tolerance_});
-  proofs_.emplace(std::pair(other, robot), seen_from_other_robot(proof, *judge, other));
+      prove_collision_free(*checker, motions_.at(robot), motions_.at(other), {.gap_tolerance = gap_tolerance_});
+  proofs_.emplace(std::pair(other, robot), seen_from_other_robot(proof, *checker, other));
   return proofs_.emplace(std::pair(robot, other), proof).first->second;
 }
 

@@ -28,7 +28,7 @@ class MotionsTogether {
   Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options);
 
  private:
-  /// Of two robots, as the first one's judge names the bodies; made once for both.
+  /// Of two robots, as the first one's checker names the bodies; made once for both.
   const MotionProof& proof(const std::string& robot, const std::string& other);
 
   const Scene& scene_;

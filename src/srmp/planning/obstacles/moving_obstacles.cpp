@@ -17,11 +17,11 @@ namespace srmp {
 namespace {
 
 constexpr double delay_step = 0.1;  // [s]
-// A way round must arrive sooner by more than these: it takes longer ways, and the planner's.
+// Paths around the obstacles must arrive earlier by more than these: they are longer, and take time to plan.
 constexpr double min_gain = 0.1;        // [s]
 constexpr double min_gain_share = 0.1;  // of the time until all are there
 
-Trajectory rest_at(const Trajectory& motion, Eigen::Index row) {
+Trajectory stationary_at(const Trajectory& motion, Eigen::Index row) {
   return stationary(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
 }
 
@@ -33,7 +33,7 @@ class PlanAround {
              PlanStatistics& statistics)
       : problem_(problem),
         common_(common_options(problem.options)),
-        committed_(problem.obstacles),
+        obstacles_(problem.obstacles),
         plan_together_(plan_together),
         deadline_(deadline),
         statistics_(statistics) {
@@ -49,30 +49,31 @@ class PlanAround {
       for (const auto& pair : pairs_) require_start(*pair);
     }
     if (refused_)
-      one_by_one().require_ends();
+      prioritised().require_endpoints();
     else
       begin_together();
     if (refused_) {
-      plan_one_by_one();
+      plan_prioritised();
     } else {
       certify();
-      if (late()) try_sooner();
+      if (ends_late()) try_earlier();
     }
     return std::move(planned_);
   }
 
  private:
-  /// A robot that is planned, or holds, and a committed one that it can meet.
+  /// A robot that is planned or stationary, and a moving obstacle that it can reach.
   struct Pair {
-    Pair(std::string robot, std::string other, const Checker& judge, const Trajectory& motion, const Deadline& deadline)
+    Pair(std::string robot, std::string other, const Checker& checker, const Trajectory& motion,
+         const Deadline& deadline)
         : robot(std::move(robot)),
           other(std::move(other)),
-          its{{nullptr, &judge, false, &motion}},
-          watch(its, deadline) {}
+          its{{nullptr, &checker, false, &motion}},
+          monitor(its, deadline) {}
 
     const std::string robot, other;
     const std::vector<MovingRobot> its;
-    CollisionMonitor watch;
+    CollisionMonitor monitor;
   };
 
   [[noreturn]] void fail(Status status, const std::string& reason) const { throw PlanningError(status, reason); }
@@ -82,26 +83,27 @@ class PlanAround {
     for (const RobotProblem& part : problem_.robots) moving.push_back(part.robot);
     for (const auto& [name, motion] : waiting_)
       if (std::find(moving.begin(), moving.end(), name) == moving.end()) holding.push_back(name);
-    team_ = add_pairs(moving);
-    if (!holding.empty()) held_ = add_pairs(holding);
+    group_ = add_pairs(moving);
+    if (!holding.empty()) stationary_group_ = add_pairs(holding);
   }
 
-  /// The judges of these robots and the committed ones.
+  /// The checkers of these robots and the moving obstacles.
   std::unique_ptr<const GroupCheckers> add_pairs(const std::vector<std::string>& robots) {
     std::vector<std::string> names = robots;
-    for (const auto& [name, motion] : committed_) names.push_back(name);
-    auto judges = std::make_unique<const GroupCheckers>(problem_.scene, names, CheckerOptions{.mode = CheckMode::coal});
+    for (const auto& [name, motion] : obstacles_) names.push_back(name);
+    auto checkers =
+        std::make_unique<const GroupCheckers>(problem_.scene, names, CheckerOptions{.mode = CheckMode::coal});
     for (std::size_t i = 0; i < robots.size(); ++i)
       for (std::size_t j = robots.size(); j < names.size(); ++j)
-        if (const Checker* judge = judges->pair(i, j))
-          pairs_.push_back(std::make_unique<Pair>(names[i], names[j], *judge, committed_.at(names[j]), deadline_));
-    return judges;
+        if (const Checker* checker = checkers->pair(i, j))
+          pairs_.push_back(std::make_unique<Pair>(names[i], names[j], *checker, obstacles_.at(names[j]), deadline_));
+    return checkers;
   }
 
   // --- what no delay can help
 
   void require_start(Pair& pair) {
-    const Trajectory &here = waiting_.at(pair.robot), &motion = committed_.at(pair.other);
+    const Trajectory &here = waiting_.at(pair.robot), &motion = obstacles_.at(pair.other);
     const auto stands_on_it = [&](const Trajectory& at, const std::string& does) -> std::optional<PlanningError> {
       const MotionProof proof = prove_collision_free(*pair.its.front().exact_checker, here, at, {.gap_tolerance = 0.0});
       if (proof.free) return std::nullopt;
@@ -109,15 +111,15 @@ class PlanAround {
                            "the committed motion of '" + pair.other + "' " + does + " '" + pair.robot +
                                "' starts: " + bodies(pair, proof.body_a, proof.body_b) + " are in collision");
     };
-    if (const auto error = stands_on_it(rest_at(motion, 0), "begins where")) throw *error;
-    if (const auto error = stands_on_it(rest_at(motion, motion.positions.rows() - 1), "ends where")) {
+    if (const auto error = stands_on_it(stationary_at(motion, 0), "begins where")) throw *error;
+    if (const auto error = stands_on_it(stationary_at(motion, motion.positions.rows() - 1), "ends where")) {
       if (!moves(pair.robot)) throw *error;
       if (!refused_) refused_ = error;  // it may have left by then
     }
     if (moves(pair.robot)) return;
-    if (const auto met = meets_waiting(pair))
+    if (const auto collision = collision_while_waiting(pair))
       fail(Status::exhausted, "the committed motion of '" + pair.other + "' passes through '" + pair.robot +
-                                  "', which holds: " + text(pair, *met));
+                                  "', which holds: " + text(pair, *collision));
   }
 
   bool moves(const std::string& robot) const {
@@ -125,7 +127,7 @@ class PlanAround {
                        [&](const RobotProblem& part) { return part.robot == robot; });
   }
 
-  /// Of a link of the robot, or an object that it holds.
+  /// The name of a link of the robot, or of an object attached to it.
   std::string full_name(const std::string& robot, const std::string& body) const {
     const auto& links = problem_.scene.robot(robot).model->link_names();
     return std::find(links.begin(), links.end(), body) == links.end() ? body : robot + "/" + body;
@@ -135,16 +137,16 @@ class PlanAround {
     return "'" + full_name(pair.robot, a) + "' and '" + b + "'";
   }
 
-  std::string text(const Pair& pair, const CollisionInterval& met) const {
-    return bodies(pair, met.body_a, met.body_b) + (met.contact ? " touch" : " cannot be proved apart") + " at " +
-           to_text(met.from) + " s";
+  std::string text(const Pair& pair, const CollisionInterval& collision) const {
+    return bodies(pair, collision.body_a, collision.body_b) +
+           (collision.contact ? " touch" : " cannot be proved apart") + " at " + to_text(collision.from) + " s";
   }
 
   /// A robot that rests all the while.
-  std::optional<CollisionInterval> meets_waiting(Pair& pair) {
-    const auto met = pair.watch.prove(waiting_.at(pair.robot));
+  std::optional<CollisionInterval> collision_while_waiting(Pair& pair) {
+    const auto collision = pair.monitor.prove(waiting_.at(pair.robot));
     stop_if_late();
-    return met;
+    return collision;
   }
 
   void stop_if_late() const {
@@ -172,12 +174,12 @@ class PlanAround {
 
   double first_delay() {
     double latest = 0.0;
-    for (const auto& [name, motion] : committed_) latest = std::max(latest, end_of(motion));
-    std::optional<Encounter> waiting;
+    for (const auto& [name, motion] : obstacles_) latest = std::max(latest, end_of(motion));
+    std::optional<Collision> waiting;
     for (int i = 0;; ++i) {
       const double delay = std::min(i * delay_step, latest);
-      const auto met = first_meeting(delay);
-      if (!met) return delay;
+      const auto collision = first_collision_after(delay);
+      if (!collision) return delay;
       if (i == 0) waiting = first_while_waiting();
       const double next = std::min((i + 1) * delay_step, latest);
       if (delay < latest && (!waiting || next <= waiting->time)) continue;
@@ -185,41 +187,43 @@ class PlanAround {
         fail(Status::exhausted,
              "a committed motion passes through where a robot waits, and it cannot leave in time: " + waiting->text);
       fail(Status::exhausted,
-           "no time to begin suits the committed motions: begun after " + to_text(delay) + " s, " + met->text);
+           "no time to begin suits the committed motions: begun after " + to_text(delay) + " s, " + collision->text);
     }
   }
 
-  struct Encounter {
+  struct Collision {
     double time;  // [s]
     std::string text;
   };
 
-  /// With all motions begun after `delay`, until when nobody meets those that wait.
-  std::optional<Encounter> first_meeting(double delay) {
+  /// The first collision when all motions begin after `delay`, during which the robots wait at their starts.
+  std::optional<Collision> first_collision_after(double delay) {
     std::map<std::string, Trajectory> moved;
     for (const auto& [name, motion] : planned_.robots) moved.emplace(name, delayed(motion, delay));
-    const auto first = [&](const auto& met_by) -> std::optional<Encounter> {
+    const auto first = [&](const auto& collision_of) -> std::optional<Collision> {
       for (const auto& pair : pairs_) {
         if (!moved.contains(pair->robot)) continue;
-        const std::optional<CollisionInterval> met = met_by(pair->watch, moved.at(pair->robot));
+        const std::optional<CollisionInterval> collision = collision_of(pair->monitor, moved.at(pair->robot));
         stop_if_late();
-        if (met) return Encounter{met->from, text(*pair, *met)};
+        if (collision) return Collision{collision->from, text(*pair, *collision)};
       }
       return std::nullopt;
     };
-    const auto seen = first([&](CollisionMonitor& watch, const Trajectory& motion) {
-      return watch.find_collision_at_samples(motion, delay, std::numeric_limits<double>::infinity());
+    const auto seen = first([&](CollisionMonitor& monitor, const Trajectory& motion) {
+      return monitor.find_collision_at_samples(motion, delay, std::numeric_limits<double>::infinity());
     });
-    return seen ? seen : first([](CollisionMonitor& watch, const Trajectory& motion) { return watch.prove(motion); });
+    return seen ? seen
+                : first([](CollisionMonitor& monitor, const Trajectory& motion) { return monitor.prove(motion); });
   }
 
   /// Later than that nothing may begin.
-  std::optional<Encounter> first_while_waiting() {
-    std::optional<Encounter> first;
+  std::optional<Collision> first_while_waiting() {
+    std::optional<Collision> first;
     for (const auto& pair : pairs_)
       if (moves(pair->robot))
-        if (const auto met = meets_waiting(*pair); met && (!first || met->from < first->time))
-          first = {met->from, text(*pair, *met)};
+        if (const auto collision = collision_while_waiting(*pair);
+            collision && (!first || collision->from < first->time))
+          first = {collision->from, text(*pair, *collision)};
     return first;
   }
 
@@ -234,20 +238,20 @@ class PlanAround {
 
   double gain() const { return std::max(min_gain, min_gain_share * statistics_.makespan_s); }
 
-  /// Would the motions be over much sooner if they could begin at once?
-  bool late() const {
+  /// Would the motions end much earlier if they could begin at once?
+  bool ends_late() const {
     double soonest = 0.0;
     for (const auto& [name, motion] : undelayed_) soonest = std::max(soonest, end_of(motion));
     return soonest < statistics_.makespan_s - gain();
   }
 
-  PrioritisedInTime& one_by_one() {
-    if (!one_by_one_) one_by_one_ = std::make_unique<PrioritisedInTime>(problem_, *team_, deadline_, statistics_);
-    return *one_by_one_;
+  PrioritisedInTime& prioritised() {
+    if (!prioritised_) prioritised_ = std::make_unique<PrioritisedInTime>(problem_, *group_, deadline_, statistics_);
+    return *prioritised_;
   }
 
-  void plan_one_by_one() {
-    auto found = one_by_one().plan(undelayed_);
+  void plan_prioritised() {
+    auto found = prioritised().plan(undelayed_);
     if (!found) {
       stop_if_late();
       throw *refused_;
@@ -258,10 +262,10 @@ class PlanAround {
 
   /// Motions that wait are there already, and proved: no others may cost them that, so there must be time to prove
   /// those too.
-  void try_sooner() {
+  void try_earlier() {
     const Deadline until(std::max(deadline_.remaining() - proving_s_, 0.0), [this] { return deadline_.cancelled(); });
     if (until.stop_requested()) return;
-    auto found = one_by_one().plan_sooner(undelayed_, statistics_.makespan_s - gain(), until);
+    auto found = prioritised().plan_earlier(undelayed_, statistics_.makespan_s - gain(), until);
     statistics_.plan_time_s = deadline_.elapsed();
     if (!found) return;
     MultiTrajectory proved = std::move(planned_);
@@ -291,7 +295,7 @@ class PlanAround {
 
   // --- proof
 
-  /// By judges that know no robot standing where a committed motion ends.
+  /// By checkers in which no obstacle stands where its motion ends.
   void certify() {
     statistics_.plan_time_s = deadline_.elapsed();
     if (!common_.certify) return;
@@ -300,16 +304,16 @@ class PlanAround {
     const Deadline until = with_grace_period(deadline_);
     const std::size_t count = problem_.robots.size();
     std::vector<RobotMotion> moving;
-    for (std::size_t i = 0; i < team_->size(); ++i) {
-      const std::string& name = team_->names()[i];
+    for (std::size_t i = 0; i < group_->size(); ++i) {
+      const std::string& name = group_->names()[i];
       if (i < count)
         moving.push_back({i, &problem_.robots[i], planned_.at(name)});
       else
-        moving.push_back({i, nullptr, committed_.at(name)});
+        moving.push_back({i, nullptr, obstacles_.at(name)});
     }
-    std::vector<Certificate> certificates = joint_certificates(*team_, moving, common_, until);
+    std::vector<Certificate> certificates = joint_certificates(*group_, moving, common_, until);
     for (std::size_t i = 0; i < count; ++i) {
-      const std::string& name = team_->names()[i];
+      const std::string& name = group_->names()[i];
       attach_certificate(planned_.robots.at(name), std::move(certificates[i]), name, statistics_);
     }
     proving_s_ = deadline_.elapsed() - start;
@@ -317,18 +321,18 @@ class PlanAround {
 
   const PlanProblem& problem_;
   const CommonOptions& common_;
-  const std::map<std::string, Trajectory>& committed_;
+  const std::map<std::string, Trajectory>& obstacles_;
   const PlanTogether& plan_together_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   std::map<std::string, Trajectory> waiting_;  // at the starts
-  std::unique_ptr<const GroupCheckers> team_, held_;
+  std::unique_ptr<const GroupCheckers> group_, stationary_group_;
   std::vector<std::unique_ptr<Pair>> pairs_;
   std::optional<PlanningError> refused_;  // motions begun together
   MultiTrajectory planned_;
-  std::map<std::string, Trajectory> undelayed_;    // as they were planned, begun together
-  double proving_s_{};                             // what the last certificates took
-  std::unique_ptr<PrioritisedInTime> one_by_one_;  // if it comes to that
+  std::map<std::string, Trajectory> undelayed_;     // as they were planned, begun together
+  double proving_s_{};                              // what the last certificates took
+  std::unique_ptr<PrioritisedInTime> prioritised_;  // if it comes to that
 };
 
 }  // namespace

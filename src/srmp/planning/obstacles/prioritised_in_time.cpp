@@ -18,18 +18,18 @@ namespace srmp {
 namespace {
 
 constexpr int max_roadmaps = 3;
-constexpr std::uint64_t max_looks = 20'000'000;      // for a robot
-constexpr std::uint64_t looks_for_sooner = 500'000;  // for all of them
-constexpr double share_to_prove = 0.2;               // of the time that is left when the robots are begun with
+constexpr std::uint64_t max_checks = 20'000'000;       // for a robot
+constexpr std::uint64_t checks_for_earlier = 500'000;  // for all of them
+constexpr double share_to_prove = 0.2;                 // of the time that is left when the robots are begun with
 
 }  // namespace
 
-PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& team, const Deadline& deadline,
+PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& group, const Deadline& deadline,
                                      PlanStatistics& statistics)
     : problem_(problem),
       common_(common_options(problem.options)),
-      team_(team),
-      quick_(problem.scene, team.names(), problem.checkers.options),
+      group_(group),
+      quick_(problem.scene, group.names(), problem.checkers.options),
       deadline_(deadline),
       statistics_(statistics) {
   for (std::size_t i = 0; i < problem.robots.size(); ++i) workspaces_.push_back(quick_.alone(i).make_workspace());
@@ -37,16 +37,16 @@ PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupChec
 
 // --- starts and goals
 
-void PrioritisedInTime::require_ends() {
+void PrioritisedInTime::require_endpoints() {
   std::vector<const RobotEndpoints*> endpoints;
-  for (std::size_t i = 0; i < problem_.robots.size(); ++i) endpoints.push_back(&way(i).endpoints);
-  require_joint_endpoints(team_, endpoints);
+  for (std::size_t i = 0; i < problem_.robots.size(); ++i) endpoints.push_back(&path_of(i).endpoints);
+  require_joint_endpoints(group_, endpoints);
 }
 
 /// Among what stands still: of the robots that move none stands anywhere. Its targets are free of the committed robots
 /// where those rest at last.
-const RobotPath& PrioritisedInTime::way(std::size_t i) {
-  if (const auto known = ways_.find(i); known != ways_.end()) return known->second;
+const RobotPath& PrioritisedInTime::path_of(std::size_t i) {
+  if (const auto known = paths_.find(i); known != paths_.end()) return known->second;
   const RobotProblem& part = problem_.robots[i];
   RobotPath path = find_path_alone(problem_, part, quick_.alone(i), deadline_, statistics_);
   const Checker& at_last = problem_.checkers.planning.alone(i);
@@ -59,7 +59,7 @@ const RobotPath& PrioritisedInTime::way(std::size_t i) {
   });
   if (path.endpoints.targets.empty() && !why.empty())
     throw PlanningError(Status::goal_invalid, "robot '" + part.robot + "': the goal is invalid: " + why);
-  return ways_.emplace(i, std::move(path)).first->second;
+  return paths_.emplace(i, std::move(path)).first->second;
 }
 
 // --- plans
@@ -74,9 +74,9 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
   while (tried.insert(order).second && !deadline_.stop_requested()) {
     Motions found;
     const auto stuck = std::find_if_not(order.begin(), order.end(), [&](std::size_t i) {
-      std::uint64_t looks = max_looks;
+      std::uint64_t checks = max_checks;
       return plan_one(i, at_once,
-                      {std::numeric_limits<double>::infinity(), max_roadmaps, looks, deadline_, improve_until}, found);
+                      {std::numeric_limits<double>::infinity(), max_roadmaps, checks, deadline_, improve_until}, found);
     });
     if (stuck == order.end()) return found;
     std::rotate(order.begin(), stuck, std::next(stuck));
@@ -84,37 +84,37 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
   return std::nullopt;
 }
 
-std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_sooner(const Motions& at_once, double before,
-                                                                         const Deadline& until) {
-  std::uint64_t looks = looks_for_sooner;
+std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_earlier(const Motions& at_once, double before,
+                                                                          const Deadline& until) {
+  std::uint64_t checks = checks_for_earlier;
   Motions found;
   try {
     for (std::size_t i = 0; i < problem_.robots.size(); ++i)
-      if (!plan_one(i, at_once, {before, 1, looks, until, until}, found)) return std::nullopt;
+      if (!plan_one(i, at_once, {before, 1, checks, until, until}, found)) return std::nullopt;
   } catch (const PlanningError&) {
-    return std::nullopt;  // no way of a robot alone was found, or not in time
+    return std::nullopt;  // no path of a robot alone was found, or not in time
   }
   return found;
 }
 
 /// Adds the robot's motion to `done`; false: none was found.
-bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const TimedBudget& effort, Motions& done) {
+bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const TimedBudget& budget, Motions& done) {
   const RobotProblem& part = problem_.robots[i];
   const std::vector<MovingRobot> others = others_of(i, done);
   if (const auto known = at_once.find(part.robot);
-      known != at_once.end() && end_of(known->second) < effort.max_arrival) {
+      known != at_once.end() && end_of(known->second) < budget.max_arrival) {
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
-    CollisionMonitor watch(others, effort.deadline);
-    const bool gets_by = !watch.find(known->second);
-    effort.checks -= std::min(effort.checks, watch.checks());
-    if (gets_by) {
+    CollisionMonitor monitor(others, budget.deadline);
+    const bool collision_free = !monitor.find(known->second);
+    budget.checks -= std::min(budget.checks, monitor.checks());
+    if (collision_free) {
       done.emplace(part.robot, known->second);
       return true;
     }
   }
   const TimedTask task = task_of(i, at_once, others);
   const PhaseTimer timer(deadline_, statistics_.search_time_s);
-  TimedResult answer = plan_in_time(task, effort);
+  TimedResult answer = plan_in_time(task, budget);
   statistics_.expansions += answer.expansions;
   statistics_.edge_checks += answer.edge_checks;
   statistics_.memory_bytes = std::max(statistics_.memory_bytes, answer.memory_bytes);
@@ -126,27 +126,27 @@ bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const Ti
 
 std::vector<MovingRobot> PrioritisedInTime::others_of(std::size_t i, const Motions& done) const {
   std::vector<MovingRobot> others;
-  for (std::size_t j = 0; j < team_.size(); ++j) {
-    const std::string& name = team_.names()[j];
+  for (std::size_t j = 0; j < group_.size(); ++j) {
+    const std::string& name = group_.names()[j];
     const Trajectory* motion = nullptr;
     if (const auto committed = problem_.obstacles.find(name); committed != problem_.obstacles.end())
       motion = &committed->second;
     else if (const auto planned = done.find(name); planned != done.end())
       motion = &planned->second;
-    if (!motion || !team_.may_conflict(i, j)) continue;
+    if (!motion || !group_.may_conflict(i, j)) continue;
     const auto [a, b] = std::minmax(i, j);
-    others.push_back({quick_.pair(a, b), team_.pair(a, b), j < i, motion});
+    others.push_back({quick_.pair(a, b), group_.pair(a, b), j < i, motion});
   }
   return others;
 }
 
-/// Its way among what stands still leads the search; where it arrives at once is a target too.
+/// Its path among what stands still leads the search; where it arrives at once is a target too.
 TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others) {
   const RobotProblem& part = problem_.robots[i];
   const Checker& checker = quick_.alone(i);
-  const RobotPath& path = way(i);
+  const RobotPath& path = path_of(i);
   TimedTask task{checker,
-                 team_.alone(i),
+                 group_.alone(i),
                  others,
                  path.endpoints.start,
                  path.endpoints.targets,

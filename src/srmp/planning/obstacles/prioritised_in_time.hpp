@@ -17,35 +17,35 @@ class PrioritisedInTime {
  public:
   using Motions = std::map<std::string, Trajectory>;
 
-  /// `team`: checkers, by Coal alone, of the problem's robots, in their order, and after them the moving obstacles.
+  /// `group`: checkers, by Coal alone, of the problem's robots, in their order, and after them the moving obstacles.
   /// References outlive this.
-  PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& team, const Deadline& deadline,
+  PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& group, const Deadline& deadline,
                     PlanStatistics& statistics);
 
   /// Checks starts and goals as the pipeline does, but a start may be where the motion of an obstacle ends. Throws
   /// PlanningError.
-  void require_ends();
+  void require_endpoints();
 
-  /// A robot that finds no motion is put first, until an order comes again. Those whose motion of `at_once` gets by
-  /// keep it. Throws PlanningError where a robot has no way even among what stands still.
+  /// A robot that finds no motion is put first, until an order recurs. Robots whose motion of `at_once` stays clear of
+  /// the others keep it. Throws PlanningError where a robot has no path even among what stands still.
   std::optional<Motions> plan(const Motions& at_once);
-  /// Only if all arrive sooner than `before` [s], with an effort that is small next to that of a plan.
-  std::optional<Motions> plan_sooner(const Motions& at_once, double before, const Deadline& until);
+  /// Only if all arrive earlier than `before` [s], with a budget that is small next to that of a plan.
+  std::optional<Motions> plan_earlier(const Motions& at_once, double before, const Deadline& until);
 
  private:
-  bool plan_one(std::size_t i, const Motions& at_once, const TimedBudget& effort, Motions& done);
+  bool plan_one(std::size_t i, const Motions& at_once, const TimedBudget& budget, Motions& done);
   std::vector<MovingRobot> others_of(std::size_t i, const Motions& done) const;
   TimedTask task_of(std::size_t i, const Motions& at_once, const std::vector<MovingRobot>& others);
-  const RobotPath& way(std::size_t i);
+  const RobotPath& path_of(std::size_t i);
 
   const PlanProblem& problem_;
   const CommonOptions& common_;
-  const GroupCheckers& team_;
-  const GroupCheckers quick_;  // the team by quick checkers
+  const GroupCheckers& group_;
+  const GroupCheckers quick_;  // the same robots, by the checkers that plan
   std::vector<Checker::WorkspacePtr> workspaces_;
   const Deadline& deadline_;
   PlanStatistics& statistics_;
-  std::map<std::size_t, RobotPath> ways_;  // of robots, among what stands still
+  std::map<std::size_t, RobotPath> paths_;  // by robot, among what stands still
 };
 
 }  // namespace srmp

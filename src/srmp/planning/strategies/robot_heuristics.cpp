@@ -89,19 +89,19 @@ AnyHeuristic RobotHeuristics::bfs(Lattice& lattice, double resolution) {
                                         RobotDataDeleter{});
   const std::size_t link = robot.link_index(robot.end_effector());
   const Pose base = context_.checks.checker().base();
-  const auto tip = [&robot, data, link, base](const Eigen::VectorXd& q) -> Eigen::Vector3d {
+  const auto end_effector = [&robot, data, link, base](const Eigen::VectorXd& q) -> Eigen::Vector3d {
     robot.forward(*data, q);
     return base * Eigen::Vector3d(robot.link_pose(*data, link).translation());
   };
   std::vector<Eigen::Vector3d> goals;
-  double reach = tip_reach(tip, base.p);
-  for (const Eigen::VectorXd& target : lattice.targets()) goals.push_back(tip(target));
+  double reach = end_effector_reach(end_effector, base.p);
+  for (const Eigen::VectorXd& target : lattice.targets()) goals.push_back(end_effector(target));
   const auto grid = grid_around(base.p, reach, goals, resolution);
-  // One radian moves the tip by at most about `reach`; places that walls cut off count as far away, not as hopeless,
-  // because the grid knows only the tip.
-  return [&lattice, tip, grid, reach](search::StateId state) {
+  // One radian moves the end_effector by at most about `reach`; places that walls cut off count as far away, not as
+  // hopeless, because the grid knows only the end_effector.
+  return [&lattice, end_effector, grid, reach](search::StateId state) {
     if (lattice.is_goal(state)) return 0.0;
-    return std::min(grid->distance(tip(lattice.configuration(state))), 4.0 * reach) / reach;
+    return std::min(grid->distance(end_effector(lattice.configuration(state))), 4.0 * reach) / reach;
   };
 }
 
@@ -121,8 +121,8 @@ std::shared_ptr<const TaskSpaceBfs> RobotHeuristics::grid_around(const Eigen::Ve
 }
 
 /// How far the end effector gets from the base, over a fixed sample of configurations.
-double RobotHeuristics::tip_reach(const Tip& tip, const Eigen::Vector3d& base) const {
-  double reach = (tip(start_) - base).norm();
+double RobotHeuristics::end_effector_reach(const EndEffectorPosition& end_effector, const Eigen::Vector3d& base) const {
+  double reach = (end_effector(start_) - base).norm();
   Eigen::VectorXd q = start_;
   for (int sample = 1; sample <= 128; ++sample) {
     for (Eigen::Index j = 0; j < q.size(); ++j) {
@@ -131,7 +131,7 @@ double RobotHeuristics::tip_reach(const Tip& tip, const Eigen::Vector3d& base) c
       const double golden = std::sqrt(static_cast<double>(j) + 2.0) * sample;  // a Kronecker sequence
       q[j] = low + (high - low) * (golden - std::floor(golden));
     }
-    reach = std::max(reach, (tip(q) - base).norm());
+    reach = std::max(reach, (end_effector(q) - base).norm());
   }
   return 1.1 * reach;
 }

@@ -33,13 +33,13 @@ class RobotHeuristics {
     std::shared_ptr<const TaskSpaceBfs> bfs;
   };
   /// Where the end effector is, world frame.
-  using Tip = std::function<Eigen::Vector3d(const Eigen::VectorXd& q)>;
+  using EndEffectorPosition = std::function<Eigen::Vector3d(const Eigen::VectorXd& q)>;
 
   search::AnyHeuristic measure(const std::string& name, Lattice& lattice) const;
   search::AnyHeuristic bfs(Lattice& lattice, double resolution);
   std::shared_ptr<const TaskSpaceBfs> grid_around(const Eigen::Vector3d& middle, double reach,
                                                   const std::vector<Eigen::Vector3d>& goals, double resolution);
-  double tip_reach(const Tip& tip, const Eigen::Vector3d& base) const;
+  double end_effector_reach(const EndEffectorPosition& end_effector, const Eigen::Vector3d& base) const;
 
   RobotContext& context_;
   const Eigen::VectorXd& start_;
