@@ -179,6 +179,12 @@ class PlannerInterface {
                                                               const std::map<std::string, TimedPath>& others,
                                                               CheckMode mode = CheckMode::exact) const;
 
+  /// From now on plans check collisions by the checkers that `backend` makes (collision/checker.hpp says what they must
+  /// keep to); they are made per scene, robot and group of robots, possibly in several threads. Certificates and single
+  /// queries stay with the library's own checker, so that a wrong backend cannot make a path in collision look valid.
+  /// Throws InvalidArgument for an empty function; make_checker is the default.
+  void set_collision_backend(CheckerFactory backend);
+
   // --- motion limits and verification
 
   /// The limits of the robot's joints: velocities of the URDF, and default_limits for the others, until

@@ -29,6 +29,7 @@ ONLY_CPP = {
     "scene": "Python has object_names, get_object_pose, get_qpos and the like instead of the object",
     "robot": "Python has get_joint_limits, get_group_states and the like instead of the object",
     "planner_options": "Python gives options as dictionaries: srmp.planner_options",
+    "set_collision_backend": "a backend is a C++ class: collisions are checked too often for Python",
     "attach_moveit_objects": "part of Python's apply_moveit_request",
 }
 ONLY_PYTHON = {

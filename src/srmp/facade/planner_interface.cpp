@@ -436,6 +436,12 @@ std::shared_ptr<const TimedChecker> PlannerInterface::timed_collision_checker(
   return std::make_shared<const TimedChecker>(impl_->scene, robot, others, impl_->checkers.options(mode));
 }
 
+void PlannerInterface::set_collision_backend(CheckerFactory backend) {
+  if (!backend) throw InvalidArgument("the collision backend is an empty function; make_checker is the default");
+  impl_->checkers.set_backend(std::move(backend));
+  impl_->result.reset();
+}
+
 // --- heuristics of the user
 
 void PlannerInterface::add_heuristic(const std::string& name, HeuristicFunction function, bool consistent) {

@@ -23,7 +23,7 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
   for (const auto& [name, robot] : scene.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
   if (together_ && together_->planning.names() == robots && others_ == others) return together_;
-  auto made = std::make_shared<const ProblemCheckers>(scene, robots, options(CheckMode::exact), threads);
+  auto made = std::make_shared<const ProblemCheckers>(scene, robots, options(CheckMode::exact), threads, backend_);
   together_ = std::move(made);
   others_ = std::move(others);
   return together_;
@@ -32,7 +32,8 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
 std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene, const std::string& robot) {
   scene.robot(robot);  // throws with the nearest name
   auto& slot = single_[robot];
-  if (!slot) slot = std::make_shared<const ProblemCheckers>(scene, std::vector{robot}, options(CheckMode::exact));
+  if (!slot)
+    slot = std::make_shared<const ProblemCheckers>(scene, std::vector{robot}, options(CheckMode::exact), 1, backend_);
   return slot;
 }
 
@@ -41,6 +42,11 @@ void SceneCheckers::cover_robots(const Scene& scene) const {
     ensure_covered(*robot.model, *covers_);
     pair_tables_->tables(robot.model, robot.parts);
   }
+}
+
+void SceneCheckers::set_backend(CheckerFactory backend) {
+  backend_ = std::move(backend);
+  clear();
 }
 
 void SceneCheckers::clear() {

@@ -31,10 +31,13 @@ class SceneCheckers {
 
   /// Slow for a robot seen for the first time, nothing otherwise.
   void cover_robots(const Scene& scene) const;
+  /// Makes the checkers that plan, from now on; those that verify are always the library's own.
+  void set_backend(CheckerFactory backend);
   /// The scene has changed.
   void clear();
 
  private:
+  CheckerFactory backend_{make_checker};
   std::shared_ptr<CoverStore> covers_;
   std::shared_ptr<PairTableStore> pair_tables_;
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;

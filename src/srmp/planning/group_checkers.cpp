@@ -11,14 +11,14 @@ RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool othe
 }
 
 GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
-                             std::size_t threads)
+                             std::size_t threads, const CheckerFactory& backend)
     : names_(std::move(robots)), alone_(names_.size()) {
   Jobs jobs(threads);
   jobs.run(size(), Deadline(), [&](std::size_t i, const Deadline&) {
     CheckerOptions alone = options;
     for (const std::string& other : names_)
       if (other != names_[i]) alone.excluded_robots.push_back(other);
-    alone_[i] = make_checker(scene, names_[i], alone);
+    alone_[i] = backend(scene, names_[i], alone);
   });
   if (size() == 1) return;
   std::vector<PlacedSphere> ranges;
@@ -33,7 +33,7 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
     CheckerOptions both = options;
     both.other_robots = {names_[numbers.second]};
     both.other_robots_only = true;
-    checker = make_checker(scene, names_[numbers.first], both);
+    checker = backend(scene, names_[numbers.first], both);
   });
 }
 

@@ -14,9 +14,10 @@ namespace srmp {
 /// can reach each other, by themselves. Where all of these say free, nothing collides.
 class GroupCheckers {
  public:
-  /// Robots of the scene that are not named stand still. `threads`: checkers that are made at the same time.
+  /// Robots of the scene that are not named stand still. `threads`: checkers that are made at the same time, by
+  /// `backend`.
   GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
-                std::size_t threads = 1);
+                std::size_t threads = 1, const CheckerFactory& backend = make_checker);
 
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }
@@ -39,10 +40,15 @@ class GroupCheckers {
 class ProblemCheckers {
  public:
   ProblemCheckers(const Scene& scene, const std::vector<std::string>& robots, const CheckerOptions& options,
-                  std::size_t threads = 1)
-      : options(options), planning(scene, robots, options, threads), scene_(scene), threads_(threads) {}
+                  std::size_t threads = 1, const CheckerFactory& backend = make_checker)
+      : options(options),
+        backend(backend),
+        planning(scene, robots, options, threads, backend),
+        scene_(scene),
+        threads_(threads) {}
 
   const CheckerOptions options;  ///< of those that plan
+  const CheckerFactory backend;  ///< that makes those that plan
   const GroupCheckers planning;
   const GroupCheckers& verification() const;
 

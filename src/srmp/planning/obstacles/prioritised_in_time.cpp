@@ -29,7 +29,7 @@ PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupChec
     : problem_(problem),
       common_(common_options(problem.options)),
       group_(group),
-      quick_(problem.scene, group.names(), problem.checkers.options),
+      quick_(problem.scene, group.names(), problem.checkers.options, 1, problem.checkers.backend),
       deadline_(deadline),
       statistics_(statistics) {
   for (std::size_t i = 0; i < problem.robots.size(); ++i) workspaces_.push_back(quick_.alone(i).make_workspace());
