@@ -12,6 +12,7 @@
 #include "srmp/io/scene_file.hpp"
 #include "srmp/planning/certificates/verify_together.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
+#include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/pipeline.hpp"
 #include "srmp/planning/stationary_robots.hpp"
 
@@ -34,14 +35,8 @@ bool names_any(const PlanRequest& request, const std::function<bool(const std::s
   return is_one(request.robot);
 }
 
-const PlannerInfo& info_of(const PlannerOptions& options) {
-  const auto& known = available_planners();
-  return *std::find_if(known.begin(), known.end(),
-                       [id = planner_id(options)](const PlannerInfo& info) { return info.id == id; });
-}
-
 void require_planner_for_one(const PlannerOptions& options) {
-  if (info_of(options).one_robot) return;
+  if (registered_planner(options).info.one_robot) return;
   throw NotSupported(planner_id(options) +
                      " plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for "
                      "plan");
@@ -49,11 +44,11 @@ void require_planner_for_one(const PlannerOptions& options) {
 
 /// One robot may have been given a planner that knows no others.
 void require_for_many(const PlannerOptions& options) {
-  for (const PlannerInfo& info : available_planners())
-    if (info.id == planner_id(options) && !info.many_robots)
-      throw InvalidArgument("planner '" + info.id +
-                            "' plans for one robot, with plan; make_planner one for many, such as 'xECBS', for "
-                            "plan_multi");
+  const PlannerInfo& info = registered_planner(options).info;
+  if (!info.many_robots)
+    throw InvalidArgument("planner '" + info.id +
+                          "' plans for one robot, with plan; make_planner one for many, such as 'xECBS', for "
+                          "plan_multi");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "srmp/io/scene_archive.h"
 #include "srmp/io/trajectory_archive.h"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
+#include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/statistics_fields.hpp"
 
 namespace srmp {
@@ -59,11 +60,9 @@ std::vector<std::string> planner_key(const Scene& scene, std::vector<std::string
 }
 
 void require_planner_for(const std::vector<std::string>& robots, const PlannerOptions& options) {
-  const auto& known = available_planners();
-  const auto info = std::find_if(known.begin(), known.end(),
-                                 [&](const PlannerInfo& planner) { return planner.id == planner_id(options); });
-  if (robots.size() > 1 && !info->many_robots)
-    throw InvalidArgument("planner '" + info->id + "' plans for one robot, but " + std::to_string(robots.size()) +
+  const PlannerInfo& info = registered_planner(options).info;
+  if (robots.size() > 1 && !info.many_robots)
+    throw InvalidArgument("planner '" + info.id + "' plans for one robot, but " + std::to_string(robots.size()) +
                           " were named; use 'xECBS' for many");
 }
 

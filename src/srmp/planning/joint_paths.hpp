@@ -11,7 +11,7 @@ namespace srmp {
 
 /// Paths of all robots of a problem. Each group's path may be timed by itself; different groups do not collide.
 struct JointPaths {
-  std::vector<JointPath> raw;       ///< of each group, as a strategy found it
+  std::vector<JointPath> raw;       ///< of each group, as a strategy found it; none for one robot
   std::vector<JointPath> smoothed;  ///< the same, shortened
   /// That the paths were found in; null for one robot.
   std::unique_ptr<MultiRobotWorld> world;

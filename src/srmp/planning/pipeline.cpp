@@ -1,24 +1,16 @@
 #include "srmp/planning/pipeline.hpp"
 
-#include <algorithm>
-
 #include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/endpoints/joint_endpoints.hpp"
 #include "srmp/planning/joint_paths.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
+#include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/stationary_robots.hpp"
 #include "srmp/planning/strategies/path_alone.hpp"
 
 namespace srmp {
 
 namespace {
-
-bool plans_one_robot(const PlannerOptions& options) {
-  const std::string id = planner_id(options);
-  const auto& known = available_planners();
-  return std::any_of(known.begin(), known.end(),
-                     [&](const PlannerInfo& planner) { return planner.id == id && planner.one_robot; });
-}
 
 class Pipeline {
  public:
@@ -27,7 +19,7 @@ class Pipeline {
         deadline_(deadline),
         statistics_(statistics),
         work_(static_cast<std::size_t>(num_threads(problem.options)), statistics),
-        one_robot_(problem.robots.size() == 1 && plans_one_robot(problem.options)) {}
+        one_robot_(problem.robots.size() == 1 && registered_planner(problem.options).info.one_robot) {}
 
   MultiTrajectory run() {
     require_stationary_starts(problem_);
@@ -93,7 +85,6 @@ class Pipeline {
       waypoints.row(row) = path.endpoints.recovery[static_cast<std::size_t>(row)].transpose();
     waypoints.bottomRows(path.waypoints.rows()) = path.waypoints;
     JointPaths paths;
-    paths.raw.push_back(path_of_one(waypoints));
     paths.smoothed.push_back(path_of_one(std::move(waypoints)));
     const auto cost = statistics_.robot_cost_rad.find(problem_.robots.front().robot);  // of requests for many
     if (cost != statistics_.robot_cost_rad.end()) cost->second = statistics_.path_cost_rad;
