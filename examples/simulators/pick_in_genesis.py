@@ -2,7 +2,7 @@
 
     python examples/simulators/pick_in_genesis.py [IMAGE.png]
 
-Needs torch and genesis-world (pip install "srmp[genesis]"). The image needs an OpenGL that renders without a screen.
+Needs torch and genesis-world (pip install ".[genesis]"). The image needs an OpenGL that renders without a screen.
 Genesis compiles for minutes the first time and caches what it has compiled.
 """
 

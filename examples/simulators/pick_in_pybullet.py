@@ -2,7 +2,7 @@
 
     python examples/simulators/pick_in_pybullet.py [IMAGE.png]
 
-Needs pybullet (pip install "srmp[pybullet]"), which renders the image without a screen or a GPU.
+Needs pybullet (pip install ".[pybullet]"), which renders the image without a screen or a GPU.
 """
 
 import sys

@@ -2,7 +2,7 @@
 
     python examples/simulators/pick_in_sapien.py
 
-Needs sapien (pip install "srmp[sapien]"). SAPIEN renders only with a GPU, so this program draws no image.
+Needs sapien (pip install ".[sapien]"). SAPIEN renders only with a GPU, so this program draws no image.
 """
 
 from math import pi

@@ -2,7 +2,7 @@
 
     python examples/simulators/two_arms_in_mujoco.py [IMAGE.png]
 
-Needs mujoco (pip install "srmp[mujoco]"). The image needs an OpenGL that renders without a screen (MUJOCO_GL=egl or
+Needs mujoco (pip install ".[mujoco]"). The image needs an OpenGL that renders without a screen (MUJOCO_GL=egl or
 osmesa).
 """
 

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from srmp import _other_package  # noqa: F401  (first: it raises ImportError where another package has replaced files)
+
 try:
     from srmp import _srmp
 except ImportError:  # the libraries of other wheels are not beside this package: find them first, then try again

@@ -66,7 +66,7 @@ def test_rates_are_counts_by_times():
 
 
 def test_points_lie_on_the_surface():
-    pytest.importorskip("yaml", reason="the benchmark needs PyYAML: pip install 'srmp[test]'")
+    pytest.importorskip("yaml", reason="the benchmark needs PyYAML: pip install '.[test]'")
     cloud = load("cloud")
     rng = np.random.default_rng(0)
     box = cloud.on_box([0.2, 0.4, 0.6], 2000, rng) / [0.1, 0.2, 0.3]
@@ -81,7 +81,7 @@ def test_points_lie_on_the_surface():
 
 
 def test_clouds_are_measured_against_boxes(mbm_dir, tmp_path):
-    pytest.importorskip("yaml", reason="the benchmark needs PyYAML: pip install 'srmp[test]'")
+    pytest.importorskip("yaml", reason="the benchmark needs PyYAML: pip install '.[test]'")
     out = tmp_path / "cloud.json"
     text = run("cloud", "--data", mbm_dir, "--points", 2000, "--motions", 10, "--repeats", 1, "--out", out)
     rows = json.loads(out.read_text())["rows"]

@@ -31,7 +31,7 @@ def write_files(page, directory):
 
 
 def simulators_of(code):
-    """Packages that `pip install srmp[test]` does not bring everywhere."""
+    """Packages that `pip install ".[test]"` does not bring everywhere."""
     return re.findall(r"^import (mujoco|sapien|pybullet|genesis)\b", code, re.MULTILINE)
 
 

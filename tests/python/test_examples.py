@@ -70,7 +70,7 @@ def test_cpp_and_python_print_the_same(example, built):
 
 
 def test_pictures_are_drawn(tmp_path):
-    pytest.importorskip("matplotlib", reason="pictures need matplotlib: pip install 'srmp[demo]'")
+    pytest.importorskip("matplotlib", reason="pictures need matplotlib: pip install '.[demo]'")
     run(sys.executable, REPOSITORY / "examples" / "figures.py", tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"two-arms-swap.png", "four-arms-over-bins.png"}
 

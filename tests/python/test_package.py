@@ -22,7 +22,7 @@ def run(*command, **options):
 
 def test_version_is_the_same_everywhere():
     declared = re.search(r'^version = "(.+)"', (REPOSITORY / "pyproject.toml").read_text(), re.MULTILINE)[1]
-    assert srmp.__version__ == importlib.metadata.version("srmp") == declared
+    assert srmp.__version__ == importlib.metadata.version("srmp-cpp") == declared
     assert f"## {declared}" in (REPOSITORY / "CHANGELOG.md").read_text()
 
 

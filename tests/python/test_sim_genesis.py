@@ -10,8 +10,8 @@ import pytest
 import srmp
 from srmp.sim import check_parity, shapes
 
-pytest.importorskip("torch", reason="install torch and 'srmp[genesis]' to test what is said of Genesis")
-gs = pytest.importorskip("genesis", reason="pip install 'srmp[genesis]' to test what is said of Genesis")
+pytest.importorskip("torch", reason="install torch and '.[genesis]' to test what is said of Genesis")
+gs = pytest.importorskip("genesis", reason="pip install '.[genesis]' to test what is said of Genesis")
 trimesh = pytest.importorskip("trimesh", reason="it comes with Genesis")
 
 from srmp.sim.genesis import Genesis  # noqa: E402

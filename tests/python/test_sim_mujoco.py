@@ -8,7 +8,7 @@ import pytest
 
 import srmp
 
-mujoco = pytest.importorskip("mujoco", reason="pip install 'srmp[mujoco]' to test what is said of MuJoCo")
+mujoco = pytest.importorskip("mujoco", reason="pip install '.[mujoco]' to test what is said of MuJoCo")
 
 
 HOME = np.array([0, -0.5, 0, -2.2, 0, 1.8, 0.8])

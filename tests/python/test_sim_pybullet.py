@@ -10,7 +10,7 @@ import pytest
 import srmp
 from srmp.sim.pybullet_meshes import grid_surface
 
-pybullet = pytest.importorskip("pybullet", reason="pip install 'srmp[pybullet]' to test what is said of PyBullet")
+pybullet = pytest.importorskip("pybullet", reason="pip install '.[pybullet]' to test what is said of PyBullet")
 
 HOME = np.array([0, -0.5, 0, -2.2, 0, 1.8, 0.8])
 OWN = {"panda": {"end_effector": "panda_hand"}}

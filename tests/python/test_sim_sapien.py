@@ -11,7 +11,7 @@ import srmp
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # of a machine without Vulkan
-    sapien = pytest.importorskip("sapien", reason="pip install 'srmp[sapien]' to test what is said of SAPIEN")
+    sapien = pytest.importorskip("sapien", reason="pip install '.[sapien]' to test what is said of SAPIEN")
 from srmp.sim.sapien import Sapien, _Masses
 
 px = sapien.physx

@@ -13,7 +13,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "simulators").glob("
 @pytest.mark.parametrize("example", EXAMPLES, ids=[path.stem for path in EXAMPLES])
 def test_example_runs(example, tmp_path):
     simulator = example.stem.rpartition("_")[2]
-    pytest.importorskip(simulator, reason=f"pip install 'srmp[{simulator}]' to run {example.name}")
+    pytest.importorskip(simulator, reason=f"pip install '.[{simulator}]' to run {example.name}")
     figure = tmp_path / "figure.png"
     arguments = [str(figure)] if can_draw(simulator) else []
     result = subprocess.run([sys.executable, str(example), *arguments], capture_output=True, text=True)
