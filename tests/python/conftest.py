@@ -8,19 +8,36 @@ import pytest
 
 import srmp
 
+sys.path.append(str(Path(__file__).parent))  # modules that tests share
+
 
 def pytest_collection_modifyitems(items):
     """Genesis last: its first scene compiles for minutes."""
     items.sort(key=lambda item: "genesis" in item.nodeid)
 
 
-@pytest.fixture(scope="session")
-def mbm_dir():
-    """MotionBenchMaker robots and problems, where SRMP_MBM_DIR says."""
+def _mbm_data():
+    """MotionBenchMaker's robots and problems, where SRMP_MBM_DIR says; None where it does not."""
     directory = os.environ.get("SRMP_MBM_DIR", "")
-    if not directory or not Path(directory, "panda", "panda.urdf").exists():
+    return Path(directory) if directory and Path(directory, "panda", "panda.urdf").exists() else None
+
+
+@pytest.fixture(scope="session")
+def mbm_data():
+    """MotionBenchMaker's data itself, for what is said of its robots and problems."""
+    if (directory := _mbm_data()) is None:
         pytest.skip("set SRMP_MBM_DIR to a directory with MotionBenchMaker robots and problems to run this test")
-    return Path(directory)
+    return directory
+
+
+@pytest.fixture(scope="session", params=["own arm", "data"])
+def mbm_dir(request, tmp_path_factory):
+    """A directory as MotionBenchMaker's, with a Panda and its problems: the data, and a stand-in for any checkout."""
+    if request.param == "data":
+        return request.getfixturevalue("mbm_data")
+    import stand_in
+
+    return stand_in.write(tmp_path_factory.mktemp("mbm"))
 
 
 @pytest.fixture(scope="session")
@@ -30,7 +47,7 @@ def suite():
 
     def load(name):
         for package in ("pinocchio", "coal", "yaml"):
-            pytest.importorskip(package, reason=f"the re-check needs {package}: pip install 'srmp[test]'")
+            pytest.importorskip(package, reason=f"the re-check needs {package}: pip install '.[test]'")
         return importlib.import_module(name)
 
     return load
@@ -39,7 +56,6 @@ def suite():
 @pytest.fixture(scope="session")
 def sim_checks():
     """What every simulator has to show."""
-    sys.path.append(str(Path(__file__).parent))
     return importlib.import_module("sim_checks")
 
 

@@ -83,8 +83,10 @@ def test_every_kind_in_the_hand_against_every_kind_around(arm, held, around):
 @pytest.mark.parametrize("robot", ["panda", "ur5", "fetch"])
 def test_agreement_on_motion_bench_maker(mbm_dir, tmp_path, robot):
     """The suite itself, with fewer configurations: modes, instruction sets, and Pinocchio's and Coal's own packages."""
+    if not (mbm_dir / robot).is_dir():
+        pytest.skip(f"the stand-in for MotionBenchMaker's data has no {robot}")
     for package in ("pinocchio", "coal", "yaml"):
-        pytest.importorskip(package, reason=f"the suite needs {package}: pip install 'srmp[test]'")
+        pytest.importorskip(package, reason=f"the suite needs {package}: pip install '.[test]'")
     options = f"--data {mbm_dir} --robots {robot} --configurations 7000 --problems 1 --recheck 0.02"
     command = [sys.executable, str(SUITE), *options.split(), "--out", str(tmp_path / "result.json")]
     outcome = subprocess.run(command, capture_output=True, text=True)
@@ -99,9 +101,9 @@ def test_agreement_on_motion_bench_maker(mbm_dir, tmp_path, robot):
     assert all(total[fault] == 0 for fault in agreement.FAULTS)
 
 
-def test_meshes_far_apart_are_not_called_near(mbm_dir):
+def test_meshes_far_apart_are_not_called_near(mbm_data):
     """Found by the suite: Coal's tree of triangles called these two near on a 15 µm part of the motion."""
-    planner = agreement.load_robot(mbm_dir, "ur5")
+    planner = agreement.load_robot(mbm_data, "ur5")
     checker = planner.collision_checker("ur5", "coal")
     a = np.array([0.2062372, 0.2466945, -2.6512656, 1.5938370, 1.4263714, 0.5440000])
     b = np.array([0.2135874, 0.2791976, -2.5644320, 1.5715717, 1.5087547, 0.5482689])

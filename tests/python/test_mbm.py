@@ -103,9 +103,9 @@ def test_robot_files_are_found_or_refused(problems):
         mbm.robot_files(problems, "problems", "spheres")
 
 
-def test_real_data_has_fifty_problems_of_seven_scenarios(mbm_dir):
+def test_real_data_has_fifty_problems_of_seven_scenarios(mbm_data):
     for robot in ("panda", "ur5", "fetch"):
-        with mbm.open_problems(mbm_dir / robot, robot) as chosen:
+        with mbm.open_problems(mbm_data / robot, robot) as chosen:
             assert len(chosen) == 350
             assert len({problem.scenario for problem in chosen}) == 7
 
