@@ -1,8 +1,31 @@
+#include <algorithm>
+
 #include "planner_interface.hpp"
 
 namespace srmp::python {
 
 using Self = PyPlannerInterface;
+
+namespace {
+
+/// Adds the robot and issues its warnings. Where the user made errors of them, the robot is not added.
+void add(PlannerInterface& planner, const RobotDescription& description, const Pose& base) {
+  const std::vector<std::string> before = planner.robot_names();
+  planner.add_articulation(description, base);
+  for (const std::string& name : planner.robot_names()) {
+    if (std::find(before.begin(), before.end(), name) != before.end()) continue;
+    const std::vector<std::string> warnings = planner.warnings(name);
+    try {
+      for (const std::string& warning : warnings) warn_of_robot("robot '" + name + "': " + warning);
+    } catch (const nb::python_error&) {
+      planner.remove_articulation(name);
+      throw;
+    }
+    return;
+  }
+}
+
+}  // namespace
 
 void bind_robots(PlannerClass& cls) {
   cls.def(
@@ -11,7 +34,7 @@ void bind_robots(PlannerClass& cls) {
             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
-            const std::string& urdf_directory) {
+            const std::string& urdf_directory, bool strict) {
            const RobotDescription description{.urdf_path = urdf_path,
                                               .urdf_text = urdf_text,
                                               .urdf_directory = urdf_directory,
@@ -22,14 +45,15 @@ void bind_robots(PlannerClass& cls) {
                                               .group = group,
                                               .joint_names = joint_names,
                                               .fixed_joints = fixed_joints,
-                                              .package_dirs = package_dirs};
-           self.use([&](PlannerInterface& p) { p.add_articulation(description, base_pose); });
+                                              .package_dirs = package_dirs,
+                                              .strict = strict};
+           self.use([&](PlannerInterface& p) { add(p, description, base_pose); });
          },
          nb::arg("urdf_path") = "", nb::arg("srdf_path") = "", nb::arg("name") = "", nb::arg("end_effector") = "",
          nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
          nb::arg("fixed_joints") = std::map<std::string, double>{},
          nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
-         nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "",
+         nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "", nb::kw_only(), nb::arg("strict") = false,
          R"(Adds a robot from a URDF and, where there is one, an SRDF; `base_pose` is the pose of its root link in the world.
 
 name: unique; default the URDF's. end_effector: the link that goals refer to. Planned joints: joint_names, else the
@@ -41,8 +65,26 @@ The planned joints stand at the values nearest to 0 within their limits. Without
 and so may links that touch with all joints at 0 and in more than 95 % of the sampled configurations
 (get_always_colliding).
 
+What was read but not used is issued as RobotWarning and listed by warnings(name): unknown tags, names in the SRDF
+that the URDF does not have, planar and floating joints, which are not planned. With `strict`, mistakes among these
+raise FileError.
+
 Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and
 InvalidArgument (a name in use; unknown group, joint or link, with the nearest name).)")
+      .def_prop_ro(
+          "only_robot", [](Self& self) { return self.use([](const PlannerInterface& p) { return p.only_robot(); }); },
+          R"(The name of the only robot.
+
+Raises InvalidArgument where there is not exactly one.)")
+      .def(
+          "warnings",
+          [](Self& self, const std::string& robot) {
+            return self.use([&](const PlannerInterface& p) { return p.warnings(robot); });
+          },
+          nb::arg("robot"),
+          R"(What was read but not used when the robot was added, as sentences: unknown tags and attributes of the URDF and SRDF,
+names in the SRDF that the URDF does not have, an SRDF with another robot name; planar and floating joints, which
+stay at their origin; angles that look like degrees.)")
       .def(
           "remove_articulation",
           [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_articulation(name); }); },

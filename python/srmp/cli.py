@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
 import srmp
 from srmp._cli_bench import bench
@@ -72,39 +72,32 @@ def _robot_options(command: Any) -> Any:
 def _make_world(
     urdf: str, srdf: str | None, end_effector: str, group: str, package_dirs: Sequence[str], scene: str | None
 ) -> srmp.PlannerInterface:
+    """Says on stderr what of the robot's files was not used."""
     planner = srmp.PlannerInterface()
-    planner.add_articulation(
-        urdf_path=urdf,
-        srdf_path=srdf or "",
-        name="robot",
-        end_effector=end_effector,
-        group=group,
-        package_dirs=list(package_dirs),
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", srmp.RobotWarning)
+        planner.add_articulation(
+            urdf_path=urdf,
+            srdf_path=srdf or "",
+            name="robot",
+            end_effector=end_effector,
+            group=group,
+            package_dirs=list(package_dirs),
+        )
+    for warning in planner.warnings("robot"):
+        click.echo(f"note: {warning}", err=True)
     if scene:
-        for note in planner.load_moveit_scene(scene):
-            click.echo(f"note: {scene}: {note}", err=True)
+        planner.load_moveit_scene(scene)
     return planner
 
 
 def _apply_request(world: srmp.PlannerInterface, robot: str, request: srmp.MoveItRequest) -> srmp.MoveItProblem:
-    """The request as a problem of the robot; says on stderr which joints of the file were not used."""
+    """Start and goals of the request for the robot; says on stderr which joints of the file were not used."""
     problem = world.apply_moveit_request(robot, request)
     if problem.ignored_joints:
         names = ", ".join(problem.ignored_joints)
         click.echo(f"note: {request.path} also places {names}, which are not movable joints of the robot", err=True)
     return problem
-
-
-def _given(*parameters: str) -> dict[str, Any]:
-    """The planner options that the command line says itself, which count more than those of a request."""
-    context = click.get_current_context()
-    keys = {"planner": "planner_id"}
-    return {
-        keys.get(name, name): context.params[name]
-        for name in parameters
-        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-    }
 
 
 def _apply_joint_limits(world: srmp.PlannerInterface, robot: str, path: str | None) -> None:
@@ -137,7 +130,7 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     try:
         result.draw(directory / "demo.png")
     except ModuleNotFoundError as error:
-        click.echo(f"no figure: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
+        click.echo(f"no figure: {error.name} is not installed (pip install '.[demo]' in the checkout)", err=True)
     else:
         click.echo(f"wrote {directory / 'demo.png'}")
 
@@ -181,8 +174,7 @@ def plan(
     problem = _apply_request(world, "robot", request)
     _apply_joint_limits(world, "robot", joint_limits)
     cover_first(urdf, package_dirs)
-    chosen_options = {"planner_id": planner, "time_limit": time_limit} | problem.options
-    world.make_planner(["robot"], chosen_options | _given("planner", "time_limit") | parse_key_values(options))
+    world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
     try:
         trajectory = world.plan("robot", problem.start, problem.goals)
     except srmp.PlanningError:
@@ -439,7 +431,7 @@ def cover(
         try:
             _cover.draw(result, urdf, figure)
         except ModuleNotFoundError as error:
-            click.echo(f"no figure: {error.name} is not installed (pip install 'srmp[demo]')", err=True)
+            click.echo(f"no figure: {error.name} is not installed (pip install '.[demo]' in the checkout)", err=True)
         except ValueError as error:  # a format that matplotlib does not know
             raise click.BadParameter(f"--figure: {error}.") from error
         else:

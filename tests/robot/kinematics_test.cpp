@@ -185,15 +185,23 @@ BOOST_AUTO_TEST_CASE(invalid_configurations_are_rejected) {
   check_throws<InvalidArgument>([&] { robot->compute_jacobian(Eigen::Vector2d(0, INFINITY)); }, "wheel is infinity");
 }
 
-BOOST_AUTO_TEST_CASE(a_planned_joint_needs_a_velocity_limit) {
+BOOST_AUTO_TEST_CASE(a_planned_joint_without_a_velocity_limit_gets_one_with_a_warning) {
   RobotDescription description;
   description.urdf_text = std::string(kCart);
   description.urdf_text.replace(description.urdf_text.find("<limit velocity='1' effort='1'/>"), 32, "");
   description.end_effector = "nail";
+  const auto robot = RobotModel::load(description);
+  for (const Joint& joint : robot->joints())
+    if (joint.name == "wheel") BOOST_TEST(joint.max_velocity == 1.0);
+  BOOST_TEST_REQUIRE(robot->warnings().size() == 1u);
+  BOOST_TEST(robot->warnings()[0] ==
+             "joint 'wheel' of robot 'cart' is planned but has no velocity limit above 0; 1 "
+             "rad/s is taken, as MoveIt does");
+  description.strict = true;
   check_throws<InvalidArgument>([&] { RobotModel::load(description); },
                                 "joint 'wheel' of robot 'cart' is planned but has no velocity limit");
   description.joint_names = {"rail"};
-  BOOST_TEST(RobotModel::load(description)->dof() == 1);
+  BOOST_TEST(RobotModel::load(description)->warnings().empty());
 }
 
 BOOST_AUTO_TEST_CASE(floating_joints_stay_at_their_origin_with_a_warning) {
@@ -204,7 +212,8 @@ BOOST_AUTO_TEST_CASE(floating_joints_stay_at_their_origin_with_a_warning) {
   description.end_effector = "nail";
   const auto robot = RobotModel::load(description);
   BOOST_TEST(robot->joint_names() == (std::vector<std::string>{"wheel"}), boost::test_tools::per_element());
-  BOOST_TEST(robot->warnings().at(0) == "joint 'rail' has more than one degree of freedom; it stays at its origin");
+  BOOST_TEST(robot->warnings().at(0) ==
+             "joint 'rail' has more than one degree of freedom; it is not planned and stays at its origin");
 }
 
 BOOST_AUTO_TEST_CASE(threads_share_the_model) {

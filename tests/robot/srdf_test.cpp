@@ -55,9 +55,28 @@ RobotDescription fixed(const std::map<std::string, double>& joints) {
 
 using Names = std::vector<std::string>;
 
+RobotDescription strict() {
+  RobotDescription description;
+  description.strict = true;
+  return description;
+}
+
+/// In any case.
 void refused(const std::string& inside, const std::string& fragment) {
-  const Load load(inside);
+  for (const RobotDescription& description : {RobotDescription{}, strict()}) {
+    const Load load(inside, description);
+    check_throws<FileError>([&] { load(); }, fragment);
+  }
+}
+
+/// When strict; otherwise it is the first warning.
+std::shared_ptr<const RobotModel> warned(const std::string& inside, const std::string& fragment) {
+  const Load load(inside, strict());
   check_throws<FileError>([&] { load(); }, fragment);
+  auto robot = Load(inside)();
+  BOOST_TEST_REQUIRE(!robot->warnings().empty());
+  BOOST_TEST(robot->warnings()[0].find(fragment) != std::string::npos, robot->warnings()[0]);
+  return robot;
 }
 
 }  // namespace
@@ -92,10 +111,18 @@ BOOST_AUTO_TEST_CASE(unknown_names_are_rejected_with_the_nearest) {
   };
   refuses(group("amr"), "robot 'r' has no group 'amr', did you mean 'arm'?");
   refuses(group("locomotion"), "has no group 'locomotion'; known are 'arm', 'hand' and 'all'");
-  refuses(group("all"), "do not form one chain, so that the end effector is ambiguous; give end_effector");
+  refuses(group("all"),
+          "do not form one chain, so that the end effector is ambiguous; give end_effector, such as 'three' and "
+          "'finger'");
   RobotDescription d;
   d.end_effector = "thre";
   refuses(d, "end effector 'thre' is not a link of robot 'r', did you mean 'three'?");
+  d.end_effector = "c";
+  refuses(d, "end effector 'c' is not a link of robot 'r'; it is a joint, which moves the link 'three'");
+  d.end_effector = "hand";
+  refuses(d, "it is a group of the SRDF: give it as group");
+  d.end_effector = "palm_of_the_robot";
+  refuses(d, "links at the ends of its chains are 'three', 'finger' and 'thumb'");
   d.end_effector = "base";
   refuses(d, "no movable joint leads to end effector 'base'");
   d = group("arm");
@@ -148,9 +175,9 @@ BOOST_AUTO_TEST_CASE(invalid_fixed_joints_are_rejected) {
   };
   refuses({{"f", 0.1}}, "f is 0.1; allowed is 0 to 0.04");
   refuses({{"f", NAN}}, "f is NaN; allowed is 0 to 0.04");
-  refuses({{"ff", 0.1}}, "has no joint 'ff' to fix, did you mean 'f'?");
+  refuses({{"ff", 0.1}}, "robot 'r' has no joint 'ff', did you mean 'f'?");
   refuses({{"a", 0.1}}, "joint 'a' of robot 'r' is planned");
-  refuses({{"g", 0.1}}, "has no joint 'g' to fix");
+  refuses({{"g", 0.1}}, "joint 'g' of robot 'r' follows joint 'f'");
 }
 
 BOOST_AUTO_TEST_CASE(group_states_of_all_planned_joints_are_kept) {
@@ -167,27 +194,17 @@ BOOST_AUTO_TEST_CASE(srdf_errors_give_the_line) {
   refused("<grup name='x'/>", "r.srdf:2: unknown tag <grup> in <robot>, did you mean 'group'?");
   refused("\n<disable_collision link1='one' link2='two'/>",
           ":3: unknown tag <disable_collision> in <robot>, did you mean 'disable_collisions'?");
-  refused("<disable_collisions link1='onee' link2='two'/>",
-          ":2: <disable_collisions> names the unknown link 'onee', did you mean 'one'?");
   refused("<disable_collisions link1='one'/>", "<disable_collisions> has no attribute 'link2'");
   refused("<disable_collisions lnk1='one' link2='two'/>",
           "unknown attribute 'lnk1' of <disable_collisions>, did you mean 'link1'?");
-  refused("<group name='x'><joint name='aa'/></group>", ":2: <joint> names the unknown joint 'aa', did you mean 'a'?");
-  refused("<group name='x'><link name='on'/></group>", "<link> names the unknown link 'on', did you mean 'one'?");
-  refused("<group name='x'><chain base_link='two' tip_link='base'/></group>",
-          "link 'two' is not an ancestor of link 'base'");
+  refused("<enable_collisions link1='onee' link2='two'/>",
+          ":2: <enable_collisions> names the unknown link 'onee', did you mean 'one'?");
   refused("<group name='x'/><group name='x'/>", "group 'x' is defined twice");
-  refused("<group name='x'><group name='y'/></group>", "names the unknown group 'y'");
   refused("<group name='x'><group name='y'/></group><group name='y'><group name='x'/></group>", "contains itself");
-  refused("<group_state name='s' group='x'/>", "<group_state> names the unknown group 'x'");
   refused(
       "<group name='x'><joint name='a'/></group>\n<group_state name='s' group='x'>\n<joint name='a' "
       "value='zero'/></group_state>",
       ":4: attribute 'value' of <joint> contains 'zero', which is not a number");
-  refused("<end_effector name='e' parent_link='nowhere' group='x'/>", "names the unknown link 'nowhere'");
-  refused("<virtual_joint name='v' type='fixed' parent_frame='world' child_link='bsae'/>",
-          "unknown link 'bsae', did you mean 'base'?");
-  refused("<passive_joint name='zz'/>", "names the unknown joint 'zz'");
   refused("<group name='x'>", "broken XML");
   RobotDescription missing;
   missing.urdf_text = kRobot;
@@ -195,12 +212,70 @@ BOOST_AUTO_TEST_CASE(srdf_errors_give_the_line) {
   check_throws<FileError>([&] { RobotModel::load(missing); }, "SRDF file '/no/such.srdf' does not exist");
 }
 
+BOOST_AUTO_TEST_CASE(what_leaves_the_meaning_of_the_rest_as_it_is_is_a_warning) {
+  warned("<disable_collisions link1='onee' link2='two'/>",
+         ":2: <disable_collisions> names the unknown link 'onee', did you mean 'one'?");
+  warned("<group name='x'><joint name='aa'/></group>",
+         ":2: group 'x' cannot be used: <joint> names the unknown joint 'aa', did you mean 'a'?");
+  warned("<group name='x'><link name='on'/></group>", "<link> names the unknown link 'on', did you mean 'one'?");
+  warned("<group name='x'><group name='y'/></group>", "names the unknown group 'y'");
+  warned("<group_state name='s' group='x'/>", "<group_state> names the unknown group 'x'");
+  warned("<end_effector name='e' parent_link='nowhere' group='x'/>", "names the unknown link 'nowhere'");
+  warned("<virtual_joint name='v' type='fixed' parent_frame='world' child_link='bsae'/>",
+         "unknown link 'bsae', did you mean 'base'?");
+  warned("<passive_joint name='zz'/>", "names the unknown joint 'zz'");
+}
+
+BOOST_AUTO_TEST_CASE(a_group_with_an_unknown_name_is_refused_when_it_is_asked_for) {
+  const std::string groups = std::string(kGroups) +
+                             "<group name='lost'><joint name='aa'/></group><group name='more'><group name='lost'/>"
+                             "<group name='arm'/></group>";
+  BOOST_TEST(Load(groups, group("arm"))()->dof() == 2u);
+  const auto refuses = [&](const std::string& name, const std::string& fragment) {
+    const Load load(groups, group(name));
+    check_throws<InvalidArgument>([&] { load(); }, fragment);
+  };
+  refuses("lost", "group 'lost' of robot 'r' cannot be used: ");
+  refuses("lost", "<joint> names the unknown joint 'aa', did you mean 'a'?");
+  refuses("more", "its subgroup 'lost' cannot be used");
+}
+
+BOOST_AUTO_TEST_CASE(a_chain_may_lead_up_one_branch_and_down_another) {
+  const std::string groups =
+      "<group name='across'><chain base_link='finger' tip_link='three'/></group>"
+      "<group name='back'><chain base_link='two' tip_link='base'/></group>";
+  const auto across = Load(groups, group("across"))();
+  BOOST_TEST(across->joint_names() == (Names{"c", "f"}), boost::test_tools::per_element());
+  BOOST_TEST(across->end_effector() == "three");
+  const Load back(groups, group("back"));
+  check_throws<InvalidArgument>([&] { back(); }, "none of the planned joints of robot 'r' moves its end effector");
+}
+
+BOOST_AUTO_TEST_CASE(states_count_for_the_joints_that_the_robot_has) {
+  const auto robot = warned(
+      "<group_state name='up'><joint name='a' value='0.2'/><joint name='b' value='3'/><joint name='c' value='1'/>"
+      "<joint name='root_joint' value='0 0 0.5 0 0 0 1'/></group_state>",
+      "<group_state> has no attribute 'group'");
+  BOOST_TEST(robot->group_states().at("up") == Eigen::Vector3d(0.2, 3, 1));
+  BOOST_TEST_REQUIRE(robot->warnings().size() == 2u);
+  BOOST_TEST(robot->warnings()[1].find("<joint> names the unknown joint 'root_joint'") != std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(rules_for_another_variant_are_ignored_with_a_warning) {
   const auto rule = [](const std::string& link) { return "<disable_collisions link1='" + link + "' link2='two'/>"; };
-  refused(rule("laser") + rule("wheel"), "unknown link 'laser'");
-  const auto robot = Load(rule("laser") + rule("wheel") + rule("camera") + rule("base"))();
+  warned(rule("laser") + rule("wheel"), "unknown link 'laser'");
+  const auto robot = Load(rule("laser") + rule("wheel") + rule("camera") + rule("base"), strict())();
   BOOST_TEST(robot->warnings().size() == 1);
   BOOST_TEST(robot->warnings()[0].find("3 <disable_collisions> ignored; links 'camera', 'laser' and 'wheel'") !=
              std::string::npos);
   BOOST_TEST(robot->allowed("base", "two"));
+}
+
+BOOST_AUTO_TEST_CASE(positions_that_cannot_be_set_say_why) {
+  const auto robot = Load("")();
+  check_throws<InvalidArgument>([&] { robot->refuse_joint("g"); }, "joint 'g' of robot 'r' follows joint 'f'");
+  check_throws<InvalidArgument>([&] { robot->refuse_joint("aa"); }, "robot 'r' has no joint 'aa', did you mean 'a'?");
+  BOOST_TEST(robot->limit_violation(Eigen::Vector3d(30, 0, 0.6)).value() ==
+             "a: 30 rad is above the upper limit 1 rad; angles are in radians (30 degrees are 0.5236 rad)");
+  BOOST_TEST(robot->limit_violation(Eigen::Vector3d(3, 0, 0.6)).value() == "a: 3 rad is above the upper limit 1 rad");
 }

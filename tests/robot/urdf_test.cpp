@@ -73,7 +73,7 @@ BOOST_AUTO_TEST_CASE(extension_tags_are_ignored) {
   const Urdf urdf = Urdf::parse(
       two_links(kEnds + kLimit + "<dynamics damping='1'/><safety_controller k_velocity='1'/><calibration rising='0'/>",
                 "<gazebo reference='base'><colision/></gazebo><transmission name='t'><type>x</type></transmission>"
-                "<xacro:property name='p' value='1'/><ros2_control name='c'/><material name='m'/><zzzzzzzzzz/>"));
+                "<drake:property name='p' value='1'/><ros2_control name='c'/><material name='m'/><zzzzzzzzzz/>"));
   BOOST_TEST(urdf.joints.size() == 1);
 }
 
@@ -114,7 +114,9 @@ BOOST_AUTO_TEST_CASE(joint_types_axes_and_limits_are_checked) {
   refused(two_links(kEnds + "<limit lower='-1' upper='inf' velocity='1'/>"),
           "attribute 'upper' of <limit> is infinity");
   refused(two_links(kEnds + "<limit lower='${pi}' upper='1' velocity='1'/>"),
-          "contains '${pi}', which is not a number");
+          "attribute 'lower' of <limit> is '${pi}', an expression of Xacro; expand the file first");
+  refused(two_links(kEnds + kLimit, "<xacro:include filename='$(find x)/y.xacro'/>"),
+          "<xacro:include> is Xacro, which is not read; expand the file first (xacro FILE.xacro > FILE)");
   refused(two_links(kEnds + kLimit + "<axis xyz='0 0 0'/>"), "the axis of joint 'j' is zero");
   refused(two_links(kEnds + kLimit + "<origin xyz='0 0'/>"), "'0 0'; expected three numbers");
   BOOST_CHECK_NO_THROW(Urdf::parse(two_links(kEnds, "", "continuous")));
@@ -151,4 +153,26 @@ BOOST_AUTO_TEST_CASE(collision_geometry_is_checked) {
   refused(shape("<mesh/>"), "<mesh> has no attribute 'filename'");
   refused(shape("<mesh filename='a.stl' scale='1 0 1'/>"), "no component of the scale of a <mesh> may be 0");
   refused(shape("<torus radius='1'/>"), "unknown geometry <torus>; known are box, sphere, cylinder, capsule and mesh");
+}
+
+BOOST_AUTO_TEST_CASE(what_does_not_change_the_meaning_is_a_warning) {
+  const auto warned = [](const std::string& text, const std::string& sentence, bool when_strict = true) {
+    const Urdf urdf = Urdf::parse(text);
+    BOOST_TEST_REQUIRE(urdf.warnings.size() == 1u);
+    BOOST_TEST(urdf.warnings[0].find(sentence) != std::string::npos, urdf.warnings[0]);
+    if (when_strict) check_throws<FileError>([&] { Urdf::parse(text, "URDF text", true); }, sentence);
+  };
+  const auto limit = [](const std::string& attributes) { return two_links(kEnds + "<limit " + attributes + "/>"); };
+  warned(limit("lower='-1' upper='1' velocity='1' gear_velocity='10' effort='1'"),
+         "URDF text:5: unknown attribute 'gear_velocity' of <limit> is not read; 'velocity' is");
+  warned(limit("lower='-1' upper='1' gear_velocity='10'"),
+         "unknown attribute 'gear_velocity' of <limit> is not read; 'velocity' is missing");
+  refused(limit("lower='-1' upper='1' velocty='10'"), "unknown attribute 'velocty' of <limit>, did you mean");
+  warned(with_collision("<collision_boxes/><collision_boxes/>"),
+         "unknown tag <collision_boxes> in <link> is not read; <collision> would be (and once more)", false);
+  warned(with_collision("<collision_boxes/>"), "unknown tag <collision_boxes> in <link> is not read");
+  warned(two_links(kEnds + kLimit + "<mimic joint='index_j1'/>"), "'index_j1', which does not exist; it is taken for");
+  warned(limit("lower='-170' upper='170' velocity='1'"),
+         "joint 'j' has the limits -170 to 170 rad, more than two turns; are they in degrees?", false);
+  warned(two_links(kEnds + kLimit + "<origin rpy='0 0 90'/>"), "an angle of 90 rad, more than a turn", false);
 }

@@ -27,13 +27,7 @@ struct RobotDescription {
   std::vector<std::string> joint_names{};        ///< planned joints by name, in this order, instead of a group or chain
   std::map<std::string, double> fixed_joints{};  ///< positions [rad or m] of joints that are not planned
   std::vector<std::string> package_dirs{};  ///< searched for package:// and relative meshes, after the URDF's directory
-};
-
-/// The joint of an SRDF that places the root link in a frame outside of the robot.
-struct VirtualJoint {
-  std::string name;          ///< as in the SRDF
-  std::string type;          ///< "fixed", "planar" or "floating"
-  std::string parent_frame;  ///< the frame outside of the robot
+  bool strict{false};  ///< mistakes in the files that do not change their meaning are errors, not warnings
 };
 
 /// How a scalar joint moves: about an axis with or without limits, or along one.
@@ -49,7 +43,7 @@ struct Joint {
   JointKind kind{};       ///< how it moves
   double lower{};         ///< [rad or m]; minus infinity for continuous joints
   double upper{};         ///< [rad or m]; infinity for continuous joints
-  double max_velocity{};  ///< [rad/s or m/s]; 0 when the URDF gives none, which planned joints must have
+  double max_velocity{};  ///< [rad/s or m/s]; when the URDF gives none: 0, and 1 for planned joints
 };
 
 /// One collision geometry of a link.

@@ -50,8 +50,10 @@ class RobotModel {
   /// A description of the same robot without its files: URDF and SRDF are texts as they were read, and the name is that
   /// of this robot. Meshes are still read from urdf_directory and package_dirs, which are absolute.
   const RobotDescription& self_contained_description() const;
-  /// What was read but ignored, as sentences: SRDF rules about links that the URDF does not have, an SRDF with another
-  /// robot name, and floating and planar joints, which stay at their origin.
+  /// What was read but not used, as sentences: tags and attributes of the URDF and SRDF that are not known, names in
+  /// the SRDF that the URDF does not have (with the group, state or rule that they are in), an SRDF with another robot
+  /// name; floating and planar joints, which stay at their origin; planned joints without a velocity limit; and angles
+  /// that look like degrees.
   const std::vector<std::string>& warnings() const;
 
   // --- planned joints
@@ -68,11 +70,6 @@ class RobotModel {
   const Eigen::VectorXd& default_other_positions() const;
   /// The SRDF's named states that give every planned joint: from name to q.
   const std::map<std::string, Eigen::VectorXd>& group_states() const;
-  /// The SRDF's planning groups: from name to its joints with one degree of freedom that are not mimic joints, parents
-  /// before children. Empty without an SRDF.
-  const std::map<std::string, std::vector<std::string>>& groups() const;
-  /// The SRDF's virtual joint of the root link; nullopt when there is none. Its position is the robot's base pose.
-  const std::optional<VirtualJoint>& virtual_joint() const;
 
   // --- links and geometry
   const std::vector<std::string>& link_names() const;     ///< in the order of the URDF
@@ -128,6 +125,9 @@ class RobotModel {
   /// Throws InvalidArgument unless q has dof() finite entries; the message names the joint, and `what` the argument.
   /// Limits are not checked.
   void require_configuration(ConstVector q, std::string_view what) const;
+  /// Throws InvalidArgument for the name of a joint that is neither planned nor one of other_joints(): the sentence
+  /// says whether it mimics another joint, is fixed, has more than one degree of freedom, or does not exist.
+  [[noreturn]] void refuse_joint(const std::string& joint) const;
   /// The first joint outside of its limits by more than `tolerance` [rad or m], as a sentence: "panda_joint4: 0.12 rad
   /// is above the upper limit -0.07 rad"; nullopt when all joints are within their limits.
   std::optional<std::string> limit_violation(ConstVector q, double tolerance = 1e-9) const;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "srmp/core/spelling.hpp"
+
 namespace srmp {
 
 namespace {
@@ -16,7 +18,8 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Levenshtein distance, ignoring case.
+}  // namespace
+
 std::size_t edit_distance(std::string_view raw_a, std::string_view raw_b) {
   const std::string a = lower(raw_a), b = lower(raw_b);
   std::vector<std::size_t> row(b.size() + 1);
@@ -33,9 +36,7 @@ std::size_t edit_distance(std::string_view raw_a, std::string_view raw_b) {
   return row.back();
 }
 
-}  // namespace
-
-std::string did_you_mean(std::string_view name, std::span<const std::string> known) {
+const std::string* nearest_name(std::string_view name, std::span<const std::string> known) {
   const std::string* nearest = nullptr;
   std::size_t min_distance = std::max<std::size_t>(2, name.size() / 2) + 1;
   for (const std::string& candidate : known) {
@@ -45,6 +46,11 @@ std::string did_you_mean(std::string_view name, std::span<const std::string> kno
       nearest = &candidate;
     }
   }
+  return nearest;
+}
+
+std::string did_you_mean(std::string_view name, std::span<const std::string> known) {
+  const std::string* nearest = nearest_name(name, known);
   return nearest ? ", did you mean '" + *nearest + "'?" : "";
 }
 

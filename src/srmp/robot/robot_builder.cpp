@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "srmp/core/error.hpp"
+#include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/robot_impl.hpp"
 #include "srmp/robot/robot_model.hpp"
 #include "srmp/robot/xml.hpp"
@@ -15,6 +16,7 @@ using Impl = RobotModelBuilder::Impl;
 using Names = std::vector<std::string>;
 
 constexpr std::size_t kMaxActuatedJoints = 64;  // bits of a joint support
+constexpr double kDefaultVelocity = 1.0;        // [rad/s or m/s], of planned joints without a limit
 
 /// The joints and the end effector that a description selects.
 struct Selection {
@@ -22,12 +24,31 @@ struct Selection {
   std::size_t end_effector{};       // link
 };
 
-std::size_t require_link(const Impl& impl, const std::string& link, const std::string& what) {
-  const auto index = impl.urdf.find_link(link);
-  if (!index)
-    throw InvalidArgument(what + " '" + link + "' is not a link of robot '" + impl.name + "'" +
-                          did_you_mean(link, impl.link_names));
-  return *index;
+std::string leaf_names(const Impl& impl) {
+  Names names;
+  for (const std::size_t leaf : impl.urdf.leaves()) names.push_back(impl.link_names[leaf]);
+  return quoted_list(names);
+}
+
+/// What a name that is no link is, and the link that may be meant; "" = unknown.
+std::string meant_link(const Impl& impl, const std::string& name, const Srdf* srdf) {
+  if (const auto joint = impl.urdf.find_joint(name))
+    return "; it is a joint, which moves the link '" + impl.link_names[impl.urdf.joints[*joint].child] + "'";
+  if (!srdf) return {};
+  for (const SrdfEndEffector& effector : srdf->end_effectors)
+    if (effector.name == name || effector.group == name)
+      return "; the SRDF's end effector '" + effector.name + "' is at the link '" + effector.parent_link + "'";
+  if (srdf->find_group(name)) return "; it is a group of the SRDF: give it as group, or the last link of its chain";
+  return {};
+}
+
+std::size_t require_end_effector(const Impl& impl, const Srdf* srdf) {
+  const std::string& link = impl.description.end_effector;
+  if (const auto index = impl.urdf.find_link(link)) return *index;
+  std::string hint = meant_link(impl, link, srdf);
+  if (hint.empty()) hint = did_you_mean(link, impl.link_names);
+  if (hint.empty()) hint = "; links at the ends of its chains are " + leaf_names(impl);
+  throw InvalidArgument("end effector '" + link + "' is not a link of robot '" + impl.name + "'" + hint);
 }
 
 bool can_be_planned(const UrdfJoint& joint) { return joint.scalar() && !joint.mimic; }
@@ -60,6 +81,19 @@ std::vector<std::size_t> named_joints(const Impl& impl) {
   return joints;
 }
 
+/// The links at the ends of the joints' chains: no other of the joints comes after them.
+Names ends_of(const Impl& impl, const std::vector<std::size_t>& joints) {
+  Names ends;
+  for (const std::size_t candidate : joints) {
+    const bool is_last = std::none_of(joints.begin(), joints.end(), [&](std::size_t other) {
+      const auto chain = impl.urdf.chain_to(impl.urdf.joints[other].parent);
+      return std::find(chain.begin(), chain.end(), candidate) != chain.end();
+    });
+    if (is_last) ends.push_back(impl.link_names[impl.urdf.joints[candidate].child]);
+  }
+  return ends;
+}
+
 /// The link that the last of the joints moves. Throws InvalidArgument unless the joints form one chain.
 std::size_t last_link_of(const Impl& impl, const std::vector<std::size_t>& joints, const std::string& what) {
   const Urdf& urdf = impl.urdf;
@@ -71,10 +105,13 @@ std::size_t last_link_of(const Impl& impl, const std::vector<std::size_t>& joint
     if (holds_all) return urdf.joints[candidate].child;
   }
   throw InvalidArgument(what + " of robot '" + impl.name +
-                        "' do not form one chain, so that the end effector is ambiguous; give end_effector");
+                        "' do not form one chain, so that the end effector is ambiguous; give end_effector, such as " +
+                        quoted_list(ends_of(impl, joints)));
 }
 
 std::vector<std::size_t> group_joints(const Impl& impl, const SrdfGroup& group, const Srdf& srdf) {
+  if (!group.fault.empty())
+    throw InvalidArgument("group '" + group.name + "' of robot '" + impl.name + "' cannot be used: " + group.fault);
   auto joints = srdf.joints_of(group, impl.urdf);
   if (joints.empty())
     throw InvalidArgument("group '" + group.name + "' of robot '" + impl.name + "' has no movable joint");
@@ -96,11 +133,9 @@ Selection select_default(const Impl& impl, const Srdf* srdf) {
   }
   const auto leaves = impl.urdf.leaves();
   if (leaves.size() == 1) return {movable_chain(impl.urdf, leaves[0]), leaves[0]};
-  Names leaf_names;
-  for (const std::size_t leaf : leaves) leaf_names.push_back(impl.link_names[leaf]);
   const std::string groups = srdf && !srdf->groups.empty() ? " or a group: " + quoted_list(srdf->group_names()) : "";
   throw InvalidArgument("robot '" + impl.name + "' has several leaf links; give an end_effector, such as " +
-                        quoted_list(leaf_names) + groups);
+                        leaf_names(impl) + groups);
 }
 
 Selection select(const Impl& impl, const Srdf* srdf) {
@@ -124,7 +159,7 @@ Selection select(const Impl& impl, const Srdf* srdf) {
     return select_default(impl, srdf);
   }
   if (!d.end_effector.empty()) {
-    selection.end_effector = require_link(impl, d.end_effector, "end effector");
+    selection.end_effector = require_end_effector(impl, srdf);
     if (selection.joints.empty()) selection.joints = movable_chain(impl.urdf, selection.end_effector);
   } else if (group) {
     selection.end_effector = group_end_effector(impl, *group, selection.joints);
@@ -141,6 +176,16 @@ Joint joint_of(const UrdfJoint& joint) {
   return {joint.name, kind, joint.lower, joint.upper, joint.velocity.value_or(0.0)};
 }
 
+/// The limit of a planned joint to which the URDF gives none, or 0, as many exporters do; with a warning.
+double velocity_without_limit(Impl& impl, const UrdfJoint& joint) {
+  const std::string text =
+      "joint '" + joint.name + "' of robot '" + impl.name + "' is planned but has no velocity limit above 0";
+  if (impl.description.strict) throw InvalidArgument(text + "; give it <limit velocity=\"…\"> in the URDF");
+  const char* unit = joint.type == UrdfJointType::prismatic ? " m/s" : " rad/s";
+  impl.warnings.push_back(text + "; " + to_text(kDefaultVelocity) + unit + " is taken, as MoveIt does");
+  return kDefaultVelocity;
+}
+
 /// The position of a joint in the SRDF's group states: in "default", otherwise in "home", otherwise in the first state
 /// that gives one.
 std::optional<double> value_in_states(const Srdf* srdf, const std::string& joint) {
@@ -154,20 +199,16 @@ std::optional<double> value_in_states(const Srdf* srdf, const std::string& joint
 }
 
 void check_fixed_joints(const Impl& impl) {
-  Names known;
-  for (const Joint& joint : impl.other_joints) known.push_back(joint.name);
   for (const auto& [name, value] : impl.description.fixed_joints) {
     if (std::find(impl.joint_names.begin(), impl.joint_names.end(), name) != impl.joint_names.end())
       throw InvalidArgument("fixed_joints: joint '" + name + "' of robot '" + impl.name +
                             "' is planned; leave it out here, or name the joints to plan in joint_names");
-    const auto it = std::find(known.begin(), known.end(), name);
-    if (it == known.end())
-      throw InvalidArgument("fixed_joints: robot '" + impl.name + "' has no joint '" + name + "' to fix" +
-                            did_you_mean(name, known));
-    const Joint& joint = impl.other_joints[static_cast<std::size_t>(it - known.begin())];
-    if (!(value >= joint.lower && value <= joint.upper) || !std::isfinite(value))
-      throw InvalidArgument("fixed_joints: " + name + " is " + to_text(value) + "; allowed is " + to_text(joint.lower) +
-                            " to " + to_text(joint.upper));
+    const auto it = std::find_if(impl.other_joints.begin(), impl.other_joints.end(),
+                                 [&](const Joint& joint) { return joint.name == name; });
+    if (it == impl.other_joints.end()) throw InvalidArgument("fixed_joints: " + why_not_a_joint(impl, name));
+    if (!(value >= it->lower && value <= it->upper) || !std::isfinite(value))
+      throw InvalidArgument("fixed_joints: " + name + " is " + to_text(value) + "; allowed is " + to_text(it->lower) +
+                            " to " + to_text(it->upper) + degrees_hint(*it, value));
   }
 }
 
@@ -233,17 +274,22 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
   m.description = description;
   m.self_contained = without_files(description);
   const RobotDescription& texts = m.self_contained;
-  m.urdf = Urdf::parse(texts.urdf_text, description.urdf_path.empty() ? "URDF text" : description.urdf_path);
+  m.urdf = Urdf::parse(texts.urdf_text, description.urdf_path.empty() ? "URDF text" : description.urdf_path,
+                       description.strict);
+  m.warnings = m.urdf.warnings;
   m.name = m.self_contained.name = description.name.empty() ? m.urdf.name : description.name;
   m.link_names = m.urdf.link_names();
   std::optional<Srdf> srdf;
   if (!description.srdf_path.empty() || !description.srdf_text.empty()) {
-    srdf = Srdf::parse(texts.srdf_text, m.urdf, description.srdf_path.empty() ? "SRDF text" : description.srdf_path);
-    m.warnings = srdf->warnings;
+    srdf = Srdf::parse(texts.srdf_text, m.urdf, description.srdf_path.empty() ? "SRDF text" : description.srdf_path,
+                       description.strict);
+    m.warnings.insert(m.warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   }
   for (const UrdfJoint& joint : m.urdf.joints)
     if (joint.type == UrdfJointType::floating || joint.type == UrdfJointType::planar)
-      m.warnings.push_back("joint '" + joint.name + "' has more than one degree of freedom; it stays at its origin");
+      m.warnings.push_back("joint '" + joint.name +
+                           "' has more than one degree of freedom; it is not planned and stays "
+                           "at its origin");
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
   build_actuated_joints(m);
@@ -265,11 +311,8 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
     throw InvalidArgument("robot '" + m.name + "': no movable joint leads to end effector '" + m.end_effector + "'");
   for (const std::size_t index : selection.joints) {
     const UrdfJoint& joint = m.urdf.joints[index];
-    if (!joint.velocity || *joint.velocity <= 0.0)
-      throw InvalidArgument(
-          "joint '" + joint.name + "' of robot '" + m.name +
-          "' is planned but has no velocity limit above 0; give it <limit velocity=\"…\"> in the URDF");
     m.joints.push_back(joint_of(joint));
+    if (m.joints.back().max_velocity <= 0.0) m.joints.back().max_velocity = velocity_without_limit(m, joint);
     m.joint_names.push_back(joint.name);
   }
   for (const std::size_t index : m.urdf.joint_order) {
@@ -277,13 +320,7 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
     if (can_be_planned(m.urdf.joints[index]) && !planned) m.other_joints.push_back(joint_of(m.urdf.joints[index]));
   }
   set_defaults(m, srdf);
-  if (!srdf) return;
-  collect_group_states(m, *srdf);
-  m.virtual_joint = srdf->virtual_joint;
-  for (const SrdfGroup& group : srdf->groups) {
-    Names& joints = m.groups[group.name];
-    for (const std::size_t joint : srdf->joints_of(group, m.urdf)) joints.push_back(m.urdf.joints[joint].name);
-  }
+  if (srdf) collect_group_states(m, *srdf);
 }
 
 void RobotModelBuilder::build_actuated_joints(Impl& m) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
+#include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/robot_impl.hpp"
 
 namespace srmp {
@@ -26,8 +27,6 @@ const std::vector<std::string>& RobotModel::joint_names() const { return impl_->
 const std::vector<Joint>& RobotModel::other_joints() const { return impl_->other_joints; }
 const Eigen::VectorXd& RobotModel::default_other_positions() const { return impl_->default_other_positions; }
 const std::map<std::string, Eigen::VectorXd>& RobotModel::group_states() const { return impl_->group_states; }
-const std::map<std::string, std::vector<std::string>>& RobotModel::groups() const { return impl_->groups; }
-const std::optional<VirtualJoint>& RobotModel::virtual_joint() const { return impl_->virtual_joint; }
 const std::vector<std::string>& RobotModel::link_names() const { return impl_->link_names; }
 const std::string& RobotModel::end_effector() const { return impl_->end_effector; }
 const std::vector<LinkGeometry>& RobotModel::geometries() const { return impl_->geometries; }
@@ -160,6 +159,8 @@ void RobotModel::require_configuration(ConstVector q, std::string_view what) con
   require_finite({q.data(), static_cast<std::size_t>(q.size())}, what, joint_names());
 }
 
+void RobotModel::refuse_joint(const std::string& joint) const { throw InvalidArgument(why_not_a_joint(*impl_, joint)); }
+
 std::optional<std::string> RobotModel::limit_violation(ConstVector q, double tolerance) const {
   for (std::size_t i = 0; i < dof(); ++i) {
     const Joint& joint = joints()[i];
@@ -168,7 +169,7 @@ std::optional<std::string> RobotModel::limit_violation(ConstVector q, double tol
     if (!below && !above) continue;
     return joint.name + ": " + to_text(value) + unit(joint.kind) + " is " +
            (below ? "below the lower limit " + to_text(joint.lower) : "above the upper limit " + to_text(joint.upper)) +
-           unit(joint.kind);
+           unit(joint.kind) + degrees_hint(joint, value);
   }
   return std::nullopt;
 }

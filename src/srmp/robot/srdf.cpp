@@ -14,10 +14,10 @@ using JointSet = std::set<std::size_t>;
 /// Adds the joints of a group and its subgroups.
 void collect(const Srdf& srdf, const SrdfGroup& group, const Urdf& urdf, JointSet& joints) {
   for (const auto& [base, last] : group.chains) {
-    const std::size_t base_link = *urdf.find_link(base);
-    std::size_t link = *urdf.find_link(last);
-    for (; link != base_link; link = urdf.joints[*urdf.links[link].parent_joint].parent)
-      joints.insert(*urdf.links[link].parent_joint);
+    const auto up = urdf.chain_to(*urdf.find_link(base)), down = urdf.chain_to(*urdf.find_link(last));
+    const auto [branch, other] = std::mismatch(up.begin(), up.end(), down.begin(), down.end());
+    joints.insert(branch, up.end());
+    joints.insert(other, down.end());
   }
   for (const std::string& joint : group.joints)
     if (const auto index = urdf.find_joint(joint)) joints.insert(*index);  // virtual joints are not in the URDF

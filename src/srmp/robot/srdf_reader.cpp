@@ -1,6 +1,7 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "srmp/core/error.hpp"
@@ -20,7 +21,7 @@ constexpr std::size_t kVariantLinks = 3;
 /// Reads one SRDF document; errors give the line.
 class SrdfReader {
  public:
-  SrdfReader(const xml::Document& document, const Urdf& urdf)
+  SrdfReader(xml::Document& document, const Urdf& urdf)
       : xml_(document), urdf_(urdf), link_names_(urdf.link_names()), joint_names_(urdf.joint_names()) {
     srdf_.label = document.label();
   }
@@ -41,48 +42,76 @@ class SrdfReader {
     for (auto e = robot.FirstChildElement("end_effector"); e; e = e->NextSiblingElement("end_effector"))
       read_end_effector(*e);
     for (auto e = robot.FirstChildElement("passive_joint"); e; e = e->NextSiblingElement("passive_joint"))
-      require_joint(*e, "name");
-    read_collisions(robot);
+      find_joint(*e, "name");
+    read_disabled(robot);
+    read_other_rules(robot);
+    for (const std::string& warning : xml_.warnings()) srdf_.warnings.push_back(warning);
     return std::move(srdf_);
   }
 
  private:
-  [[noreturn]] void refuse_unknown(const XMLElement& element, const char* kind, const std::string& name,
-                                   const Names& known) {
+  static std::string unknown(const XMLElement& element, const char* kind, const std::string& name, const Names& known) {
     std::string text("<");
     text.append(element.Name()).append("> names the unknown ").append(kind).append(" '").append(name).append("'");
-    xml_.fail(element, text + did_you_mean(name, known));
+    return text + did_you_mean(name, known);
+  }
+
+  static bool contains(const Names& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+
+  static std::string missing(const XMLElement& element, const char* attribute) {
+    std::string text("<");
+    return text.append(element.Name()).append("> has no attribute '").append(attribute).append("'");
+  }
+
+  /// The name in an attribute; nullopt, with a warning, when it is missing or not known.
+  std::optional<std::string> find_name(const XMLElement& element, const char* attribute, const char* kind,
+                                       const Names& known) {
+    const auto name = xml_.attribute(element, attribute);
+    if (name && contains(known, *name)) return name;
+    xml_.warn(element, name ? unknown(element, kind, *name, known) : missing(element, attribute));
+    return std::nullopt;
+  }
+  std::optional<std::string> find_link(const XMLElement& element, const char* attribute) {
+    return find_name(element, attribute, "link", link_names_);
+  }
+  std::optional<std::string> find_joint(const XMLElement& element, const char* attribute) {
+    return find_name(element, attribute, "joint", joint_names_);
+  }
+  std::optional<std::string> find_group(const XMLElement& element, const char* attribute) {
+    return find_name(element, attribute, "group", srdf_.group_names());
   }
 
   std::string require_link(const XMLElement& element, const char* attribute) {
     const std::string link = xml_.required(element, attribute);
-    if (!urdf_.find_link(link)) refuse_unknown(element, "link", link, link_names_);
+    if (!urdf_.find_link(link)) xml_.fail(element, unknown(element, "link", link, link_names_));
     return link;
   }
 
-  std::string require_joint(const XMLElement& element, const char* attribute) {
-    const std::string joint = xml_.required(element, attribute);
-    if (std::find(joint_names_.begin(), joint_names_.end(), joint) == joint_names_.end())
-      refuse_unknown(element, "joint", joint, joint_names_);
-    return joint;
-  }
-
-  std::string require_group(const XMLElement& element, const char* attribute) {
-    const std::string group = xml_.required(element, attribute);
-    if (!srdf_.find_group(group)) refuse_unknown(element, "group", group, srdf_.group_names());
-    return group;
-  }
+  // --- groups
 
   void read_virtual_joints(const XMLElement& robot) {
     for (auto e = robot.FirstChildElement("virtual_joint"); e; e = e->NextSiblingElement("virtual_joint")) {
       xml_.check_spelling(*e, Names{}, Names{"name", "type", "parent_frame", "child_link"});
-      const std::string child = require_link(*e, "child_link"), name = xml_.required(*e, "name");
-      virtual_joints_.insert(name);
-      joint_names_.push_back(name);
-      if (child == urdf_.links[urdf_.root].name && !srdf_.virtual_joint)
-        srdf_.virtual_joint = VirtualJoint{name, xml_.attribute(*e, "type").value_or("fixed"),
-                                           xml_.attribute(*e, "parent_frame").value_or("")};
+      find_link(*e, "child_link");
+      joint_names_.push_back(xml_.required(*e, "name"));
     }
+  }
+
+  /// Says once why a group cannot be used.
+  void refuse_group(const XMLElement& at, SrdfGroup& group, const std::string& why) {
+    if (!group.fault.empty()) return;
+    xml_.warn(at, "group '" + group.name + "' cannot be used: " + why);
+    group.fault = xml_.label() + ":" + std::to_string(at.GetLineNum()) + ": " + why;
+  }
+
+  /// The name in a part of a group, which gets a fault when there is no such link or joint.
+  std::string member(const XMLElement& element, const char* attribute, const char* kind, const Names& known,
+                     SrdfGroup& group) {
+    const std::string name = xml_.required(element, attribute);
+    if (!contains(known, name)) refuse_group(element, group, unknown(element, kind, name, known));
+    return name;
   }
 
   void read_group(const XMLElement& element) {
@@ -92,10 +121,10 @@ class SrdfReader {
     xml_.check_spelling(element, Names{"chain", "joint", "link", "group", "passive_joint"}, Names{"name"});
     for (auto e = element.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string tag = e->Name();
-      if (tag == "chain") group.chains.push_back(read_chain(*e));
-      if (tag == "joint") group.joints.push_back(require_joint(*e, "name"));
-      if (tag == "link") group.links.push_back(require_link(*e, "name"));
-      if (tag == "passive_joint") require_joint(*e, "name");
+      if (tag == "chain") read_chain(*e, group);
+      if (tag == "joint") group.joints.push_back(member(*e, "name", "joint", joint_names_, group));
+      if (tag == "link") group.links.push_back(member(*e, "name", "link", link_names_, group));
+      if (tag == "passive_joint") find_joint(*e, "name");
       if (tag == "group") {
         group.subgroups.push_back(xml_.required(*e, "name"));
         subgroup_uses_.push_back({e, group.name});
@@ -104,102 +133,122 @@ class SrdfReader {
     srdf_.groups.push_back(std::move(group));
   }
 
-  std::pair<std::string, std::string> read_chain(const XMLElement& element) {
+  void read_chain(const XMLElement& element, SrdfGroup& group) {
     xml_.check_spelling(element, Names{}, Names{"base_link", "tip_link"});
-    const std::string base = require_link(element, "base_link"), last = require_link(element, "tip_link");
-    std::size_t link = *urdf_.find_link(last);
-    while (urdf_.links[link].name != base) {
-      if (!urdf_.links[link].parent_joint)
-        xml_.fail(element, "link '" + base + "' is not an ancestor of link '" + last + "', so there is no such chain");
-      link = urdf_.joints[*urdf_.links[link].parent_joint].parent;
-    }
-    return {base, last};
+    const std::string base = member(element, "base_link", "link", link_names_, group);
+    const std::string last = member(element, "tip_link", "link", link_names_, group);
+    if (group.fault.empty()) group.chains.emplace_back(base, last);
   }
 
-  /// Fails unless every subgroup exists and no group contains itself.
+  SrdfGroup& group_named(const std::string& name) {
+    return *std::find_if(srdf_.groups.begin(), srdf_.groups.end(), [&](const SrdfGroup& g) { return g.name == name; });
+  }
+
+  /// A group has a fault when one of its subgroups is missing or has one. Fails when a group contains itself.
   void check_subgroups() {
     for (const auto& [element, group] : subgroup_uses_) {
-      Names open{require_group(*element, "name")};
+      const Names known = srdf_.group_names();
+      Names open{xml_.required(*element, "name")};
       std::set<std::string> seen;
       while (!open.empty()) {
         const std::string name = open.back();
         open.pop_back();
         if (name == group) xml_.fail(*element, "group '" + group + "' contains itself");
         const SrdfGroup* subgroup = srdf_.find_group(name);
+        if (!subgroup)
+          refuse_group(*element, group_named(group), unknown(*element, "group", name, known));
+        else if (!subgroup->fault.empty())
+          refuse_group(*element, group_named(group), "its subgroup '" + name + "' cannot be used");
         if (!subgroup || !seen.insert(name).second) continue;
         open.insert(open.end(), subgroup->subgroups.begin(), subgroup->subgroups.end());
       }
     }
   }
 
+  // --- states and end effectors
+
   void read_state(const XMLElement& element) {
     xml_.check_spelling(element, Names{"joint"}, Names{"name", "group"});
     SrdfState state;
     state.name = xml_.required(element, "name");
-    state.group = require_group(element, "group");
+    state.group = find_group(element, "group").value_or("");
     for (auto e = element.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
       xml_.check_spelling(*e, Names{}, Names{"name", "value"});
-      const std::string joint = require_joint(*e, "name");
       const auto values = xml_.numbers(*e, "value", xml_.required(*e, "value"));
-      if (virtual_joints_.contains(joint)) continue;
+      const auto joint = find_joint(*e, "name");
+      if (!joint || !moves_by_one_value(*joint)) continue;
       if (values.size() != 1)
-        xml_.fail(*e, "joint '" + joint + "' takes one value, not " + std::to_string(values.size()));
-      state.positions[joint] = values[0];
+        xml_.fail(*e, "joint '" + *joint + "' takes one value, not " + std::to_string(values.size()));
+      state.positions[*joint] = values[0];
     }
     srdf_.states.push_back(std::move(state));
+  }
+
+  bool moves_by_one_value(const std::string& joint) const {
+    const auto index = urdf_.find_joint(joint);
+    return index && urdf_.joints[*index].scalar();
   }
 
   void read_end_effector(const XMLElement& element) {
     xml_.check_spelling(element, Names{}, Names{"name", "parent_link", "group", "parent_group"});
     SrdfEndEffector effector;
     effector.name = xml_.required(element, "name");
-    effector.parent_link = require_link(element, "parent_link");
-    effector.group = require_group(element, "group");
-    if (element.Attribute("parent_group")) effector.parent_group = require_group(element, "parent_group");
+    const auto parent_link = find_link(element, "parent_link");
+    if (!parent_link) return;
+    effector.parent_link = *parent_link;
+    effector.group = find_group(element, "group").value_or("");
+    if (element.Attribute("parent_group")) effector.parent_group = find_group(element, "parent_group").value_or("");
     srdf_.end_effectors.push_back(std::move(effector));
   }
 
   // --- collision rules
 
-  void read_collisions(const XMLElement& robot) {
-    std::set<std::string> unknown;
+  void read_disabled(const XMLElement& robot) {
+    std::set<std::string> unknown_links;
     std::size_t ignored = 0;
-    for (const char* attribute : {"link1", "link2"})
-      for (auto e = robot.FirstChildElement("disable_collisions"); e; e = e->NextSiblingElement("disable_collisions"))
-        if (const auto link = xml_.attribute(*e, attribute); link && !urdf_.find_link(*link)) unknown.insert(*link);
-    const bool variant = unknown.size() >= kVariantLinks;
-
+    const XMLElement* first = nullptr;
     for (auto e = robot.FirstChildElement("disable_collisions"); e; e = e->NextSiblingElement("disable_collisions")) {
       xml_.check_spelling(*e, Names{}, Names{"link1", "link2", "reason"});
-      if (variant && (unknown.contains(xml_.required(*e, "link1")) || unknown.contains(xml_.required(*e, "link2"))))
-        ++ignored;
-      else
-        srdf_.disabled.emplace_back(require_link(*e, "link1"), require_link(*e, "link2"));
+      const std::string a = xml_.required(*e, "link1"), b = xml_.required(*e, "link2");
+      std::set<std::string> missing;
+      for (const std::string& link : {a, b})
+        if (!urdf_.find_link(link)) missing.insert(link);
+      if (missing.empty()) {
+        srdf_.disabled.emplace_back(a, b);
+        continue;
+      }
+      ++ignored;
+      if (!first) first = e;
+      unknown_links.merge(missing);
     }
+    if (unknown_links.size() >= kVariantLinks)
+      srdf_.warnings.push_back(xml_.label() + ": " + std::to_string(ignored) + " <disable_collisions> ignored; links " +
+                               quoted_list(Names(unknown_links.begin(), unknown_links.end())) + " are not in the URDF");
+    else if (first)
+      for (const std::string& link : unknown_links) xml_.warn(*first, unknown(*first, "link", link, link_names_));
+  }
+
+  void read_other_rules(const XMLElement& robot) {
     for (auto e = robot.FirstChildElement("enable_collisions"); e; e = e->NextSiblingElement("enable_collisions")) {
       xml_.check_spelling(*e, Names{}, Names{"link1", "link2", "reason"});
       srdf_.enabled.emplace_back(require_link(*e, "link1"), require_link(*e, "link2"));
     }
     for (auto e = robot.FirstChildElement("disable_default_collisions"); e;
          e = e->NextSiblingElement("disable_default_collisions"))
-      srdf_.disabled_by_default.push_back(require_link(*e, "link"));
-    if (ignored > 0)
-      srdf_.warnings.push_back(xml_.label() + ": " + std::to_string(ignored) + " <disable_collisions> ignored; links " +
-                               quoted_list(Names(unknown.begin(), unknown.end())) + " are not in the URDF");
+      if (const auto link = find_link(*e, "link")) srdf_.disabled_by_default.push_back(*link);
   }
 
-  const xml::Document& xml_;
+  xml::Document& xml_;
   const Urdf& urdf_;
   Srdf srdf_;
   Names link_names_, joint_names_;  // joints of the URDF and virtual joints of the SRDF
-  std::set<std::string> virtual_joints_;
   std::vector<std::pair<const XMLElement*, std::string>> subgroup_uses_;
 };
 
 }  // namespace
 
-Srdf Srdf::parse(const std::string& text, const Urdf& urdf, const std::string& label) {
-  const auto document = xml::Document::parse(text, label, "robot");
+Srdf Srdf::parse(const std::string& text, const Urdf& urdf, const std::string& label, bool strict) {
+  auto document = xml::Document::parse(text, label, "robot", strict);
   return SrdfReader(document, urdf).read();
 }
 

@@ -68,9 +68,12 @@ struct Urdf {
   std::size_t root{};                    ///< link
   std::vector<std::size_t> joint_order;  ///< joints in depth-first order: parents before children
 
-  /// Read and check a URDF. Both throw FileError "<label>:<line>: …" or "<label> …".
+  std::vector<std::string> warnings;  ///< mistakes that do not change the meaning, as sentences
+
+  /// Read and check a URDF. Both throw FileError "<label>:<line>: …" or "<label> …"; when `strict`, also for what is a
+  /// warning otherwise.
   static Urdf read_file(const std::string& path);
-  static Urdf parse(const std::string& text, const std::string& label = "URDF text");
+  static Urdf parse(const std::string& text, const std::string& label = "URDF text", bool strict = false);
 
   /// The index of a link or joint; nullopt when there is none of this name.
   std::optional<std::size_t> find_link(const std::string& link) const;

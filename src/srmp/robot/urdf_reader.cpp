@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/pose.hpp"
+#include "srmp/core/spelling.hpp"
 #include "srmp/robot/urdf.hpp"
 #include "srmp/robot/xml.hpp"
 
@@ -17,10 +19,17 @@ namespace {
 using tinyxml2::XMLElement;
 using Names = std::vector<std::string>;
 
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// Could a number that is too large for an angle in radians be one in degrees?
+bool may_be_degrees(double angle, double max_radians) {
+  return std::abs(angle) > max_radians + 1e-3 && std::abs(angle) <= 2 * 360.0;
+}
+
 /// Reads one URDF document; errors give the line.
 class UrdfReader {
  public:
-  explicit UrdfReader(const xml::Document& document) : xml_(document) { urdf_.label = document.label(); }
+  explicit UrdfReader(xml::Document& document) : xml_(document) { urdf_.label = document.label(); }
 
   Urdf read() {
     const XMLElement& robot = xml_.root();
@@ -34,6 +43,7 @@ class UrdfReader {
     for (auto e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) read_joint(*e);
     resolve_mimics();
     order_tree();
+    urdf_.warnings = xml_.warnings();
     return std::move(urdf_);
   }
 
@@ -120,6 +130,9 @@ class UrdfReader {
     const Eigen::Vector3d p = xml_.vector3(*element, "xyz").value_or(Eigen::Vector3d::Zero());
     const Eigen::Vector3d r = xml_.vector3(*element, "rpy").value_or(Eigen::Vector3d::Zero());
     if (transform) *transform = Pose::from_rpy(p, r).isometry();
+    for (const double angle : r)
+      if (may_be_degrees(angle, kTurn))
+        xml_.note(*element, "rpy has an angle of " + to_text(angle) + " rad, more than a turn; is it in degrees?");
     if (xyz) *xyz = p;
     if (rpy) *rpy = r;
   }
@@ -207,6 +220,10 @@ class UrdfReader {
     if (lower > upper)
       xml_.fail(*e, "joint '" + joint.name + "': the lower limit " + to_text(lower) + " is above the upper limit " +
                         to_text(upper));
+    if (const double most = std::max(std::abs(lower), std::abs(upper));
+        joint.type == UrdfJointType::revolute && may_be_degrees(most, 2 * kTurn))
+      xml_.note(*e, "joint '" + joint.name + "' has the limits " + to_text(lower) + " to " + to_text(upper) +
+                        " rad, more than two turns; are they in degrees?");
     joint.lower = lower;
     joint.upper = upper;
   }
@@ -232,9 +249,15 @@ class UrdfReader {
       xml_.check_spelling(e, Names{}, Names{"joint", "multiplier", "offset"});
       const std::string source = xml_.required(e, "joint");
       const auto index = urdf_.find_joint(source);
-      if (!index)
-        xml_.fail(e, "joint '" + urdf_.joints[i].name + "' mimics joint '" + source + "', which does not exist" +
-                         did_you_mean(source, joint_names));
+      if (!index) {
+        const std::string text =
+            "joint '" + urdf_.joints[i].name + "' mimics joint '" + source + "', which does not exist";
+        const std::string* nearest = nearest_name(source, joint_names);
+        if (nearest && is_typo(source, *nearest)) xml_.fail(e, text + did_you_mean(source, joint_names));
+        xml_.warn(e, text + "; it is taken for a joint of its own");
+        mimics_[i] = nullptr;
+        continue;
+      }
       if (!urdf_.joints[*index].scalar())
         xml_.fail(e, "joint '" + urdf_.joints[i].name + "' mimics joint '" + source + "', which does not move");
       urdf_.joints[i].mimic =
@@ -282,7 +305,7 @@ class UrdfReader {
                 "some joints of robot '" + urdf_.name + "' form a loop apart from the root '" + roots[0] + "'");
   }
 
-  const xml::Document& xml_;
+  xml::Document& xml_;
   Urdf urdf_;
   Names link_names_;
   std::vector<const XMLElement*> mimics_;  // by joint; nullptr: none
@@ -291,12 +314,12 @@ class UrdfReader {
 }  // namespace
 
 Urdf Urdf::read_file(const std::string& path) {
-  const auto document = xml::Document::read_file(path, "URDF", "robot");
+  auto document = xml::Document::read_file(path, "URDF", "robot");
   return UrdfReader(document).read();
 }
 
-Urdf Urdf::parse(const std::string& text, const std::string& label) {
-  const auto document = xml::Document::parse(text, label, "robot");
+Urdf Urdf::parse(const std::string& text, const std::string& label, bool strict) {
+  auto document = xml::Document::parse(text, label, "robot", strict);
   return UrdfReader(document).read();
 }
 

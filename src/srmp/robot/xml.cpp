@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/spelling.hpp"
 
 namespace srmp::xml {
 
@@ -20,6 +21,20 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
 bool contains(std::span<const std::string> names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
+
+/// An element of Xacro in the document, or nullptr.
+const tinyxml2::XMLElement* find_xacro(const tinyxml2::XMLElement& root) {
+  std::vector<const tinyxml2::XMLElement*> open{&root};
+  while (!open.empty()) {
+    const tinyxml2::XMLElement* element = open.back();
+    open.pop_back();
+    if (std::string_view(element->Name()).starts_with("xacro:")) return element;
+    for (auto child = element->FirstChildElement(); child; child = child->NextSiblingElement()) open.push_back(child);
+  }
+  return nullptr;
+}
+
+constexpr const char* kExpandFirst = "; expand the file first (xacro FILE.xacro > FILE) and give the result";
 
 }  // namespace
 
@@ -43,9 +58,10 @@ Document Document::read_file(const std::string& path, const std::string& kind, c
   return parse(read_text(path, kind), path, root_tag);
 }
 
-Document Document::parse(const std::string& text, const std::string& label, const char* root_tag) {
+Document Document::parse(const std::string& text, const std::string& label, const char* root_tag, bool strict) {
   Document result;
   result.label_ = label;
+  result.strict_ = strict;
   if (std::all_of(text.begin(), text.end(), is_space))
     throw FileError(label + " is empty; expected a <" + root_tag + ">");
   if (result.document_->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
@@ -57,6 +73,8 @@ Document Document::parse(const std::string& text, const std::string& label, cons
   if (std::string(result.root_->Name()) != root_tag)
     result.fail(*result.root_,
                 "the outermost tag is <" + std::string(result.root_->Name()) + ">, expected <" + root_tag + ">");
+  if (const auto* xacro = find_xacro(*result.root_))
+    result.fail(*xacro, "<" + std::string(xacro->Name()) + "> is Xacro, which is not read" + kExpandFirst);
   return result;
 }
 
@@ -68,9 +86,44 @@ void Document::fail(const tinyxml2::XMLElement& at, const std::string& sentence)
   fail(at.GetLineNum(), sentence);
 }
 
+void Document::add_warning(int line, const std::string& sentence) {
+  const auto same = std::find_if(warnings_.begin(), warnings_.end(),
+                                 [&](const Warning& warning) { return warning.sentence == sentence; });
+  if (same == warnings_.end())
+    warnings_.push_back({line, sentence});
+  else
+    ++same->repeats;
+}
+
+void Document::warn(int line, const std::string& sentence) {
+  if (strict_) fail(line, sentence);
+  add_warning(line, sentence);
+}
+
+void Document::warn(const tinyxml2::XMLElement& at, const std::string& sentence) { warn(at.GetLineNum(), sentence); }
+
+void Document::note(const tinyxml2::XMLElement& at, const std::string& sentence) {
+  add_warning(at.GetLineNum(), sentence);
+}
+
+std::vector<std::string> Document::warnings() const {
+  std::vector<std::string> texts;
+  for (const auto& [line, sentence, repeats] : warnings_)
+    texts.push_back(label_ + ":" + std::to_string(line) + ": " + sentence +
+                    (repeats == 0   ? ""
+                     : repeats == 1 ? " (and once more)"
+                                    : " (and " + std::to_string(repeats) + " times more)"));
+  return texts;
+}
+
 std::optional<std::string> Document::attribute(const tinyxml2::XMLElement& element, const char* name) const {
   const char* text = element.Attribute(name);
-  return text ? std::optional<std::string>(text) : std::nullopt;
+  if (!text) return std::nullopt;
+  const std::string value(text);
+  if (value.find("${") != std::string::npos || value.find("$(") != std::string::npos)
+    fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is '" + value +
+                      "', an expression of Xacro" + kExpandFirst);
+  return value;
 }
 
 std::string Document::required(const tinyxml2::XMLElement& element, const char* name) const {
@@ -128,18 +181,25 @@ std::optional<Eigen::Vector3d> Document::vector3(const tinyxml2::XMLElement& ele
 }
 
 void Document::check_spelling(const tinyxml2::XMLElement& element, std::span<const std::string> tags,
-                              std::span<const std::string> attributes, std::span<const std::string> extensions) const {
+                              std::span<const std::string> attributes, std::span<const std::string> extensions) {
   for (auto child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
     const std::string tag = child->Name();
     if (contains(tags, tag) || contains(extensions, tag) || tag.find(':') != std::string::npos) continue;
-    if (const std::string hint = did_you_mean(tag, tags); !hint.empty())
-      fail(*child, "unknown tag <" + tag + "> in <" + element.Name() + ">" + hint);
+    const std::string* known = nearest_name(tag, tags);
+    if (!known) continue;
+    const std::string unknown = "unknown tag <" + tag + "> in <" + element.Name() + ">";
+    if (is_typo(tag, *known)) fail(*child, unknown + ", did you mean '" + *known + "'?");
+    warn(*child, unknown + " is not read; <" + *known + "> would be");
   }
   for (auto a = element.FirstAttribute(); a; a = a->Next()) {
     const std::string name = a->Name();
     if (contains(attributes, name) || name.find(':') != std::string::npos) continue;
-    if (const std::string hint = did_you_mean(name, attributes); !hint.empty())
-      fail(a->GetLineNum(), "unknown attribute '" + name + "' of <" + element.Name() + ">" + hint);
+    const std::string* known = nearest_name(name, attributes);
+    if (!known) continue;
+    const std::string unknown = "unknown attribute '" + name + "' of <" + element.Name() + ">";
+    const bool given_too = element.Attribute(known->c_str()) != nullptr;
+    if (!given_too && is_typo(name, *known)) fail(a->GetLineNum(), unknown + ", did you mean '" + *known + "'?");
+    warn(a->GetLineNum(), unknown + " is not read; '" + *known + "' is" + (given_too ? "" : " missing"));
   }
 }
 

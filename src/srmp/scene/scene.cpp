@@ -5,6 +5,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/geometry/distance_field.hpp"
+#include "srmp/robot/joint_names.hpp"
 #include "srmp/scene/shape_geometry.hpp"
 
 namespace srmp {
@@ -62,7 +63,8 @@ void require_within_limits(const Joint& joint, double value, const std::string& 
   constexpr double tolerance = 1e-9;
   if (value < joint.lower - tolerance || value > joint.upper + tolerance)
     throw InvalidArgument("robot '" + robot + "': joint '" + joint.name + "' = " + to_text(value) +
-                          " is outside its limits [" + to_text(joint.lower) + ", " + to_text(joint.upper) + "]");
+                          " is outside its limits [" + to_text(joint.lower) + ", " + to_text(joint.upper) + "]" +
+                          degrees_hint(joint, value));
 }
 
 /// Sets the position of the joint of this name; false if there is none in `joints`.
@@ -160,9 +162,7 @@ void Scene::set_joint_positions(const std::string& robot, const std::map<std::st
   for (const auto& [joint, value] : positions) {
     if (assign_joint(model.joints(), joint, value, robot, q)) continue;
     if (assign_joint(model.other_joints(), joint, value, robot, others)) continue;
-    std::vector<std::string> known = model.joint_names();
-    for (const Joint& other : model.other_joints()) known.push_back(other.name);
-    refuse_unknown("joint of robot '" + robot + "':", joint, known);
+    model.refuse_joint(joint);
   }
   instance.q = std::move(q);
   instance.other_positions = std::move(others);
@@ -215,8 +215,6 @@ void Scene::remove_object(const std::string& name) {
   attachments_.erase(copy);
   forget_allowed(copy);
   objects_.erase(copy);
-  std::erase_if(groups_, [&](const auto& entry) { return entry.second.objects.front() == copy; });
-  for (auto& [id, group] : groups_) std::erase(group.objects, copy);
 }
 
 void Scene::set_object_pose(const std::string& name, const Pose& pose) {
@@ -245,16 +243,6 @@ Pose Scene::object_pose(const std::string& name) const {
   const Object& body = object(name);
   const auto it = attachments_.find(name);
   return it == attachments_.end() ? body.pose : link_pose(it->second.robot, it->second.link) * body.pose;
-}
-
-void Scene::set_group(const std::string& id, const ObjectGroup& group) {
-  const std::string owner = "group '" + id + "'";
-  if (group.objects.empty()) throw InvalidArgument(owner + " has no objects; give at least one");
-  for (const std::string& name : group.objects) object(name);
-  ObjectGroup checked{group.objects, checked_pose(group.frame, "frame of " + owner), {}};
-  for (const auto& [name, pose] : group.subframes)
-    checked.subframes.emplace(name, checked_pose(pose, "subframe '" + name + "' of " + owner));
-  groups_.insert_or_assign(id, std::move(checked));
 }
 
 // --- attachments
