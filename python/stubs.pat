@@ -5,6 +5,8 @@ _srmp.__suffix__:
 
     def _did_you_mean(name: str, known: Sequence[str]) -> str: ...
 
+    def _option_of_other_planner(name: str) -> str: ...
+
     class Error(Exception):
         """Base of every exception that srmp raises."""
 
@@ -13,6 +15,12 @@ _srmp.__suffix__:
 
     class UnknownRobot(InvalidArgument, KeyError):
         """There is no robot of this name."""
+
+    class WrongType(InvalidArgument, TypeError):
+        """An argument has the wrong type, is missing or is not known."""
+
+    class RobotWarning(UserWarning):
+        """Something in the files of a robot was read but not used."""
 
     class FileError(Error, OSError):
         """A file is missing, unreadable or wrong."""

@@ -27,7 +27,6 @@ namespace srmp {
 namespace io {
 struct RequestFile;
 }
-struct MoveItProblem;
 
 /// A world of robots and objects, and the planners for them: the entry point of the library. The Python class has the
 /// same methods.
@@ -48,9 +47,12 @@ class PlannerInterface {
   /// Adds a robot from a URDF and, where there is one, an SRDF; `base` is the pose of its root link in the world. The
   /// planned joints stand at the values nearest to 0 within their limits. Without an SRDF, adjacent links may touch,
   /// and so may links that touch with all joints at 0 and in more than 95 % of the sampled configurations
-  /// (RobotModel::always_colliding). Throws FileError (missing or broken file: line and place; a missing mesh lists
-  /// every place tried) and InvalidArgument (a name in use; unknown group, joint or link).
+  /// (RobotModel::always_colliding). What was read but not used is in warnings(). Throws FileError (missing or broken
+  /// file: line and place; a missing mesh lists every place tried) and InvalidArgument (a name in use; unknown group,
+  /// joint or link).
   void add_articulation(const RobotDescription& description, const Pose& base = {});
+  /// What was read but not used when the robot was added, as sentences: RobotModel::warnings.
+  const std::vector<std::string>& warnings(const std::string& robot) const;
   /// Removes a robot, its planners and its attachments: what it held stays in the world.
   void remove_articulation(const std::string& robot);
   /// Places the robot's root link at its pose in the world.
@@ -107,23 +109,10 @@ class PlannerInterface {
   /// Allows (or, with false, forbids again) contact of two bodies: objects, links ("link" or "robot/link"), whole
   /// robots. A later call replaces earlier ones that it covers.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
-  /// Changes the scene by a MoveIt scene file (YAML), wholly or not at all: robot states, objects, attached objects,
-  /// allowed collisions, padding; io::apply says how. The planning frame of the file is the world. Returns what was not
-  /// used, as sentences. Throws FileError with the line, and as io::apply.
-  std::vector<std::string> load_moveit_scene(const std::string& path);
-  /// Converts a MoveIt motion plan request (moveit_request.hpp) to a problem of `robot`. Its start state is set in this
-  /// world: the base (by the virtual joint), movable joints that are not planned (a gripper's), and attached objects.
-  ///
-  /// Goals keep within MoveIt's tolerances: every state that meets a goal of the result meets the request's
-  /// constraints. They may be for the end effector, any link or attached object that is rigidly joined to it, subframes
-  /// of these, and points beside them.
-  ///
-  /// Throws InvalidArgument for names of frames, links, joints and groups that do not exist (with the nearest known
-  /// one); and NotSupported for goals that cannot be stated here: some of the joints only, joints together with links,
-  /// several constraints of one kind, links that are not joined to the end effector, frames that move with the planned
-  /// joints, and points beside the end effector's origin without an orientation. It then changes nothing. Goals that
-  /// cannot be reached are reported by plan.
-  MoveItProblem apply_moveit_request(const std::string& robot, const io::RequestFile& request);
+  /// Adds the collision objects of a MoveIt scene file (YAML), all or none. Throws FileError with the line.
+  void load_moveit_scene(const std::string& path);
+  /// Adds and attaches the objects that a request's start state holds, all or none. Throws as io::apply_attached.
+  void attach_moveit_objects(const io::RequestFile& request);
   /// Removes all robots, objects, planners and heuristics.
   void reset();
 
@@ -152,6 +141,8 @@ class PlannerInterface {
   const RobotModel& robot(const std::string& name) const;
   /// Names of the robots, sorted.
   std::vector<std::string> robot_names() const;
+  /// The name of the only robot. Throws InvalidArgument where there is not exactly one.
+  std::string only_robot() const;
   /// Names of the objects, attached ones too, sorted.
   std::vector<std::string> object_names() const;
   /// Names of the planned joints, in the order of q.
@@ -242,21 +233,30 @@ class PlannerInterface {
   /// name) or a value out of range.
   void make_planner(const std::vector<std::string>& robots, const OptionMap& options);
   void make_planner(const std::vector<std::string>& robots, const PlannerOptions& options);
-  /// The options that make_planner was given for these robots. Throws InvalidArgument when it was not called.
+  /// The options that make_planner was given for these robots; the defaults of `auto` when it was not called.
   const PlannerOptions& planner_options(const std::vector<std::string>& robots) const;
 
   /// Called during a plan, at most every 10 ms; when it returns true, the plan stops with Status::cancelled.
   using Interrupt = Deadline::Interrupt;
 
-  /// A timed, collision-free trajectory of one robot from `start` (dof,) [rad or m] to any one of `goals`; other robots
-  /// stand still. The same request gives the same result, bit for bit. `on_solution` receives every path that is better
-  /// than those before, while planners that improve theirs run; when it returns false, that path is good enough. Throws
-  /// PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or cancelled,
-  /// its text says why. Throws InvalidArgument for an invalid request: unknown robot, no make_planner, wrong size, NaN.
+  /// A goal in any form as a GoalConstraint for this robot. Joints that a goal by joint names leaves out are as in
+  /// `start` (default: set_qpos). Throws InvalidArgument for an unknown robot, joint or state, with the nearest name.
+  GoalConstraint goal(const std::string& robot, const Goal& goal,
+                      const std::optional<Eigen::VectorXd>& start = {}) const;
+
+  /// A timed, collision-free trajectory of one robot from `start` (dof,) [rad or m] to any one of `goals`, or to a goal
+  /// in any form (Goal), by the planner of make_planner, or by `auto`; other robots stand still. The robot's name may
+  /// be left out where it is the only one. The same request gives the same result, bit for bit. `on_solution` receives
+  /// every path that is better than those before, while planners that improve theirs run; when it returns false, that
+  /// path is good enough. Throws PlanningError when there is none: its status is timed_out, exhausted, start_invalid,
+  /// goal_invalid or cancelled, its text says why. Throws InvalidArgument for an invalid request: unknown robot, wrong
+  /// size, NaN.
   Trajectory plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                   const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
-  Trajectory plan(const std::string& robot, ConstVector start, const GoalConstraint& goal,
-                  const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
+  Trajectory plan(const std::string& robot, ConstVector start, const Goal& goal, const Interrupt& interrupt = {},
+                  const OnSolution& on_solution = {});
+  Trajectory plan(ConstVector start, const Goal& goal, const Interrupt& interrupt = {},
+                  const OnSolution& on_solution = {});
   /// Called by plan_many in the caller's thread, with the number of requests done and of all.
   using Progress = PlanProgress;
 
@@ -277,7 +277,7 @@ class PlannerInterface {
   /// m] to `goals`, both by robot name. A robot with a start and no goal holds still, as with GoalConstraint::hold; one
   /// with GoalConstraint::any may move out of the others' way; robots without a start stand where set_qpos put them.
   /// Every trajectory has a certificate that covers the others, those of robots that hold too. Planned by the planner
-  /// that make_planner chose for the robots of `starts`.
+  /// that make_planner chose for the robots of `starts`, or by `auto`.
   ///
   /// `obstacles`: timed trajectories by robot name, that other robots of the scene are committed to. They begin at time
   /// 0 too, and the robots rest where they end and are not planned for. The planned motions begin together, as early as

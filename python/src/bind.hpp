@@ -13,6 +13,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -40,6 +42,9 @@ struct ArrayLike {
   RowMatrix rows(const std::string& what, Eigen::Index columns) const;
 };
 
+/// What Python would print of a value, on one line of a sentence.
+std::string brief(nb::handle value);
+
 /// NumPy's float64 view or copy of any argument. Throws InvalidArgument, naming `what`, when it is not numbers.
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what);
 
@@ -56,12 +61,24 @@ NumpyArray to_numpy_rows(RowMatrix rows);
 
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
-std::vector<GoalConstraint> to_goals(nb::handle goal);
+/// The type of a goal in any form, and of several, as signatures have it.
+#define SRMP_GOAL "GoalConstraint | Pose | numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | str"
+#define SRMP_GOALS SRMP_GOAL " | collections.abc.Sequence[GoalConstraint | Pose | str]"
+
+/// A goal in any form, or several; `what` names it in messages.
+std::vector<Goal> to_goals(nb::handle goal, const std::string& what = "a goal");
+/// Makes a GoalConstraint of a goal in any form for a robot, as PlannerInterface::goal does.
+using ToConstraint = std::function<GoalConstraint(const std::string& robot, const Goal& goal,
+                                                  const std::optional<Eigen::VectorXd>& start)>;
+/// Without a scene: refuses names of states and of joints, which it does not know.
+GoalConstraint constraint_without_scene(const std::string& robot, const Goal& goal,
+                                        const std::optional<Eigen::VectorXd>& start = {});
 /// By robot name; `what` says which argument it is.
 std::map<std::string, nb::object> to_map(nb::handle mapping, const std::string& what);
 std::map<std::string, Trajectory> to_trajectories(nb::handle mapping, const std::string& what);
 /// The arguments of plan_multi; obstacles may be None.
-MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles);
+MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles,
+                                  const ToConstraint& to_constraint = constraint_without_scene);
 /// A str or os.PathLike.
 std::string to_path(nb::handle path);
 /// One name, or a list of names.
@@ -74,6 +91,10 @@ nb::dict to_dict(const Solution& solution);
 [[noreturn]] void raise(const PlanningError& error, const nb::dict& statistics);
 /// Raises UnknownRobot, an InvalidArgument for a mapping's key.
 [[noreturn]] void raise_unknown_robot(const std::string& what);
+/// Sets WrongType, an InvalidArgument and TypeError, as the current error of Python.
+void set_wrong_type(const std::string& what);
+/// Issues a RobotWarning; throws when the user made errors of warnings.
+void warn_of_robot(const std::string& what);
 
 /// The argument of __setstate__, which may be anything.
 class State {
@@ -154,6 +175,8 @@ void bind_multi_trajectory(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_plan_many(nb::module_& m);
 void bind_planner_interface(nb::module_& m);
+/// From now on all functions of the module raise WrongType where their arguments fit no signature.
+void restate_wrong_types(nb::module_& m);
 
 }  // namespace srmp::python
 

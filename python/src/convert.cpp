@@ -5,9 +5,6 @@
 
 namespace srmp::python {
 
-namespace {
-
-/// What Python would print, on one line of a sentence.
 std::string brief(nb::handle value) {
   constexpr std::size_t max_size = 100;  // characters
   std::string text;
@@ -20,8 +17,6 @@ std::string brief(nb::handle value) {
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // within a character of UTF-8
   return text.substr(0, end) + " …";
 }
-
-}  // namespace
 
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what) {
   const auto refuse = [&](const std::string& kind) -> InvalidArgument {
@@ -133,15 +128,63 @@ std::vector<std::string> to_names(nb::handle names) {
   return result;
 }
 
-std::vector<GoalConstraint> to_goals(nb::handle goal) {
-  GoalConstraint one;
-  if (nb::try_cast(goal, one)) return {one};
-  std::vector<GoalConstraint> many;
-  if ((nb::isinstance<nb::list>(goal) || nb::isinstance<nb::tuple>(goal)) && nb::len(goal) > 0 &&
-      nb::try_cast(goal, many))
-    return many;
-  throw InvalidArgument("a goal must be a GoalConstraint or a non-empty list of them, but is " +
-                        nb::cast<std::string>(nb::repr(goal)));
+namespace {
+
+/// One goal, but for numbers: those may be several configurations.
+std::optional<Goal> to_goal(nb::handle value) {
+  GoalConstraint constraint;
+  Pose pose;
+  if (nb::try_cast(value, constraint)) return Goal(constraint);
+  if (nb::try_cast(value, pose)) return Goal(pose);
+  if (nb::isinstance<nb::str>(value)) return Goal(nb::cast<std::string>(value));
+  if (!nb::hasattr(value, "keys")) return std::nullopt;
+  std::map<std::string, double> positions;
+  const nb::object dictionary = nb::module_::import_("builtins").attr("dict")(value);
+  if (!nb::try_cast(dictionary, positions))
+    throw InvalidArgument("a goal by joint names must be numbers by name, but is " + brief(value));
+  return Goal(positions);
+}
+
+bool is_list(nb::handle value) { return nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value); }
+
+}  // namespace
+
+std::vector<Goal> to_goals(nb::handle goal, const std::string& what) {
+  if (const auto one = to_goal(goal)) return {*one};
+  std::vector<Goal> goals;
+  try {
+    bool mixed = false;
+    if (is_list(goal))
+      for (nb::handle item : goal) mixed = mixed || to_goal(item);
+    if (mixed) {
+      for (nb::handle item : goal) {
+        const auto one = to_goal(item);
+        goals.push_back(one ? *one : Goal(ArrayLike{nb::borrow(item)}.vector(what)));
+      }
+      return goals;
+    }
+    const auto numbers = to_numbers(goal, what);
+    if (numbers.size() > 0 && (numbers.ndim() == 1 || numbers.ndim() == 2)) {
+      const auto columns = static_cast<Eigen::Index>(numbers.shape(numbers.ndim() - 1));
+      for (std::size_t i = 0; i < numbers.size(); i += static_cast<std::size_t>(columns))
+        goals.emplace_back(Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(numbers.data() + i, columns)));
+      return goals;
+    }
+  } catch (const InvalidArgument&) {  // the sentence below says more
+  }
+  throw InvalidArgument(what +
+                        " must be a GoalConstraint, a Pose, a configuration, positions by joint name, the name of a "
+                        "state, or a non-empty list of these, but is " +
+                        brief(goal));
+}
+
+GoalConstraint constraint_without_scene(const std::string& robot, const Goal& goal,
+                                        const std::optional<Eigen::VectorXd>&) {
+  if (const auto* constraint = std::get_if<GoalConstraint>(&goal)) return *constraint;
+  if (const auto* pose = std::get_if<Pose>(&goal)) return GoalConstraint::pose(*pose);
+  if (const auto* q = std::get_if<Eigen::VectorXd>(&goal)) return GoalConstraint::joints(*q);
+  throw InvalidArgument("a request knows no joints and states of '" + robot + "': give it PlannerInterface.goal('" +
+                        robot + "', …) instead of their names");
 }
 
 std::map<std::string, nb::object> to_map(nb::handle mapping, const std::string& what) {
@@ -165,13 +208,20 @@ std::map<std::string, Trajectory> to_trajectories(nb::handle mapping, const std:
   return trajectories;
 }
 
-MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles) {
+MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles,
+                                  const ToConstraint& to_constraint) {
   MultiPlanRequest request;
   for (const auto& [name, start] : to_map(starts, "starts"))
     request.starts[name] = ArrayLike{start}.vector("start of '" + name + "'");
-  for (const auto& [name, goal] : to_map(goals, "goals"))
-    if (!nb::try_cast(goal, request.goals[name]))
-      throw InvalidArgument("the goal of '" + name + "' must be a GoalConstraint (which can have several targets)");
+  for (const auto& [name, goal] : to_map(goals, "goals")) {
+    const std::vector<Goal> forms = to_goals(goal, "the goal of '" + name + "'");
+    if (forms.size() != 1)
+      throw InvalidArgument("the goal of '" + name + "' must be one; a GoalConstraint can have several targets");
+    const auto start = request.starts.find(name);
+    const bool starts_here = start != request.starts.end();
+    request.goals.emplace(name,
+                          to_constraint(name, forms[0], starts_here ? std::optional(start->second) : std::nullopt));
+  }
   if (!obstacles.is_none()) request.obstacles = to_trajectories(obstacles, "obstacles");
   return request;
 }

@@ -7,7 +7,7 @@ namespace {
 
 // Owned by the module for the life of the process.
 PyObject *error_type, *invalid_argument_type, *file_error_type, *not_supported_type, *planning_error_type,
-    *unknown_robot_type;
+    *unknown_robot_type, *wrong_type_type, *robot_warning_type;
 
 PyObject* make_exception(nb::module_& m, const char* name, const char* doc, PyObject* base, PyObject* builtin,
                          const nb::dict& members = {}) {
@@ -54,6 +54,12 @@ void raise_unknown_robot(const std::string& what) {
   throw nb::python_error();
 }
 
+void set_wrong_type(const std::string& what) { PyErr_SetString(wrong_type_type, what.c_str()); }
+
+void warn_of_robot(const std::string& what) {
+  if (PyErr_WarnEx(robot_warning_type, what.c_str(), 1) != 0) throw nb::python_error();
+}
+
 void bind_errors(nb::module_& m) {
   nb::enum_<Status>(m, "Status", "How a plan ended.")
       .value("solved", Status::solved, "There is a trajectory.")
@@ -76,6 +82,10 @@ void bind_errors(nb::module_& m) {
   as_it_is["__str__"] = nb::handle(PyExc_BaseException).attr("__str__");
   unknown_robot_type = make_exception(m, "UnknownRobot", "There is no robot of this name.", invalid_argument_type,
                                       PyExc_KeyError, as_it_is);
+  wrong_type_type = make_exception(m, "WrongType", "An argument has the wrong type, is missing or is not known.",
+                                   invalid_argument_type, PyExc_TypeError);
+  robot_warning_type = make_exception(m, "RobotWarning", "Something in the files of a robot was read but not used.",
+                                      PyExc_UserWarning, nullptr);
   planning_error_type = make_exception(
       m, "PlanningError",
       "There is no trajectory: `status` (a Status) says how the plan ended, the text why; `statistics`: see\n"

@@ -18,4 +18,5 @@ NB_MODULE(_srmp, m) {
   bind_planner_interface(m);
   bind_collision_checker(m);
   bind_cover(m);
+  restate_wrong_types(m);
 }

@@ -1,4 +1,5 @@
 #include "bind.hpp"
+#include "srmp/planning/options/other_vocabularies.hpp"
 
 namespace srmp::python {
 
@@ -78,6 +79,8 @@ void bind_options(nb::module_& m) {
       [](const std::string& name, const std::vector<std::string>& known) { return did_you_mean(name, known); },
       nb::arg("name"), nb::arg("known"),
       "\", did you mean 'x'?\" with the nearest known name; \"\" when none is near.");
+  m.def("_option_of_other_planner", &option_of_other_planner, nb::arg("name"),
+        "What an option of another planner is called here, as the end of a sentence; \"\" for words not known.");
 }
 
 }  // namespace srmp::python

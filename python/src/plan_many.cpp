@@ -100,18 +100,21 @@ void bind_plan_request(nb::module_& m) {
           "__init__",
           [](PlanRequest* self, const std::string& robot, const ArrayLike& start, nb::handle goals,
              nb::handle options) {
-            PlanRequest request{robot, start.vector("start of '" + robot + "'"), to_goals(goals)};
+            PlanRequest request{robot, start.vector("start of '" + robot + "'"), {}};
+            for (const Goal& goal : to_goals(goals)) request.goals.push_back(constraint_without_scene(robot, goal));
             if (!options.is_none()) request.options = parse_options(to_option_map(options));
             new (self) PlanRequest(std::move(request));
           },
           nb::arg("robot"), nb::arg("start"), nb::arg("goals"), nb::arg("options") = nb::none(),
           nb::sig("def __init__(self, robot: str, start: numpy.typing.ArrayLike, "
-                  "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint], "
+                  "goals: GoalConstraint | Pose | numpy.typing.ArrayLike | "
+                  "collections.abc.Sequence[GoalConstraint | Pose], "
                   "options: dict | object | None = None) -> None"),
           R"(A request for a plan of one robot.
 
-robot: its name. start: (dof,) [rad or m]. goals: one, or several of which any one is enough. options: a planner of
-its own, as for make_planner (default: that of make_planner).
+robot: its name. start: (dof,) [rad or m]. goals: one, or several of which any one is enough: a GoalConstraint, a Pose
+or a configuration (PlannerInterface.goal makes a GoalConstraint of names of joints and states). options: a planner of
+its own, as for make_planner (default: that of make_planner, or `auto`).
 
 Raises InvalidArgument for what is not numbers, goals or planner options.)")
       .def_ro("robot", &PlanRequest::robot, "Name of the robot that is planned.")
@@ -148,7 +151,7 @@ void bind_multi_plan_request(nb::module_& m) {
           },
           nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
           nb::sig("def __init__(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
-                  "goals: collections.abc.Mapping[str, GoalConstraint], "
+                  "goals: collections.abc.Mapping[str, GoalConstraint | Pose | numpy.typing.ArrayLike], "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> None"),
           "A request with the arguments of plan_multi.\n\nRaises InvalidArgument for what is not numbers, goals or "
           "trajectories.")

@@ -71,6 +71,13 @@ class PyPlannerInterface {
   std::map<std::string, nb::callable> heuristics_;
 };
 
+/// Goals in any form are those of robots of the planner.
+inline ToConstraint constraints_of(const PlannerInterface& planner) {
+  return [&planner](const std::string& robot, const Goal& goal, const std::optional<Eigen::VectorXd>& start) {
+    return planner.goal(robot, goal, start);
+  };
+}
+
 // The class PlannerInterface, section by section; each is a file of its own.
 using PlannerClass = nb::class_<PyPlannerInterface>;
 void bind_robots(PlannerClass& cls);

@@ -65,6 +65,38 @@ OnSolution to_on_solution(const nb::object& callback) {
   };
 }
 
+constexpr const char* plan_doc =
+    R"(A timed, collision-free trajectory of one robot from `start` (dof,) [rad or m] to any one of the goals, by the planner
+of make_planner, or by `auto`; other robots stand still. The name may be left out where there is one robot. The same
+request gives the same result, bit for bit. The GIL is released; Ctrl-C stops the plan.
+
+goal: a GoalConstraint; a Pose of the end effector, world frame; a configuration (dof,) [rad or m]; positions [rad or
+m] by joint name, where joints not named stay as at the start; the name of a state of the SRDF (get_group_states); or
+a list of these.
+
+on_solution(solution, waypoints) receives every path that is better than those before, while planners that improve
+theirs run; when it returns False, that path is good enough. solution has time_s, cost_rad, bound and graph (see
+get_planning_stats); waypoints are (n, dof) [rad or m], from the end of the start-state recovery on (option
+recover_start: the path is not free before). It must not use this planner; what it raises ends the plan.
+
+Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or
+cancelled, its text says why, its statistics are those of get_planning_stats. Raises InvalidArgument for an invalid
+request: unknown robot, joint or state, wrong size, NaN.)";
+
+/// The trajectory of one robot to any one of the goals.
+Trajectory plan(PyPlannerInterface& self, const std::optional<std::string>& robot, const ArrayLike& start,
+                nb::handle goal, const nb::object& on_solution) {
+  const OnSolution report = to_on_solution(on_solution);
+  const std::vector<Goal> forms = to_goals(goal);
+  return self.use([&](PlannerInterface& p) {
+    const std::string name = robot ? *robot : p.only_robot();
+    const Eigen::VectorXd q = start.vector("start of '" + name + "'");
+    std::vector<GoalConstraint> goals;
+    for (const Goal& form : forms) goals.push_back(p.goal(name, form, q));
+    return run_plan(p, [&] { return p.plan(name, q, goals, python_interrupted, report); });
+  });
+}
+
 }  // namespace
 
 void bind_planning(PlannerClass& cls) {
@@ -123,32 +155,43 @@ Raises InvalidArgument for an unknown name.)")
           [](Self& self) { return self.use([](const PlannerInterface& p) { return p.heuristic_names(); }); },
           "Names of the heuristics of add_heuristic, sorted.")
       .def(
+          "goal",
+          [](Self& self, const std::string& robot, nb::handle goal, const std::optional<ArrayLike>& start) {
+            const std::vector<Goal> forms = to_goals(goal);
+            if (forms.size() != 1) throw InvalidArgument("the goal of '" + robot + "' must be one, but is a list");
+            std::optional<Eigen::VectorXd> q;
+            if (start) q = start->vector("start of '" + robot + "'");
+            return self.use([&](const PlannerInterface& p) { return p.goal(robot, forms[0], q); });
+          },
+          nb::arg("robot"), nb::arg("goal"), nb::arg("start") = nb::none(),
+          nb::sig("def goal(self, robot: str, goal: " SRMP_GOAL
+                  ", start: numpy.typing.ArrayLike | None = None) -> GoalConstraint"),
+          R"(A goal in any form that plan accepts, as a GoalConstraint for this robot.
+
+Joints that a goal by joint names leaves out are as in `start` (dof,) [rad or m] (default: set_qpos).
+
+Raises InvalidArgument for an unknown robot, joint or state, with the nearest name.)")
+      .def(
           "plan",
           [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
-            const std::string name = only_robot(robot);
-            const OnSolution report = to_on_solution(on_solution);
-            const Eigen::VectorXd q = start.vector("start of '" + name + "'");
-            const std::vector<GoalConstraint> goals = to_goals(goal);
-            return self.use([&](PlannerInterface& p) {
-              return run_plan(p, [&] { return p.plan(name, q, goals, python_interrupted, report); });
-            });
+            return plan(self, only_robot(robot), start, goal, on_solution);
           },
           nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(),
           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
-                  "goal: GoalConstraint | collections.abc.Sequence[GoalConstraint], "
+                  "goal: " SRMP_GOALS ", "
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
                   "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
-          R"(A timed, collision-free trajectory of one robot from `start` (dof,) [rad or m] to any one of the goals; other robots
-stand still. The same request gives the same result, bit for bit. The GIL is released; Ctrl-C stops the plan.
-
-on_solution(solution, waypoints) receives every path that is better than those before, while planners that improve
-theirs run; when it returns False, that path is good enough. solution has time_s, cost_rad, bound and graph (see
-get_planning_stats); waypoints are (n, dof) [rad or m], from the end of the start-state recovery on (option
-recover_start: the path is not free before). It must not use this planner; what it raises ends the plan.
-
-Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or
-cancelled, its text says why, its statistics are those of get_planning_stats. Raises InvalidArgument for an invalid
-request: unknown robot, no make_planner, wrong size, NaN.)")
+          plan_doc)
+      .def(
+          "plan",
+          [](Self& self, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
+            return plan(self, std::nullopt, start, goal, on_solution);
+          },
+          nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("on_solution") = nb::none(),
+          nb::sig("def plan(self, start: numpy.typing.ArrayLike, goal: " SRMP_GOALS ", *, "
+                  "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
+                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
+          plan_doc)
       .def(
           "plan_many",
           [](Self& self, const std::vector<PlanRequest>& requests, std::optional<int> threads,
@@ -173,22 +216,22 @@ can.)")
       .def(
           "plan_multi",
           [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles) {
-            const MultiPlanRequest r = to_multi_request(starts, goals, obstacles);
             return self.use([&](PlannerInterface& p) {
+              const MultiPlanRequest r = to_multi_request(starts, goals, obstacles, constraints_of(p));
               return run_plan(p, [&] { return p.plan_multi(r.starts, r.goals, r.obstacles, python_interrupted); });
             });
           },
           nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
           nb::sig("def plan_multi(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
-                  "goals: collections.abc.Mapping[str, GoalConstraint], "
+                  "goals: collections.abc.Mapping[str, " SRMP_GOAL "], "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> MultiTrajectory"),
           R"(Motions of many robots together, on one clock, collision-free among each other too, from `starts` (dof,) [rad or m]
-to `goals`, both by robot name.
+to `goals` in any form (see plan), both by robot name.
 
 A robot with a start and no goal holds still, as with GoalConstraint.hold(); one with GoalConstraint.any() may move
 out of the others' way; robots without a start stand where set_qpos put them. Every trajectory has a certificate
 that covers the others, those of robots that hold too. Planned by the planner that make_planner chose for the robots
-of `starts`. The GIL is released; Ctrl-C stops it.
+of `starts`, or by `auto`. The GIL is released; Ctrl-C stops it.
 
 obstacles: timed trajectories by robot name, that other robots of the scene are committed to. They begin at time 0
 too, and the robots rest where they end and are not planned for. The planned motions begin together, as early as

@@ -103,8 +103,9 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
             VerifyOptions options{
                 .limits = limits, .jerk = jerk, .max_deviation = max_deviation, .gap_tolerance = gap_tolerance};
             if (start) options.start = start->vector("start of '" + robot + "'");
-            if (!goals.is_none()) options.goals = to_goals(goals);
+            const std::vector<Goal> forms = goals.is_none() ? std::vector<Goal>{} : to_goals(goals);
             return self.use([&](const PlannerInterface& p) {
+              for (const Goal& goal : forms) options.goals.push_back(p.goal(robot, goal, options.start));
               const nb::gil_scoped_release no_gil;
               return p.verify(robot, trajectory, options);
             });
@@ -113,7 +114,7 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           nb::arg("limits") = nb::none(), nb::kw_only(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
           nb::arg("gap_tolerance") = 0.5,
           nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
-                  "goals: GoalConstraint | collections.abc.Sequence[GoalConstraint] | None = None, "
+                  "goals: " SRMP_GOALS " | None = None, "
                   "limits: MotionLimits | None = None, *, jerk: bool = False, max_deviation: float | None = None, "
                   "gap_tolerance: float = 0.5) -> Certificate"),
           R"(A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
@@ -132,10 +133,10 @@ Raises InvalidArgument for an unknown robot and options out of range.)")
             const MultiTrajectory motions{to_trajectories(trajectory, "the trajectories")};
             const nb::dict none;
             const auto given = [&](nb::handle mapping) { return mapping.is_none() ? nb::handle(none) : mapping; };
-            MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles);
-            const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
-                                             max_deviation,       gap_tolerance};
             return self.use([&](const PlannerInterface& p) {
+              MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles, constraints_of(p));
+              const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
+                                               max_deviation,       gap_tolerance};
               const nb::gil_scoped_release no_gil;
               return p.verify_multi(motions, options);
             });
@@ -145,7 +146,7 @@ Raises InvalidArgument for an unknown robot and options out of range.)")
           nb::arg("max_deviation") = nb::none(), nb::arg("gap_tolerance") = 0.5,
           nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
                   "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
-                  "goals: collections.abc.Mapping[str, GoalConstraint] | None = None, "
+                  "goals: collections.abc.Mapping[str, " SRMP_GOAL "] | None = None, "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, *, jerk: bool = False, "
                   "max_deviation: float | None = None, gap_tolerance: float = 0.5) -> dict[str, Certificate]"),
           R"(verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,

@@ -174,8 +174,8 @@ QUESTIONS = [
     (lambda p, q: p.plan("arm", q[:6], goal_of(q)), "start of 'arm'.*7.*6"),
     (lambda p, q: p.plan("arm", [NAN] * 7, goal_of(q)), "start of 'arm'.*arm7_joint1.*NaN"),
     (lambda p, q: p.plan("arm", q, goal_of(np.zeros(8))), "goal of 'arm' has 8 values.*7 planned"),
-    (lambda p, q: p.plan("arm", q, q), "must be a GoalConstraint"),
-    (lambda p, q: p.plan("arm", q, []), "must be a GoalConstraint"),
+    (lambda p, q: p.plan("arm", q, []), "must be a GoalConstraint, a Pose, a configuration"),
+    (lambda p, q: p.plan("arm", q, {}), "goal of 'arm' names no joint"),
     (lambda p, q: goal_of([[]]), "target"),
     (lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, [1, 2, 3]), "a pose is 7 numbers"),
     (lambda p, q: srmp.GoalConstraint(srmp.GoalType.POSE, [0, 0, 0, 0, 0, 0, 0]), "quaternion is zero"),
@@ -211,10 +211,3 @@ QUESTIONS = [
 def test_questions(arm, ready, call, sentence):
     with pytest.raises(srmp.InvalidArgument, match=sentence):
         call(arm, ready)
-
-
-def test_plan_before_make_planner_says_what_to_do(ready):
-    planner = srmp.PlannerInterface()
-    planner.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_path=srmp.data_path("arm7.srdf"), name="arm")
-    with pytest.raises(srmp.InvalidArgument, match="call make_planner first"):
-        planner.plan("arm", np.zeros(7), goal_of(np.zeros(7)))

@@ -124,7 +124,7 @@ REFUSED = [
     (lambda p, r: p.plan_many(r, 0), "threads is 0; it must be at least 1"),
     (lambda p, r: p.plan_many(r, -1), "threads is -1"),
     (lambda p, r: srmp.PlanRequest("arm", "left", goal([0] * 7)), "start of 'arm' must be numbers"),
-    (lambda p, r: srmp.PlanRequest("arm", [0] * 7, [0] * 7), "must be a GoalConstraint"),
+    (lambda p, r: srmp.PlanRequest("arm", [0] * 7, "ready"), "a request knows no joints and states of .arm."),
     (lambda p, r: srmp.PlanRequest("arm", [0] * 7, r[0].goals, {"planner_id": "wAstr"}), "did you mean 'wAstar'"),
     (lambda p, r: p.plan_many([*r, srmp.PlanRequest("amr", r[0].start, r[0].goals)]), "request 5: .*'amr'.*mean 'arm'"),
     (lambda p, r: p.plan_many([r[0], srmp.PlanRequest("arm", [0] * 6, r[0].goals)]), "request 1: start of 'arm'.*7"),
@@ -139,12 +139,11 @@ def test_wrong_requests_are_refused(arm, requests, call, sentence):
         call(arm, requests)
 
 
-def test_a_request_without_a_planner_says_what_to_do(ready):
+def test_a_request_without_a_planner_is_planned_by_auto(ready):
     planner = srmp.PlannerInterface()
     planner.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_path=srmp.data_path("arm7.srdf"), name="arm")
-    with pytest.raises(srmp.InvalidArgument, match=r"request 0: .*call make_planner first"):
-        planner.plan_many([srmp.PlanRequest("arm", ready, goal(ready))])
-    (result,) = planner.plan_many([srmp.PlanRequest("arm", ready, goal(ready + 0.1), srmp.WAStar())])
-    assert result.solved
+    own, named = planner.plan_many([srmp.PlanRequest("arm", ready, goal(ready + 0.1), o) for o in (None, srmp.Auto())])
+    assert own.solved
+    assert (own.trajectory.positions == named.trajectory.positions).all()
     with pytest.raises(srmp.NotSupported, match="request 1: xECBS"):
         planner.plan_many([srmp.PlanRequest("arm", ready, goal(ready + 0.1), o) for o in (srmp.Auto(), srmp.XECBS())])

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
+#include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "srmp/core/pose.hpp"
@@ -18,7 +21,7 @@ enum class GoalType {
   any,       ///< with plan_multi: the robot may move out of the others' way and end anywhere
 };
 
-/// The name in files and messages: "joints", "pose", "position", "hold" or "any".
+/// The name in files and messages: "joints", "pose", "position", "hold" or "aside" (any).
 std::string_view to_string(GoalType type);
 
 /// A goal of a plan: any one of several targets of one type. Joint targets are reached exactly; for poses and positions
@@ -48,5 +51,10 @@ struct GoalConstraint {
   /// when all axes are free.
   void validate() const;
 };
+
+/// A goal in any form that PlannerInterface::plan accepts: a GoalConstraint; a pose of the end effector in the world
+/// frame; a configuration (dof,) [rad or m]; positions [rad or m] of planned joints by name, where joints not named
+/// stay as at the start; or the name of a state of the SRDF that gives every planned joint (RobotModel::group_states).
+using Goal = std::variant<GoalConstraint, Pose, Eigen::VectorXd, std::map<std::string, double>, std::string>;
 
 }  // namespace srmp

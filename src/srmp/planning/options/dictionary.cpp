@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "srmp/core/error.hpp"
+#include "srmp/planning/options/other_vocabularies.hpp"
 #include "srmp/planning/options/registry.hpp"
 
 namespace srmp {
@@ -22,9 +23,11 @@ class Dictionary {
   void require_no_other_key(const std::string& id) const {
     for (const auto& [key, value] : map_)
       if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
-        const std::string hint = did_you_mean(key, known_);
+        const std::string theirs = option_of_other_planner(key), hint = did_you_mean(key, known_);
         throw InvalidArgument("planner '" + id + "' has no option '" + key + "'" +
-                              (hint.empty() ? "; it knows " + quoted_list(known_) : hint));
+                              (!theirs.empty() ? "; " + theirs
+                               : hint.empty()  ? "; it knows " + quoted_list(known_)
+                                               : hint));
       }
   }
   /// The robots whose names stand after `prefix` in a key.

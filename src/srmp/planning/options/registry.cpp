@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "srmp/core/error.hpp"
+#include "srmp/planning/options/other_vocabularies.hpp"
 
 namespace srmp {
 
@@ -296,7 +297,8 @@ const RegisteredPlanner& registered_planner(const std::string& id) {
     if (normalized(planner.info.id) == name || std::find(others.begin(), others.end(), name) != others.end())
       return planner;
   }
-  throw InvalidArgument("there is no planner '" + id + "'" + or_known(id, known));
+  const std::string theirs = planner_of_other_library(id);
+  throw InvalidArgument("there is no planner '" + id + "'" + (theirs.empty() ? or_known(id, known) : "; " + theirs));
 }
 
 const RegisteredPlanner& registered_planner(const PlannerOptions& options) {
