@@ -8,6 +8,7 @@
 
 #include "printing.hpp"
 #include "srmp/moveit_request.hpp"
+#include "srmp/planner_interface.hpp"
 
 int main() {
   const std::string files = SRMP_EXAMPLES_DIR "/moveit/";
@@ -19,7 +20,7 @@ int main() {
                             .end_effector = "arm7_hand"});
   planner.load_moveit_scene(files + "scene.yaml");
   const srmp::MoveItProblem problem =
-      apply_moveit_request(planner, "arm", srmp::io::read_moveit_request(files + "request.yaml"));
+      planner.apply_moveit_request("arm", srmp::io::read_moveit_request(files + "request.yaml"));
 
   planner.make_planner({"arm"}, srmp::WAStar{.common = {.time_limit = 30}});
   const srmp::Trajectory trajectory = planner.plan("arm", problem.start, problem.goals);

@@ -26,7 +26,7 @@ import srmp
 from srmp._cover import statistics
 from srmp._files import write_json
 from srmp.bench import mbm
-from srmp.bench.scenarios import example_robot_data
+from srmp.bench.scenes import example_robot_data
 
 # name: (a robot of MotionBenchMaker, or a file of example-robot-data)
 ROBOTS = {

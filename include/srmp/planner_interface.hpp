@@ -27,6 +27,7 @@ namespace srmp {
 namespace io {
 struct RequestFile;
 }
+struct MoveItProblem;
 
 /// A world of robots and objects, and the planners for them: the entry point of the library. The Python class has the
 /// same methods.
@@ -109,10 +110,23 @@ class PlannerInterface {
   /// Allows (or, with false, forbids again) contact of two bodies: objects, links ("link" or "robot/link"), whole
   /// robots. A later call replaces earlier ones that it covers.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
-  /// Adds the collision objects of a MoveIt scene file (YAML), all or none. Throws FileError with the line.
-  void load_moveit_scene(const std::string& path);
-  /// Adds and attaches the objects that a request's start state holds, all or none. Throws as io::apply_attached.
-  void attach_moveit_objects(const io::RequestFile& request);
+  /// Changes the scene by a MoveIt scene file (YAML), wholly or not at all: robot states, objects, attached objects,
+  /// allowed collisions, padding; io::apply says how. The planning frame of the file is the world. Returns what was not
+  /// used, as sentences. Throws FileError with the line, and as io::apply.
+  std::vector<std::string> load_moveit_scene(const std::string& path);
+  /// Converts a MoveIt motion plan request (moveit_request.hpp) to a problem of `robot`. Its start state is set in this
+  /// world: the base (by the virtual joint), movable joints that are not planned (a gripper's), and attached objects.
+  ///
+  /// Goals keep within MoveIt's tolerances: every state that meets a goal of the result meets the request's
+  /// constraints. They may be for the end effector, any link or attached object that is rigidly joined to it, subframes
+  /// of these, and points beside them.
+  ///
+  /// Throws InvalidArgument for names of frames, links, joints and groups that do not exist (with the nearest known
+  /// one); and NotSupported for goals that cannot be stated here: some of the joints only, joints together with links,
+  /// several constraints of one kind, links that are not joined to the end effector, frames that move with the planned
+  /// joints, and points beside the end effector's origin without an orientation. It then changes nothing. Goals that
+  /// cannot be reached are reported by plan.
+  MoveItProblem apply_moveit_request(const std::string& robot, const io::RequestFile& request);
   /// Removes all robots, objects, planners and heuristics.
   void reset();
 

@@ -186,25 +186,37 @@ A later call replaces earlier ones that it covers.)")
 rules or because one is held and may touch the other. Of a whole robot: for all its links.)")
       .def(
           "load_moveit_scene",
-          [](Self& self, const std::string& path) { self.use([&](auto& p) { p.load_moveit_scene(path); }); },
+          [](Self& self, const std::string& path) {
+            return self.use([&](auto& p) { return p.load_moveit_scene(path); });
+          },
           nb::arg("path"),
-          R"(Adds the collision objects of a MoveIt scene file (YAML), all or none.
+          R"(Changes the scene by a MoveIt scene file (YAML), wholly or not at all: robot states, objects, attached objects,
+allowed collisions, padding.
 
-Raises FileError with the line.)")
+docs/moveit.md says of every field what it means. A file that is not a diff replaces the objects of earlier files;
+objects that were added otherwise stay. The planning frame of the file is the world. Returns what was not used, as
+sentences.
+
+Raises FileError with the line, InvalidArgument for unknown names, and NotSupported for what is valid but not supported
+(planes, octomaps, scaled links).)")
       .def(
           "apply_moveit_request",
           [](Self& self, const std::string& name, const io::RequestFile& request) {
-            return self.use([&](PlannerInterface& p) { return apply_moveit_request(p, name, request); });
+            return self.use([&](PlannerInterface& p) { return p.apply_moveit_request(name, request); });
           },
           nb::arg("name"), nb::arg("request"),
-          R"(Converts the request to a problem of this robot: start, goals, and the joints that the request names and the robot
-does not have.
+          R"(Converts a MoveIt motion plan request to a problem of this robot: start, goals, options, and the joints that it names
+and the robot does not have.
 
-Movable joints that are not planned (a gripper's) are set, and held objects are attached. Its planning time, speed
-scalings and workspace are not used: the options of make_planner say these.
+docs/moveit.md says of every field what it means. Its start state is set in this world: the base (by the virtual joint),
+movable joints that are not planned (a gripper's), and attached objects. Goals keep within MoveIt's tolerances. They may
+be for the end effector, any link or attached object that is rigidly joined to it, subframes of these, and points beside
+them.
 
-Raises InvalidArgument for joints or links that a goal names and the robot does not have, and NotSupported for goals
-that cannot be stated here (some of the joints only, a region that is not a point, tolerances that differ by axis).)")
+Raises InvalidArgument for names of frames, links, joints and groups that do not exist; and NotSupported for goals that
+cannot be stated here: some of the joints only, joints together with links, several constraints of one kind, links that
+are not joined to the end effector, frames that move with the planned joints, and points beside the end effector's
+origin without an orientation. Goals that cannot be reached are reported by plan.)")
       .def("reset", [](Self& self) { self.reset(); }, "Removes all robots, objects, planners and heuristics.");
 }
 
@@ -214,6 +226,11 @@ void bind_moveit_problem(nb::module_& m) {
           "start", [](const MoveItProblem& problem) { return to_numpy(problem.start); },
           "The start configuration (dof,) [rad or m]; joints that the file leaves out stand at their set_qpos.")
       .def_ro("goals", &MoveItProblem::goals, "The goals, as GoalConstraint objects; any one of them is enough.")
+      .def_prop_ro(
+          "options", [](const MoveItProblem& problem) { return to_dict(problem.options); },
+          nb::sig("def options(self) -> dict[str, typing.Any]"),
+          R"(What the request says, for make_planner: time_limit, velocity_scaling and acceleration_scaling where they are
+given, and planner_id where it is an id of this library.)")
       .def_ro("ignored_joints", &MoveItProblem::ignored_joints,
               "Joints named by the start state, but not movable joints of this robot.");
 }

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 import srmp
 from srmp._cli_bench import bench
@@ -87,17 +88,29 @@ def _make_world(
     for warning in planner.warnings("robot"):
         click.echo(f"note: {warning}", err=True)
     if scene:
-        planner.load_moveit_scene(scene)
+        for note in planner.load_moveit_scene(scene):
+            click.echo(f"note: {scene}: {note}", err=True)
     return planner
 
 
 def _apply_request(world: srmp.PlannerInterface, robot: str, request: srmp.MoveItRequest) -> srmp.MoveItProblem:
-    """Start and goals of the request for the robot; says on stderr which joints of the file were not used."""
+    """The request as a problem of the robot; says on stderr which joints of the file were not used."""
     problem = world.apply_moveit_request(robot, request)
     if problem.ignored_joints:
         names = ", ".join(problem.ignored_joints)
         click.echo(f"note: {request.path} also places {names}, which are not movable joints of the robot", err=True)
     return problem
+
+
+def _given(*parameters: str) -> dict[str, Any]:
+    """The planner options that the command line says itself, which count more than those of a request."""
+    context = click.get_current_context()
+    keys = {"planner": "planner_id"}
+    return {
+        keys.get(name, name): context.params[name]
+        for name in parameters
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    }
 
 
 def _apply_joint_limits(world: srmp.PlannerInterface, robot: str, path: str | None) -> None:
@@ -174,7 +187,8 @@ def plan(
     problem = _apply_request(world, "robot", request)
     _apply_joint_limits(world, "robot", joint_limits)
     cover_first(urdf, package_dirs)
-    world.make_planner(["robot"], {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)})
+    chosen_options = {"planner_id": planner, "time_limit": time_limit} | problem.options
+    world.make_planner(["robot"], chosen_options | _given("planner", "time_limit") | parse_key_values(options))
     try:
         trajectory = world.plan("robot", problem.start, problem.goals)
     except srmp.PlanningError:

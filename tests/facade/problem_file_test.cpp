@@ -226,7 +226,7 @@ BOOST_AUTO_TEST_CASE(wrong_problems_are_refused_with_the_place) {
   check("\"robot\": \"planar\"", "\"robot\": \"planer\"", "request: unknown robot 'planer'");
   check("\"start\": [-1, 0.2]", "\"start\": [-1]", "request: start of 'planar'");
   check("\"type\": \"joints\"", "\"type\": \"joint\"",
-        "request.goals[2].type is 'joint'; known are 'joints', 'pose', 'position', 'hold' and 'aside'");
+        "request.goals[2].type is 'joint'; known are 'joints', 'pose', 'position', 'hold' and 'any'");
   check("\"type\": \"joints\"", "\"type\": \"pose\"", "request: a pose is 7 numbers");
   check("\"type\": \"joints\"", "\"type\": \"hold\"", "request: a goal of type 'hold' has no target");
   check("\"status\": \"solved\"", "\"status\": \"fine\"", "result.statistics.status is 'fine'; known are 'solved'");

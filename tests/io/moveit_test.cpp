@@ -37,9 +37,14 @@ void check_near(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 std::string one_object(const std::string& rest) { return "world: {collision_objects: [{id: thing, " + rest + "}]}"; }
 
+/// The robot with the virtual joint of the files.
 Scene scene_with_robot() {
+  RobotDescription description = robots::planar_description();
+  description.srdf_text =
+      "<robot name='planar'><virtual_joint name='virtual_joint' type='floating' parent_frame='odom' "
+      "child_link='base'/><group name='arm'><chain base_link='base' tip_link='tip'/></group></robot>";
   Scene scene;
-  scene.add_robot(robots::planar());
+  scene.add_robot(RobotModel::load(description));
   return scene;
 }
 
@@ -67,26 +72,29 @@ BOOST_AUTO_TEST_CASE(a_scene_file_is_read_in_full) {
   BOOST_TEST(scene.name == "kitchen");
   BOOST_TEST(scene.robot_model_name == "planar");
 
-  BOOST_REQUIRE(scene.objects.size() == 4u);
-  BOOST_TEST(scene.objects[0].name == "shelf");
-  BOOST_TEST(scene.objects[1].name == "shelf_1");
-  BOOST_TEST(scene.objects[2].name == "shelf_2");
-  BOOST_TEST(scene.objects[2].id == "shelf");
-  BOOST_TEST(scene.objects[0].frame == "shelf_frame");
-  check_near(std::get<Box>(scene.objects[0].shape).size, {1, 2, 3});
-  BOOST_TEST(std::get<Sphere>(scene.objects[1].shape).radius == 0.5);
-  BOOST_TEST(std::get<Cone>(scene.objects[2].shape).length == 0.4);
-  BOOST_TEST(std::get<Cone>(scene.objects[2].shape).radius == 0.1);
-  check_near(scene.objects[0].pose.p, {1, 1, 0});  // the object is rotated by 90 degrees
-  check_near(scene.objects[1].pose.p, {1, 0, 1});
-  check_near(scene.objects[2].pose * Eigen::Vector3d(1, 0, 0), {1, 1, 0});
+  BOOST_REQUIRE(scene.objects.size() == 2u);
+  const CollisionObject& shelf = scene.objects[0];
+  BOOST_TEST(shelf.id == "shelf");
+  BOOST_TEST(shelf.frame == "shelf_frame");
+  BOOST_TEST((shelf.operation == ObjectOperation::add));
+  BOOST_REQUIRE(shelf.shapes.size() == 3u);
+  check_near(std::get<Box>(shelf.shapes[0].shape).size, {1, 2, 3});
+  BOOST_TEST(std::get<Sphere>(shelf.shapes[1].shape).radius == 0.5);
+  BOOST_TEST(std::get<Cone>(shelf.shapes[2].shape).length == 0.4);
+  BOOST_TEST(std::get<Cone>(shelf.shapes[2].shape).radius == 0.1);
+  check_near(shelf.pose * shelf.shapes[0].pose.p, {1, 1, 0});  // the object is rotated by 90 degrees
+  check_near(shelf.pose * shelf.shapes[1].pose.p, {1, 0, 1});
+  check_near(shelf.pose * Eigen::Vector3d(1, 0, 0), {1, 1, 0});
 
-  const Mesh& wedge = std::get<Mesh>(scene.objects[3].shape);
-  BOOST_TEST(wedge.vertices.size() == 4u);
-  BOOST_TEST((wedge.triangles == std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 1, 3}}));
-  check_near(scene.objects[3].pose.p, {5, 0, 0});
+  const CollisionObject& wedge = scene.objects[1];
+  const Mesh& mesh = std::get<Mesh>(wedge.shapes[0].shape);
+  BOOST_TEST(mesh.vertices.size() == 4u);
+  BOOST_TEST((mesh.triangles == std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 1, 3}}));
+  check_near(wedge.shapes[0].pose.p, {5, 0, 0});
 
   BOOST_REQUIRE(scene.fixed_frames.size() == 1u);
+  BOOST_TEST(scene.fixed_frames[0].frame == "world");
+  BOOST_TEST(scene.fixed_frames[0].child == "shelf_frame");
   check_near(scene.fixed_frames[0].pose.p, {0, 0, 2});
   BOOST_TEST(scene.allowed_collisions.names.size() == 4u);
   BOOST_TEST(scene.allowed_collisions.entries[3][2]);
@@ -99,8 +107,8 @@ BOOST_AUTO_TEST_CASE(a_scene_file_is_read_in_full) {
   const AttachedObject& attached = scene.robot_state.attached[0];
   BOOST_TEST(attached.link == "tip");
   BOOST_TEST((attached.touch_links == std::vector<std::string>{"upper"}));
-  BOOST_TEST(std::get<Cylinder>(attached.objects[0].shape).length == 0.2);
-  BOOST_TEST(std::get<Cylinder>(attached.objects[0].shape).radius == 0.03);
+  BOOST_TEST(std::get<Cylinder>(attached.object.shapes[0].shape).length == 0.2);
+  BOOST_TEST(std::get<Cylinder>(attached.object.shapes[0].shape).radius == 0.03);
 }
 
 BOOST_AUTO_TEST_CASE(a_request_file_is_read_in_full) {
@@ -128,8 +136,8 @@ BOOST_AUTO_TEST_CASE(a_request_file_is_read_in_full) {
   BOOST_REQUIRE((pose.positions.size() == 1u && pose.orientations.size() == 1u));
   BOOST_TEST(pose.positions[0].link == "tip");
   BOOST_TEST(pose.positions[0].frame == "world");
-  BOOST_TEST(std::get<Sphere>(pose.positions[0].region).radius == 0.001);
-  check_near(pose.positions[0].pose.p, {0.4, 0, 0.5});
+  BOOST_TEST(std::get<Sphere>(pose.positions[0].regions[0].shape).radius == 0.001);
+  check_near(pose.positions[0].regions[0].pose.p, {0.4, 0, 0.5});
   BOOST_TEST(pose.orientations[0].orientation.x() == 1.0);
   check_near(pose.orientations[0].tolerance, {0.1, 0.2, 3.15});
   BOOST_TEST(pose.orientations[0].rotation_vector);
@@ -168,12 +176,11 @@ BOOST_AUTO_TEST_CASE(errors_in_scenes_name_their_line) {
                 ":51: object 'shelf''s dimensions is .nan; only finite numbers are allowed");
   scene_refused("[1, 2, 3]", "[1, nan, 3]", "only finite");
   scene_refused("[1, 2, 3]", "[1, .inf, 3]", "only finite");
-  scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 0, 0]", ":49: pose quaternion is zero");
+  scene_refused("rotation: [0, 0, 0, 1]}]", "rotation: [0, 0, 0, 0]}]", "pose quaternion is zero");
   scene_refused("orientation: [0, 0, 1, 1]", "orientation: [0, 0, 1]", "must be 4 numbers, not 3");
   scene_refused("{x: 0, y: 0, z: 1}", "{x: 0, y: 0}", "has no 'z'");
   scene_refused("        - {position: [0, 0, 0]}\n", "", "has 3 shapes, but 2 primitive_poses");
   scene_refused("id: wedge", "id: shelf", "two objects named 'shelf'");
-  scene_refused("id: wedge", "id: shelf_1", "two objects named 'shelf_1'");
   scene_refused("id: wedge", "id: bottle", "two objects named 'bottle'");
   scene_refused("id: wedge", "id: ''", "id is empty");
   scene_refused("- id: wedge", "- name: wedge", "unknown key 'name' in a collision object");
@@ -198,11 +205,11 @@ BOOST_AUTO_TEST_CASE(errors_in_scenes_name_their_line) {
 }
 
 BOOST_AUTO_TEST_CASE(unsupported_parts_of_scenes_are_refused) {
-  scene_refused<NotSupported>("planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "object 'wedge' is a plane");
+  scene_refused<NotSupported>("planes: []", "planes: [{coef: [0, 0, 1, 0]}]", "object 'wedge' has planes");
   scene_refused<NotSupported>("data: []", "data: [1, 2]", "octomap");
-  scene_refused<NotSupported>("padding: 0}", "padding: 0.1}", "sets the padding of link 'upper'");
+  scene_refused("padding: 0}", "padding: -0.1}", "the padding of link 'upper' is -0.1; it must be 0 or above");
   scene_refused<NotSupported>("scale: 1.0}", "scale: 2}", "sets the scale of link 'upper'");
-  scene_refused<NotSupported>("operation: 0", "operation: 1", "has the operation '1'");
+  scene_refused("operation: 0", "operation: 4", "has the unknown operation '4'");
   scene_refused<NotSupported>("type: Cone", "type: prism", "is a prism");
   check_throws<NotSupported>(
       [] { scene_from(one_object("meshes: [{resource: 'a.stl'}], pose: {}, mesh_poses: [{}]")); }, "names a mesh file");
@@ -217,7 +224,8 @@ BOOST_AUTO_TEST_CASE(errors_in_requests_name_their_line) {
   request_refused("tolerance_above: 0.01", "tolerance_above: -1", "tolerance_above is -1; it must be 0 or above");
   request_refused("joint_name: b", "joint_name: a", "joint 'a' is constrained twice");
   request_refused("joint_name: b", "joint_nam: b", "did you mean 'joint_name'?");
-  request_refused("orientation: [1, 0, 0, 0]", "orientation: [0, 0, 0, 0]", "pose quaternion is zero");
+  request_refused("orientation: [1, 0, 0, 0]", "orientation: [0, 0, 0, 0]",
+                  "quaternion has the length 0; it must be 1");
   request_refused("parameterization: 1", "parameterization: 2", "parameterization is 2");
   request_refused("absolute_y_axis_tolerance: 0.2", "absolute_y_axis_tolerance: -0.2",
                   "absolute_y_axis_tolerance is -0.2");
@@ -234,9 +242,8 @@ BOOST_AUTO_TEST_CASE(errors_in_requests_name_their_line) {
 }
 
 BOOST_AUTO_TEST_CASE(unsupported_parts_of_requests_are_refused) {
-  request_refused<NotSupported>("target_point_offset: {x: 0", "target_point_offset: {x: 0.1", "target_point_offset");
-  request_refused<NotSupported>("type: sphere, dimensions: [0.001]", "type: cylinder, dimensions: [1, 1]",
-                                "a cylinder is not supported");
+  request_refused<NotSupported>("type: sphere, dimensions: [0.001]", "type: cone, dimensions: [1, 1]",
+                                "a cone is not supported");
   request_refused<NotSupported>("joint_constraints: [], position",
                                 "joint_constraints: [{joint_name: a, position: 0}], position",
                                 "path_constraints are not supported");
@@ -254,20 +261,22 @@ BOOST_AUTO_TEST_CASE(unsupported_parts_of_requests_are_refused) {
 BOOST_AUTO_TEST_CASE(a_scene_file_is_applied_to_a_scene) {
   Scene scene = scene_with_robot();
   const Pose robot_base = Pose::from_xyzw({0, 0, 10}, {0, 0, 0, 1});
-  apply(read_moveit_scene(data + "scene.yaml"), scene, robot_base);
+  BOOST_TEST(apply(read_moveit_scene(data + "scene.yaml"), scene, robot_base).empty());
+  check_near(scene.robot("planar").base.p, {0, 0, 11});
+  check_near({scene.robot("planar").q[0], scene.robot("planar").q[1], 0}, {0.25, -1, 0});
   BOOST_TEST((scene.object_names() == std::vector<std::string>{"bottle", "shelf", "shelf_1", "shelf_2", "wedge"}));
   check_near(scene.object_pose("shelf").p, {1, 1, 12});  // from its frame to the world
   check_near(scene.object_pose("wedge").p, {5, 0, 10});
   BOOST_TEST(scene.attachments().at("bottle").link == "tip");
   BOOST_TEST(scene.attachments().at("bottle").touch_links.contains("upper"));
-  check_near(scene.object_pose("bottle").p, {2, 0, 0.1});  // attached to the robot, whose base is at the origin
+  check_near(scene.object_pose("bottle").p, scene.link_pose("planar", "tip") * Eigen::Vector3d(0, 0, 0.1));
 
   BOOST_TEST(scene.allowed_collision("tip", "shelf_2"));  // every shape of the object
   BOOST_TEST(scene.allowed_collision("bottle", "shelf"));
   BOOST_TEST(!scene.allowed_collision("upper", "shelf"));
 }
 
-BOOST_AUTO_TEST_CASE(entries_between_links_are_ignored) {
+BOOST_AUTO_TEST_CASE(entries_of_unknown_links_say_nothing) {
   Scene scene = scene_with_robot();
   const bool before = scene.allowed_collision("upper", "tip");
   // Links that this robot does not have may be named, as long as no object's entry allows contact with them.
@@ -289,10 +298,9 @@ BOOST_AUTO_TEST_CASE(a_refused_file_leaves_the_scene_as_it_was) {
           "object 'shelf' is in the unknown frame 'shelf_fram', did you mean 'shelf_frame'?");
   refused("link_name: tip", "link_name: tipp", "unknown link 'tipp', did you mean 'tip'?");
   refused("id: wedge", "id: table", "table");
+  refused("id: wedge", "id: shelf_1", "'shelf_1' is taken by an object");
   refused("entry_names: [upper, tip,", "entry_names: [upper, tool,", "tool");
-  refused("default_entry_names: [upper]\n  default_entry_values: [false]",
-          "default_entry_names: [shelf]\n  default_entry_values: [true]",
-          "allows object 'shelf' contact with everything");
+  refused("joint_names: [virtual_joint]", "joint_names: [wheels]", "'wheels' is not a virtual joint");
 }
 
 BOOST_AUTO_TEST_CASE(objects_can_be_given_in_the_frame_of_a_link) {
@@ -309,7 +317,8 @@ BOOST_AUTO_TEST_CASE(a_request_can_attach_objects) {
                "start_state:\n  attached_collision_objects: [{link_name: tip, object: {id: cup, header: {frame_id: "
                "tip}, primitives: [{type: sphere, dimensions: [0.1]}], pose: {}}}]\n");
   Scene scene = scene_with_robot();
-  apply_attached(request_from(held), scene);
+  const StartState start = apply_start(request_from(held), scene, "planar");
+  check_near({start.q[0], start.q[1], 0}, {0, 0.5, 0});
   BOOST_TEST(scene.attachments().at("cup").link == "tip");
   check_near(scene.object_pose("cup").p, {2, 0, 0});
 }

@@ -92,7 +92,7 @@ BOOST_AUTO_TEST_CASE(the_same_bits_on_every_run) {
   BOOST_CHECK_EQUAL(planner.get_planning_stats().expansions, other.get_planning_stats().expansions);
 }
 
-BOOST_AUTO_TEST_CASE(who_holds_stays_and_who_may_stand_aside_makes_way) {
+BOOST_AUTO_TEST_CASE(who_holds_stays_and_who_may_end_anywhere_moves) {
   auto planner = planar_pair();
   const Starts in_the_way{{"left", Vector2d(1.2, 0.0)}, {"right", Vector2d(0.0, 1.5)}};
   Goals only_left{{"left", goals.at("left")}};
@@ -143,7 +143,7 @@ BOOST_AUTO_TEST_CASE(wrong_questions_are_refused) {
                                       "plans for one robot, but 2 were named");
   planner.make_planner({"left"}, srmp::Auto{});
   check_throws<srmp::InvalidArgument>([&] { planner.plan("left", Vector2d::Zero(), GoalConstraint::any()); },
-                                      "a goal of type 'aside' is for plan_multi");
+                                      "a goal of type 'any' is for plan_multi");
   GoalConstraint full = GoalConstraint::hold();
   full.targets.emplace_back(Vector2d::Zero());
   check_throws<srmp::InvalidArgument>([&] { full.validate(); }, "a goal of type 'hold' has no target");

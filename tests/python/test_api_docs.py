@@ -30,7 +30,6 @@ ONLY_CPP = {
     "robot": "Python has get_joint_limits, get_group_states and the like instead of the object",
     "planner_options": "Python gives options as dictionaries: srmp.planner_options",
     "set_collision_backend": "a backend is a C++ class: collisions are checked too often for Python",
-    "attach_moveit_objects": "part of Python's apply_moveit_request",
 }
 ONLY_PYTHON = {
     "allowed_collision": "C++: Scene::allowed_collision",
@@ -41,7 +40,6 @@ ONLY_PYTHON = {
     "get_group_states": "C++: RobotModel::group_states",
     "get_joint_limits": "C++: RobotModel::joints",
     "get_all_joint_limits": "C++: RobotModel::joints and other_joints",
-    "apply_moveit_request": "C++: a function in moveit_request.hpp",
     "print_available_planners": "C++: available_planners, which prints nothing",
     "read_sim": "simulators have Python packages only",
     "simulated_world": "simulators have Python packages only",

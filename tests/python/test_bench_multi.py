@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 import srmp
 from srmp._files import plain
-from srmp.bench import multi, scenarios
+from srmp.bench import multi, scenarios, scenes
 from srmp.cli import main
 
 SMALL = {"ring": 3, "binpick": 4, "shelves": 3, "grid": 5, "mixed": 2}
@@ -43,7 +43,7 @@ def data():
     """Where Pandas come from: MotionBenchMaker's directory, or None, which means example-robot-data."""
     if directory := os.environ.get("SRMP_MBM_DIR", ""):
         return directory
-    if scenarios.example_robot_data() is None:
+    if scenes.example_robot_data() is None:
         pytest.skip("set SRMP_MBM_DIR or pip install example-robot-data to run this test")
     return None
 
@@ -131,7 +131,7 @@ def test_neighbours_of_a_grid_reach_each_other(data):
 
 def test_mixed_robots_differ(data):
     models = scenarios.find("mixed", 4, data=data).world.models
-    assert len(models) == (len(scenarios.MODELS) if data is None else 2)
+    assert len(models) == (len(scenes.MODELS) if data is None else 2)
 
 
 # --- files ------------------------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def test_invalid_requests_are_refused(write, data, monkeypatch):
         multi.run("grid", 2, problems="0-3", planner_id="xECBS", data=data)
     with pytest.raises(srmp.InvalidArgument, match="'apart' has 1 to 6"):
         multi.run(write(APART), problems="7-9", planner_id="xECBS", data=data)
-    monkeypatch.setattr(scenarios, "example_robot_data", lambda: None)
+    monkeypatch.setattr(scenes, "example_robot_data", lambda: None)
     with pytest.raises(srmp.FileError, match="pip install example-robot-data"):
         scenarios.find("grid")
 

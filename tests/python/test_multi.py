@@ -662,7 +662,7 @@ def test_many_planners_for_one_robot():
 
 
 def test_hold_and_any_have_no_targets():
-    for goal, kind in ((GoalConstraint.hold(), "hold"), (GoalConstraint.any(), "aside")):
+    for goal, kind in ((GoalConstraint.hold(), "hold"), (GoalConstraint.any(), "any")):
         assert len(goal.targets) == 0
         assert pickle.loads(pickle.dumps(goal)) == goal
         assert repr(goal).startswith(f"GoalConstraint({kind}")

@@ -113,13 +113,20 @@ def test_the_file_says_it_by_robot(world, problem):
     assert content["request"]["starts"]["idler"] == world.last_request.starts["idler"].tolist()
     assert {name: goal["type"] for name, goal in content["request"]["goals"].items()} == {
         "holder": "hold",
-        "idler": "aside",
+        "idler": "any",
         "left": "joints",
         "right": "pose",
     }
     assert list(content["request"]["obstacles"]) == ["committed"]
     assert list(content["result"]["trajectories"]) == NAMES
     assert content["result"]["statistics"]["robot_cost_rad"] == world.get_planning_stats()["robot_cost_rad"]
+
+
+def test_files_with_the_former_name_of_a_goal_type_are_read(problem, tmp_path):
+    older = tmp_path / "older.json"
+    older.write_text(problem.read_text().replace('"type": "any"', '"type": "aside"'))
+    loaded = srmp.PlannerInterface.load(older)
+    assert loaded.last_request.goals["idler"] == GoalConstraint.any()
 
 
 def test_values_pickle_copy_and_compare(world, problem):
@@ -189,7 +196,7 @@ def test_the_last_one_counts(world, request_):
     ("old", "new", "message"),
     [
         ('"starts": {', '"begin": {', "request: it has neither 'robot', as one of plan has, nor 'starts'"),
-        ('"type": "aside"', '"type": "asid"', r"request\.goals\.idler\.type is 'asid'; known are 'joints', 'pose'"),
+        ('"type": "any"', '"type": "anny"', r"request\.goals\.idler\.type is 'anny'; known are 'joints', 'pose'"),
         ('"committed": {', '"comitted": {', "request: unknown robot 'comitted', did you mean 'committed'"),
         ('"trajectories": {', '"trajectoris": {', "result"),
     ],

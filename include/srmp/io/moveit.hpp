@@ -13,19 +13,35 @@
 /// scene*.yaml and request*.yaml). Results are plain names and numbers: no robot is needed to read a file.
 namespace srmp::io {
 
-/// One shape of a collision object. An object of several shapes gives "id", "id_1", "id_2", …
-struct SceneObject {
-  std::string name;   ///< unique in the file
-  std::string id;     ///< of its collision object
-  std::string frame;  ///< of `pose`; "" = the planning frame
-  Shape shape;        ///< its sizes in metres
-  Pose pose;          ///< object pose * shape pose
+/// A shape of a collision object.
+struct PlacedShape {
+  Shape shape;  ///< its sizes in metres
+  Pose pose;    ///< in the object's frame
+};
+
+/// What a collision object does to the scene (CollisionObject.operation).
+enum class ObjectOperation {
+  add,     ///< adds it; one of the same id is replaced
+  remove,  ///< removes the object of this id, or all where the id is empty; of an attached object: detaches it
+  append,  ///< adds its shapes to the object of this id, or the object where there is none
+  move,    ///< moves the object of this id
+};
+
+/// A collision object (moveit_msgs/CollisionObject).
+struct CollisionObject {
+  std::string id;                         ///< unique in a MoveIt scene
+  std::string frame;                      ///< of `pose`; "" = the planning frame
+  Pose pose;                              ///< of the object's frame
+  std::vector<PlacedShape> shapes;        ///< none where an object is removed, moved, or attached as it is
+  std::vector<Pose> shape_poses;          ///< with move: new poses of all shapes in the object's frame, or none
+  std::map<std::string, Pose> subframes;  ///< by name, in the object's frame
+  ObjectOperation operation{ObjectOperation::add};  ///< what it does to the scene
 };
 
 /// A collision object that is attached to a link.
 struct AttachedObject {
   std::string link;                      ///< the link that it is attached to
-  std::vector<SceneObject> objects;      ///< its shapes
+  CollisionObject object;                ///< without shapes: the object of the world with this id
   std::vector<std::string> touch_links;  ///< links that it may touch
 };
 
@@ -33,7 +49,9 @@ struct AttachedObject {
 struct RobotState {
   std::map<std::string, double> joints;          ///< joint → [rad or m]
   std::map<std::string, Pose> multi_dof_joints;  ///< floating and planar joints, such as SRDF virtual joints
+  std::string multi_dof_frame;                   ///< of multi_dof_joints; "" = the planning frame
   std::vector<AttachedObject> attached;          ///< attached objects
+  bool is_diff{false};                           ///< what it leaves out stays as it is
 };
 
 /// entries[i][k]: may names[i] and names[k] be in contact?
@@ -43,21 +61,27 @@ struct AllowedCollisionMatrix {
   std::map<std::string, bool> defaults;    ///< name → contact allowed with everything that has no entry
 };
 
-/// A frame that the file defines.
+/// A transform between two frames, one of which it defines (PlanningScene.fixed_frame_transforms). MoveIt names the
+/// frame that it defines in the header and the planning frame as its child, the reverse of tf; both are understood.
 struct FixedFrame {
-  std::string name;  ///< that objects refer to
-  Pose pose;         ///< in the planning frame
+  std::string frame;  ///< header.frame_id
+  std::string child;  ///< child_frame_id
+  /// Where `child` is a frame that is known already: the pose of `frame` in it; otherwise the pose of `child` in
+  /// `frame`.
+  Pose pose;
 };
 
 /// The content of a scene file (moveit_msgs/PlanningScene).
 struct SceneFile {
-  std::string path;                           ///< the file it was read from
-  std::string name;                           ///< of the scene
-  std::string robot_model_name;               ///< the robot that it is for
-  std::vector<SceneObject> objects;           ///< collision objects, one entry for each shape
-  std::vector<FixedFrame> fixed_frames;       ///< frames that objects may refer to
-  AllowedCollisionMatrix allowed_collisions;  ///< empty if the file has none
-  RobotState robot_state;                     ///< state of the robot
+  std::string path;                            ///< the file it was read from
+  std::string name;                            ///< of the scene
+  std::string robot_model_name;                ///< the robot that it is for
+  std::vector<CollisionObject> objects;        ///< in the order of the file, which is that of their operations
+  std::vector<FixedFrame> fixed_frames;        ///< frames that objects may refer to
+  AllowedCollisionMatrix allowed_collisions;   ///< empty if the file has none
+  std::map<std::string, double> link_padding;  ///< link → [m], >= 0
+  RobotState robot_state;                      ///< state of the robot
+  bool is_diff{false};                         ///< objects of earlier files stay
 };
 
 /// The position of a joint must be within an interval.
@@ -68,22 +92,23 @@ struct JointConstraint {
   double tolerance_below{};  ///< [rad or m], >= 0
 };
 
-/// The origin of a link must lie in a region.
+/// A point of a link must lie in one of several regions.
 struct PositionConstraint {
-  std::string link;   ///< name of the link
-  std::string frame;  ///< of `pose`; "" = the planning frame
-  Shape region;       ///< Box or Sphere
-  Pose pose;          ///< of the region
+  std::string link;                                 ///< name of a link, an attached object or a subframe of one
+  std::string frame;                                ///< of the regions' poses; "" = the planning frame
+  Eigen::Vector3d offset{Eigen::Vector3d::Zero()};  ///< the point, in the link's frame [m]
+  std::vector<PlacedShape> regions;                 ///< at least one; Box, Sphere or Cylinder
 };
 
 /// The orientation of a link must be near one.
 struct OrientationConstraint {
-  std::string link;                                                ///< name of the link
+  std::string link;                                                ///< as PositionConstraint::link
   std::string frame;                                               ///< "" = the planning frame
   Eigen::Quaterniond orientation{Eigen::Quaterniond::Identity()};  ///< the required orientation
   Eigen::Vector3d tolerance{Eigen::Vector3d::Zero()};              ///< [rad] about x, y, z, >= 0
-  bool rotation_vector{
-      false};  ///< tolerance bounds the rotation vector's components; otherwise intrinsic x, y, z angles
+  /// The tolerance bounds the components of the rotation vector in `frame`; otherwise the intrinsic x, y, z angles of
+  /// the rotation in the required orientation.
+  bool rotation_vector{false};
 };
 
 /// One of the alternative goals: all of its constraints must hold.
@@ -117,25 +142,34 @@ struct RequestFile {
 
 /// Both throw FileError, with file and line, for anything missing, misspelt (with the nearest known key), NaN, zero
 /// quaternions (they are [x, y, z, w], or a map), sizes not above 0, or numbers that do not match; and NotSupported for
-/// what is valid but not supported (planes, octomaps, link padding; path constraints, …). Only colours, stamps, object
-/// types, subframes, and joint velocities and efforts are ignored.
+/// what is valid but not supported (planes, octomaps, scaled links; path constraints, …). docs/moveit.md says of every
+/// field what it means here.
 SceneFile read_moveit_scene(const std::string& path);
 /// As read_moveit_scene.
 RequestFile read_moveit_request(const std::string& path);
 
-/// Adds the file's objects, attached objects and their allowed collisions to the scene. Throws InvalidArgument or
-/// NotSupported and then changes nothing.
+/// Changes the scene as MoveIt would: robot states, objects, attached objects, allowed collisions and padding
+/// (docs/moveit.md). A file that is not a diff replaces the objects of earlier files; objects that were added otherwise
+/// stay. The shapes of an object `id` are the objects "id", "id_1", "id_2", … of Scene::groups()[id].
 ///
-/// `planning_frame` is the pose of the file's planning frame in the world: for MotionBenchMaker the base of the robot.
-/// Frames of objects are looked up among the file's fixed frames, then the links of the scene's robots (as placed by
-/// set_qpos). Robots are not moved: robot_state is left to the caller.
+/// `planning_frame` is the pose of the file's planning frame in the world. Frames are looked up by FrameLookup's rules.
 ///
-/// Only those entries of the allowed collision matrix are applied that concern an object of the file: entries between
-/// two links repeat the SRDF's (or are older than it), which the scene's robot has already. Names of links or objects
-/// that are neither in the file nor in the scene are refused when an object's entry allows contact with them.
-void apply(const SceneFile& file, Scene& scene, const Pose& planning_frame = {});
+/// Returns what was not used, as sentences: joints that no robot has or whose position is outside of its limits,
+/// and entries of the allowed collision matrix that forbid contact which a robot's own rules allow. Throws
+/// InvalidArgument (with the nearest known name) or NotSupported and then changes nothing.
+std::vector<std::string> apply(const SceneFile& file, Scene& scene, const Pose& planning_frame = {});
 
-/// Attaches the objects of a request's start state. Throws as apply() and then changes nothing.
-void apply_attached(const RequestFile& file, Scene& scene, const Pose& planning_frame = {});
+/// A start state as the scene has it after apply_start.
+struct StartState {
+  Eigen::VectorXd q;                       ///< (dof,) [rad or m]: planned joints; those left out are at their set_qpos
+  std::vector<std::string> unused_joints;  ///< named in the file, but not movable joints of this robot
+};
+
+/// Sets the start state of a request in the scene: the robot's base (by the position of its virtual joint), its joints
+/// that are not planned, and the objects attached to it; the planned joints are returned. Throws as apply(), for joints
+/// that look misspelt (nearly the name of one that the file leaves out), and NotSupported when the robot holds an
+/// object that the state, which is not a diff, leaves out; it then changes nothing.
+StartState apply_start(const RequestFile& file, Scene& scene, const std::string& robot,
+                       const Pose& planning_frame = {});
 
 }  // namespace srmp::io

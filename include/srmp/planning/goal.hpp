@@ -21,7 +21,7 @@ enum class GoalType {
   any,       ///< with plan_multi: the robot may move out of the others' way and end anywhere
 };
 
-/// The name in files and messages: "joints", "pose", "position", "hold" or "aside" (any).
+/// The name in files and messages: "joints", "pose", "position", "hold" or "any".
 std::string_view to_string(GoalType type);
 
 /// A goal of a plan: any one of several targets of one type. Joint targets are reached exactly; for poses and positions

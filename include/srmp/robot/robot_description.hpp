@@ -30,6 +30,13 @@ struct RobotDescription {
   bool strict{false};  ///< mistakes in the files that do not change their meaning are errors, not warnings
 };
 
+/// The joint of an SRDF that places the root link in a frame outside of the robot.
+struct VirtualJoint {
+  std::string name;          ///< as in the SRDF
+  std::string type;          ///< "fixed", "planar" or "floating"
+  std::string parent_frame;  ///< the frame outside of the robot
+};
+
 /// How a scalar joint moves: about an axis with or without limits, or along one.
 enum class JointKind {
   revolute,    ///< [rad], with limits

@@ -70,6 +70,11 @@ class RobotModel {
   const Eigen::VectorXd& default_other_positions() const;
   /// The SRDF's named states that give every planned joint: from name to q.
   const std::map<std::string, Eigen::VectorXd>& group_states() const;
+  /// The SRDF's planning groups: from name to its joints with one degree of freedom that are not mimic joints, parents
+  /// before children. Empty without an SRDF.
+  const std::map<std::string, std::vector<std::string>>& groups() const;
+  /// The SRDF's virtual joint of the root link; nullopt when there is none. Its position is the robot's base pose.
+  const std::optional<VirtualJoint>& virtual_joint() const;
 
   // --- links and geometry
   const std::vector<std::string>& link_names() const;     ///< in the order of the URDF

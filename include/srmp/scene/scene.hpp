@@ -29,6 +29,13 @@ struct Object {
   double padding{0.0};                                      ///< [m], >= 0: required clearance around the object
 };
 
+/// Objects that are one to a file (the shapes of a MoveIt collision object), and the frames that are fixed to them.
+struct ObjectGroup {
+  std::vector<std::string> objects;       ///< names of its objects, at least one
+  Pose frame;                             ///< its frame, in the frame of the first of them
+  std::map<std::string, Pose> subframes;  ///< further frames by name, in its frame
+};
+
 /// The link that an attached object moves with.
 struct Attachment {
   std::string robot;                  ///< name of the robot that holds it
@@ -84,6 +91,10 @@ class Scene {
   /// Sets Object::padding [m]. Throws InvalidArgument unless it is finite and >= 0.
   void set_padding(const std::string& name, double padding);
 
+  /// Makes objects one group under an id of its own, in place of an earlier group of this id. A group goes with its
+  /// first object. Throws InvalidArgument for an unknown object or none.
+  void set_group(const std::string& id, const ObjectGroup& group);
+
   /// Attaches an object to a link, so that it moves with it: at `pose_in_link` if given, otherwise at its current pose
   /// relative to the link (with the robot at its set_qpos). Contact with `link` and `touch_links` is allowed. Throws
   /// InvalidArgument when the object is already attached.
@@ -110,6 +121,8 @@ class Scene {
   const std::map<std::string, RobotInstance>& robots() const { return robots_; }
   /// The objects by name, attached ones too.
   const std::map<std::string, Object>& objects() const { return objects_; }
+  /// The groups of objects by id.
+  const std::map<std::string, ObjectGroup>& groups() const { return groups_; }
   /// The attachments by object name.
   const std::map<std::string, Attachment>& attachments() const { return attachments_; }
   const RobotInstance& robot(const std::string& name) const;  ///< throws InvalidArgument with the nearest name
@@ -138,6 +151,7 @@ class Scene {
 
   std::map<std::string, RobotInstance> robots_;
   std::map<std::string, Object> objects_;
+  std::map<std::string, ObjectGroup> groups_;
   std::map<std::string, Attachment> attachments_;
   std::map<std::pair<std::string, std::string>, bool> allowed_;  // ordered pair of resolved names
 };

@@ -13,7 +13,8 @@ import numpy as np
 import srmp
 from srmp._table import format_table
 from srmp.bench import mbm
-from srmp.bench.scenarios import Problem, Scenario, find
+from srmp.bench.scenarios import find
+from srmp.bench.scenes import Problem, Scenario
 
 _STATISTICS = (*mbm.STATISTICS, "path_cost_rad", "bound", "tree_nodes", "makespan_s", "flow_time_s")
 

@@ -13,9 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp import InvalidArgument, NotSupported, Pose, convex_hull
+from srmp import InvalidArgument, NotSupported, Pose
 from srmp.sim import shapes
 from srmp.sim.pybullet_meshes import find_file, grid_surface, read_obj, read_stl
+from srmp.sim.pybullet_shapes import (
+    ENDLESS,
+    HULL_MARGIN,
+    MESH,
+    bounding_reach,
+    hull,
+    inner_point,
+    is_surface,
+    primitive,
+)
 from srmp.sim.shapes import Shape
 from srmp.sim.simulator import (
     Articulation,
@@ -29,7 +39,6 @@ from srmp.sim.simulator import (
     import_simulator,
 )
 
-HULL_MARGIN = 1e-3  # [m] by which Bullet lets convex hulls collide before they touch
 OVERLAP = 1e-3  # [m] as deep as two shapes have to be in each other before a missing contact means a filter
 MIN_STATES, MAX_STATES = 200, 2000  # random ones in which filters among a body's own links are looked for
 UNLIMITED = 1e5  # [N or Nm] the force of motors whose joints have no limit
@@ -39,11 +48,9 @@ SAMPLES = 200  # triangles by which meshes are compared
 BOX_TOLERANCE = 5e-3  # [m] by which Bullet makes bounding boxes larger
 
 REVOLUTE, PRISMATIC, FIXED = 0, 1, 4  # JOINT_… of pybullet
-SPHERE, BOX, CYLINDER, MESH, PLANE, CAPSULE = 2, 3, 4, 5, 6, 7  # GEOM_…
 MULTI_BODY = 2  # body type of getDynamicsInfo
 UNREADABLE = {(1,): "a body with useMaximalCoordinates", (3,): "a soft body"}  # by body type
 NO_FILE = b"unknown_file"
-ENDLESS = np.full(3, np.inf)
 
 Link = tuple[int, int]  # unique id of the body, and number of the link, -1 for the base
 
@@ -240,15 +247,15 @@ class PyBullet(Simulator):
         found: list[tuple[Shape, Pose]] = []  # in the inertial frame
         for k, (kind, dimensions, file, position, rotation) in enumerate(data):
             if kind != MESH:
-                found.append(_primitive(kind, dimensions, Pose(p=position, q=rotation)))
+                found.append(primitive(kind, dimensions, Pose(p=position, q=rotation)))
             elif file == NO_FILE and (points := self._corners(body, link, k)):
                 corners[k] = points
-                found.append((_hull(np.array(points)), Pose()))
+                found.append((hull(np.array(points)), Pose()))
             else:
                 found += self._mesh(body, link, k, data)
         if not data and np.any(self._half_box(body, link) > BOX_TOLERANCE):
             found.append((self._height_field(body, link), Pose()))
-        reach = _reach(found)
+        reach = bounding_reach(found)
         if not self._fills_its_box(body, link, pose, reach):
             found, reach = [(shapes.Unreadable("a shape that PyBullet does not describe as it is"), Pose())], ENDLESS
         names = [""] if len(found) == 1 else [str(k) for k in range(len(found))]
@@ -286,7 +293,7 @@ class PyBullet(Simulator):
         if path is None or path.suffix.lower() not in (".obj", ".stl"):
             points = () if seen else self._corners(body, link, k)
             if points:
-                return [(_hull(np.array(points)), Pose())]
+                return [(hull(np.array(points)), Pose())]
             what = f"the file '{name.decode()}' of a mesh" if name else "a mesh of triangles without a file"
             return [(shapes.Unreadable(what), Pose())]
         vertices, objects = (read_obj if path.suffix.lower() == ".obj" else read_stl)(path)
@@ -300,7 +307,7 @@ class PyBullet(Simulator):
         corners = np.array(self._corners(body, link)).reshape(-1, 3)
         outermost = pose @ vertices[triangles.ravel()[np.argmax(vertices[triangles.ravel()] @ [1.0, 0.1, 0.01])]]
         if len(corners) and np.linalg.norm(corners - outermost, axis=1).min() < HULL_MARGIN:
-            return [(_hull(vertices[np.unique(each)]), pose) for each in objects]
+            return [(hull(vertices[np.unique(each)]), pose) for each in objects]
         return [(mesh, pose)]
 
     def _seen_mesh(self, body: int, link: int) -> tuple[bytes, Any]:
@@ -419,7 +426,7 @@ class PyBullet(Simulator):
         """For each shape of the link a point in it, in the world, and if it is a surface."""
         pose = self._poses(link[0])[link[1]]
         return [
-            (pose @ each.pose @ _inner_point(each.shape), _is_surface(each.shape))
+            (pose @ each.pose @ inner_point(each.shape), is_surface(each.shape))
             for each in self._geometries(*link, pose)
         ]
 
@@ -518,84 +525,3 @@ def _parents_first(parents: list[int]) -> list[int]:
     for link in order:
         order += [child for child, parent in enumerate(parents) if parent == link]
     return order[1:]
-
-
-# --- shapes, in a frame of their own
-
-
-def _primitive(kind: int, size: tuple[float, ...], pose: Pose) -> tuple[Shape, Pose]:
-    if kind == SPHERE:
-        return shapes.Sphere(size[0]), pose
-    if kind == BOX:
-        return shapes.Box(np.array(size)), pose
-    if kind == CYLINDER:
-        return shapes.Cylinder(size[1], size[0]), pose
-    if kind == CAPSULE:
-        return shapes.Capsule(size[1], size[0]), pose
-    if kind == PLANE:
-        return shapes.Plane(), pose @ _turned_to(np.array(size))
-    return shapes.Unreadable(f"a shape of PyBullet's type {kind}"), pose
-
-
-def _turned_to(normal: NDArray[np.float64]) -> Pose:
-    """A frame whose z axis is the normal."""
-    z = normal / np.linalg.norm(normal)
-    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
-    matrix = np.eye(4)
-    matrix[:3, 0] = x / np.linalg.norm(x)
-    matrix[:3, 1] = np.cross(z, matrix[:3, 0])
-    matrix[:3, 2] = z
-    return Pose.from_matrix(matrix)
-
-
-def _hull(points: NDArray[np.float64]) -> shapes.Mesh:
-    """Bullet's hulls collide HULL_MARGIN before they touch; this one is as large, or up to 0.26 HULL_MARGIN larger."""
-    golden = (1 + 5**0.5) / 2
-    around = np.array([[0, s, t * golden] for s in (-1, 1) for t in (-1, 1)])
-    around = np.concatenate([np.roll(around, k, axis=1) for k in range(3)])  # an icosahedron
-    around *= HULL_MARGIN * 3**0.5 / golden**2  # that holds a sphere of that radius
-    corners, _ = convex_hull((points[:, None] + around).reshape(-1, 3))
-    return shapes.Mesh(corners, None)
-
-
-def _reach(found: list[tuple[Shape, Pose]]) -> NDArray[np.float64]:
-    """(3,) half the size of the box that holds the boxes of the shapes."""
-    lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
-    for shape, pose in found:
-        below, above = _bounds(shape)
-        if np.any(np.isinf(above)):
-            return ENDLESS
-        centre, half = pose @ ((below + above) / 2), np.abs(pose.matrix()[:3, :3]) @ ((above - below) / 2)
-        lower, upper = np.minimum(lower, centre - half), np.maximum(upper, centre + half)
-    return (upper - lower) / 2 if found else np.zeros(3)
-
-
-def _bounds(shape: Shape) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    match shape:
-        case shapes.Box(size):
-            half = size / 2
-        case shapes.Sphere(radius):
-            half = np.full(3, radius)
-        case shapes.Cylinder(radius, length):
-            half = np.array([radius, radius, length / 2])
-        case shapes.Capsule(radius, length):
-            half = np.array([radius, radius, length / 2 + radius])
-        case shapes.Mesh(vertices, _):
-            return vertices.min(axis=0), vertices.max(axis=0)
-        case _:
-            half = ENDLESS
-    return -half, half
-
-
-def _is_surface(shape: Shape) -> bool:
-    return isinstance(shape, shapes.Plane) or (isinstance(shape, shapes.Mesh) and shape.triangles is not None)
-
-
-def _inner_point(shape: Shape) -> NDArray[np.float64]:
-    """A point in the shape; of a surface, on it."""
-    match shape:
-        case shapes.Mesh(vertices, None):
-            return vertices.mean(axis=0)
-        case shapes.Mesh(vertices, triangles):
-            return vertices[triangles[len(triangles) // 2]].mean(axis=0)
-    return np.zeros(3)

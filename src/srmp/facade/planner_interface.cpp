@@ -4,11 +4,11 @@
 #include <thread>
 
 #include "srmp/collision/self_filter.hpp"
+#include "srmp/facade/moveit_problem.hpp"
 #include "srmp/facade/plan_many.hpp"
 #include "srmp/facade/problem_file.hpp"
 #include "srmp/facade/scene_checkers.hpp"
 #include "srmp/io/joint_limits.hpp"
-#include "srmp/io/moveit.hpp"
 #include "srmp/io/scene_file.hpp"
 #include "srmp/planning/certificates/verify_together.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
@@ -291,13 +291,16 @@ void PlannerInterface::set_allowed_collision(const std::string& a, const std::st
   impl_->change([&](Scene& scene) { scene.set_allowed_collision(a, b, allowed); });
 }
 
-void PlannerInterface::load_moveit_scene(const std::string& path) {
-  const io::SceneFile file = io::read_moveit_scene(path);
-  impl_->change([&](Scene& scene) { io::apply(file, scene); });
+std::vector<std::string> PlannerInterface::load_moveit_scene(const std::string& path) {
+  std::vector<std::string> notes;
+  impl_->change([&](Scene& scene) { notes = io::apply(io::read_moveit_scene(path), scene); });
+  return notes;
 }
 
-void PlannerInterface::attach_moveit_objects(const io::RequestFile& request) {
-  impl_->change([&](Scene& scene) { io::apply_attached(request, scene); });
+MoveItProblem PlannerInterface::apply_moveit_request(const std::string& robot, const io::RequestFile& request) {
+  MoveItProblem problem;
+  impl_->change([&](Scene& scene) { problem = moveit_problem(request, robot, scene); });
+  return problem;
 }
 
 void PlannerInterface::reset() {

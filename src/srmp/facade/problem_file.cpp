@@ -102,11 +102,16 @@ void require_multi_request(const Scene& scene, const MultiPlanRequest& request) 
   }
   if (!one_moves)
     throw InvalidArgument(
-        "plan_multi has nothing to plan: every robot with a start holds; one moves when it has a goal to reach, or may "
-        "move aside");
+        "plan_multi has nothing to plan: every robot with a start holds; one moves when it has a goal to reach, or one "
+        "of type 'any'");
 }
 
 namespace io {
+
+template <>
+std::string current_name<GoalType>(const std::string& name) {
+  return name == "aside" ? "any" : name;
+}
 
 template <class Archive>
 void describe(Archive& archive, Ref<Archive, GoalConstraint> goal) {

@@ -35,14 +35,21 @@ namespace srmp::io {
 template <class Archive, class T>
 using Ref = typename Archive::template Ref<T>;
 
+/// What files now have for the name of an enum's value; specialised for enums of which some had other names.
+template <class Enum>
+std::string current_name(const std::string& name) {
+  return name;
+}
+
 /// The value of an enum, whose values count from 0, with this name by to_string; nullopt: there is none, and `known`
 /// holds all names.
 template <class Enum>
 std::optional<Enum> enum_of(const std::string& text, std::vector<std::string>& known) {
+  const std::string required = current_name<Enum>(text);
   for (int i = 0;; ++i) {
     const std::string name(to_string(static_cast<Enum>(i)));
     if (name == "unknown") return std::nullopt;
-    if (name == text) return static_cast<Enum>(i);
+    if (name == required) return static_cast<Enum>(i);
     known.push_back(name);
   }
 }

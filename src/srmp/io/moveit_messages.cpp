@@ -102,13 +102,18 @@ Pose MessageReader::pose(const Node& node, const std::string& what, const Names&
   return make_pose(q, position, xyzw(q, what + "'s " + keys[1]));
 }
 
-Eigen::Quaterniond MessageReader::quaternion(const Node& node, const std::string& what) const {
-  return make_pose(node, Eigen::Vector3d::Zero(), xyzw(node, what)).q;
+Pose MessageReader::object_pose(const Node& node, const std::string& what) const {
+  file_.require_map(node, what, pose_keys);
+  const Node q = node["orientation"];
+  if (!is_empty(q) && xyzw(q, what + "'s orientation") == std::array<double, 4>{}) {
+    const Node p = node["position"];
+    return {is_empty(p) ? Eigen::Vector3d::Zero() : vector(p, what + "'s position"), Eigen::Quaterniond::Identity()};
+  }
+  return pose(node, what);
 }
 
-std::string MessageReader::unique_name(const Node& node, const std::string& name) {
-  if (!names_.insert(name).second) file_.fail(node, "there are two objects named '" + name + "'; names must be unique");
-  return name;
+Eigen::Quaterniond MessageReader::quaternion(const Node& node, const std::string& what) const {
+  return make_pose(node, Eigen::Vector3d::Zero(), xyzw(node, what)).q;
 }
 
 Shape MessageReader::primitive(const Node& node, const std::string& what) const {
@@ -166,47 +171,105 @@ std::vector<Pose> MessageReader::poses(const Node& object, const std::string& ke
     file_.fail(list,
                what + " has " + std::to_string(count) + " shapes, but " + std::to_string(list.size()) + " " + key);
   std::vector<Pose> result;
-  for (const Node& entry : list) result.push_back(pose(entry, what + "'s pose"));
+  for (const Node& entry : list) result.push_back(object_pose(entry, what + "'s pose"));
   return result;
 }
 
-std::vector<SceneObject> MessageReader::collision_object(const Node& node) {
-  file_.require_map(node, "a collision object", object_keys);
-  const std::string id = file_.text(file_.require(node, "id", "a collision object"), "a collision object's id");
-  if (id.empty()) file_.fail(node, "a collision object's id is empty");
-  const std::string what = "object '" + id + "'", frame = frame_of(node);
-  if (!is_empty(node["planes"]))
-    file_.unsupported(node["planes"], what + " is a plane, which is not supported; use a large box");
-  if (const std::string operation = optional_text(node, "operation");
-      !(operation.empty() || operation == "0" || operation == "ADD" || operation == "add"))
-    file_.unsupported(node["operation"],
-                      what + " has the operation '" + operation + "'; only 0 (add) is supported in a scene");
-  const Node whole = node["pose"];
-  const bool has_pose = whole.IsDefined() && !whole.IsNull();
-  const Pose object_pose = has_pose ? pose(whole, what + "'s pose") : Pose{};
+ObjectOperation MessageReader::operation(const Node& node, const std::string& what) const {
+  static const Names names{"add", "remove", "append", "move"};
+  std::string text = optional_text(node, "operation");
+  if (text.empty()) return ObjectOperation::add;
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (text == names[i] || text == std::to_string(i)) return static_cast<ObjectOperation>(i);
+  file_.fail(node["operation"], what + " has the unknown operation '" + text +
+                                    "'; known are 0 (add), 1 (remove), 2 (append) and 3 (move)");
+}
 
-  std::vector<SceneObject> shapes;
+std::vector<PlacedShape> MessageReader::shapes_of(const Node& object, const std::string& what) const {
+  const bool has_pose = object["pose"].IsDefined() && !object["pose"].IsNull();
+  std::vector<PlacedShape> shapes;
   const auto add_all = [&](const std::string& key, const std::string& pose_key, auto&& read) {
-    if (!is_empty(node[key])) file_.require_list(node[key], what + "'s " + key);
-    const std::size_t count = is_empty(node[key]) ? 0 : node[key].size();
-    const std::vector<Pose> shape_poses = poses(node, pose_key, count, has_pose, what);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::string name = shapes.empty() ? id : id + "_" + std::to_string(shapes.size());
-      shapes.push_back({unique_name(node, name), id, frame, read(node[key][i]), object_pose * shape_poses[i]});
-    }
+    if (is_empty(object[key]) && is_empty(object[pose_key])) return;
+    if (!is_empty(object[key])) file_.require_list(object[key], what + "'s " + key);
+    const std::size_t count = is_empty(object[key]) ? 0 : object[key].size();
+    const std::vector<Pose> shape_poses = poses(object, pose_key, count, has_pose, what);
+    for (std::size_t i = 0; i < count; ++i) shapes.push_back({read(object[key][i]), shape_poses[i]});
   };
   add_all("primitives", "primitive_poses", [&](const Node& shape) { return primitive(shape, what); });
   add_all("meshes", "mesh_poses", [&](const Node& shape) { return mesh(shape, what); });
-  if (shapes.empty()) file_.fail(node, what + " has no shape: neither primitives nor meshes");
   return shapes;
+}
+
+std::vector<Pose> MessageReader::moved_poses(const Node& object, const std::string& what) const {
+  for (const char* key : {"primitives", "meshes"})
+    if (!is_empty(object[key]))
+      file_.fail(object[key], what + " is moved and has " + key + "; an object that is moved keeps its shapes");
+  std::vector<Pose> result;
+  for (const char* key : {"primitive_poses", "mesh_poses"}) {
+    if (is_empty(object[key])) continue;
+    file_.require_list(object[key], what + "'s " + key);
+    for (const Node& entry : object[key]) result.push_back(object_pose(entry, what + "'s pose"));
+  }
+  return result;
+}
+
+std::map<std::string, Pose> MessageReader::subframes_of(const Node& object, const std::string& what) const {
+  const Node name_list = object["subframe_names"], pose_list = object["subframe_poses"];
+  const Names names = is_empty(name_list) ? Names{} : file_.texts(name_list, what + "'s subframe_names");
+  if (!is_empty(pose_list)) file_.require_list(pose_list, what + "'s subframe_poses");
+  const std::size_t count = is_empty(pose_list) ? 0 : pose_list.size();
+  if (names.size() != count)
+    file_.fail(object, what + " has " + std::to_string(names.size()) + " subframe_names, but " + std::to_string(count) +
+                           " subframe_poses");
+  std::map<std::string, Pose> subframes;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!subframes.emplace(names[i], object_pose(pose_list[i], "subframe '" + names[i] + "'")).second)
+      file_.fail(name_list, what + " has two subframes '" + names[i] + "'");
+  return subframes;
+}
+
+CollisionObject MessageReader::collision_object(const Node& node, bool shapes_may_be_absent) {
+  file_.require_map(node, "a collision object", object_keys);
+  CollisionObject object;
+  object.operation = operation(node, "a collision object");
+  const bool remove = object.operation == ObjectOperation::remove, move = object.operation == ObjectOperation::move;
+  object.id = remove ? optional_text(node, "id")
+                     : file_.text(file_.require(node, "id", "a collision object"), "a collision object's id");
+  if (object.id.empty() && !remove) file_.fail(node, "a collision object's id is empty");
+  const std::string what = "object '" + object.id + "'";
+  object.frame = frame_of(node);
+  for (const char* key : {"planes", "plane_poses"})
+    if (!is_empty(node[key]))
+      file_.unsupported(node[key], what + " has " + key + ", which are not supported; use a large box");
+  if (node["pose"].IsDefined() && !node["pose"].IsNull()) object.pose = object_pose(node["pose"], what + "'s pose");
+  object.subframes = subframes_of(node, what);
+  if (remove) {
+    added_.erase(object.id);
+    return object;
+  }
+  if (move) {
+    object.shape_poses = moved_poses(node, what);
+    return object;
+  }
+  object.shapes = shapes_of(node, what);
+  if (object.shapes.empty() && !shapes_may_be_absent)
+    file_.fail(node, what + " has no shape: neither primitives nor meshes");
+  if (!added_.insert(object.id).second && object.operation == ObjectOperation::add && !object.shapes.empty())
+    file_.fail(node, "there are two objects named '" + object.id + "'; names must be unique");
+  return object;
 }
 
 AttachedObject MessageReader::attached_object(const Node& node) {
   const std::string what = "an attached object";
   file_.require_map(node, what, attached_keys);
   AttachedObject attached;
-  attached.link = file_.text(file_.require(node, "link_name", what), "link_name");
-  attached.objects = collision_object(file_.require(node, "object", what));
+  attached.object = collision_object(file_.require(node, "object", what), true);
+  const bool detach = attached.object.operation == ObjectOperation::remove;
+  attached.link =
+      detach ? optional_text(node, "link_name") : file_.text(file_.require(node, "link_name", what), "link_name");
+  if (attached.object.operation == ObjectOperation::move)
+    file_.unsupported(node, "attached object '" + attached.object.id + "' is moved, which MoveIt cannot do either");
   if (!is_empty(node["touch_links"])) attached.touch_links = file_.texts(node["touch_links"], "touch_links");
   return attached;
 }
@@ -235,14 +298,19 @@ void MessageReader::multi_dof_joint_state(const Node& node, RobotState& state) c
   if (names.size() != count)
     file_.fail(node, "a multi-dof joint state names " + std::to_string(names.size()) + " joints, but has " +
                          std::to_string(count) + " transforms");
+  state.multi_dof_frame = frame_of(node);
   for (std::size_t i = 0; i < count; ++i)
-    state.multi_dof_joints[names[i]] = pose(transforms[i], "joint '" + names[i] + "'", transform_keys);
+    if (!state.multi_dof_joints.emplace(names[i], pose(transforms[i], "joint '" + names[i] + "'", transform_keys))
+             .second)
+      file_.fail(node["joint_names"], "joint '" + names[i] + "' appears twice in a multi-dof joint state");
 }
 
 RobotState MessageReader::robot_state(const Node& node) {
   RobotState state;
   if (is_empty(node)) return state;
   file_.require_map(node, "a robot state", state_keys);
+  const Node is_diff = node["is_diff"];
+  state.is_diff = !is_empty(is_diff) && file_.boolean(is_diff, "is_diff");
   joint_state(node["joint_state"], state);
   multi_dof_joint_state(node["multi_dof_joint_state"], state);
   const Node attached = node["attached_collision_objects"];

@@ -40,6 +40,10 @@ class MessageReader {
   Eigen::Vector3d vector(const Node& node, const std::string& what) const;
   /// A missing part is zero or identity, as in a ROS 2 message.
   Pose pose(const Node& node, const std::string& what, const Names& keys = pose_keys) const;
+  /// The same of an object or its parts: a quaternion of four zeros, as in an unset ROS 1 message, is the identity.
+  Pose object_pose(const Node& node, const std::string& what) const;
+  /// Four numbers as they are; [x, y, z, w] or {x: …, y: …, z: …, w: …}.
+  std::array<double, 4> xyzw(const Node& node, const std::string& what) const;
   /// Normalised; [x, y, z, w] or {x: …, y: …, z: …, w: …}.
   Eigen::Quaterniond quaternion(const Node& node, const std::string& what) const;
 
@@ -47,24 +51,27 @@ class MessageReader {
   Shape primitive(const Node& node, const std::string& what) const;
   /// A shape_msgs/Mesh.
   Shape mesh(const Node& node, const std::string& what) const;
+  /// As many poses as shapes; none only where `may_be_absent`.
   std::vector<Pose> poses(const Node& object, const std::string& key, std::size_t count, bool may_be_absent,
                           const std::string& what) const;
-  /// A moveit_msgs/CollisionObject: one SceneObject for each of its shapes.
-  std::vector<SceneObject> collision_object(const Node& node);
+  /// A moveit_msgs/CollisionObject; without shapes only where it does not add any.
+  CollisionObject collision_object(const Node& node, bool shapes_may_be_absent);
   /// A moveit_msgs/RobotState; empty where there is none.
   RobotState robot_state(const Node& node);
 
   YamlFile file_;
 
  private:
-  std::array<double, 4> xyzw(const Node& node, const std::string& what) const;
   Pose make_pose(const Node& node, const Eigen::Vector3d& p, const std::array<double, 4>& q) const;
-  std::string unique_name(const Node& node, const std::string& name);
+  ObjectOperation operation(const Node& node, const std::string& what) const;
+  std::vector<PlacedShape> shapes_of(const Node& object, const std::string& what) const;
+  std::vector<Pose> moved_poses(const Node& object, const std::string& what) const;
+  std::map<std::string, Pose> subframes_of(const Node& object, const std::string& what) const;
   AttachedObject attached_object(const Node& node);
   void joint_state(const Node& node, RobotState& state) const;
   void multi_dof_joint_state(const Node& node, RobotState& state) const;
 
-  std::set<std::string> names_;  // of all objects so far
+  std::set<std::string> added_;  // ids of the objects that are in the scene after those read so far
 };
 
 }  // namespace srmp::io

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "srmp/core/error.hpp"
 #include "srmp/io/moveit_messages.h"
@@ -54,6 +55,7 @@ class RequestReader : public MessageReader {
     request.planner_id = optional_text(root, "planner_id");
     request.pipeline_id = optional_text(root, "pipeline_id");
     request.start_state = robot_state(root["start_state"]);
+    require_at_rest(root["start_state"]);
     request.velocity_scaling = scaling(root, "max_velocity_scaling_factor");
     request.acceleration_scaling = scaling(root, "max_acceleration_scaling_factor");
     read_planning_time(root, request);
@@ -71,13 +73,36 @@ class RequestReader : public MessageReader {
     return value == 0.0 ? 1.0 : value;
   }
 
+  /// A plan starts at rest. Sensors of a robot that stands report a little velocity.
+  void require_at_rest(const Node& state) const {
+    constexpr double sensor_noise = 0.01;  // [rad/s or m/s]
+    const auto fast = [&](const Node& list, const std::string& what) {
+      if (is_empty(list)) return;
+      for (const double velocity : file_.numbers(list, what))
+        if (std::abs(velocity) > sensor_noise)
+          file_.unsupported(list, what + " holds " + to_text(velocity) + "; only starts at rest are supported");
+    };
+    if (is_empty(state)) return;
+    if (!is_empty(state["joint_state"])) fast(state["joint_state"]["velocity"], "the start state's velocity");
+    if (is_empty(state["multi_dof_joint_state"]) || is_empty(state["multi_dof_joint_state"]["twist"])) return;
+    for (const Node& twist : state["multi_dof_joint_state"]["twist"])
+      for (const char* part : {"linear", "angular"}) {
+        if (!twist.IsMap() || is_empty(twist[part])) continue;
+        if (vector(twist[part], "a twist").norm() > sensor_noise)
+          file_.unsupported(twist, "the start state's twist is not zero; only starts at rest are supported");
+      }
+  }
+
   void read_planning_time(const Node& root, RequestFile& request) const {
     const double time = optional_number(root, "allowed_planning_time", 0.0);
     if (time < 0.0)
       file_.fail(root["allowed_planning_time"],
                  "allowed_planning_time is " + to_text(time) + "; it must be 0 (not said) or above");
     if (time > 0.0) request.allowed_planning_time = time;
-    optional_number(root, "num_planning_attempts", 0.0);
+    const double attempts = optional_number(root, "num_planning_attempts", 0.0);
+    if (attempts < 0.0 || attempts != std::floor(attempts))
+      file_.fail(root["num_planning_attempts"],
+                 "num_planning_attempts is " + to_text(attempts) + "; it must be a whole number, 0 or above");
   }
 
   void read_workspace(const Node& node, RequestFile& request) const {
@@ -171,22 +196,36 @@ class RequestReader : public MessageReader {
     const std::string what = "a position constraint";
     file_.require_map(node, what, position_constraint_keys);
     const std::string link = file_.text(file_.require(node, "link_name", what), "link_name");
-    const Node offset = node["target_point_offset"];
-    if (!is_empty(offset) && !vector(offset, "target_point_offset").isZero(0.0))
-      file_.unsupported(offset, "a target_point_offset other than zero is not supported");
+    PositionConstraint constraint{link, frame_of(node), Eigen::Vector3d::Zero(), {}};
+    if (const Node offset = node["target_point_offset"]; !is_empty(offset))
+      constraint.offset = vector(offset, "target_point_offset");
     const Node region = file_.require(node, "constraint_region", what);
     file_.require_map(region, "a constraint region", region_keys);
+    for (const char* key : {"meshes", "mesh_poses"})
+      if (!is_empty(region[key]))
+        file_.unsupported(region[key], std::string("a constraint region has ") + key +
+                                           ", which are not supported; use boxes, spheres or cylinders");
     const Node primitives = region["primitives"];
-    if (!is_empty(primitives)) file_.require_list(primitives, "a constraint region's primitives");
-    if (is_empty(primitives) || primitives.size() != 1 || !is_empty(region["meshes"]))
-      file_.unsupported(region, "a constraint region other than one primitive is not supported");
-    const Shape shape = primitive(primitives[0], "a constraint region");
-    if (!std::holds_alternative<Box>(shape) && !std::holds_alternative<Sphere>(shape))
-      file_.unsupported(primitives[0], "a constraint region that is a " +
-                                           std::string(std::holds_alternative<Cone>(shape) ? "cone" : "cylinder") +
-                                           " is not supported; use a sphere or a box");
+    if (is_empty(primitives)) file_.fail(region, "a constraint region has no primitives");
+    file_.require_list(primitives, "a constraint region's primitives");
+    const std::vector<Pose> placed = poses(region, "primitive_poses", primitives.size(), false, "a constraint region");
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      const Shape shape = primitive(primitives[i], "a constraint region");
+      if (std::holds_alternative<Cone>(shape))
+        file_.unsupported(primitives[i], "a constraint region that is a cone is not supported, nor is it by MoveIt");
+      constraint.regions.push_back({shape, placed[i]});
+    }
     optional_number(node, "weight", 1.0);
-    return {link, frame_of(node), shape, poses(region, "primitive_poses", 1, false, "a constraint region")[0]};
+    return constraint;
+  }
+
+  /// MoveIt takes a quaternion that is not of unit length for a mistake, and the identity in its place.
+  Eigen::Quaterniond unit_quaternion(const Node& node) const {
+    const std::array<double, 4> numbers = xyzw(node, "orientation");
+    const double norm = Eigen::Map<const Eigen::Vector4d>(numbers.data()).norm();
+    if (std::abs(norm - 1.0) > 1e-3)
+      file_.fail(node, "an orientation constraint's quaternion has the length " + to_text(norm) + "; it must be 1");
+    return quaternion(node, "orientation");
   }
 
   OrientationConstraint orientation_constraint(const Node& node) const {
@@ -195,7 +234,7 @@ class RequestReader : public MessageReader {
     OrientationConstraint constraint;
     constraint.link = file_.text(file_.require(node, "link_name", what), "link_name");
     constraint.frame = frame_of(node);
-    constraint.orientation = quaternion(file_.require(node, "orientation", what), "orientation");
+    constraint.orientation = unit_quaternion(file_.require(node, "orientation", what));
     constraint.tolerance = {tolerance(node, "absolute_x_axis_tolerance"), tolerance(node, "absolute_y_axis_tolerance"),
                             tolerance(node, "absolute_z_axis_tolerance")};
     const double parameterization = optional_number(node, "parameterization", 0.0);

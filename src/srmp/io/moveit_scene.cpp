@@ -35,12 +35,14 @@ class SceneReader : public MessageReader {
     scene.path = file_.path();
     scene.name = optional_text(root, "name");
     scene.robot_model_name = optional_text(root, "robot_model_name");
+    const Node is_diff = root["is_diff"];
+    scene.is_diff = !is_empty(is_diff) && file_.boolean(is_diff, "is_diff");
     read_world(root["world"], scene);
     read_fixed_frames(root["fixed_frame_transforms"], scene);
     read_allowed_collisions(root["allowed_collision_matrix"], scene.allowed_collisions);
     scene.robot_state = robot_state(root["robot_state"]);
-    refuse_unlike(root["link_padding"], "padding", 0.0);
-    refuse_unlike(root["link_scale"], "scale", 1.0);
+    read_padding(root["link_padding"], scene.link_padding);
+    refuse_scale(root["link_scale"]);
     return scene;
   }
 
@@ -52,8 +54,7 @@ class SceneReader : public MessageReader {
     const Node objects = world["collision_objects"];
     if (is_empty(objects)) return;
     file_.require_list(objects, "collision_objects");
-    for (const Node& object : objects)
-      for (SceneObject& shape : collision_object(object)) scene.objects.push_back(std::move(shape));
+    for (const Node& object : objects) scene.objects.push_back(collision_object(object, false));
   }
 
   /// ROS dumps always hold one; it counts only when it holds data.
@@ -73,11 +74,13 @@ class SceneReader : public MessageReader {
     for (const Node& entry : list) {
       const std::string what = "a fixed frame";
       file_.require_map(entry, what, fixed_frame_keys);
-      const std::string name = file_.text(file_.require(entry, "child_frame_id", what), "child_frame_id");
+      const std::string child = file_.text(file_.require(entry, "child_frame_id", what), "child_frame_id");
+      const std::string frame = frame_of(entry);
       for (const FixedFrame& other : scene.fixed_frames)
-        if (other.name == name) file_.fail(entry, "the fixed frame '" + name + "' appears twice");
+        if (other.frame == frame && other.child == child)
+          file_.fail(entry, "the fixed frames '" + frame + "' and '" + child + "' appear twice");
       scene.fixed_frames.push_back(
-          {name, pose(file_.require(entry, "transform", what), "fixed frame '" + name + "'", transform_keys)});
+          {frame, child, pose(file_.require(entry, "transform", what), "fixed frame '" + child + "'", transform_keys)});
     }
   }
 
@@ -122,14 +125,27 @@ class SceneReader : public MessageReader {
     for (std::size_t i = 0; i < names.size(); ++i) matrix.defaults[names[i]] = values[i];
   }
 
-  void refuse_unlike(const Node& list, const std::string& key, double neutral) const {
+  void read_padding(const Node& list, std::map<std::string, double>& padding) const {
     if (is_empty(list)) return;
-    file_.require_list(list, "link_" + key);
+    file_.require_list(list, "link_padding");
     for (const Node& entry : list) {
-      file_.require_map(entry, "a link " + key, Names{"link_name", key});
-      if (optional_number(entry, key, neutral) != neutral)
-        file_.unsupported(entry, "the scene sets the " + key + " of link '" + optional_text(entry, "link_name") +
-                                     "', which is not supported; set it for the whole robot");
+      file_.require_map(entry, "a link padding", Names{"link_name", "padding"});
+      const std::string link = file_.text(file_.require(entry, "link_name", "a link padding"), "link_name");
+      const double value = optional_number(entry, "padding", 0.0);
+      if (value < 0.0)
+        file_.fail(entry, "the padding of link '" + link + "' is " + to_text(value) + "; it must be 0 or above");
+      if (!padding.emplace(link, value).second) file_.fail(entry, "link '" + link + "' has two paddings");
+    }
+  }
+
+  void refuse_scale(const Node& list) const {
+    if (is_empty(list)) return;
+    file_.require_list(list, "link_scale");
+    for (const Node& entry : list) {
+      file_.require_map(entry, "a link scale", Names{"link_name", "scale"});
+      if (optional_number(entry, "scale", 1.0) != 1.0)
+        file_.unsupported(entry, "the scene sets the scale of link '" + optional_text(entry, "link_name") +
+                                     "', which is not supported; set a padding");
     }
   }
 };

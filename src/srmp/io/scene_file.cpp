@@ -31,6 +31,11 @@ struct AllowedText {
   bool allowed{};
 };
 
+struct GroupText {
+  std::string id;
+  ObjectGroup group;
+};
+
 }  // namespace
 
 template <class Archive>
@@ -131,6 +136,14 @@ void describe(Archive& archive, Ref<Archive, AllowedText> pair) {
   archive("allowed", pair.allowed);
 }
 
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, GroupText> text) {
+  archive("id", text.id);
+  archive("objects", text.group.objects);
+  archive("frame", text.group.frame);
+  archive("subframes", text.group.subframes);
+}
+
 namespace {
 
 RobotText robot_text(const RobotInstance& robot) {
@@ -186,6 +199,9 @@ void describe(JsonWriter& writer, const SceneText& text) {
   writer("robots", robots);
   writer("objects", objects);
   writer("allowed_collisions", allowed);
+  std::vector<GroupText> groups;
+  for (const auto& [id, group] : text.scene.groups()) groups.push_back({id, group});
+  if (!groups.empty()) writer("object_groups", groups);
 }
 
 Scene read_scene(JsonReader reader, const std::vector<std::string>& package_dirs) {
@@ -194,6 +210,8 @@ Scene read_scene(JsonReader reader, const std::vector<std::string>& package_dirs
   read_each<ObjectText>(reader, "objects", [&](const ObjectText& object) { add(scene, object); });
   read_each<AllowedText>(reader, "allowed_collisions",
                          [&](const AllowedText& pair) { scene.set_allowed_collision(pair.a, pair.b, pair.allowed); });
+  if (reader.has("object_groups"))
+    read_each<GroupText>(reader, "object_groups", [&](const GroupText& text) { scene.set_group(text.id, text.group); });
   reader.finish();
   return scene;
 }

@@ -10,7 +10,7 @@ std::string_view to_string(GoalType type) {
     case GoalType::pose: return "pose";
     case GoalType::position: return "position";
     case GoalType::hold: return "hold";
-    case GoalType::any: return "aside";
+    case GoalType::any: return "any";
   }
   return "unknown";
 }

@@ -320,7 +320,14 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
     if (can_be_planned(m.urdf.joints[index]) && !planned) m.other_joints.push_back(joint_of(m.urdf.joints[index]));
   }
   set_defaults(m, srdf);
-  if (srdf) collect_group_states(m, *srdf);
+  if (!srdf) return;
+  collect_group_states(m, *srdf);
+  m.virtual_joint = srdf->virtual_joint;
+  for (const SrdfGroup& group : srdf->groups) {
+    if (!group.fault.empty()) continue;
+    Names& joints = m.groups[group.name];
+    for (const std::size_t joint : srdf->joints_of(group, m.urdf)) joints.push_back(m.urdf.joints[joint].name);
+  }
 }
 
 void RobotModelBuilder::build_actuated_joints(Impl& m) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,8 @@ struct RobotModelImpl {
   std::vector<std::string> joint_names;
   Eigen::VectorXd default_other_positions;
   std::map<std::string, Eigen::VectorXd> group_states;
+  std::map<std::string, std::vector<std::string>> groups;
+  std::optional<VirtualJoint> virtual_joint;
 
   std::vector<std::string> link_names;  // as in urdf.links
   std::string end_effector;

@@ -27,6 +27,8 @@ const std::vector<std::string>& RobotModel::joint_names() const { return impl_->
 const std::vector<Joint>& RobotModel::other_joints() const { return impl_->other_joints; }
 const Eigen::VectorXd& RobotModel::default_other_positions() const { return impl_->default_other_positions; }
 const std::map<std::string, Eigen::VectorXd>& RobotModel::group_states() const { return impl_->group_states; }
+const std::map<std::string, std::vector<std::string>>& RobotModel::groups() const { return impl_->groups; }
+const std::optional<VirtualJoint>& RobotModel::virtual_joint() const { return impl_->virtual_joint; }
 const std::vector<std::string>& RobotModel::link_names() const { return impl_->link_names; }
 const std::string& RobotModel::end_effector() const { return impl_->end_effector; }
 const std::vector<LinkGeometry>& RobotModel::geometries() const { return impl_->geometries; }

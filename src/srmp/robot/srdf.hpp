@@ -1,10 +1,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "srmp/robot/robot_description.hpp"
 #include "srmp/robot/urdf.hpp"
 
 namespace srmp {
@@ -36,6 +38,7 @@ struct Srdf {
   std::vector<SrdfGroup> groups;
   std::vector<SrdfState> states;
   std::vector<SrdfEndEffector> end_effectors;
+  std::optional<VirtualJoint> virtual_joint;                           ///< of the root link
   std::vector<std::pair<std::string, std::string>> disabled, enabled;  ///< pairs of links
   std::vector<std::string> disabled_by_default;                        ///< links
   std::vector<std::string> warnings;                                   ///< what was ignored and why, as sentences

@@ -94,8 +94,12 @@ class SrdfReader {
   void read_virtual_joints(const XMLElement& robot) {
     for (auto e = robot.FirstChildElement("virtual_joint"); e; e = e->NextSiblingElement("virtual_joint")) {
       xml_.check_spelling(*e, Names{}, Names{"name", "type", "parent_frame", "child_link"});
-      find_link(*e, "child_link");
-      joint_names_.push_back(xml_.required(*e, "name"));
+      const auto child = find_link(*e, "child_link");
+      const std::string name = xml_.required(*e, "name");
+      joint_names_.push_back(name);
+      if (child == urdf_.links[urdf_.root].name && !srdf_.virtual_joint)
+        srdf_.virtual_joint = VirtualJoint{name, xml_.attribute(*e, "type").value_or("fixed"),
+                                           xml_.attribute(*e, "parent_frame").value_or("")};
     }
   }
 

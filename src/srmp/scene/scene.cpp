@@ -215,6 +215,8 @@ void Scene::remove_object(const std::string& name) {
   attachments_.erase(copy);
   forget_allowed(copy);
   objects_.erase(copy);
+  std::erase_if(groups_, [&](const auto& entry) { return entry.second.objects.front() == copy; });
+  for (auto& [id, group] : groups_) std::erase(group.objects, copy);
 }
 
 void Scene::set_object_pose(const std::string& name, const Pose& pose) {
@@ -243,6 +245,16 @@ Pose Scene::object_pose(const std::string& name) const {
   const Object& body = object(name);
   const auto it = attachments_.find(name);
   return it == attachments_.end() ? body.pose : link_pose(it->second.robot, it->second.link) * body.pose;
+}
+
+void Scene::set_group(const std::string& id, const ObjectGroup& group) {
+  const std::string owner = "group '" + id + "'";
+  if (group.objects.empty()) throw InvalidArgument(owner + " has no objects; give at least one");
+  for (const std::string& name : group.objects) object(name);
+  ObjectGroup checked{group.objects, checked_pose(group.frame, "frame of " + owner), {}};
+  for (const auto& [name, pose] : group.subframes)
+    checked.subframes.emplace(name, checked_pose(pose, "subframe '" + name + "' of " + owner));
+  groups_.insert_or_assign(id, std::move(checked));
 }
 
 // --- attachments

@@ -314,7 +314,7 @@ BOOST_AUTO_TEST_CASE(a_way_round_that_ends_sooner_is_preferred) {
   BOOST_CHECK_EQUAL(planner.get_planning_stats().makespan_s, left.duration());
 }
 
-BOOST_AUTO_TEST_CASE(one_that_may_move_aside_makes_way) {
+BOOST_AUTO_TEST_CASE(one_that_may_end_anywhere_is_passed) {
   auto planner = two_arms();
   const auto found =
       planner.plan_multi({{"left", Q(0.0, 0.0)}}, {{"left", GoalConstraint::any()}}, {{"right", sweep()}});
