@@ -32,7 +32,7 @@ import srmp
 from srmp._files import write_json
 from srmp._table import format_seconds
 from srmp.bench import mbm
-from srmp.bench.scenarios import example_robot_data
+from srmp.bench.scenes import example_robot_data
 
 MAX_TRIES = 300  # configurations, until two are free
 

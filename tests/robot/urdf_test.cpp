@@ -47,7 +47,7 @@ BOOST_AUTO_TEST_CASE(xml_errors_give_the_line) {
   refused("<!-- nothing -->", "contains no XML element");
   refused("<model name='r'/>", ":1: the outermost tag is <model>, expected <robot>");
   refused("<robot name='r'/>", "has no <link>");
-  refused("<robot/>", "<robot> has no attribute 'name'");
+  refused("<robot/>", "robot 'robot' has no <link>");
   refused("just words", "broken XML");
 }
 
@@ -170,6 +170,7 @@ BOOST_AUTO_TEST_CASE(what_does_not_change_the_meaning_is_a_warning) {
   refused(limit("lower='-1' upper='1' velocty='10'"), "unknown attribute 'velocty' of <limit>, did you mean");
   warned(with_collision("<collision_boxes/><collision_boxes/>"),
          "unknown tag <collision_boxes> in <link> is not read; <collision> would be (and once more)", false);
+  warned("<robot><link name='a'/></robot>", "<robot> has no attribute 'name'");
   warned(with_collision("<collision_boxes/>"), "unknown tag <collision_boxes> in <link> is not read");
   warned(two_links(kEnds + kLimit + "<mimic joint='index_j1'/>"), "'index_j1', which does not exist; it is taken for");
   warned(limit("lower='-170' upper='170' velocity='1'"),

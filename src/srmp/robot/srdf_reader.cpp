@@ -207,6 +207,15 @@ class SrdfReader {
 
   // --- collision rules
 
+  /// The names, or the first of many.
+  static std::string some_of(Names names) {
+    constexpr std::size_t max_count = 6;
+    if (names.size() <= max_count) return quoted_list(names);
+    const std::size_t left_out = names.size() - max_count;
+    names.resize(max_count);
+    return quoted_list(names) + " (and " + std::to_string(left_out) + " more)";
+  }
+
   void read_disabled(const XMLElement& robot) {
     std::set<std::string> unknown_links;
     std::size_t ignored = 0;
@@ -227,7 +236,7 @@ class SrdfReader {
     }
     if (unknown_links.size() >= kVariantLinks)
       srdf_.warnings.push_back(xml_.label() + ": " + std::to_string(ignored) + " <disable_collisions> ignored; links " +
-                               quoted_list(Names(unknown_links.begin(), unknown_links.end())) + " are not in the URDF");
+                               some_of(Names(unknown_links.begin(), unknown_links.end())) + " are not in the URDF");
     else if (first)
       for (const std::string& link : unknown_links) xml_.warn(*first, unknown(*first, "link", link, link_names_));
   }

@@ -36,7 +36,11 @@ class UrdfReader {
     xml_.check_spelling(robot, Names{"link", "joint", "material"}, Names{"name", "version"},
                         Names{"gazebo", "transmission", "sensor", "ros2_control", "loop_joint", "plugin", "group",
                               "self_collision_checking", "kinematics", "mujoco", "include", "constant", "frame"});
-    urdf_.name = xml_.required(robot, "name");
+    urdf_.name = xml_.attribute(robot, "name").value_or("");
+    if (urdf_.name.empty()) {
+      urdf_.name = "robot";
+      xml_.warn(robot, "<robot> has no attribute 'name'; it is called 'robot'");
+    }
     for (auto e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link")) read_link(*e);
     if (urdf_.links.empty()) xml_.fail(robot, "robot '" + urdf_.name + "' has no <link>");
     link_names_ = urdf_.link_names();
