@@ -338,6 +338,7 @@ def multi_dof_joint_state(world):
     base = world.base()
     assert near(base.p, [1, 0, 0.5])
     assert near(base.q, [0, 0, 1, 0])
+    assert world.apply(start_state={"multi_dof_joint_state": {"header": {"frame_id": "of_no_joint"}}}).goals
     at_origin = {"joint_names": ["wheels"], "transforms": [{}]}
     assert world.apply(start_state={"multi_dof_joint_state": at_origin}).ignored_joints == ["wheels"]
     for change in (

@@ -45,6 +45,7 @@ class StateUpdate {
   /// Places the bases of robots, of `robot` only where that is not empty. Returns the joints that no robot has.
   std::vector<std::string> place_bases(const RobotState& state, const std::string& robot) {
     std::vector<std::string> unused;
+    if (state.multi_dof_joints.empty()) return unused;
     const std::string what = "the multi-dof joint state";
     const Frame header = frames_.require(state.multi_dof_frame, what);
     for (const auto& [joint, pose] : state.multi_dof_joints) {
