@@ -801,6 +801,19 @@ def test_goals_in_frames_are_reached(world):
     assert near(reached @ grip, point, 1e-3)
 
 
+def test_goals_that_leave_axes_free_are_planned(world):
+    hand = world.hand(world.ready + 0.3)
+    world.planner.make_planner("arm", srmp.Auto(time_limit=20))
+    upright = orientation(*hand.q, tolerance=(0.05, 0.05, 7))
+    for goal in (place(orientation(*hand.q)), place(position(*hand.p), upright), place(upright)):
+        problem = world.apply(goal)
+        trajectory = world.planner.plan("arm", world.ready, problem.goals)
+        reached = world.hand(trajectory.waypoints[-1])
+        across = (hand.inverse() @ reached).matrix()[:2, 2]  # how far its z axis is from the required one
+        assert np.abs(across).max() < 0.05
+        assert world.planner.verify("arm", trajectory, start=world.ready, goals=problem.goals).holds
+
+
 def test_a_refused_request_changes_nothing(world):
     moved = {"joint_names": ["base_joint"], "transforms": [{"translation": [1, 0, 0.5]}]}
     state = {"multi_dof_joint_state": moved, "attached_collision_objects": [attached()]}

@@ -215,6 +215,20 @@ BOOST_AUTO_TEST_CASE(removing_an_object_detaches_it_and_removes_its_settings) {
   BOOST_TEST(!scene.allowed_collision("cup", "table"));
 }
 
+BOOST_AUTO_TEST_CASE(a_group_goes_with_its_first_object) {
+  Scene scene = two_planars();
+  scene.add_object("table_1", Sphere{0.1}, {});
+  scene.set_group("desk", {{"table", "table_1"}, {{0, 0, 1}, {1, 0, 0, 0}}, {{"edge", {}}}});
+  BOOST_TEST((scene.groups().at("desk").frame.p == Eigen::Vector3d(0, 0, 1)));
+  check_throws<InvalidArgument>([&] { scene.set_group("desk", {{}, {}, {}}); }, "group 'desk' has no objects");
+  check_throws<InvalidArgument>([&] { scene.set_group("desk", {{"tabel"}, {}, {}}); }, "did you mean 'table'?");
+  BOOST_TEST(scene.groups().at("desk").objects.size() == 2u);
+  scene.remove_object("table_1");
+  BOOST_TEST((scene.groups().at("desk").objects == std::vector<std::string>{"table"}));
+  scene.remove_object("table");
+  BOOST_TEST(scene.groups().empty());
+}
+
 BOOST_AUTO_TEST_CASE(allowed_collisions_override_the_rules_in_both_directions) {
   Scene scene = two_planars();
   BOOST_TEST(scene.allowed_collision("left/upper", "left/lower"));  // adjacent
