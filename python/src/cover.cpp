@@ -76,7 +76,7 @@ PyRobotCover by_links(const RobotCover& cover) {
   return result;
 }
 
-CoverProgress report_to_python(const std::optional<nb::callable>& progress) {
+StepProgress report_to_python(const std::optional<nb::callable>& progress) {
   return [&progress](std::size_t done, std::size_t total) {
     const nb::gil_scoped_acquire gil;
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
@@ -91,7 +91,7 @@ PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>&
   options.levels.fine = accuracy;
   options.levels.coarse = coarse_accuracy;
   options.max_coarse = static_cast<std::size_t>(max_coarse);
-  const CoverProgress report = report_to_python(progress);
+  const StepProgress report = report_to_python(progress);
   const nb::gil_scoped_release no_gil;
   CoverStore store(cache ? default_cover_directory() : std::filesystem::path(), options.levels);
   return by_links(cover_urdf(urdf_path, package_dirs, store, options, report));

@@ -45,6 +45,17 @@ std::vector<PlanResult> plan_many(PlannerInterface& planner, const std::vector<P
   return run_interruptible([&] { return planner.plan_many(requests, threads, python_interrupted, report); });
 }
 
+void prepare(PlannerInterface& planner, const std::optional<nb::callable>& progress) {
+  run_interruptible([&] {
+    planner.prepare([&progress](std::size_t done, std::size_t total) {
+      const nb::gil_scoped_acquire gil;
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+      if (progress) (*progress)(done, total);
+    });
+    return true;
+  });
+}
+
 std::string only_robot(nb::handle robots) {
   const std::vector<std::string> names = to_names(robots);
   if (names.size() != 1)
@@ -192,6 +203,18 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
                   "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
           plan_doc)
+      .def(
+          "prepare",
+          [](Self& self, const std::optional<nb::callable>& progress) {
+            self.use([&](PlannerInterface& p) { prepare(p, progress); });
+          },
+          nb::arg("progress") = nb::none(),
+          nb::sig("def prepare(self, progress: collections.abc.Callable[[int, int], object] | None = None) -> None"),
+          R"(Computes now, on all cores, what makes collision checks of the scene's robots faster: sphere covers, and tables of
+pairs of links. It takes seconds to minutes for a robot seen for the first time; later it comes from the cache
+directory (`cover_directory()`). Without this call it happens in the background, from the first plan on. No result
+depends on it, only the time that plans take. `progress` is called often, with the number of steps done and of all.
+The GIL is released; Ctrl-C, or an exception of `progress`, ends the call within 0.1 s and is raised.)")
       .def(
           "plan_many",
           [](Self& self, const std::vector<PlanRequest>& requests, std::optional<int> threads,

@@ -13,7 +13,7 @@ from click.core import ParameterSource
 
 import srmp
 from srmp._cli_bench import bench
-from srmp._cli_options import cover_first, decorated, parse_key_values, planner_options, steps_bar
+from srmp._cli_options import decorated, parse_key_values, planner_options, steps_bar
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
 EXIT_NO_PATH = 1  # a valid request, but there is no trajectory, it has faults, the state is in collision, …
@@ -133,7 +133,6 @@ def demo(output: str, planner: str, options: tuple[str, ...], time_limit: float)
     from srmp.demo import run
 
     chosen_options = {"planner_id": planner, "time_limit": time_limit, **parse_key_values(options)}
-    cover_first(srmp.data_path("arm7.urdf"))
     result = run(chosen_options)
     directory = Path(output)
     directory.mkdir(parents=True, exist_ok=True)
@@ -186,7 +185,6 @@ def plan(
     world = _make_world(urdf, srdf, end_effector, chosen, package_dirs, scene)
     problem = _apply_request(world, "robot", request)
     _apply_joint_limits(world, "robot", joint_limits)
-    cover_first(urdf, package_dirs)
     chosen_options = {"planner_id": planner, "time_limit": time_limit} | problem.options
     world.make_planner(["robot"], chosen_options | _given("planner", "time_limit") | parse_key_values(options))
     try:

@@ -109,6 +109,7 @@ BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_results) {
   scene.add_object("post", Box{{0.05, 0.05, 0.5}}, at(0.25, 0.2, 0.2));
   CheckerOptions with;
   with.pair_tables = std::make_shared<PairTableStore>("");
+  with.pair_tables->tables(robot, parts_of_all(*robot));
   const SceneChecker tables(scene, "irons", with), plain(scene, "irons", {.mode = CheckMode::coal});
   const auto w = tables.make_workspace(), v = plain.make_workspace();
   Dice dice(2);

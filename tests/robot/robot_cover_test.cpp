@@ -171,7 +171,7 @@ BOOST_AUTO_TEST_CASE(every_geometry_of_a_robot_is_covered) {
   BOOST_REQUIRE(cover.parts.size() == robot->geometries().size());
   for (std::size_t i = 0; i < cover.parts.size(); ++i) {
     BOOST_TEST(cover.parts[i].name == robot->geometries()[i].name);
-    BOOST_TEST((&store.cover(*robot->geometries()[i].shape) == cover.parts[i].cover.get()));
+    BOOST_TEST((store.cover(*robot->geometries()[i].shape) == cover.parts[i].cover));
   }
   BOOST_TEST(cover.coarse_spheres() <= 160u);
   BOOST_TEST(cover.coarse_inflation() <= kRough.coarse * 1.0001);
@@ -218,13 +218,13 @@ BOOST_AUTO_TEST_CASE(loaded_covers_equal_computed_ones_bit_for_bit) {
 BOOST_AUTO_TEST_CASE(covers_are_keyed_by_content_and_levels) {
   const TemporaryDirectory directory;
   CoverStore store(directory.path(), kRough);
-  const GeometryCover& a = store.cover(*box(0.3, 0.2, 0.1));
-  BOOST_TEST((&store.cover(*box(0.3, 0.2, 0.1)) == &a));
-  BOOST_TEST((&store.cover(*box(0.3, 0.2, 0.11)) != &a));
-  BOOST_TEST(same(CoverStore(directory.path(), kRough).cover(*box(0.3, 0.2, 0.1)), a));
-  const GeometryCover finer = CoverStore(directory.path(), {.coarse = 0.06, .fine = 0.02}).cover(*box(0.3, 0.2, 0.1));
+  const GeometryCover& a = *store.cover(*box(0.3, 0.2, 0.1));
+  BOOST_TEST((store.cover(*box(0.3, 0.2, 0.1)).get() == &a));
+  BOOST_TEST((store.cover(*box(0.3, 0.2, 0.11)).get() != &a));
+  BOOST_TEST(same(*CoverStore(directory.path(), kRough).cover(*box(0.3, 0.2, 0.1)), a));
+  const GeometryCover finer = *CoverStore(directory.path(), {.coarse = 0.06, .fine = 0.02}).cover(*box(0.3, 0.2, 0.1));
   BOOST_TEST(finer.fine.size() > a.fine.size());
-  const GeometryCover& sphere = store.cover(coal::Sphere(0.1));
+  const GeometryCover& sphere = *store.cover(coal::Sphere(0.1));
   BOOST_TEST(sphere.exact);
   BOOST_TEST(sphere.fine.empty());
 }
@@ -234,7 +234,7 @@ BOOST_AUTO_TEST_CASE(covers_of_damaged_files_are_computed_again) {
   const Geometry shape = box(0.2, 0.1, 0.1);
   const auto ask = [&] {
     CoverStore store(directory.path(), kRough);
-    return store.cover(*shape);
+    return *store.cover(*shape);
   };
   const GeometryCover good = ask();
   const std::string path = only_file(directory.path()), text = contents(path);
@@ -261,13 +261,13 @@ BOOST_AUTO_TEST_CASE(a_directory_that_cannot_be_used_is_no_error) {
   CoverStore none("", kRough);
   const std::string file = directory.write("file", "not a directory");
   CoverStore blocked(file + "/covers", kRough);
-  BOOST_TEST(same(blocked.cover(*shape), none.cover(*shape)));
+  BOOST_TEST(same(*blocked.cover(*shape), *none.cover(*shape)));
   if (geteuid() != 0) {  // root may read and write everything
     const std::string locked = directory.path("locked");
     std::filesystem::create_directories(locked);
     chmod(locked.c_str(), 0500);
     CoverStore store(locked, kRough);
-    BOOST_TEST(same(store.cover(*shape), none.cover(*shape)));
+    BOOST_TEST(same(*store.cover(*shape), *none.cover(*shape)));
     chmod(locked.c_str(), 0700);
   }
 }
@@ -279,7 +279,7 @@ BOOST_AUTO_TEST_CASE(threads_share_stores_and_directories) {
                                      std::make_shared<coal::Cone>(0.05, 0.2), box(0.1, 0.1, 0.1)};
   std::vector<std::vector<const GeometryCover*>> found(3);
   const auto work = [&](CoverStore& store, std::size_t t) {
-    for (const Geometry& shape : shapes) found[t].push_back(&store.cover(*shape));
+    for (const Geometry& shape : shapes) found[t].push_back(store.cover(*shape).get());
   };
   std::thread a(work, std::ref(shared), 0), b(work, std::ref(shared), 1), c(work, std::ref(own), 2);
   a.join();

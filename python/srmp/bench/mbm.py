@@ -202,6 +202,7 @@ class Runner:
         """The planner with an empty scene; the robot is read once a planning group."""
         if self._planner is None or self._group != group:
             planner = load_robot(self._files, group)
+            planner.prepare()
             planner.make_planner([self._files.name], self._options)
             self._planner, self._group = planner, group
         for name in self._planner.object_names:

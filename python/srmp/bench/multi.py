@@ -38,6 +38,7 @@ class Runner:
     def __init__(self, scenario: Scenario, planner_id: str, options: Mapping[str, str], time_limit: float) -> None:
         self._scenario = scenario
         self._planner = scenario.world.build()
+        self._planner.prepare()
         names = [robot.name for robot in scenario.world.robots]
         self._planner.make_planner(names, {"planner_id": planner_id, "time_limit": time_limit, **options})
 

@@ -274,7 +274,6 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   }
   Pair pair{index_a, index_b, b_fixed};
   pair.table = table_of(a, b);
-  if (pair.table && pair.table->never_collide()) return;
   if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
   pair.solid = a.is_solid() && b.is_solid();
   pair.both_meshes = !a.is_solid() && !b.is_solid();
@@ -282,6 +281,10 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   pair.padding = a.robot == b.robot ? 0.0 : a.padding + b.padding;
   pair.support_a = a.support & ~b.support;
   pair.support_b = b.support & ~a.support;
+  if (pair.table && pair.table->never_collide()) {
+    apart.push_back(pair);
+    return;
+  }
   const auto id = static_cast<std::uint32_t>(pairs.size());
   if (b_fixed)
     fixed_pair[ia * fixed.size() + ib] = static_cast<std::int32_t>(id);

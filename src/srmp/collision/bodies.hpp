@@ -79,6 +79,7 @@ struct Bodies {
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
   std::vector<Pair> pairs;
+  std::vector<Pair> apart;                  // pairs whose tables prove that they never collide; not in `pairs`
   std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
   std::vector<std::uint32_t> moving_pairs;  // pairs of two moving bodies
   std::vector<RigidOverlap> overlaps;

@@ -6,12 +6,11 @@
 #include <cstring>
 #include <numbers>
 #include <optional>
-#include <thread>
 
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/core/cache_file.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/low_discrepancy.hpp"
-#include "srmp/core/worker_pool.hpp"
 #include "srmp/cover/cover_file.hpp"
 
 namespace srmp {
@@ -21,7 +20,7 @@ using namespace detail;
 namespace {
 
 constexpr std::string_view extension = ".pairs";
-constexpr std::uint64_t table_version = 2;   // raise when the same pair gets another table, or the layout changes
+constexpr std::uint64_t table_version = 3;   // raise when the same pair gets another table, or the layout changes
 constexpr int coarsest = 32;                 // cells along an edge of the blocks that are tried first
 constexpr int max_distance_checks = 60'000;  // of a pair; then the rest is not proved
 constexpr double turn = 2 * std::numbers::pi;
@@ -93,6 +92,7 @@ class TableBuilder {
   };
 
   void prove(PairTable& table, int first, int second, int edge) {
+    interruption_point();
     if (++distance_checks_ > max_distance_checks) return;
     const int rows = std::min(edge, rows_);
     if (apart(first + 0.5 * edge, second + 0.5 * rows, 0.5 * edge)) {
@@ -121,7 +121,8 @@ class TableBuilder {
     const Eigen::Vector3d center_a = pose_a * a_.bounds.center, center_b = pose_b * b_.bounds.center;
     const double change = half * cell + 1e-9;
     const double margin = moved(turning_.of_a, center_a, a_.bounds.radius, change) +
-                          moved(turning_.of_b, center_b, b_.bounds.radius, change) + NarrowPhase::tolerance;
+                          moved(turning_.of_b, center_b, b_.bounds.radius, change) + NarrowPhase::tolerance +
+                          PairTable::reserve;
     if ((center_a - center_b).norm() - a_.bounds.radius - b_.bounds.radius > margin) return true;
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (a_.solid && b_.solid &&
@@ -176,7 +177,8 @@ class OtherJoints {
   RobotDataPtr here_, there_;
 };
 
-PairTables build(const RobotModel& model, const std::vector<GeometryParts>& parts) {
+PairTables build(const RobotModel& model, const std::vector<GeometryParts>& parts, std::size_t threads,
+                 const StepProgress& progress) {
   struct Job {
     std::size_t a, b;
     Turning turning;
@@ -187,8 +189,8 @@ PairTables build(const RobotModel& model, const std::vector<GeometryParts>& part
     if ((parts[a].bvh || parts[b].bvh) && !others.move(a, b))
       if (auto turning = turning_of(model, a, b)) jobs.push_back({a, b, std::move(*turning)});
   PairTables tables(jobs.size());
-  WorkerPool pool(std::max(1u, std::thread::hardware_concurrency()));
-  pool.run(jobs.size(), [&](std::size_t, std::size_t i) {
+  Steps steps(std::min(jobs.size(), threads), jobs.size(), progress);
+  steps.run(jobs.size(), [&](std::size_t i) {
     tables[i] = TableBuilder(model, parts, jobs[i].a, jobs[i].b, jobs[i].turning).table();
   });
   return tables;
@@ -270,20 +272,41 @@ bool PairTable::never_collide() const {
   return std::all_of(free.begin(), free.end(), [](std::uint64_t word) { return word == ~std::uint64_t{0}; });
 }
 
-std::shared_ptr<const PairTables> PairTableStore::tables(const std::shared_ptr<const RobotModel>& model,
-                                                         const std::vector<GeometryParts>& parts) {
+PairTableStore::Known* PairTableStore::known(const std::shared_ptr<const RobotModel>& model) {
+  std::erase_if(known_, [](const Known& known) { return known.model.expired(); });
+  const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& known) {
+    return !known.model.owner_before(model) && !model.owner_before(known.model);
+  });
+  return found == known_.end() ? nullptr : &*found;
+}
+
+void PairTableStore::keep(const std::shared_ptr<const RobotModel>& model, std::shared_ptr<const PairTables> tables) {
   const std::lock_guard lock(mutex_);
-  for (const Known& known : known_)
-    if (known.model == model) return known.tables;
-  const Sha256::Digest key = key_of(*model);
-  std::optional<PairTables> tables;
-  if (const auto bytes = read_cached(directory_, extension, key)) tables = from_bytes(*bytes, *model);
-  if (!tables) {
-    tables = build(*model, parts);
-    write_cached(directory_, extension, key, to_bytes(*tables));
+  Known* entry = known(model);
+  if (!entry) entry = &known_.emplace_back(Known{model, nullptr});
+  if (!entry->tables) entry->tables = std::move(tables);
+}
+
+std::shared_ptr<const PairTables> PairTableStore::find(const std::shared_ptr<const RobotModel>& model) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const Known* entry = known(model)) return entry->tables;
   }
-  known_.push_back({model, std::make_shared<const PairTables>(std::move(*tables))});
-  return known_.back().tables;
+  std::shared_ptr<const PairTables> tables;
+  if (const auto bytes = read_cached(directory_, extension, key_of(*model)))
+    if (auto read = from_bytes(*bytes, *model)) tables = std::make_shared<const PairTables>(std::move(*read));
+  keep(model, tables);
+  return tables;
+}
+
+std::shared_ptr<const PairTables> PairTableStore::tables(const std::shared_ptr<const RobotModel>& model,
+                                                         const std::vector<GeometryParts>& parts, std::size_t threads,
+                                                         const StepProgress& progress) {
+  if (auto tables = find(model)) return tables;
+  auto tables = std::make_shared<const PairTables>(build(*model, parts, threads, progress));
+  write_cached(directory_, extension, key_of(*model), to_bytes(*tables));
+  keep(model, tables);
+  return tables;
 }
 
 }  // namespace srmp

@@ -124,19 +124,23 @@ std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& worksp
   if (!in_contact.empty()) return in_contact.front();
   auto& scene = static_cast<SceneWorkspace&>(workspace);
   const Bodies& bodies = model_.bodies;
-  std::vector<std::pair<double, std::size_t>> order;  // by the lower bound, so that most pairs need no distance
-  for (std::size_t i = 0; i < bodies.pairs.size(); ++i)
-    order.emplace_back(scene.distance_bound(bodies.pairs[i]) - bodies.pairs[i].padding, i);
-  std::sort(order.begin(), order.end());
+  std::vector<std::pair<double, const Pair*>> order;  // by the lower bound, so that most pairs need no distance
+  for (const std::vector<Pair>* pairs : {&bodies.pairs, &bodies.apart})
+    for (const Pair& pair : *pairs) order.emplace_back(scene.distance_bound(pair) - pair.padding, &pair);
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    const auto key = [](const auto& entry) {
+      return std::tuple(entry.first, entry.second->b_fixed, entry.second->a, entry.second->b);
+    };
+    return key(a) < key(b);
+  });
   double smallest = std::numeric_limits<double>::infinity();
   const Pair* pair = nullptr;
-  for (const auto& [bound, i] : order) {
+  for (const auto& [bound, next] : order) {
     if (bound > smallest) break;
-    const Pair& next = bodies.pairs[i];
-    const double distance = scene.distance(next, smallest + next.padding, 0.0) - next.padding;
+    const double distance = scene.distance(*next, smallest + next->padding, 0.0) - next->padding;
     if (distance >= smallest) continue;
     smallest = distance;
-    pair = &next;
+    pair = next;
   }
   if (!pair) return std::nullopt;
   const Proximity found = NarrowPhase::distance(scene.placed(false, pair->a), scene.placed(pair->b_fixed, pair->b));

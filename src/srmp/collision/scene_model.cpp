@@ -19,10 +19,7 @@ using Tables = std::vector<std::shared_ptr<const PairTables>>;
 Tables tables_of(const RobotGroup& group, const CheckerOptions& options) {
   Tables tables(group.size());
   if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
-    for (std::size_t i = 0; i < group.size(); ++i) {
-      const RobotInstance& robot = group.instance(i);
-      tables[i] = options.pair_tables->tables(robot.model, robot.parts);
-    }
+    for (std::size_t i = 0; i < group.size(); ++i) tables[i] = options.pair_tables->find(group.instance(i).model);
   return tables;
 }
 std::vector<const PairTables*> addresses(const Tables& tables) {
@@ -41,8 +38,11 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
   if (mode == CheckMode::coal) return;
   const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
   for (const auto& [name, other] : scene.robots())
-    if (group.contains(name) || !bodies.leaves_out(name)) ensure_covered(*other.model, *covers);
-  const CoverOf cover_of = [&](const auto& shape) -> const GeometryCover& { return covers->cover(shape); };
+    if (group.contains(name) || !bodies.leaves_out(name)) {
+      const bool best = ensure_covered(*other.model, *covers);
+      if (!best && mode == CheckMode::conservative) cover_robot(*other.model, *covers);  // here covers decide
+    }
+  const CoverOf cover_of = [&](const auto& shape) { return covers->cover(shape); };
   batch_scene = make_batch_scene(bodies, group, cover_of);
   batch.emplace(batch_scene.world);
   batch_options = batch_options_for(batch_scene.world);

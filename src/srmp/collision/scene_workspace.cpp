@@ -18,6 +18,12 @@ constexpr double rough_distance = 0.3;
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
 
+/// What proves a part of a motion free while spheres, tables or an arbitrary subdivision may have chosen the part: the
+/// pair must stay farther apart than this [m]. The whole motion, subdivided down to Checker::motion_floor, is then
+/// proved free as well, so the result does not depend on which spheres and tables there are.
+constexpr double proof_reserve = PairTable::reserve;
+static_assert(proof_reserve >= Checker::motion_floor + 2.5 * NarrowPhase::tolerance);
+
 /// Does the pair's table prove the two apart from a to b? Angles may have any value.
 bool is_free_by_table(const Pair& pair, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   std::array<double, 2> low{}, high{};
@@ -229,28 +235,30 @@ double SceneWorkspace::approach(const Pair& pair, double half_width) {
 }
 
 /// Checks the pair over an interval around here. `parts`: into how many the interval is to be subdivided when the
-/// result is undecided. Below motion_floor, what is not proved free counts as colliding.
+/// result is undecided; 0: into none, because the interval is below motion_floor. There, what is not proved free counts
+/// as colliding if the intervals are those of the whole motion.
 CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, int& parts) {
   const double motion = approach(pair, half_width);
-  const double margin = pair.padding + motion + NarrowPhase::tolerance;
+  const double margin = pair.padding + motion + NarrowPhase::tolerance + reserve_;
   const double bound = distance_bound(pair);
-  parts = 2;
+  const bool at_floor = motion < Checker::motion_floor;
+  parts = at_floor ? 0 : 2;
   if (bound > margin) return CollisionStatus::free;
   const CollisionStatus unproved =
-      motion < Checker::motion_floor ? CollisionStatus::colliding : CollisionStatus::undecided;
+      at_floor && reserve_ == 0.0 ? CollisionStatus::colliding : CollisionStatus::undecided;
   if (motion > likely_max_distance(pair, bound)) {  // no distance could prove it
     if (bound > pair.padding) return unproved;
     return in_contact(pair) ? CollisionStatus::colliding : unproved;
   }
   const auto subdivide_for = [&](double distance) {
-    while (parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
+    while (parts > 0 && parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
     return unproved;
   };
   if (!pair.solid) {
     const double limit = margin + NarrowPhase::tolerance, found = hull_distance(pair, limit, limit - 0.9 * motion);
     if (found == infinity) return CollisionStatus::free;
     // Hulls a tenth of the motion apart prove the parts: that is cheaper than the distance of the meshes.
-    if (found > limit - 0.9 * motion && unproved == CollisionStatus::undecided) return subdivide_for(found);
+    if (found > limit - 0.9 * motion && !at_floor) return subdivide_for(found);
   }
   const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + rough_distance * motion;
   const double found = distance(pair, margin, enough);
@@ -264,10 +272,15 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
 /// is not free.
 bool SceneWorkspace::process(std::uint32_t pair, double t, double half_width) {
   if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
-  if (table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
+  if (reserve_ > 0.0 && table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
   int parts;
   const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, parts);
-  if (status == CollisionStatus::undecided) subdivide(t, half_width, pair, parts);
+  if (status == CollisionStatus::undecided) {
+    if (parts > 0)
+      subdivide(t, half_width, pair, parts);
+    else if (std::find(close_.begin(), close_.end(), pair) == close_.end())
+      close_.push_back(pair);
+  }
   return status != CollisionStatus::colliding;
 }
 
@@ -301,9 +314,12 @@ void SceneWorkspace::sort_open() {
   });
 }
 
-/// Resolves the open intervals with Coal, in order of t. Those of pairs still undecided are subdivided, level by level,
-/// so that the samples of a level are placed once for all pairs and a contact is found early.
-bool SceneWorkspace::resolve_open() {
+/// Resolves the open intervals with Coal, then the pairs that come too close for these intervals.
+bool SceneWorkspace::resolve_open() { return resolve_intervals() && resolve_close(); }
+
+/// Resolves the open intervals in order of t. Those of pairs still undecided are subdivided, level by level, so that
+/// the samples of a level are placed once for all pairs and a contact is found early.
+bool SceneWorkspace::resolve_intervals() {
   int samples = 0;
   while (!open_.empty()) {
     next_.clear();
@@ -318,6 +334,17 @@ bool SceneWorkspace::resolve_open() {
     std::swap(open_, next_);
   }
   return true;
+}
+
+/// Decides pairs that come within proof_reserve of contact: by Coal alone, from the whole motion downwards.
+bool SceneWorkspace::resolve_close() {
+  reserve_ = 0.0;
+  bool free = true;
+  for (std::size_t i = 0; free && i < close_.size(); ++i) {
+    open_.assign(1, {0.5, 0.5, close_[i]});
+    free = resolve_intervals();
+  }
+  return free;
 }
 
 /// Checks the motion with the spheres; the pairs that they leave undecided go to open_.
@@ -368,6 +395,8 @@ bool SceneWorkspace::resolve_with_coal() {
 
 bool SceneWorkspace::is_motion_free(bool start_is_free, bool spheres_only) {
   start_is_free_ = start_is_free;
+  reserve_ = proof_reserve;
+  close_.clear();
   if (active_ == 0) {
     if (start_is_free) return true;
     place(start_);

@@ -89,6 +89,8 @@ class SceneWorkspace final : public Checker::Workspace {
   bool process_whole_motion_of(std::size_t body);
   void sort_open();
   bool resolve_open();
+  bool resolve_intervals();
+  bool resolve_close();
   bool resolve_with_coal();
   CollisionStatus check_with_spheres();
   bool prove_with_spheres();
@@ -108,7 +110,9 @@ class SceneWorkspace final : public Checker::Workspace {
   std::vector<double> reach_;      // [body * actuated joints + k]: farthest point of the body from the joint's axis
   std::vector<char> reach_known_;  // of this body, here
   BatchChecker::WorkspacePtr batch_;
-  bool start_is_free_{};  // pairs that the motion does not move need no check
+  bool start_is_free_{};              // pairs that the motion does not move need no check
+  double reserve_{};                  // farther than this must a pair stay apart to be proved free
+  std::vector<std::uint32_t> close_;  // pairs that this motion's intervals proved neither free nor in contact
   std::vector<Interval> open_, next_;
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
 };

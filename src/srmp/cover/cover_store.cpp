@@ -7,29 +7,39 @@ CoverStore::CoverStore(std::filesystem::path directory, const CoverLevels& level
   require_levels(levels);
 }
 
-const GeometryCover& CoverStore::cover(const coal::CollisionGeometry& shape) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto it = adopted_.find(&shape); it != adopted_.end()) return *it->second.cover;
-  }
+std::shared_ptr<const GeometryCover> CoverStore::cover(const coal::CollisionGeometry& shape) {
+  if (auto known = adopted(shape)) return known;
   Sha256 hash = cover_key("geometry");
   add_levels(hash, levels_);
   add_content(hash, shape);
-  const auto build = [&] { return CoverSet{cover_geometry(shape, levels_)}; };
-  return get(hash.digest(), build).covers->front();
+  const Result result = get(hash.digest(), [&] { return CoverSet{cover_geometry(shape, levels_)}; });
+  return {result.covers, &result.covers->front()};
 }
 
-void CoverStore::adopt(std::shared_ptr<const coal::CollisionGeometry> shape,
+void CoverStore::adopt(const std::shared_ptr<const coal::CollisionGeometry>& shape,
                        std::shared_ptr<const GeometryCover> cover) {
-  const auto* address = shape.get();
   const std::lock_guard lock(mutex_);
-  adopted_.try_emplace(address,
-                       Adopted{std::move(shape), std::move(cover)});  // references to the first cover stay valid
+  std::erase_if(adopted_, [](const auto& entry) { return entry.second.shape.expired(); });
+  adopted_.insert_or_assign(shape.get(), Adopted{shape, std::move(cover)});
 }
 
-bool CoverStore::has_adopted(const coal::CollisionGeometry& shape) const {
+std::shared_ptr<const GeometryCover> CoverStore::adopted(const coal::CollisionGeometry& shape) const {
   const std::lock_guard lock(mutex_);
-  return adopted_.contains(&shape);
+  const auto it = adopted_.find(&shape);
+  return it != adopted_.end() && !it->second.shape.expired() ? it->second.cover : nullptr;
+}
+
+std::optional<CoverStore::Result> CoverStore::find(const Sha256::Digest& key) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = results_.find(key); known != results_.end()) {
+      if (known->second.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+      return Result{known->second.get().covers, Origin::memory};
+    }
+  }
+  auto covers = read_covers(directory_, key);
+  if (!covers) return std::nullopt;
+  return get(key, [&] { return std::move(*covers); });
 }
 
 CoverStore::Result CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {

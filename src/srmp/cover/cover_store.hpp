@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "srmp/cover/cover_file.hpp"
 
@@ -19,14 +20,14 @@ class CoverStore {
   explicit CoverStore(std::filesystem::path directory = default_cover_directory(), const CoverLevels& levels = {});
 
   /// The cover of a geometry: the adopted one if there is one, otherwise one with the store's levels, which the first
-  /// call for this content computes. The reference is valid as long as the store. Throws as cover_geometry does.
-  const GeometryCover& cover(const coal::CollisionGeometry& shape);
+  /// call for this content computes. Throws as cover_geometry does.
+  std::shared_ptr<const GeometryCover> cover(const coal::CollisionGeometry& shape);
 
   /// From now on, cover() returns `cover` for this geometry object (not for others of the same content), as for the
-  /// geometries of a robot that was covered as a whole. The first cover adopted for an object stays.
-  void adopt(std::shared_ptr<const coal::CollisionGeometry> shape, std::shared_ptr<const GeometryCover> cover);
-  /// Has adopt been called for this geometry object?
-  bool has_adopted(const coal::CollisionGeometry& shape) const;
+  /// geometries of a robot that was covered as a whole. The object may end before the store.
+  void adopt(const std::shared_ptr<const coal::CollisionGeometry>& shape, std::shared_ptr<const GeometryCover> cover);
+  /// The cover that was adopted last for this geometry object, or null.
+  std::shared_ptr<const GeometryCover> adopted(const coal::CollisionGeometry& shape) const;
 
   /// Where a result comes from: an earlier call, a file, or a new computation.
   enum class Origin { memory, file, built };
@@ -37,6 +38,8 @@ class CoverStore {
   /// The covers under the key, from memory, from a file or computed by `build` (which one thread calls while others
   /// wait for the same key). An exception of `build` is rethrown to all of them, and the next call tries again.
   Result get(const Sha256::Digest& key, const std::function<CoverSet()>& build);
+  /// The covers under the key where they are in memory or in a file; nullopt otherwise, also while they are computed.
+  std::optional<Result> find(const Sha256::Digest& key);
 
   const CoverLevels& levels() const { return levels_; }
   const std::filesystem::path& directory() const { return directory_; }
@@ -44,7 +47,7 @@ class CoverStore {
  private:
   using Future = std::shared_future<Result>;
   struct Adopted {
-    std::shared_ptr<const coal::CollisionGeometry> shape;  // keeps the address in use
+    std::weak_ptr<const coal::CollisionGeometry> shape;  // expired: another object may have the address
     std::shared_ptr<const GeometryCover> cover;
   };
 

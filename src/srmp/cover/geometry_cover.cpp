@@ -1,76 +1,26 @@
 #include "srmp/cover/geometry_cover.hpp"
 
 #include <coal/BVH/BVH_model.h>
-#include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
 
 #include <cmath>
-#include <optional>
 
 #include "srmp/core/error.hpp"
+#include "srmp/cover/geometry_content.hpp"
 
 namespace srmp {
 
 namespace {
 
-template <class T>
-const T* as(const coal::CollisionGeometry& geometry) {
-  return dynamic_cast<const T*>(&geometry);
-}
-
-template <class Faces>
-CoverSolid::Triangles triangles_of(const Faces& faces, std::size_t count) {
-  CoverSolid::Triangles triangles;
-  triangles.reserve(count);
-  for (std::size_t i = 0; i < count; ++i)
-    triangles.push_back({static_cast<int>(faces[i][0]), static_cast<int>(faces[i][1]), static_cast<int>(faces[i][2])});
-  return triangles;
-}
-
-/// The input of a cover: the numbers of a primitive, or a mesh.
-struct Content {
-  enum class Kind : std::uint8_t { sphere, box, cylinder, capsule, cone, convex, mesh } kind{};
-  Eigen::Vector3d size{Eigen::Vector3d::Zero()};  // radius; edges; radius, length
-  CoverSolid::Vertices vertices;
-  CoverSolid::Triangles triangles;
-};
-
-std::optional<Content> primitive_content(const coal::CollisionGeometry& shape) {
-  using enum Content::Kind;
-  if (const auto* s = as<coal::Sphere>(shape)) return Content{sphere, {s->radius, 0, 0}, {}, {}};
-  if (const auto* s = as<coal::Box>(shape)) return Content{box, 2 * s->halfSide, {}, {}};
-  if (const auto* s = as<coal::Cylinder>(shape)) return Content{cylinder, {s->radius, 2 * s->halfLength, 0}, {}, {}};
-  if (const auto* s = as<coal::Capsule>(shape)) return Content{capsule, {s->radius, 2 * s->halfLength, 0}, {}, {}};
-  if (const auto* s = as<coal::Cone>(shape)) return Content{cone, {s->radius, 2 * s->halfLength, 0}, {}, {}};
-  return std::nullopt;
-}
-
-Content content_of(const coal::CollisionGeometry& shape) {
-  if (const auto* s = as<coal::ShapeBase>(shape); s && s->getSweptSphereRadius() != 0)
-    throw NotSupported("sphere covers do not support shapes swept by a sphere; use padding instead");
-  if (auto primitive = primitive_content(shape)) return *primitive;
-  if (const auto* s = as<coal::Convex<coal::Triangle>>(shape))
-    return {Content::Kind::convex,
-            Eigen::Vector3d::Zero(),
-            {s->points->begin(), s->points->begin() + s->num_points},
-            triangles_of(*s->polygons, s->num_polygons)};
-  if (const auto* mesh = as<coal::BVHModelBase>(shape); mesh && mesh->num_tris > 0)
-    return {Content::Kind::mesh,
-            Eigen::Vector3d::Zero(),
-            {mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices},
-            triangles_of(*mesh->tri_indices, mesh->num_tris)};
-  throw NotSupported("sphere covers exist for solids and meshes, not for this kind of geometry");
-}
-
-CoverSolid solid_of(const Content& content, double closing) {
+CoverSolid solid_of(const GeometryContent& content, double closing) {
   switch (content.kind) {
-    case Content::Kind::sphere: return CoverSolid::sphere(content.size[0]);
-    case Content::Kind::box: return CoverSolid::box(content.size);
-    case Content::Kind::cylinder: return CoverSolid::cylinder(content.size[0], content.size[1]);
-    case Content::Kind::capsule: return CoverSolid::capsule(content.size[0], content.size[1]);
-    case Content::Kind::cone: return CoverSolid::cone(content.size[0], content.size[1]);
-    case Content::Kind::convex: return CoverSolid::convex(content.vertices, content.triangles);
-    case Content::Kind::mesh: break;
+    case GeometryContent::Kind::sphere: return CoverSolid::sphere(content.size[0]);
+    case GeometryContent::Kind::box: return CoverSolid::box(content.size);
+    case GeometryContent::Kind::cylinder: return CoverSolid::cylinder(content.size[0], content.size[1]);
+    case GeometryContent::Kind::capsule: return CoverSolid::capsule(content.size[0], content.size[1]);
+    case GeometryContent::Kind::cone: return CoverSolid::cone(content.size[0], content.size[1]);
+    case GeometryContent::Kind::convex: return CoverSolid::convex(content.vertices, content.triangles);
+    case GeometryContent::Kind::mesh: break;
   }
   return CoverSolid::mesh(content.vertices, content.triangles, closing);
 }
@@ -93,7 +43,7 @@ void require_levels(const CoverLevels& levels) {
 }
 
 void add_content(Sha256& hash, const coal::CollisionGeometry& shape) {
-  const Content content = content_of(shape);
+  const GeometryContent content = content_of(shape);
   hash.add(static_cast<std::uint8_t>(content.kind));
   hash.add(content.size.data(), 3 * sizeof(double));
   hash.add(static_cast<std::uint64_t>(content.vertices.size()));
@@ -105,8 +55,8 @@ void add_content(Sha256& hash, const coal::CollisionGeometry& shape) {
 GeometryCoverBuilder::GeometryCoverBuilder(const coal::CollisionGeometry& shape, const CoverLevels& levels)
     : solid_(checked_solid(shape, levels)), levels_(levels) {
   cover_.bound = solid_.bounding_sphere();
-  cover_.exact = as<coal::Sphere>(shape) != nullptr;
-  cover_.hollow = as<coal::BVHModelBase>(shape) != nullptr;
+  cover_.exact = dynamic_cast<const coal::Sphere*>(&shape) != nullptr;
+  cover_.hollow = dynamic_cast<const coal::BVHModelBase*>(&shape) != nullptr;
   cover_coarsely(levels.coarse);
 }
 

@@ -23,6 +23,7 @@ struct GeometryCover {
   /// cover_children(coarse, fine), by coarse sphere; empty when exact.
   std::vector<std::vector<std::uint32_t>> children;
   bool exact{false};   ///< the geometry is a sphere, and the only coarse sphere equals it
+  bool quick{false};   ///< made by quick_cover
   bool hollow{false};  ///< a surface: bodies wholly inside do not collide with it
   Inflation coarse_inflation, fine_inflation;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "srmp/core/interruption.hpp"
+
 namespace srmp {
 
 namespace {
@@ -75,6 +77,7 @@ class Search {
   }
 
   void add(int s) {
+    interruption_point();
     for (const std::uint32_t e : system_.sets[s]) {
       if (holders_[e].empty()) continue;
       if (times_[e] == 0) {

@@ -513,10 +513,12 @@ void PlannerInterface::make_planner(const std::vector<std::string>& robots, cons
   std::vector<std::string> key = planner_key(impl_->scene, robots);
   require_planner_for(key, options);
   require_robots(options, key);
-  impl_->checkers.cover_robots(impl_->scene);
+  impl_->checkers.prepare_in_background(impl_->scene);
   impl_->result.reset();
   impl_->planners.insert_or_assign(std::move(key), options);
 }
+
+void PlannerInterface::prepare(const PlanProgress& progress) { impl_->checkers.prepare(impl_->scene, progress); }
 
 const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::string>& robots) const {
   return impl_->planner_options(robots);
@@ -525,7 +527,7 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const Interrupt& interrupt, const OnSolution& on_solution) {
   const PlannerOptions& options = planner_options({robot});
-  impl_->checkers.cover_robots(impl_->scene);  // once for a robot, and no part of the plan
+  impl_->checkers.prepare_in_background(impl_->scene);
   const Deadline deadline(common_options(options).time_limit, interrupt);
   const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
   const OwnedProblem owned = impl_->problem_of(request, options, on_solution);
@@ -568,7 +570,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
   stand_at_ends(scene, request.starts, request.obstacles, common_options(options));
-  impl_->checkers.cover_robots(impl_->scene);
+  impl_->checkers.prepare_in_background(impl_->scene);
   impl_->request = request;
   impl_->result.reset();
   impl_->statistics = {};

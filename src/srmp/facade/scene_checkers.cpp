@@ -3,12 +3,13 @@
 #include <algorithm>
 
 #include "srmp/collision/pair_table.hpp"
-#include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
 
 SceneCheckers::SceneCheckers()
-    : covers_(std::make_shared<CoverStore>()), pair_tables_(std::make_shared<PairTableStore>(covers_->directory())) {}
+    : covers_(std::make_shared<CoverStore>()),
+      pair_tables_(std::make_shared<PairTableStore>(covers_->directory())),
+      preparation_(covers_, pair_tables_) {}
 
 const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, CheckMode mode) {
   scene.robot(robot);  // throws with the nearest name
@@ -37,11 +38,12 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene,
   return slot;
 }
 
-void SceneCheckers::cover_robots(const Scene& scene) const {
-  for (const auto& [name, robot] : scene.robots()) {
-    ensure_covered(*robot.model, *covers_);
-    pair_tables_->tables(robot.model, robot.parts);
-  }
+void SceneCheckers::prepare_in_background(const Scene& scene) {
+  if (preparation_.update(scene)) clear();
+}
+
+void SceneCheckers::prepare(const Scene& scene, const StepProgress& progress) {
+  if (preparation_.finish(scene, progress)) clear();
 }
 
 void SceneCheckers::set_backend(CheckerFactory backend) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "srmp/facade/robot_preparation.hpp"
 #include "srmp/planning/group_checkers.hpp"
 
 namespace srmp {
@@ -29,8 +30,11 @@ class SceneCheckers {
   std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const std::vector<std::string>& robots,
                                             std::size_t threads);
 
-  /// Slow for a robot seen for the first time, nothing otherwise.
-  void cover_robots(const Scene& scene) const;
+  /// Has the scene's robots prepared in the background, and makes checkers again that this makes faster. Takes
+  /// milliseconds for a robot seen for the first time, nothing otherwise.
+  void prepare_in_background(const Scene& scene);
+  /// Prepares them now. What `progress` throws ends it and passes through.
+  void prepare(const Scene& scene, const StepProgress& progress);
   /// Makes the checkers that plan, from now on; those that verify are always the library's own.
   void set_backend(CheckerFactory backend);
   /// The scene has changed.
@@ -40,6 +44,7 @@ class SceneCheckers {
   CheckerFactory backend_{make_checker};
   std::shared_ptr<CoverStore> covers_;
   std::shared_ptr<PairTableStore> pair_tables_;
+  RobotPreparation preparation_;
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;
   std::map<std::string, std::shared_ptr<const ProblemCheckers>> single_;  // by robot
   std::shared_ptr<const ProblemCheckers> together_;                       // of the last robots that moved together

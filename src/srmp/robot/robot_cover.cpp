@@ -1,14 +1,14 @@
 #include "srmp/robot/robot_cover.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 #include <thread>
 
-#include "srmp/core/worker_pool.hpp"
+#include "srmp/core/interruption.hpp"
+#include "srmp/cover/quick_cover.hpp"
 #include "srmp/robot/robot_geometry.hpp"
 
 namespace srmp {
@@ -49,39 +49,6 @@ Distinct find_distinct(const std::vector<Shape>& shapes) {
   return distinct;
 }
 
-/// Runs the steps of a cover on several threads; only the calling thread reports progress. Of several exceptions, that
-/// of the step with the smallest index is rethrown.
-class CoverSteps {
- public:
-  CoverSteps(std::size_t threads, std::size_t total, const CoverProgress& progress)
-      : pool_(threads), total_(total), progress_(progress) {}
-
-  void run(std::size_t count, const std::function<void(std::size_t)>& job) {
-    std::vector<std::exception_ptr> errors(count);
-    pool_.run(count, [&](std::size_t worker, std::size_t i) {
-      if (stop_) return;
-      try {
-        if (worker == 0 && progress_) progress_(done_, total_);
-        job(i);
-        ++done_;
-      } catch (...) {
-        errors[i] = std::current_exception();
-        stop_ = true;
-      }
-    });
-    for (const std::exception_ptr& error : errors)
-      if (error) std::rethrow_exception(error);
-    if (progress_) progress_(done_, total_);
-  }
-
- private:
-  WorkerPool pool_;
-  const std::size_t total_;
-  const CoverProgress& progress_;
-  std::atomic<std::size_t> done_{0};
-  std::atomic<bool> stop_{false};
-};
-
 /// Increases coarse inflations until the robot has at most `budget` coarse spheres: always that of the geometry with
 /// the most spheres per inflation, where an increase removes the most.
 void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, const std::vector<std::size_t>& times,
@@ -105,33 +72,49 @@ void keep_to_budget(std::vector<std::optional<GeometryCoverBuilder>>& builders, 
   }
 }
 
-CoverSet build(const Distinct& distinct, const RobotCoverOptions& options, const CoverProgress& progress) {
+CoverSet build(const Distinct& distinct, const RobotCoverOptions& options, const StepProgress& progress) {
   const std::size_t count = distinct.shapes.size();
   const std::size_t threads = options.threads ? options.threads : std::max(1U, std::thread::hardware_concurrency());
-  CoverSteps steps(std::min(std::max<std::size_t>(1, count), threads), 2 * count, progress);
+  Steps steps(std::min(count, threads), 2 * count, progress);
   std::vector<std::optional<GeometryCoverBuilder>> builders(count);
   steps.run(count, [&](std::size_t i) { builders[i].emplace(*distinct.shapes[i], options.levels); });
-  keep_to_budget(builders, distinct.times, options.max_coarse);
+  {
+    const InterruptionScope scope([&] {
+      if (progress) progress(count, 2 * count);
+    });
+    keep_to_budget(builders, distinct.times, options.max_coarse);
+  }
   CoverSet covers(count);
   steps.run(count, [&](std::size_t i) { covers[i] = builders[i]->finish(); });
   return covers;
 }
 
+Sha256::Digest key_of(const Distinct& distinct, const RobotCoverOptions& options) {
+  Sha256 key = distinct.key;
+  add_levels(key, options.levels);
+  key.add(static_cast<std::uint64_t>(options.max_coarse));
+  return key.digest();
+}
+
 RobotCover cover_shapes(const std::vector<Shape>& shapes, CoverStore& store, const RobotCoverOptions& options,
-                        const CoverProgress& progress) {
+                        const StepProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   require_levels(options.levels);
-  Distinct distinct = find_distinct(shapes);
-  add_levels(distinct.key, options.levels);
-  distinct.key.add(static_cast<std::uint64_t>(options.max_coarse));
+  const Distinct distinct = find_distinct(shapes);
   const CoverStore::Result result =
-      store.get(distinct.key.digest(), [&] { return build(distinct, options, progress); });
+      store.get(key_of(distinct, options), [&] { return build(distinct, options, progress); });
   RobotCover cover;
   cover.origin = result.origin;
   for (const std::size_t i : distinct.index)
     cover.parts.push_back({"", "", Eigen::Isometry3d::Identity(), {result.covers, &result.covers->at(i)}});
   cover.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return cover;
+}
+
+std::vector<Shape> envelopes_of(const RobotModel& model) {
+  std::vector<Shape> shapes;
+  for (const LinkGeometry& geometry : model.geometries()) shapes.push_back(geometry.envelope);
+  return shapes;
 }
 
 /// The cover of a geometry, given that of its envelope.
@@ -173,9 +156,8 @@ double RobotCover::fine_inflation() const {
 }
 
 RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options,
-                       const CoverProgress& progress) {
-  std::vector<Shape> shapes;
-  for (const LinkGeometry& geometry : model.geometries()) shapes.push_back(geometry.envelope);
+                       const StepProgress& progress) {
+  const std::vector<Shape> shapes = envelopes_of(model);
   RobotCover cover = cover_shapes(shapes, store, options, progress);
   const RobotDataPtr data = model.make_data();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -189,15 +171,34 @@ RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCo
   return cover;
 }
 
-void ensure_covered(const RobotModel& model, CoverStore& store) {
-  const auto& geometries = model.geometries();
-  if (std::any_of(geometries.begin(), geometries.end(),
-                  [&](const LinkGeometry& geometry) { return !store.has_adopted(*geometry.shape); }))
+bool ensure_covered(const RobotModel& model, CoverStore& store) {
+  bool all = true, quick = false;
+  for (const LinkGeometry& geometry : model.geometries()) {
+    const auto known = store.adopted(*geometry.shape);
+    all = all && known;
+    quick = quick || (known && known->quick);
+  }
+  if (all) return !quick;
+  const std::vector<Shape> shapes = envelopes_of(model);
+  const Distinct distinct = find_distinct(shapes);
+  if (store.find(key_of(distinct, {}))) {
     cover_robot(model, store);
+    return true;
+  }
+  std::vector<std::shared_ptr<const GeometryCover>> covers;
+  for (const Shape& shape : distinct.shapes)
+    covers.push_back(std::make_shared<const GeometryCover>(quick_cover(*shape)));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const LinkGeometry& geometry = model.geometries()[i];
+    auto cover = covers[distinct.index[i]];
+    if (geometry.envelope != geometry.shape) cover = within_envelope(*cover);
+    store.adopt(geometry.shape, std::move(cover));
+  }
+  return std::none_of(covers.begin(), covers.end(), [](const auto& cover) { return cover->quick; });
 }
 
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
-                      const RobotCoverOptions& options, const CoverProgress& progress) {
+                      const RobotCoverOptions& options, const StepProgress& progress) {
   const std::string directory = std::filesystem::absolute(urdf_path).parent_path().string();
   const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), directory, package_dirs);
   std::vector<Shape> shapes;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <functional>
 
+#include "srmp/core/steps.hpp"
 #include "srmp/cover/cover_store.hpp"
 #include "srmp/robot/robot_model.hpp"
 
@@ -36,22 +36,19 @@ struct RobotCover {
   double fine_inflation() const;       ///< [m] largest
 };
 
-/// Called before each step with the number of steps that are done and of all steps. An exception ends the computation
-/// and passes through.
-using CoverProgress = std::function<void(std::size_t done, std::size_t total)>;
-
 /// Covers every geometry of the robot, or takes the covers from the store; they are the same bit for bit. The store
 /// adopts them, so that its cover() returns them for the model's geometries. Throws InvalidArgument for options out of
 /// range.
 RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options = {},
-                       const CoverProgress& progress = {});
+                       const StepProgress& progress = {});
 
-/// Calls cover_robot unless the store has adopted covers for all geometries of the model.
-void ensure_covered(const RobotModel& model, CoverStore& store);
+/// Has the store adopt covers for all geometries of the model: those of cover_robot (with default options) where they
+/// are known, else quick covers. Takes milliseconds. Returns whether none of them is quick.
+bool ensure_covered(const RobotModel& model, CoverStore& store);
 
 /// cover_robot for a URDF file without a RobotModel; no cover is adopted. Throws FileError as RobotModel::load does,
 /// and InvalidArgument for options out of range.
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
-                      const RobotCoverOptions& options = {}, const CoverProgress& progress = {});
+                      const RobotCoverOptions& options = {}, const StepProgress& progress = {});
 
 }  // namespace srmp

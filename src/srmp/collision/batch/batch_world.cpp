@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "srmp/collision/bodies.hpp"
+#include "srmp/cover/quick_cover.hpp"
 
 namespace srmp::detail {
 
@@ -80,7 +81,7 @@ class Builder {
 
   void add_cover(BatchBody& body, const Body& from, const Eigen::Isometry3d& pose) {
     if (from.kind == BodyKind::link)
-      add_spheres(body, cover_of_(*from.geometry), pose);
+      add_spheres(body, *cover_of_(*from.geometry), pose);
     else
       add_spheres(body, cover_of_attached(from), pose);
   }
@@ -88,65 +89,33 @@ class Builder {
   /// A cover of an attached object must be quick to make: unless it is a sphere, the cells of its bounding box are
   /// covered.
   static GeometryCover cover_of_attached(const Body& from) {
-    GeometryCover cover;
+    if (dynamic_cast<const coal::Sphere*>(from.geometry.get()) != nullptr) return quick_cover(*from.geometry);
+    GeometryCover cover = box_cells_cover(from.bounds.box_center, from.bounds.box_half);
     cover.bound = {from.bounds.center, from.bounds.radius};
-    if (const auto* sphere = dynamic_cast<const coal::Sphere*>(from.geometry.get())) {
-      cover.bound = {Eigen::Vector3d::Zero(), sphere->radius};
-      cover.coarse = {cover.bound};
-      cover.exact = true;
-      return cover;
-    }
-    cover.hollow = true;  // the cells do not tell
-    cover.coarse = spheres_around_cells(from.bounds.box_center, from.bounds.box_half, 3);
-    for (const PlacedSphere& sphere : cover.coarse) {
-      const auto first = static_cast<std::uint32_t>(cover.fine.size());
-      const Eigen::Vector3d cell = from.bounds.box_half.cwiseQuotient(cells_of(from.bounds.box_half, 3));
-      for (const PlacedSphere& fine : spheres_around_cells(sphere.center, cell, 2)) cover.fine.push_back(fine);
-      cover.children.emplace_back(cover.fine.size() - first);
-      std::iota(cover.children.back().begin(), cover.children.back().end(), first);
-    }
     return cover;
   }
 
-  /// Cells along each edge of a box: as many as `longest` along the longest, and near cubes.
-  static Eigen::Vector3d cells_of(const Eigen::Vector3d& half, int longest) {
-    const double edge = half.maxCoeff() / longest;
-    if (!(edge > 0)) return Eigen::Vector3d::Ones();
-    return (half / edge - Eigen::Vector3d::Constant(1e-9)).array().ceil().max(1.0);
-  }
-
-  static std::vector<PlacedSphere> spheres_around_cells(const Eigen::Vector3d& center, const Eigen::Vector3d& half,
-                                                        int longest) {
-    const Eigen::Vector3d cells = cells_of(half, longest), cell = half.cwiseQuotient(cells);
-    const double radius = cell.norm() * (1 + 1e-9) + 1e-12;
-    std::vector<PlacedSphere> spheres;
-    for (int x = 0; x < cells.x(); ++x)
-      for (int y = 0; y < cells.y(); ++y)
-        for (int z = 0; z < cells.z(); ++z)
-          spheres.push_back(
-              {center - half + cell.cwiseProduct(Eigen::Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1)), radius});
-    return spheres;
-  }
-
-  /// Adds a geometry's spheres to a body.
+  /// Adds a geometry's spheres to a body. Those of a cover grow a little, so that what they prove free is farther from
+  /// contact than SceneWorkspace's reserve; then no result depends on which cover of the geometry this is.
   void add_spheres(BatchBody& body, const GeometryCover& cover, const Eigen::Isometry3d& pose) {
     const auto first_fine = static_cast<std::uint32_t>(body.fine.size());
-    const auto add = [&](std::vector<PlacedSphere>& to, const std::vector<PlacedSphere>& spheres) {
-      for (const PlacedSphere& sphere : spheres) to.push_back({pose * sphere.center, sphere.radius});
+    const double reserve = cover.exact ? 0.0 : PairTable::reserve;
+    const auto add = [&](std::vector<PlacedSphere>& to, const std::vector<PlacedSphere>& spheres, double growth) {
+      for (const PlacedSphere& sphere : spheres) to.push_back({pose * sphere.center, sphere.radius + growth});
     };
     const bool had_children = !body.children.empty(), first = body.coarse.empty();
     body.exact = cover.exact && (first || body.exact);
     body.hollow = body.hollow || cover.hollow;
     if (!cover.children.empty() && !had_children) body.children.resize(body.coarse.size());
-    add(body.coarse, cover.coarse);
-    add(body.fine, cover.fine);
-    add(body.inner, cover.exact ? cover.coarse : cover.inner);
+    add(body.coarse, cover.coarse, reserve);
+    add(body.fine, cover.fine, reserve);
+    add(body.inner, cover.exact ? cover.coarse : cover.inner, 0.0);
     for (const auto& list : cover.children) {
       body.children.push_back(list);
       for (std::uint32_t& child : body.children.back()) child += first_fine;
     }
     if (!body.children.empty()) body.children.resize(body.coarse.size());
-    bounds_of(body).push_back({pose * cover.bound.center, cover.bound.radius});
+    bounds_of(body).push_back({pose * cover.bound.center, cover.bound.radius + reserve});
   }
 
   std::vector<PlacedSphere>& bounds_of(const BatchBody& body) {
@@ -208,7 +177,7 @@ class Builder {
     const FixedBody& body = bodies_.fixed[fixed];
     if (body.kind != BodyKind::link) return true;
     if (body.robot >= 0 && body.padding != 0.0) return false;
-    if (!body.field || cover_of_(*body.geometry).fine.size() < many_spheres) return false;
+    if (!body.field || cover_of_(*body.geometry)->fine.size() < many_spheres) return false;
     std::vector<int> geometries(scene_.world.bodies.size()), pairs(geometries.size());
     for (std::size_t i = 0; i < bodies_.moving.size(); ++i) {
       const auto link = static_cast<std::size_t>(body_of_moving_[i]);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,8 +15,8 @@ namespace srmp::detail {
 struct Bodies;
 class RobotGroup;
 
-/// Returns the cover of a link's geometry; made once per geometry, kept by the caller.
-using CoverOf = std::function<const GeometryCover&(const coal::CollisionGeometry& shape)>;
+/// Returns the cover of a link's geometry, not null.
+using CoverOf = std::function<std::shared_ptr<const GeometryCover>(const coal::CollisionGeometry& shape)>;
 
 /// Lists of numbers in contiguous memory.
 struct NumberLists {

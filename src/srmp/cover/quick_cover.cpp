@@ -1,0 +1,190 @@
+#include "srmp/cover/quick_cover.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+#include <queue>
+#include <span>
+#include <utility>
+
+#include "srmp/core/interruption.hpp"
+#include "srmp/cover/geometry_content.hpp"
+#include "srmp/geometry/triangle_bvh.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t coarse_patches = 12, fine_patches = 128;  // of a mesh
+constexpr double pieces_along_mesh = 24;                        // triangles are split until they are this small
+constexpr double above = 1 + 1e-9;                              // larger than the rounding errors of a radius
+
+/// Triangles of a mesh that one sphere contains.
+struct Patch {
+  std::size_t begin{}, end{};
+  Eigen::AlignedBox3d box;
+};
+
+/// The triangles of a mesh, sorted into patches: each patch's are consecutive.
+class Patches {
+ public:
+  explicit Patches(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {}
+
+  std::size_t size() const { return triangles_.size(); }
+  Patch patch(std::size_t begin, std::size_t end) const {
+    Patch patch{begin, end, {}};
+    for (std::size_t i = begin; i < end; ++i)
+      for (const Vector3d& v : triangles_[i]) patch.box.extend(v);
+    return patch;
+  }
+
+  /// Splits patches, always the largest, until there are `count`.
+  std::vector<Patch> split(std::vector<Patch> patches, std::size_t count) {
+    const auto smaller = [](const Patch& a, const Patch& b) {
+      const double size_a = a.box.sizes().squaredNorm(), size_b = b.box.sizes().squaredNorm();
+      return size_a != size_b ? size_a < size_b : a.begin > b.begin;
+    };
+    std::priority_queue<Patch, std::vector<Patch>, decltype(smaller)> queue(smaller, std::move(patches));
+    std::vector<Patch> result;
+    while (!queue.empty() && queue.size() + result.size() < count) {
+      const Patch largest = queue.top();
+      queue.pop();
+      const std::size_t middle = divide(largest);
+      if (middle == largest.begin || middle == largest.end) {
+        result.push_back(largest);
+        continue;
+      }
+      queue.push(patch(largest.begin, middle));
+      queue.push(patch(middle, largest.end));
+    }
+    for (; !queue.empty(); queue.pop()) result.push_back(queue.top());
+    std::sort(result.begin(), result.end(), [](const Patch& a, const Patch& b) { return a.begin < b.begin; });
+    return result;
+  }
+
+  /// A small sphere around the patch (Badoiu and Clarkson 2003: steps of decreasing length towards the farthest point).
+  PlacedSphere sphere_around(const Patch& patch) const {
+    const auto farthest = [&](const Vector3d& c) {
+      Vector3d far = c;
+      for (std::size_t i = patch.begin; i < patch.end; ++i)
+        for (const Vector3d& v : triangles_[i])
+          if ((v - c).squaredNorm() > (far - c).squaredNorm()) far = v;
+      return far;
+    };
+    Vector3d center = patch.box.center();
+    for (int i = 1; i <= 12; ++i) center += (farthest(center) - center) / (i + 1);
+    const double radius = (farthest(center) - center).norm(),
+                 of_box = (farthest(patch.box.center()) - patch.box.center()).norm();
+    if (of_box < radius) return {patch.box.center(), of_box * above};
+    return {center, radius * above};
+  }
+
+ private:
+  /// Sorts the patch's triangles so that those on the low side of the middle of the box's longest edge come first, and
+  /// returns the place of the first other one.
+  std::size_t divide(const Patch& patch) {
+    interruption_point();
+    int axis = 0;
+    patch.box.sizes().maxCoeff(&axis);
+    const double middle = 3 * patch.box.center()[axis];
+    const auto first = triangles_.begin();
+    const auto place =
+        std::partition(first + static_cast<std::ptrdiff_t>(patch.begin), first + static_cast<std::ptrdiff_t>(patch.end),
+                       [&](const Triangle& t) { return t[0][axis] + t[1][axis] + t[2][axis] < middle; });
+    return static_cast<std::size_t>(place - first);
+  }
+
+  std::vector<Triangle> triangles_;
+};
+
+GeometryCover mesh_cover(const GeometryContent& content) {
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : content.triangles)
+    for (const int i : triangle) box.extend(content.vertices[static_cast<std::size_t>(i)]);
+  const double edge = std::max(box.sizes().maxCoeff() / pieces_along_mesh, 1e-9);
+  std::vector<Triangle> pieces;
+  for (const auto& t : content.triangles) {
+    const auto corner = [&](int k) {
+      return content.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
+    };
+    split_triangle({corner(0), corner(1), corner(2)}, edge, [&](const Triangle& piece) { pieces.push_back(piece); });
+    interruption_point();
+  }
+  Patches patches(std::move(pieces));
+  const Patch whole = patches.patch(0, patches.size());
+  const std::vector<Patch> coarse = patches.split({whole}, coarse_patches);
+  const std::vector<Patch> fine = patches.split(coarse, fine_patches);
+  GeometryCover cover;
+  cover.quick = cover.hollow = true;
+  cover.bound = patches.sphere_around(whole);
+  for (const Patch& patch : fine) cover.fine.push_back(patches.sphere_around(patch));
+  for (const Patch& patch : coarse) {
+    cover.coarse.push_back(patches.sphere_around(patch));
+    std::vector<std::uint32_t>& children = cover.children.emplace_back();
+    for (std::uint32_t i = 0; i < fine.size(); ++i)
+      if (fine[i].begin >= patch.begin && fine[i].end <= patch.end) children.push_back(i);
+  }
+  return cover;
+}
+
+/// Cells along each edge of a box: as many as `longest` along the longest, and near cubes.
+Vector3d cells_of(const Vector3d& half, int longest) {
+  const double edge = half.maxCoeff() / longest;
+  if (!(edge > 0)) return Vector3d::Ones();
+  return (half / edge - Vector3d::Constant(1e-9)).array().ceil().max(1.0);
+}
+
+std::vector<PlacedSphere> spheres_around_cells(const Vector3d& center, const Vector3d& half, int longest) {
+  const Vector3d cells = cells_of(half, longest), cell = half.cwiseQuotient(cells);
+  const double radius = cell.norm() * above + 1e-12;
+  std::vector<PlacedSphere> spheres;
+  for (int x = 0; x < cells.x(); ++x)
+    for (int y = 0; y < cells.y(); ++y)
+      for (int z = 0; z < cells.z(); ++z)
+        spheres.push_back({center - half + cell.cwiseProduct(Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1)), radius});
+  return spheres;
+}
+
+}  // namespace
+
+GeometryCover box_cells_cover(const Vector3d& center, const Vector3d& half) {
+  GeometryCover cover;
+  cover.quick = cover.hollow = true;  // the cells do not tell
+  cover.bound = {center, half.norm() * above};
+  cover.coarse = spheres_around_cells(center, half, 3);
+  const Vector3d cell = half.cwiseQuotient(cells_of(half, 3));
+  for (const PlacedSphere& sphere : cover.coarse) {
+    const auto first = static_cast<std::uint32_t>(cover.fine.size());
+    for (const PlacedSphere& fine : spheres_around_cells(sphere.center, cell, 2)) cover.fine.push_back(fine);
+    cover.children.emplace_back(cover.fine.size() - first);
+    std::iota(cover.children.back().begin(), cover.children.back().end(), first);
+  }
+  return cover;
+}
+
+GeometryCover quick_cover(const coal::CollisionGeometry& shape) {
+  using enum GeometryContent::Kind;
+  const GeometryContent content = content_of(shape);
+  const Vector3d& size = content.size;
+  switch (content.kind) {
+    case sphere: {
+      const PlacedSphere one{Vector3d::Zero(), size[0]};
+      return {.bound = one, .coarse = {one}, .exact = true};
+    }
+    case box: return box_cells_cover(Vector3d::Zero(), size / 2);
+    case capsule: return box_cells_cover(Vector3d::Zero(), {size[0], size[0], size[1] / 2 + size[0]});
+    case cylinder:
+    case cone: return box_cells_cover(Vector3d::Zero(), {size[0], size[0], size[1] / 2});
+    case convex: {
+      Eigen::AlignedBox3d bounds;
+      for (const Vector3d& v : content.vertices) bounds.extend(v);
+      return box_cells_cover(bounds.center(), bounds.sizes() / 2);
+    }
+    case mesh: break;
+  }
+  return mesh_cover(content);
+}
+
+}  // namespace srmp

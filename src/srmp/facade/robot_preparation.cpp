@@ -1,0 +1,68 @@
+#include "srmp/facade/robot_preparation.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "srmp/robot/robot_cover.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// Ends a job in the background.
+struct PreparationStopped {};
+
+}  // namespace
+
+RobotPreparation::Robot& RobotPreparation::robot_of(const std::shared_ptr<const RobotModel>& model) {
+  std::erase_if(robots_, [](const auto& entry) { return entry.second.model.expired(); });
+  Robot& robot = robots_[model.get()];
+  robot.model = model;
+  return robot;
+}
+
+void RobotPreparation::begin(Robot& robot, const RobotInstance& instance) const {
+  robot.job = Background::submit([covers = covers_, tables = tables_, weak = robot.model, parts = instance.parts,
+                                  computed = robot.computed](const std::atomic<bool>& stop) {
+    const std::shared_ptr<const RobotModel> model = weak.lock();
+    if (!model) return;
+    const StepProgress progress = [&](std::size_t, std::size_t) {
+      if (stop || model.use_count() == 1) throw PreparationStopped();  // the robot is in no scene any more
+    };
+    tables->tables(model, parts, 1, progress);
+    cover_robot(*model, *covers, {.threads = 1}, progress);
+    *computed = true;
+  });
+}
+
+bool RobotPreparation::update(const Scene& scene) {
+  bool changed = false;
+  for (const auto& [name, instance] : scene.robots()) {
+    const bool is_new = !robots_.contains(instance.model.get()) || robots_.at(instance.model.get()).model.expired();
+    Robot& robot = robot_of(instance.model);
+    if (robot.ready) continue;
+    if (is_new) {
+      robot.ready = ensure_covered(*instance.model, *covers_) && tables_->find(instance.model);
+      if (!robot.ready) begin(robot, instance);
+    } else if (*robot.computed) {
+      robot.ready = changed = true;
+    }
+  }
+  return changed;
+}
+
+bool RobotPreparation::finish(const Scene& scene, const StepProgress& progress) {
+  const std::size_t threads = std::max(1U, std::thread::hardware_concurrency());
+  bool changed = false;
+  for (const auto& [name, instance] : scene.robots()) {
+    Robot& robot = robot_of(instance.model);
+    if (robot.ready) continue;
+    robot.job.cancel();
+    cover_robot(*instance.model, *covers_, {.threads = threads}, progress);
+    tables_->tables(instance.model, instance.parts, threads, progress);
+    robot.ready = changed = true;
+  }
+  return changed;
+}
+
+}  // namespace srmp

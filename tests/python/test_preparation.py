@@ -1,0 +1,94 @@
+"""Covers and tables are computed in the background, or by prepare; no result depends on them."""
+
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import srmp
+
+
+def make_planner() -> srmp.PlannerInterface:
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(
+        srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf"), name="arm", end_effector="arm7_hand"
+    )
+    planner.add_box("shelf", [0.4, 0.8, 0.03], srmp.Pose(p=[0.6, 0.0, 0.45]))
+    planner.add_box("post", [0.05, 0.05, 1.0], srmp.Pose(p=[0.35, 0.3, 0.5]))
+    return planner
+
+
+def plans(planner: srmp.PlannerInterface) -> list[bytes]:
+    rng = np.random.default_rng(3)
+    limits = np.clip(np.asarray(planner.get_joint_limits("arm"), dtype=float), -2.5, 2.5)
+    lower, upper = limits[:, 0], limits[:, 1]
+    found = []
+    for planner_id in ("auto", "wAstar", "RRTConnect"):
+        planner.make_planner("arm", {"planner_id": planner_id, "time_limit": 60})
+        for _ in range(6):
+            start = rng.uniform(lower, upper)
+            goal = np.clip(start + rng.uniform(-0.5, 0.5, len(lower)), lower, upper)
+            try:
+                trajectory = planner.plan("arm", start, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+                found.append(trajectory.waypoints.tobytes() + trajectory.times.tobytes())
+            except srmp.PlanningError as error:
+                found.append(str(error).encode())
+    return found
+
+
+def test_plans_before_and_after_preparation_are_the_same(tmp_path, monkeypatch):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    planner = make_planner()
+    quick = plans(planner)
+    planner.prepare()
+    assert plans(planner) == quick
+    monkeypatch.setenv("SRMP_CACHE_DIR", str(tmp_path))
+    first, second = make_planner(), make_planner()
+    first.prepare()
+    assert list(tmp_path.rglob("*.cover")) or list(tmp_path.rglob("*"))
+    assert plans(second) == quick  # from the cache
+
+
+def test_prepare_reports_progress(monkeypatch):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    planner = make_planner()
+    calls = []
+    planner.prepare(lambda done, total: calls.append((done, total)))
+    assert calls and all(0 <= done <= total for done, total in calls)
+    seen = len(calls)
+    planner.prepare(lambda done, total: calls.append((done, total)))
+    assert len(calls) == seen  # nothing is left to do
+
+
+def test_an_exception_of_progress_ends_prepare(monkeypatch):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    planner = make_planner()
+
+    def stop(done, total):
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        planner.prepare(stop)
+    planner.prepare()
+
+
+def test_ctrl_c_ends_prepare(monkeypatch):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    timer = threading.Timer(0.05, lambda: signal.raise_signal(signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        for _ in range(1000):
+            make_planner().prepare()
+            time.sleep(0.001)
+    timer.join()
+
+
+def test_planners_may_end_while_they_are_prepared(monkeypatch):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    for _ in range(5):
+        planner = make_planner()
+        planner.make_planner("arm", {"planner_id": "auto"})
+        planner.remove_articulation("arm")
+    del planner
