@@ -38,40 +38,44 @@ def plans(planner: srmp.PlannerInterface) -> list[bytes]:
     return found
 
 
-def test_plans_before_and_after_preparation_are_the_same(tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    """A prepared planner, the directory of its cache, and what prepare reported."""
+    directory = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SRMP_CACHE_DIR", str(directory))
+        planner = make_planner()
+        calls = []
+        planner.prepare(lambda done, total: calls.append((done, total)))
+    return planner, directory, calls
+
+
+def test_plans_before_and_after_preparation_are_the_same(prepared, monkeypatch):
     monkeypatch.setenv("SRMP_CACHE_DIR", "")
-    planner = make_planner()
-    quick = plans(planner)
-    planner.prepare()
+    quick = plans(make_planner())
+    planner, directory, _ = prepared
     assert plans(planner) == quick
-    monkeypatch.setenv("SRMP_CACHE_DIR", str(tmp_path))
-    first, second = make_planner(), make_planner()
-    first.prepare()
-    assert list(tmp_path.rglob("*.cover")) or list(tmp_path.rglob("*"))
-    assert plans(second) == quick  # from the cache
+    monkeypatch.setenv("SRMP_CACHE_DIR", str(directory))
+    assert plans(make_planner()) == quick  # from the cache
 
 
-def test_prepare_reports_progress(monkeypatch):
-    monkeypatch.setenv("SRMP_CACHE_DIR", "")
-    planner = make_planner()
-    calls = []
-    planner.prepare(lambda done, total: calls.append((done, total)))
+def test_prepare_reports_progress(prepared):
+    planner, directory, calls = prepared
     assert calls and all(0 <= done <= total for done, total in calls)
-    seen = len(calls)
-    planner.prepare(lambda done, total: calls.append((done, total)))
-    assert len(calls) == seen  # nothing is left to do
+    assert any(path.is_file() for path in directory.rglob("*"))
+    again = []
+    planner.prepare(lambda done, total: again.append((done, total)))
+    assert again == []  # nothing is left to do
 
 
 def test_an_exception_of_progress_ends_prepare(monkeypatch):
     monkeypatch.setenv("SRMP_CACHE_DIR", "")
-    planner = make_planner()
 
     def stop(done, total):
         raise KeyError("enough")
 
     with pytest.raises(KeyError, match="enough"):
-        planner.prepare(stop)
-    planner.prepare()
+        make_planner().prepare(stop)
 
 
 def test_ctrl_c_ends_prepare(monkeypatch):
