@@ -17,6 +17,7 @@ constexpr double limit_tolerance = 1e-6;  // of a limit
 constexpr double largest = 1e100;         // beyond it, squares overflow
 constexpr double min_half_range = 1e-9;   // [rad or m] of a joint whose two limits are the same
 constexpr double rest_tolerance = 1e-6;   // [rad/s or m/s]
+constexpr Eigen::Index rows_per_deadline_check = 1024;
 
 /// Where a joint uses the largest fraction of a limit, and the value there.
 struct Worst {
@@ -137,6 +138,15 @@ class Certifier {
     result_.faults.push_back({kind, text, time});
   }
 
+  /// In loops over rows, of which there may be millions.
+  void stop_if_late(Eigen::Index row) const {
+    if (!options_.deadline || row % rows_per_deadline_check != 0 || !options_.deadline->stop_requested()) return;
+    const bool cancelled = options_.deadline->cancelled();
+    throw PlanningError(cancelled ? Status::cancelled : Status::timed_out,
+                        std::string(cancelled ? "the plan was cancelled" : "the time limit passed") + " while the " +
+                            std::to_string(t_.positions.rows()) + " rows of the trajectory were verified");
+  }
+
   // --- limits
 
   void check_limits() {
@@ -159,6 +169,7 @@ class Certifier {
     };
     for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
+      stop_if_late(row);
       const detail::Cubic p = detail::segment_of(t_, row, j);
       if (t_.velocities.rows() > 0)
         for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
@@ -282,6 +293,7 @@ class Certifier {
     Eigen::Index at = 0;  // the motion follows the segments in their order
     std::array<Eigen::RowVectorXd, 4> points;
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
+      stop_if_late(row);
       bernstein(row, points);
       double smallest = off_segment(points, at);
       for (Eigen::Index next = at + 1; next < segments && smallest > 0.0; ++next) {
