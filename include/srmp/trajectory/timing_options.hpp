@@ -29,7 +29,7 @@ struct TimingOptions {
   std::function<bool(const Eigen::VectorXd&, const Eigen::VectorXd&)> is_free{};
   Eigen::VectorXd start_velocity{};  ///< dof [rad/s or m/s], along the first segment; empty: at rest
   Eigen::VectorXd end_velocity{};    ///< the same along the last segment
-  const Deadline* deadline{};        ///< once it passes, time_parameterize throws PlanningError; null: none
+  const Deadline* deadline{};        ///< once it passes, a long time_parameterize throws PlanningError; null: none
 };
 
 }  // namespace srmp

@@ -140,7 +140,8 @@ class Certifier {
 
   /// In loops over rows, of which there may be millions.
   void stop_if_late(Eigen::Index row) const {
-    if (!options_.deadline || row % rows_per_deadline_check != 0 || !options_.deadline->stop_requested()) return;
+    if (!options_.deadline || row == 0 || row % rows_per_deadline_check != 0) return;
+    if (!options_.deadline->stop_requested()) return;
     const bool cancelled = options_.deadline->cancelled();
     throw PlanningError(cancelled ? Status::cancelled : Status::timed_out,
                         std::string(cancelled ? "the plan was cancelled" : "the time limit passed") + " while the " +

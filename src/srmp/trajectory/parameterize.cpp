@@ -22,7 +22,7 @@ constexpr double min_duration = 1e-3;     // [s] of a motion between stops: keep
 constexpr double min_row_spacing = 5e-4;  // [s] between a row of the sample period and a knot
 constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
 constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
-constexpr std::size_t rows_per_deadline_check = 1024;
+constexpr std::size_t rows_per_deadline_check = 1024, parts_per_deadline_check = 16;
 
 void stop_if_late(const TimingOptions& options) {
   if (!options.deadline || !options.deadline->stop_requested()) return;
@@ -144,7 +144,7 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
   const double end_speed = speed_along(options.end_velocity, last.direction, limits, names, "end velocity");
   Knots all;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    stop_if_late(options);
+    if ((i + 1) % parts_per_deadline_check == 0) stop_if_late(options);
     const double from = i == 0 ? start_speed : 0.0, to = i + 1 == paths.size() ? end_speed : 0.0;
     Knots part;
     try {
@@ -182,7 +182,7 @@ Trajectory to_rows(const Knots& knots, const std::vector<std::string>& joint_nam
                     nullptr};
   for (Eigen::Index row = 0; row < n; ++row) {
     const auto [time, i] = rows[static_cast<std::size_t>(row)];
-    if (static_cast<std::size_t>(row) % rows_per_deadline_check == 0) stop_if_late(options);
+    if ((static_cast<std::size_t>(row) + 1) % rows_per_deadline_check == 0) stop_if_late(options);
     result.times[row] = time;
     const bool knot = time == knots.times[i];
     const std::size_t a = i + 1 < knots.times.size() ? i : i - (i > 0), b = std::min(a + 1, knots.times.size() - 1);
