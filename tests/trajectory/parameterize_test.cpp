@@ -291,9 +291,9 @@ BOOST_AUTO_TEST_CASE(timing_stops_at_the_deadline) {
   RowMatrix path(3, 2);
   path << 0, 0, 1, 0, 1, 1;
   const MotionLimits limits = uniform_limits(2, 1, 2, 20);
-  const auto status = [&](const Deadline& deadline) {
+  const auto status = [&](const Deadline& deadline, double sample_period = 1e-4) {
     try {
-      time_parameterize(path, names(2), limits, {.deadline = &deadline});
+      time_parameterize(path, names(2), limits, {.sample_period = sample_period, .deadline = &deadline});
     } catch (const PlanningError& error) {
       return error.status();
     }
@@ -302,6 +302,7 @@ BOOST_AUTO_TEST_CASE(timing_stops_at_the_deadline) {
   BOOST_CHECK(status(Deadline(0.0)) == Status::timed_out);
   BOOST_CHECK(status(Deadline(1e9, [] { return true; })) == Status::cancelled);
   BOOST_CHECK(status(Deadline(1e9)) == Status::solved);
+  BOOST_CHECK(status(Deadline(0.0), 0.01) == Status::solved);  // what is done at once is not lost
 }
 
 BOOST_AUTO_TEST_CASE(corners_are_rounded_within_the_deviation_and_save_time) {
