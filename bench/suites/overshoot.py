@@ -224,8 +224,8 @@ def time_to_interrupt(plan: Callable[[], object], delay: float) -> float:
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(delay, interrupt)
-    timer.start()
     try:
+        timer.start()
         with contextlib.suppress(srmp.PlanningError):
             plan()
         timer.cancel()
