@@ -195,6 +195,24 @@ BOOST_AUTO_TEST_CASE(a_long_check_stops_at_the_deadline_and_a_short_one_need_not
   BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace));
 }
 
+BOOST_AUTO_TEST_CASE(long_queries_of_one_configuration_stop_at_the_deadline) {
+  Scene scene;
+  scene.add_robot(robots::planar());
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 20'000; ++i) points.emplace_back(0.01 * (i % 200) - 1.0, 0.02 * (i / 200) - 1.0, 0.5);
+  scene.add_object("cloud", PointCloud{points, 0.01}, Pose());
+  const SceneChecker checker(scene, "planar", {.mode = CheckMode::coal});
+  const auto workspace = checker.make_workspace();
+  const Vector2d q(0.3, -0.5);
+  const auto before = checker.nearest(q, *workspace);
+  const Deadline passed(1e-9), never;
+  checker.stop_at(passed, *workspace);
+  BOOST_CHECK_THROW(checker.nearest(q, *workspace), MotionCheckStopped);
+  checker.stop_at(never, *workspace);
+  const auto after = checker.nearest(q, *workspace);
+  BOOST_TEST(before->distance == after->distance);
+}
+
 BOOST_AUTO_TEST_CASE(motions_among_every_kind_of_object_are_sound_and_useful) {
   const auto robot = arm7();
   for (unsigned world = 0; world < 4; ++world) {

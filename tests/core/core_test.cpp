@@ -1,5 +1,6 @@
 #include <boost/test/unit_test.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "srmp/core/deadline.hpp"
@@ -44,4 +45,24 @@ BOOST_AUTO_TEST_CASE(deadline_expires_and_cancels) {
   BOOST_TEST(cancelled.cancelled());
   BOOST_TEST(cancelled.stop_requested());
   BOOST_TEST(!cancelled.expired());
+}
+
+BOOST_AUTO_TEST_CASE(deadlines_made_of_another_pass_no_earlier_than_they_say) {
+  const Deadline passed(0.0), open(1e9);
+  BOOST_TEST(passed.within(1e9).expired());
+  BOOST_TEST(open.within(0.0).expired());
+  BOOST_TEST(!open.within(1e6).expired());
+  BOOST_TEST(!Deadline().within(std::numeric_limits<double>::infinity()).expired());
+  BOOST_TEST(!passed.extended(1e9).expired());
+  BOOST_TEST(Deadline(-1.0).extended(0.5).expired());  // later than the limit, not than now
+  BOOST_TEST(open.within(1e6).elapsed() >= 0.0);
+
+  bool stop = false;
+  const Deadline asked(1e9, [&] { return stop; });
+  const Deadline part = asked.within(1e6), later = asked.extended(1.0),
+                 other = asked.interrupted_by([] { return true; });
+  BOOST_TEST(other.cancelled());
+  stop = true;
+  BOOST_TEST(part.cancelled());
+  BOOST_TEST(later.cancelled());
 }

@@ -206,6 +206,11 @@ BOOST_AUTO_TEST_CASE(a_start_without_a_goal_is_exhausted_even_with_experience) {
   BOOST_TEST(result.statistics.expansions == 0u);
 }
 
+BOOST_AUTO_TEST_CASE(nothing_is_exhausted_once_the_deadline_has_passed) {  // some edges may not have been checked
+  GridWorld world = grid({"a#."}, {".#a"});
+  BOOST_TEST((timed_search(world, 0, {}, {}, {}, nullptr, {}, Deadline(0.0)).status == Status::timed_out));
+}
+
 BOOST_AUTO_TEST_CASE(bad_options_of_a_timed_search_are_refused) {
   GridWorld world = grid({"a."}, {".a"});
   const auto search = [&](const TimedSearchOptions& options) {

@@ -120,6 +120,49 @@ def test_no_python_modules_import_in_a_circle():
     assert circle(graph) == []
 
 
+PLANNING_MODULES = {"planning", "search", "multi", "lattice", "heuristic", "collision", "trajectory"}
+# These write times into statistics and certificates, for users.
+CLOCK_READERS = {
+    "srmp/core/deadline.hpp",
+    "srmp/planning/obstacles/moving_obstacles.cpp",
+    "srmp/planning/parallel_work.cpp",
+    "srmp/planning/phase_timer.hpp",
+    "srmp/planning/pipeline.cpp",
+    "srmp/planning/solution_record.cpp",
+    "srmp/planning/statistics_fields.hpp",
+    "srmp/planning/strategies/lattice_search.cpp",
+    "srmp/trajectory/certify.cpp",
+}
+
+
+def uses_of_time(text):
+    """Where a source reads a clock, or a time that was measured; timers and assignments to statistics do not count."""
+    read = re.findall(r"chrono::|elapsed\(\)|remaining\(\)", text)
+    for line in text.splitlines():
+        if not re.search(r"PhaseTimer|//", line):
+            read += re.findall(r"\w+_time_s_?\b(?!\{|\s*[-+]?=[^=])", line)
+    return read
+
+
+def test_uses_of_time_are_found():
+    assert uses_of_time("to_prove = std::max(statistics_.verification_time_s, share * deadline_.remaining());")
+    assert uses_of_time("if (statistics.search_time_s == 0.0)")
+    assert uses_of_time("std::chrono::steady_clock::now()")
+    assert not uses_of_time("const PhaseTimer timer(until, statistics.timing_time_s); statistics.ik_time_s = 0.0;")
+
+
+def test_the_clock_stops_work_and_never_steers_it():
+    """Nothing is given a share of the time that is left: a request has one answer for all limits it does not reach."""
+    for file in source_files():
+        name = name_of(file)
+        if module_of(name) not in PLANNING_MODULES or not file.is_relative_to(SOURCES[1]):
+            continue
+        text = file.read_text()
+        assert name in CLOCK_READERS or not uses_of_time(text), f"{name} reads the clock"
+        for seconds in re.findall(r"[.>]within\((.*)\)", text):
+            assert ".max_time()" in seconds, f"{name}: within({seconds}) is not a time that the user asked for"
+
+
 def test_headers_keep_pinocchio_and_coal_out():
     for file in (SOURCES[0]).rglob("*.hpp"):
         public = "#include <pinocchio" not in file.read_text() and "#include <coal" not in file.read_text()

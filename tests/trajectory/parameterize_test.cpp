@@ -280,11 +280,29 @@ BOOST_AUTO_TEST_CASE(bad_input_is_refused_with_the_joint) {
     check_throws<InvalidArgument>(run(path, good, bad), "sample period is");
   }
   check_throws<InvalidArgument>(run(path, uniform_limits(3, 1, 2, 20), 0.01), "velocity limits: got 3");
-  check_throws<InvalidArgument>(run(path, good, 1e-9), "more than ten million rows");
+  check_throws<InvalidArgument>(run(path, good, 1e-9), "more than 10000000 rows");
 
   MotionLimits round = good;
   round.continuous = {true, false};
   check_throws<InvalidArgument>(run(4 * path, round, 0.01), "shoulder: the continuous joint moves by");
+}
+
+BOOST_AUTO_TEST_CASE(timing_stops_at_the_deadline) {
+  RowMatrix path(3, 2);
+  path << 0, 0, 1, 0, 1, 1;
+  const MotionLimits limits = uniform_limits(2, 1, 2, 20);
+  const auto status = [&](const Deadline& deadline, double sample_period = 1e-4) {
+    try {
+      time_parameterize(path, names(2), limits, {.sample_period = sample_period, .deadline = &deadline});
+    } catch (const PlanningError& error) {
+      return error.status();
+    }
+    return Status::solved;
+  };
+  BOOST_CHECK(status(Deadline(0.0)) == Status::timed_out);
+  BOOST_CHECK(status(Deadline(1e9, [] { return true; })) == Status::cancelled);
+  BOOST_CHECK(status(Deadline(1e9)) == Status::solved);
+  BOOST_CHECK(status(Deadline(0.0), 0.01) == Status::solved);  // what is done at once is not lost
 }
 
 BOOST_AUTO_TEST_CASE(corners_are_rounded_within_the_deviation_and_save_time) {

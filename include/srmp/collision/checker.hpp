@@ -83,10 +83,10 @@ struct MotionCertificate {
   std::string body_a, body_b;  ///< the pair there, named as in Contact
 };
 
-/// Thrown by Checker::is_motion_free; see Checker::stop_at.
+/// Thrown by the queries of Checker; see Checker::stop_at.
 struct MotionCheckStopped : std::exception {
   /// The sentence of the exception.
-  const char* what() const noexcept override { return "the deadline passed during a check of a motion"; }
+  const char* what() const noexcept override { return "the deadline passed during a collision check"; }
 };
 
 /// How Checker::are_free decides.
@@ -210,9 +210,11 @@ class Checker {
   /// nullopt.
   std::optional<Contact> nearest_fixed() const { return do_nearest_fixed(); }
 
-  /// From now on is_motion_free throws MotionCheckStopped where a motion takes long and the deadline has passed.
-  /// (Bodies that slide past each other within micrometres take tenths of a second.) The deadline must outlive the
-  /// workspace.
+  /// From now on the queries throw MotionCheckStopped where they take long and the deadline has passed. (Bodies that
+  /// slide past each other within micrometres take tenths of a second, and so may the nearest pair among dense clouds
+  /// and meshes.) What only computes contacts and nearest points of a pair that is known is not interrupted. Only
+  /// Deadline::expired is called, so several workspaces may share a deadline. It must outlive the workspace, or the next
+  /// call of this function.
   void stop_at(const Deadline& deadline, Workspace& workspace) const;
 
   /// The counts of this workspace's checks.

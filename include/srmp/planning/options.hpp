@@ -1,6 +1,6 @@
 #pragma once
 
-#include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -265,8 +265,8 @@ struct Improvement {
   bool wanted() const { return rounds > 0 || time > 0.0; }
   /// Whether another round follows.
   bool goes_on_after(int round) const { return rounds > 0 ? round < rounds : time > 0.0; }
-  /// The time for better paths [s], within what remains.
-  double time_of(double remaining) const { return time > 0.0 ? std::min(time, remaining) : remaining; }
+  /// The time for better paths [s], within the time limit; infinity: as long as that allows.
+  double max_time() const { return time > 0.0 ? time : std::numeric_limits<double>::infinity(); }
 };
 /// No rounds and no time for planners without such options.
 Improvement improvement(const PlannerOptions& options);

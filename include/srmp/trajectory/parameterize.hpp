@@ -30,7 +30,9 @@ namespace srmp {
 /// `waypoints` is m x dof. Throws InvalidArgument when it is empty or holds NaN, when a size does not match the joint
 /// names, when a limit or option is out of range, when a continuous joint does not go the short way, when a start or
 /// end velocity is above its limit, not along the path, or cannot be had within the limits, or when there would be
-/// more than ten million rows.
+/// more than TimingOptions::max_rows rows.
+/// Throws PlanningError with Status::timed_out or Status::cancelled when the deadline of the options has passed and
+/// timing takes long: a thousand rows or more.
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
                              const MotionLimits& limits, const TimingOptions& options = {});
 

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <functional>
+
+#include "srmp/core/deadline.hpp"
 
 namespace srmp {
 
@@ -14,7 +17,8 @@ enum class TimingMethod {
 /// Options of time_parameterize.
 struct TimingOptions {
   TimingMethod method{TimingMethod::toppra};  ///< how the path is timed
-  double sample_period{0.02};  ///< [s], > 0: there is a row at every multiple of it, or less than 0.5 ms from it
+  double sample_period{0.02};        ///< [s], > 0: there is a row at every multiple of it, or less than 0.5 ms from it
+  std::size_t max_rows{10'000'000};  ///< a sample period that gives more is refused
   /// Corners are rounded so that no point of the robot leaves the path by more than this [m], >= 0; 0: a stop at each.
   double blend_deviation{0.005};
   /// How far a unit of each joint moves any point of the robot, at most [m/rad, prismatic joints 1] (Checker::reach);
@@ -25,6 +29,7 @@ struct TimingOptions {
   std::function<bool(const Eigen::VectorXd&, const Eigen::VectorXd&)> is_free{};
   Eigen::VectorXd start_velocity{};  ///< dof [rad/s or m/s], along the first segment; empty: at rest
   Eigen::VectorXd end_velocity{};    ///< the same along the last segment
+  const Deadline* deadline{};        ///< once it passes, a long time_parameterize throws PlanningError; null: none
 };
 
 }  // namespace srmp

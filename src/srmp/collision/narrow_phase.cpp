@@ -24,6 +24,8 @@ constexpr double single_precision = 1e-6;
 /// When GJK runs out of iterations, its distance is too large by less than this [m].
 constexpr double unconverged = 1e-3;
 
+constexpr unsigned steps_per_poll = 64;  // distances of solids, or of bounding boxes
+
 /// A functor that can be pointed at another pair of geometries of the same types. One functor a type pair instead of
 /// one a pair keeps the workspace small and warm.
 struct Functor : coal::ComputeCollision {
@@ -169,7 +171,12 @@ struct NarrowPhase::Impl {
   };
   std::vector<Open> open;
   coal::Box box{1, 1, 1};
+  std::function<void()> poll = [] {};
+  unsigned steps{};
 
+  void count_step() {
+    if (++steps % steps_per_poll == 0) poll();
+  }
   double run_gjk(const Eigen::Vector3d& guess, double margin);
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
@@ -196,8 +203,11 @@ NarrowPhase::NarrowPhase(const FormulaTable& table) : impl_(std::make_unique<Imp
 
 NarrowPhase::~NarrowPhase() = default;
 
+void NarrowPhase::poll_with(std::function<void()> poll) { impl_->poll = std::move(poll); }
+
 /// Runs GJK on `difference` as Coal's functors do, without their allocations. evaluate() starts afresh every time.
 double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
+  count_step();
   gjk.setDistanceEarlyBreak(margin + contact_distance);  // it stops once more than this is proved
   gjk.evaluate(difference, guess);
   double distance = std::max(0.0, gjk.distance);
@@ -224,6 +234,7 @@ double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double
 }
 
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {
+  count_step();
   const Functor& functor = *formulas[static_cast<std::size_t>(formula)];
   functor.point_at(a.geometry, b.geometry);
   set_guess(request, a, b);
@@ -285,6 +296,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
   while (!open.empty()) {
+    count_step();
     const Open next = open.back();
     open.pop_back();
     if (next.squared_distance_bound > limit * limit) continue;
@@ -316,6 +328,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   };
   open.assign(1, entry(0, 0));
   while (!open.empty()) {
+    count_step();
     const Open next = open.back();
     open.pop_back();
     if (next.squared_distance_bound > limit * limit) continue;

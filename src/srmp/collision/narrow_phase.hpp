@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -83,6 +84,10 @@ class NarrowPhase {
   /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives. May return the
   /// distance of any two primitives once it is at most `enough`.
   double primitives(const Placed& a, const Placed& b, double margin, double enough);
+
+  /// From now on the queries above call `poll` every some microseconds, whichever query it is then; what it throws
+  /// ends that one.
+  void poll_with(std::function<void()> poll);
 
   /// The deepest contact of a pair within `margin` of each other; distance = margin when there is none. Allocates.
   static Proximity deepest(const Placed& a, const Placed& b, double margin);

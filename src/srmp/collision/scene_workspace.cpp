@@ -43,6 +43,9 @@ std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), st
 
 SceneWorkspace::SceneWorkspace(const SceneModel& model)
     : model_(model), bodies_(model.bodies), data_(model.group.make_data()), narrow_(model.bodies.formulas) {
+  narrow_.poll_with([this] {
+    if (deadline && deadline->expired()) throw MotionCheckStopped();
+  });
   if (model_.batch) batch_ = model_.batch->make_workspace();
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
   open_.reserve(1024);

@@ -1,5 +1,7 @@
 #include "srmp/core/deadline.hpp"
 
+#include <algorithm>
+
 namespace srmp {
 
 namespace {
@@ -10,7 +12,21 @@ Deadline::Deadline(double seconds, Interrupt interrupted) : limit_(seconds), int
 
 double Deadline::elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-double Deadline::remaining() const { return limit_ - elapsed(); }
+Deadline Deadline::within(double seconds) const {
+  return with_limit(std::min(limit_, elapsed() + seconds), [this] { return cancelled(); });
+}
+
+Deadline Deadline::extended(double seconds) const {
+  return with_limit(limit_ + seconds, [this] { return cancelled(); });
+}
+
+Deadline Deadline::interrupted_by(Interrupt interrupted) const { return with_limit(limit_, std::move(interrupted)); }
+
+Deadline Deadline::with_limit(double limit, Interrupt interrupted) const {
+  Deadline other(limit, std::move(interrupted));
+  other.start_ = start_;
+  return other;
+}
 
 bool Deadline::cancelled() const {
   if (cancelled_ || !interrupted_) return cancelled_;

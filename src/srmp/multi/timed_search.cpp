@@ -96,7 +96,7 @@ class TimedSearch {
       if (node.final) return solved(*next);
       expand(*next);
     }
-    return ended(Status::exhausted);
+    return ended(search::stop_status(deadline).value_or(Status::exhausted));  // then edges may have been cut short
   }
 
  private:

@@ -28,21 +28,24 @@ class CertifiedTiming {
         recovery_segments_(recovery_segments),
         work_(work),
         deadline_(deadline),
+        until_(with_grace_period(deadline)),
         statistics_(statistics) {
     for (JointPath& path : paths.smoothed) groups_.push_back({std::move(path)});
-    if (!world_) workspace_ = checker(0).make_workspace();
+    if (world_)
+      world_->stop_at(until_);
+    else
+      checker(0).stop_at(until_, *(workspace_ = checker(0).make_workspace()));
   }
 
   MultiTrajectory run() {
-    const Deadline until = with_grace_period(deadline_);
     // Groups that are timed apart must be proved to stay clear of each other.
     if (common_.timing == "none" || !common_.certify)
       while (groups_.size() > 1) merge_groups(0, 1);
     do {
-      work_.run(groups_.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
+      work_.run(groups_.size(), until_, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
         if (groups_[k].deviation < 0.0) time_and_certify(groups_[k], deadline, statistics);
       });
-    } while (common_.certify && !all_proved_clear(until));
+    } while (common_.certify && !all_proved_clear());
     add_proofs();
     if (merged_) record_merged_costs();
     MultiTrajectory result;
@@ -96,7 +99,7 @@ class CertifiedTiming {
       group.deviation = deviation;
       {
         const PhaseTimer timer(until, statistics.timing_time_s);
-        group.trajectories = in_time(group.path, deviation);
+        group.trajectories = in_time(group.path, deviation, until);
       }
       if (!common_.certify) return;
       {
@@ -149,11 +152,11 @@ class CertifiedTiming {
 
   /// Proves that robots of different groups stay clear of each other; false: the groups of the first two of which that
   /// cannot be proved have become one.
-  bool all_proved_clear(const Deadline& until) {
+  bool all_proved_clear() {
     const std::vector<MemberPair> open = open_pairs();
     std::vector<MotionProof> found(open.size());
     std::atomic<std::size_t> first{open.size()};  // that is not proved
-    work_.run(open.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
+    work_.run(open.size(), until_, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
       if (k > first) return;
       const PhaseTimer timer(deadline, statistics.verification_time_s);
       found[k] = *prove_pair(checkers(), motion_of(open[k].a), motion_of(open[k].b), deadline);
@@ -180,7 +183,7 @@ class CertifiedTiming {
     }
   }
 
-  std::vector<Trajectory> in_time(const JointPath& path, double deviation) {
+  std::vector<Trajectory> in_time(const JointPath& path, double deviation, const Deadline& until) {
     std::vector<std::string> names;
     MotionLimits limits;
     Eigen::VectorXd reach;
@@ -205,8 +208,14 @@ class CertifiedTiming {
     }
     TimingOptions options = timing_options(common_, deviation);
     options.reach = reach;
+    options.deadline = &until;
     options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
-    return parts(time_parameterize(waypoints, names, limits, options), path);
+    try {
+      return parts(time_parameterize(waypoints, names, limits, options), path);
+    } catch (const MotionCheckStopped&) {
+      throw PlanningError(Status::timed_out, "the time limit of " + to_text(common_.time_limit) +
+                                                 " s passed while corners of the path were rounded");
+    }
   }
 
   static void append(Eigen::VectorXd& to, const Eigen::VectorXd& more) {
@@ -277,6 +286,7 @@ class CertifiedTiming {
   const std::size_t recovery_segments_;
   ParallelWork& work_;
   const Deadline& deadline_;
+  const Deadline until_;
   PlanStatistics& statistics_;
   Checker::WorkspacePtr workspace_;  // of one robot
   std::vector<Group> groups_;
@@ -291,14 +301,12 @@ MultiTrajectory certified_timing(const PlanProblem& problem, JointPaths paths, s
   return CertifiedTiming(problem, std::move(paths), recovery_segments, work, deadline, statistics).run();
 }
 
-Deadline with_grace_period(const Deadline& deadline) {
-  return Deadline(std::max(deadline.remaining(), 0.0) + tuning.grace_period,
-                  [&deadline] { return deadline.cancelled(); });
-}
+Deadline with_grace_period(const Deadline& deadline) { return deadline.extended(tuning.grace_period); }
 
 TimingOptions timing_options(const CommonOptions& options, double deviation) {
   return {.method = options.timing == "ruckig" ? TimingMethod::ruckig : TimingMethod::toppra,
           .sample_period = options.sample_period,
+          .max_rows = tuning.max_rows,
           .blend_deviation = deviation};
 }
 

@@ -15,6 +15,8 @@ struct CertifiedTimingOptions {
   /// A rounded corner that the certificate cannot prove free gets so many times the deviation, until it is a stop.
   double shrink{0.25};
   double min_deviation{1e-4};  ///< [m]; below, corners are stops
+  /// Of a group's trajectories: more take longer than the grace period to be written and verified.
+  std::size_t max_rows{200'000};
 };
 
 /// The paths in time, with certificates, as the problem's options say. Every group of robots is timed by itself; a
@@ -26,7 +28,7 @@ struct CertifiedTimingOptions {
 MultiTrajectory certified_timing(const PlanProblem& problem, JointPaths paths, std::size_t recovery_segments,
                                  ParallelWork& work, const Deadline& deadline, PlanStatistics& statistics);
 
-/// What is left of the time limit, and the grace period. The deadline outlives it.
+/// Passes a grace period after the time limit. The deadline outlives it.
 Deadline with_grace_period(const Deadline& deadline);
 
 /// As the planner's options say, with corners rounded by `deviation` [m].

@@ -30,6 +30,7 @@ class IndependenceDetection {
   JointPaths run(std::vector<RobotPath> alone) {
     const MultiRobotWorld::Options lattice{common_.resolution * M_PI / 180.0, common_.prismatic_resolution};
     world_ = std::make_unique<MultiRobotWorld>(problem_.checkers.planning, tasks(std::move(alone)), lattice);
+    world_->stop_at(deadline_);
     planner_ = std::make_unique<GroupPlanner>(*world_, problem_.options);
     statistics_.bound_graph = "the robots' " + describe_lattices(*world_, problem_.options) + ", in steps of " +
                               to_text(world_->step_time()) + " s, waiting counted";
@@ -175,7 +176,7 @@ class IndependenceDetection {
   /// for as long as asked, of all of them, by RRT-Connect with other seeds.
   void improve() {
     const Improvement asked = improvement(problem_.options);
-    const Deadline until(asked.time_of(deadline_.remaining()), [this] { return deadline_.cancelled(); });
+    const Deadline until = deadline_.within(asked.max_time());
     std::vector<std::size_t> coupled;  // groups
     for (std::size_t g = 0; g < groups_.size(); ++g)
       if (groups_[g].found.path.robots.size() > 1) coupled.push_back(g);

@@ -15,6 +15,20 @@ namespace srmp {
 using multi::Move;
 using search::StateId;
 
+namespace {
+
+/// What a check says; no, once the deadline of its workspace has passed and it takes long.
+template <class Check>
+bool unless_stopped(Check&& check) {
+  try {
+    return check();
+  } catch (const MotionCheckStopped&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 class MultiRobotWorld::RobotAgent : public multi::Agent {
  public:
   RobotAgent(const Checker& checker, WorldTask task, const Options& options)
@@ -64,10 +78,13 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   }
 
   bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    return checker_.is_motion_free(a, b, *workspace_, {.start_is_free = true});
+    return unless_stopped([&] { return checker_.is_motion_free(a, b, *workspace_, {.start_is_free = true}); });
   }
 
-  bool is_free(const Eigen::VectorXd& q) { return checker_.is_free(q, *workspace_); }
+  bool is_free(const Eigen::VectorXd& q) {
+    return unless_stopped([&] { return checker_.is_free(q, *workspace_); });
+  }
+  void stop_at(const Deadline& deadline) { checker_.stop_at(deadline, *workspace_); }
 
   double time_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     return (robot_.difference(a, b).array().abs() / limits_.velocity.array()).maxCoeff();
@@ -116,6 +133,8 @@ class MultiRobotWorld::Pair {
     return look(from_a, to_a, from_b, to_b, query);
   }
 
+  void stop_at(const Deadline& deadline) { checker_.stop_at(deadline, *workspace_); }
+
   /// Rows of a's configurations, then b's.
   std::vector<char> collision_free_with(const RowMatrix& both) {
     const std::lock_guard lock(mutex_);
@@ -162,7 +181,7 @@ class MultiRobotWorld::Pair {
     to_.resize(from_.size());
     from_ << from_a, from_b;
     to_ << to_a, to_b;
-    return checker_.is_motion_free(from_, to_, *workspace_, query);
+    return unless_stopped([&] { return checker_.is_motion_free(from_, to_, *workspace_, query); });
   }
 
   const Checker& checker_;
@@ -193,6 +212,11 @@ MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<Worl
   for (const auto& robot : agents_) robot->step_time = step_time_;
 }
 MultiRobotWorld::~MultiRobotWorld() = default;
+
+void MultiRobotWorld::stop_at(const Deadline& deadline) {
+  for (const auto& robot : agents_) robot->stop_at(deadline);
+  for (const auto& [numbers, pair] : pairs_) pair->stop_at(deadline);
+}
 
 multi::Agent& MultiRobotWorld::agent(std::size_t i) { return *agents_[i]; }
 

@@ -7,6 +7,7 @@
 
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/error.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/limit_check.hpp"
 
@@ -123,12 +124,7 @@ class Certifier {
       result_.faults.push_back(*why);
       return std::move(result_);
     }
-    check_limits(
-        t_, limits_,
-        {.joints = &robot_.joints(), .limits = options_.limits, .jerk = options_.jerk, .at_rest = options_.at_rest},
-        result_);
-    check_ends_at_rest();
-    check_deviation();
+    check_rows();
     if (options_.collisions) check_collisions();
     return std::move(result_);
   }
@@ -136,6 +132,24 @@ class Certifier {
  private:
   void fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
     result_.faults.push_back({kind, text, time});
+  }
+
+  void check_rows() {
+    const InterruptionScope scope([this] { stop_if_late(); });  // there may be millions of rows
+    check_limits(
+        t_, limits_,
+        {.joints = &robot_.joints(), .limits = options_.limits, .jerk = options_.jerk, .at_rest = options_.at_rest},
+        result_);
+    check_ends_at_rest();
+    check_deviation();
+  }
+
+  void stop_if_late() const {
+    if (!options_.deadline || !options_.deadline->stop_requested()) return;
+    const bool cancelled = options_.deadline->cancelled();
+    throw PlanningError(cancelled ? Status::cancelled : Status::timed_out,
+                        std::string(cancelled ? "the plan was cancelled" : "the time limit passed") + " while the " +
+                            std::to_string(t_.positions.rows()) + " rows of the trajectory were verified");
   }
 
   void check_ends_at_rest() {
@@ -195,6 +209,7 @@ class Certifier {
     Eigen::Index at = 0;  // the motion follows the segments in their order
     std::array<Eigen::RowVectorXd, 4> points;
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
+      interruption_point();
       bernstein(row, points);
       double smallest = off_segment(points, at);
       for (Eigen::Index next = at + 1; next < segments && smallest > 0.0; ++next) {

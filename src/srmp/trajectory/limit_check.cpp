@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/trajectory/cubic.hpp"
 
 namespace srmp {
@@ -48,8 +49,10 @@ class LimitCheck {
     const std::string& joint = t_.joint_names[static_cast<std::size_t>(j)];
     Use use;
     if (options_.joints) check_position((*options_.joints)[static_cast<std::size_t>(j)], j, use.position);
-    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
+      interruption_point();
       update_derivatives(detail::segment_of(t_, row, j), j, row, use);
+    }
     if (t_.velocities.rows() == 0)
       check_jumps(j, use);
     else

@@ -17,12 +17,20 @@ using detail::Knots;
 using detail::PathSegment;
 using detail::SmoothPath;
 
-constexpr double max_samples = 1e7;
 constexpr double same_waypoint = 1e-7;    // [rad or m]
 constexpr double min_duration = 1e-3;     // [s] of a motion between stops: keeps second differences above rounding
 constexpr double min_row_spacing = 5e-4;  // [s] between a row of the sample period and a knot
 constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
 constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
+constexpr std::size_t rows_per_deadline_check = 1024, parts_per_deadline_check = 16;
+
+void stop_if_late(const TimingOptions& options) {
+  if (!options.deadline || !options.deadline->stop_requested()) return;
+  const bool cancelled = options.deadline->cancelled();
+  throw PlanningError(cancelled ? Status::cancelled : Status::timed_out,
+                      std::string(cancelled ? "the plan was cancelled" : "the time limit passed") +
+                          " while the path was timed with a sample period of " + to_text(options.sample_period) + " s");
+}
 
 /// Without waypoints that are hardly apart from the one before. The ends stay.
 RowMatrix without_tiny_steps(const RowMatrix& path) {
@@ -136,6 +144,7 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
   const double end_speed = speed_along(options.end_velocity, last.direction, limits, names, "end velocity");
   Knots all;
   for (std::size_t i = 0; i < paths.size(); ++i) {
+    if ((i + 1) % parts_per_deadline_check == 0) stop_if_late(options);
     const double from = i == 0 ? start_speed : 0.0, to = i + 1 == paths.size() ? end_speed : 0.0;
     Knots part;
     try {
@@ -155,21 +164,25 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
 
 /// Rows at the knots and at the multiples of the sample period between them, all of the same cubics.
 Trajectory to_rows(const Knots& knots, const std::vector<std::string>& joint_names, ConstRows waypoints,
-                   double sample_period) {
+                   const TimingOptions& options) {
+  const double sample_period = options.sample_period;
   std::vector<std::pair<double, std::size_t>> rows;  // time, and the knot before
   double tick = 1.0;                                 // multiplied, not added up, so it does not drift
   for (std::size_t i = 0; i < knots.times.size(); ++i) {
     rows.emplace_back(knots.times[i], i);
     if (i + 1 == knots.times.size()) break;
     const double spacing = std::min(min_row_spacing, 0.1 * sample_period);
-    for (; tick * sample_period < knots.times[i + 1] - spacing; tick += 1.0)
+    for (; tick * sample_period < knots.times[i + 1] - spacing; tick += 1.0) {
       if (tick * sample_period > knots.times[i] + spacing) rows.emplace_back(tick * sample_period, i);
+      if (rows.size() % rows_per_deadline_check == 0) stop_if_late(options);
+    }
   }
   const auto n = static_cast<Eigen::Index>(rows.size()), dof = waypoints.cols();
   Trajectory result{joint_names, RowMatrix(n, dof), RowMatrix(n, dof), RowMatrix(n, dof), Eigen::VectorXd(n), waypoints,
                     nullptr};
   for (Eigen::Index row = 0; row < n; ++row) {
     const auto [time, i] = rows[static_cast<std::size_t>(row)];
+    if ((static_cast<std::size_t>(row) + 1) % rows_per_deadline_check == 0) stop_if_late(options);
     result.times[row] = time;
     const bool knot = time == knots.times[i];
     const std::size_t a = i + 1 < knots.times.size() ? i : i - (i > 0), b = std::min(a + 1, knots.times.size() - 1);
@@ -226,11 +239,11 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();
   }
-  if (!(knots.times.back() / options.sample_period < max_samples))
-    throw InvalidArgument("a sample period of " + to_text(options.sample_period) +
-                          " s would give more than ten million rows of this " + to_text(knots.times.back()) +
+  if (!(knots.times.back() / options.sample_period < static_cast<double>(options.max_rows)))
+    throw InvalidArgument("a sample period of " + to_text(options.sample_period) + " s would give more than " +
+                          std::to_string(options.max_rows) + " rows of this " + to_text(knots.times.back()) +
                           " s motion; use a longer one");
-  return to_rows(knots, joint_names, waypoints, options.sample_period);
+  return to_rows(knots, joint_names, waypoints, options);
 }
 
 }  // namespace srmp

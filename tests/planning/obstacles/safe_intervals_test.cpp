@@ -159,9 +159,7 @@ BOOST_AUTO_TEST_CASE(plan_in_time_keeps_to_its_budget_of_checks) {
   const Arms arms;
   const Trajectory other = motion(3.0, {-1.2, 0.0}, {1.2, 0.0});
   const srmp::TimedTask task = arms.task(other, {0.3, 0.0}, {0.3, 0.0});
-  const auto plan = [&](std::uint64_t& checks) {
-    return srmp::plan_in_time(task, {infinity, 3, checks, never, never});
-  };
+  const auto plan = [&](std::uint64_t& checks) { return srmp::plan_in_time(task, {infinity, 3, checks, never}); };
   std::uint64_t plenty = 10'000'000, none = 0, few = 2'000;
   const srmp::TimedResult result = plan(plenty);
   BOOST_REQUIRE(result.status == srmp::Status::solved);
@@ -172,6 +170,23 @@ BOOST_AUTO_TEST_CASE(plan_in_time_keeps_to_its_budget_of_checks) {
   BOOST_CHECK_EQUAL(none, 0u);
   plan(few);
   BOOST_CHECK_EQUAL(few, 0u);
+}
+
+BOOST_AUTO_TEST_CASE(improvements_have_a_counted_budget) {
+  const Arms arms;
+  const Trajectory other = motion(3.0, {-1.2, 0.0}, {1.2, 0.0});
+  const srmp::TimedTask task = arms.task(other, {0.3, 0.0}, {0.3, 0.0});
+  const auto checks_with = [&](std::uint64_t improvement_checks) {
+    constexpr std::uint64_t plenty = 10'000'000;
+    std::uint64_t left = plenty;
+    srmp::PlanInTimeOptions options;
+    options.improvement_checks = improvement_checks;
+    BOOST_CHECK(srmp::plan_in_time(task, {infinity, 3, left, never}, options).status == srmp::Status::solved);
+    return plenty - left;
+  };
+  const std::uint64_t enough = checks_with(1'000'000);
+  BOOST_CHECK_EQUAL(checks_with(2'000'000), enough);  // it ends when nothing more is gained
+  BOOST_CHECK_LE(checks_with(0), enough);
 }
 
 BOOST_AUTO_TEST_CASE(a_monitor_says_which_bodies_collide_when_and_for_how_long) {

@@ -260,19 +260,21 @@ class PlanAround {
     certify();
   }
 
-  /// Motions that wait are there already, and proved: no others may cost them that, so there must be time to prove
-  /// those too.
+  /// Motions that wait are there already, and proved: no others may cost them that, so they stay unless the others are
+  /// proved within the time limit too.
   void try_earlier() {
-    const Deadline until(std::max(deadline_.remaining() - proving_s_, 0.0), [this] { return deadline_.cancelled(); });
-    if (until.stop_requested()) return;
-    auto found = prioritised().plan_earlier(undelayed_, statistics_.makespan_s - gain(), until);
+    if (deadline_.stop_requested()) return;
+    auto found = prioritised().plan_earlier(undelayed_, statistics_.makespan_s - gain());
     statistics_.plan_time_s = deadline_.elapsed();
     if (!found) return;
     MultiTrajectory proved = std::move(planned_);
     PlanStatistics statistics = statistics_;
     take(std::move(*found));
-    certify();
-    if (!deadline_.stop_requested()) return;
+    try {
+      certify();
+      if (!deadline_.stop_requested()) return;
+    } catch (const PlanningError&) {  // the deadline passed
+    }
     planned_ = std::move(proved);
     statistics_ = std::move(statistics);
   }
@@ -299,7 +301,6 @@ class PlanAround {
   void certify() {
     statistics_.plan_time_s = deadline_.elapsed();
     if (!common_.certify) return;
-    const double start = deadline_.elapsed();
     const PhaseTimer timer(deadline_, statistics_.verification_time_s);
     const Deadline until = with_grace_period(deadline_);
     const std::size_t count = problem_.robots.size();
@@ -316,7 +317,6 @@ class PlanAround {
       const std::string& name = group_->names()[i];
       attach_certificate(planned_.robots.at(name), std::move(certificates[i]), name, statistics_);
     }
-    proving_s_ = deadline_.elapsed() - start;
   }
 
   const PlanProblem& problem_;
@@ -331,7 +331,6 @@ class PlanAround {
   std::optional<PlanningError> refused_;  // motions begun together
   MultiTrajectory planned_;
   std::map<std::string, Trajectory> undelayed_;     // as they were planned, begun together
-  double proving_s_{};                              // what the last certificates took
   std::unique_ptr<PrioritisedInTime> prioritised_;  // if it comes to that
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "srmp/core/error.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/path.hpp"
 
@@ -49,13 +50,19 @@ class PlanInTime {
         options_(options),
         workspace_(task.checker.make_workspace()),
         roadmap_(task, budget.deadline, options.roadmap),
-        monitor_(task.other_robots, budget.deadline) {}
+        monitor_(task.other_robots, budget.deadline) {
+    task.checker.stop_at(budget.deadline, *workspace_);
+  }
 
   TimedResult run() {
     std::size_t vertices = options_.first_vertices;
-    for (int k = 0; k < budget_.roadmaps && result_.status == Status::exhausted; ++k, vertices *= options_.growth) {
-      roadmap_.add_vertices(vertices);
-      if (const auto moves = find()) result_.motion = in_sequence(improved(*moves));
+    try {
+      for (int k = 0; k < budget_.roadmaps && result_.status == Status::exhausted; ++k, vertices *= options_.growth) {
+        roadmap_.add_vertices(vertices);
+        if (const auto moves = find()) result_.motion = in_sequence(improved(*moves));
+      }
+    } catch (const MotionCheckStopped&) {
+      result_.status = budget_.deadline.cancelled() ? Status::cancelled : Status::timed_out;
     }
     result_.edge_checks = roadmap_.edge_checks();
     result_.memory_bytes = roadmap_.memory();
@@ -112,6 +119,16 @@ class PlanInTime {
 
   /// Fewer waypoints, fewer stops, earlier moves, as long as the whole can be proved.
   Moves improved(Moves moves) {
+    try {
+      improve(moves);
+    } catch (const PlanningError&) {       // The deadline passed while a move was timed,
+    } catch (const MotionCheckStopped&) {  // or was checked: `moves` are those before it.
+    }
+    return moves;
+  }
+
+  void improve(Moves& moves) {
+    last_check_ = std::min(budget_.checks, 2 * checks() + options_.improvement_checks);
     for (int round = 0; round < options_.max_rounds; ++round) {
       bool better = false;
       for (std::size_t k = 0; k < moves.size(); ++k) {
@@ -119,14 +136,13 @@ class PlanInTime {
         for (Eigen::Index row = 1; row + 1 < moves[k].waypoints.rows(); ++row)
           while (row + 1 < moves[k].waypoints.rows() && leave_out(moves, k, 1, moves[k].waypoints, row)) better = true;
         if (replace(moves, k, 1, moves[k].waypoints)) better = true;  // earlier
-        if (must_stop()) return moves;
+        if (must_stop()) return;
       }
-      if (!better) break;
+      if (!better) return;
     }
-    return moves;
   }
 
-  bool must_stop() const { return budget_.improve_until.stop_requested() || checks_left() == 0; }
+  bool must_stop() const { return budget_.deadline.stop_requested() || checks() >= last_check_; }
 
   /// Moves k and k + 1 become one.
   bool merge(Moves& moves, std::size_t k) {
@@ -181,6 +197,7 @@ class PlanInTime {
   Checker::WorkspacePtr workspace_;
   SafeIntervals roadmap_;
   CollisionMonitor monitor_;
+  std::uint64_t last_check_{};  // of the improvements
   TimedResult result_;
 };
 

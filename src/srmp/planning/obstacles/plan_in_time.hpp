@@ -18,7 +18,6 @@ struct TimedBudget {
   int roadmaps;           ///< > 0: how many are tried, each with more vertices than the one before
   std::uint64_t& checks;  ///< of configurations against the other robots: those that are left, before and afterwards
   const Deadline& deadline;
-  const Deadline& improve_until;  ///< earlier than `deadline`, so that time is left to prove what was found
 };
 
 struct PlanInTimeOptions {
@@ -29,6 +28,9 @@ struct PlanInTimeOptions {
   std::size_t growth{4};
   /// Searches of one roadmap that are repeated because what they found could not be proved.
   int max_repairs{32};
+  /// Checks that improvements may cost, beside as many as the search took: what was found should not wait much longer
+  /// for its proof.
+  std::uint64_t improvement_checks{100'000};
   /// Rounds of improvements over all moves, and the gain [s; rad, prismatic joints m] below which there is none.
   int max_rounds{4};
   double min_gain{1e-6};

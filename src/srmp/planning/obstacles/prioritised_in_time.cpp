@@ -20,7 +20,6 @@ namespace {
 constexpr int max_roadmaps = 3;
 constexpr std::uint64_t max_checks = 20'000'000;       // for a robot
 constexpr std::uint64_t checks_for_earlier = 500'000;  // for all of them
-constexpr double share_to_prove = 0.2;                 // of the time that is left when the robots are begun with
 
 }  // namespace
 
@@ -65,9 +64,6 @@ const RobotPath& PrioritisedInTime::path_of(std::size_t i) {
 // --- plans
 
 std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions& at_once) {
-  const double left = deadline_.remaining(),
-               to_prove = std::max(statistics_.verification_time_s, share_to_prove * left);
-  const Deadline improve_until(std::max(left - to_prove, 0.0), [&] { return deadline_.cancelled(); });
   std::vector<std::size_t> order(problem_.robots.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::set<std::vector<std::size_t>> tried;
@@ -75,8 +71,7 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
     Motions found;
     const auto stuck = std::find_if_not(order.begin(), order.end(), [&](std::size_t i) {
       std::uint64_t checks = max_checks;
-      return plan_one(i, at_once,
-                      {std::numeric_limits<double>::infinity(), max_roadmaps, checks, deadline_, improve_until}, found);
+      return plan_one(i, at_once, {std::numeric_limits<double>::infinity(), max_roadmaps, checks, deadline_}, found);
     });
     if (stuck == order.end()) return found;
     std::rotate(order.begin(), stuck, std::next(stuck));
@@ -84,13 +79,12 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
   return std::nullopt;
 }
 
-std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_earlier(const Motions& at_once, double before,
-                                                                          const Deadline& until) {
+std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_earlier(const Motions& at_once, double before) {
   std::uint64_t checks = checks_for_earlier;
   Motions found;
   try {
     for (std::size_t i = 0; i < problem_.robots.size(); ++i)
-      if (!plan_one(i, at_once, {before, 1, checks, until, until}, found)) return std::nullopt;
+      if (!plan_one(i, at_once, {before, 1, checks, deadline_}, found)) return std::nullopt;
   } catch (const PlanningError&) {
     return std::nullopt;  // no path of a robot alone was found, or not in time
   }
@@ -160,6 +154,7 @@ TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, cons
   task.parameterize = [this, &checker, &workspace = *workspaces_[i], limits = task.limits](const RowMatrix& rows) {
     TimingOptions timing = timing_options(common_, common_.blend_deviation);
     timing.reach = checker.reach();
+    timing.deadline = &deadline_;
     timing.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
       return checker.is_free(a, workspace) && checker.is_motion_free(a, b, workspace, {.start_is_free = true});
     };

@@ -30,7 +30,7 @@ class PrioritisedInTime {
   /// the others keep it. Throws PlanningError where a robot has no path even among what stands still.
   std::optional<Motions> plan(const Motions& at_once);
   /// Only if all arrive earlier than `before` [s], with a budget that is small next to that of a plan.
-  std::optional<Motions> plan_earlier(const Motions& at_once, double before, const Deadline& until);
+  std::optional<Motions> plan_earlier(const Motions& at_once, double before);
 
  private:
   bool plan_one(std::size_t i, const Motions& at_once, const TimedBudget& budget, Motions& done);

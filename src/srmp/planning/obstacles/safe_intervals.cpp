@@ -14,10 +14,12 @@ namespace srmp {
 
 SafeIntervals::SafeIntervals(const TimedTask& task, const Deadline& deadline, const SafeIntervalOptions& options)
     : task_(task), deadline_(deadline), options_(options), workspace_(task.checker.make_workspace()) {
+  task.checker.stop_at(deadline, *workspace_);
   for (const MovingRobot& other : task.other_robots)
     last_step_ = std::max(last_step_, static_cast<int>(std::ceil(end_of(*other.motion) / time_step)));
   for (const MovingRobot& other : task.other_robots) {
     pair_workspaces_.push_back(other.checker->make_workspace());
+    other.checker->stop_at(deadline, *pair_workspaces_.back());
     RowMatrix& rows = motions_.emplace_back(last_step_ + 1, other.motion->positions.cols());
     for (int step = 0; step <= last_step_; ++step)
       rows.row(step) = other.motion->sample(std::min(step * time_step, end_of(*other.motion))).transpose();

@@ -25,7 +25,8 @@ struct TimedTask {
   std::vector<Eigen::VectorXd> targets;   ///< free among all that is static; none: it may end anywhere
   std::vector<Eigen::VectorXd> path;      ///< free among all that is static, from start to a target; may be empty
   MotionLimits limits;                    ///< scaled
-  /// The time-optimal trajectory along waypoints (m, dof), stationary at both ends.
+  /// The time-optimal trajectory along waypoints (m, dof), stationary at both ends. Throws PlanningError once the
+  /// deadline has passed.
   std::function<Trajectory(const RowMatrix&)> parameterize;
 };
 

@@ -43,7 +43,10 @@ Trajectory delayed(const Trajectory& motion, double delay) {
 
 CollisionMonitor::CollisionMonitor(const std::vector<MovingRobot>& other_robots, const Deadline& deadline)
     : other_robots_(other_robots), deadline_(deadline) {
-  for (const MovingRobot& other : other_robots) workspaces_.push_back(other.exact_checker->make_workspace());
+  for (const MovingRobot& other : other_robots) {
+    workspaces_.push_back(other.exact_checker->make_workspace());
+    other.exact_checker->stop_at(deadline, *workspaces_.back());
+  }
 }
 
 Eigen::VectorXd CollisionMonitor::configuration_of_both(const Trajectory& motion, std::size_t other,
@@ -53,9 +56,23 @@ Eigen::VectorXd CollisionMonitor::configuration_of_both(const Trajectory& motion
       .transpose();
 }
 
+/// Once the deadline has passed, no contact is found any more; but nothing is proved either.
 bool CollisionMonitor::is_free(const Trajectory& motion, std::size_t other, double time) {
   ++checks_;
-  return other_robots_[other].exact_checker->is_free(configuration_of_both(motion, other, time), *workspaces_[other]);
+  try {
+    return other_robots_[other].exact_checker->is_free(configuration_of_both(motion, other, time), *workspaces_[other]);
+  } catch (const MotionCheckStopped&) {
+    return true;
+  }
+}
+
+std::vector<Contact> CollisionMonitor::contacts(const Trajectory& motion, std::size_t other, double time) {
+  try {
+    return other_robots_[other].exact_checker->contacts(configuration_of_both(motion, other, time),
+                                                        *workspaces_[other]);
+  } catch (const MotionCheckStopped&) {
+    return {};
+  }
 }
 
 /// When both robots have become stationary.
@@ -71,11 +88,10 @@ std::optional<CollisionInterval> CollisionMonitor::find_collision_at_samples(con
       const double time = from + i * time_step;
       if (is_free(motion, other, time)) continue;
       CollisionInterval found{time, time, other, {}, {}, true};
-      const Checker& exact = *other_robots_[other].exact_checker;
-      const auto contacts = exact.contacts(configuration_of_both(motion, other, time), *workspaces_[other]);
-      if (contacts.empty()) return found;
-      found.body_a = contacts.front().body_a;
-      found.body_b = contacts.front().body_b;
+      if (const std::vector<Contact> touching = contacts(motion, other, time); !touching.empty()) {
+        found.body_a = touching.front().body_a;
+        found.body_b = touching.front().body_b;
+      }
       return found;
     }
   }

@@ -65,6 +65,7 @@ class CollisionMonitor {
 
  private:
   bool is_free(const Trajectory& motion, std::size_t other, double time);
+  std::vector<Contact> contacts(const Trajectory& motion, std::size_t other, double time);
   Eigen::VectorXd configuration_of_both(const Trajectory& motion, std::size_t other, double time) const;
   double end(const Trajectory& motion, std::size_t other) const;
 

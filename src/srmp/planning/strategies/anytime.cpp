@@ -18,8 +18,7 @@ class Anytime {
         direct_(direct),
         options_(options),
         improvement_(improvement(context.options)),
-        until_(improvement_.time_of(context.deadline.remaining()),
-               [&context] { return context.deadline.cancelled(); }) {}
+        until_(context.deadline.within(improvement_.max_time())) {}
 
   void run(FoundPath first) {
     if (!best_.take(std::move(first), until_)) return;  // now with all the care that shortening can take

@@ -1,7 +1,5 @@
 #include "srmp/planning/strategies/path_alone.hpp"
 
-#include <algorithm>
-
 #include "srmp/planning/parallel_work.hpp"
 
 namespace srmp {
@@ -12,8 +10,7 @@ RobotPath find_path_alone(const PlanProblem& problem, const RobotProblem& task, 
   alone.common.recover_start = false;
   const PlannerOptions options = alone;
   PlanStatistics own;
-  const Deadline left(std::max(deadline.remaining(), 1e-6), [&] { return deadline.cancelled(); });
-  RobotContext context(problem, task, options, checker, left, own);
+  RobotContext context(problem, task, options, checker, deadline, own);
   const auto add = [&] {
     if (!own.note.empty()) own.note = "robot '" + task.robot + "': " + own.note;
     add_work(statistics, own);

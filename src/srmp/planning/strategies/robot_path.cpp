@@ -99,10 +99,19 @@ class PathSearch {
   double direct_{search::infinity};  // straight to the nearest goal: no path at all is shorter
 };
 
+RobotEndpoints endpoints_of(RobotContext& context) {
+  try {
+    return find_endpoints(context);
+  } catch (const MotionCheckStopped&) {
+    context.stop_if_late("the checks of start and goals");
+    throw;
+  }
+}
+
 }  // namespace
 
 RobotPath find_robot_path(RobotContext& context) {
-  RobotPath path{find_endpoints(context), {}};
+  RobotPath path{endpoints_of(context), {}};
   if (!path.endpoints.targets.empty()) path.waypoints = PathSearch(context, path.endpoints).run();
   context.checks.write(context.statistics);
   return path;
