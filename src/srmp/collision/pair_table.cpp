@@ -273,8 +273,9 @@ bool PairTable::never_collide() const {
 std::shared_ptr<const PairTables> PairTableStore::tables(const std::shared_ptr<const RobotModel>& model,
                                                          const std::vector<GeometryParts>& parts) {
   const std::lock_guard lock(mutex_);
+  std::erase_if(known_, [](const Known& known) { return known.model.expired(); });
   for (const Known& known : known_)
-    if (known.model == model) return known.tables;
+    if (known.model.lock() == model) return known.tables;
   const Sha256::Digest key = key_of(*model);
   std::optional<PairTables> tables;
   if (const auto bytes = read_cached(directory_, extension, key)) tables = from_bytes(*bytes, *model);

@@ -32,8 +32,8 @@ class PairTable {
 /// relative to each other have none.
 using PairTables = std::vector<PairTable>;
 
-/// Tables are computed once, kept in memory as long as the store lives, and in a directory for later runs. Threads
-/// share the store.
+/// Tables are computed once, kept in memory as long as the store and the robot live, and in a directory for later runs.
+/// Threads share the store.
 class PairTableStore {
  public:
   /// Keeps its files in `directory`; an empty path: no files.
@@ -45,7 +45,7 @@ class PairTableStore {
 
  private:
   struct Known {
-    std::shared_ptr<const RobotModel> model;  // keeps the address in use
+    std::weak_ptr<const RobotModel> model;
     std::shared_ptr<const PairTables> tables;
   };
   const std::filesystem::path directory_;

@@ -32,6 +32,11 @@ bool CoverStore::has_adopted(const coal::CollisionGeometry& shape) const {
   return adopted_.contains(&shape);
 }
 
+void CoverStore::forget_unused() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(adopted_, [](const auto& entry) { return entry.second.shape.use_count() == 1; });
+}
+
 CoverStore::Result CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {
   std::promise<Result> promise;
   Future known;

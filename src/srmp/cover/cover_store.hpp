@@ -27,6 +27,8 @@ class CoverStore {
   void adopt(std::shared_ptr<const coal::CollisionGeometry> shape, std::shared_ptr<const GeometryCover> cover);
   /// Has adopt been called for this geometry object?
   bool has_adopted(const coal::CollisionGeometry& shape) const;
+  /// Forgets the covers adopted for geometry objects that nobody else holds any more.
+  void forget_unused();
 
   /// Where a result comes from: an earlier call, a file, or a new computation.
   enum class Origin { memory, file, built };
