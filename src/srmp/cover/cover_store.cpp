@@ -19,7 +19,6 @@ std::shared_ptr<const GeometryCover> CoverStore::cover(const coal::CollisionGeom
 void CoverStore::adopt(const std::shared_ptr<const coal::CollisionGeometry>& shape,
                        std::shared_ptr<const GeometryCover> cover) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(adopted_, [](const auto& entry) { return entry.second.shape.expired(); });
   adopted_.insert_or_assign(shape.get(), Adopted{shape, std::move(cover)});
 }
 
@@ -40,6 +39,11 @@ std::optional<CoverStore::Result> CoverStore::find(const Sha256::Digest& key) {
   auto covers = read_covers(directory_, key);
   if (!covers) return std::nullopt;
   return get(key, [&] { return std::move(*covers); });
+}
+
+void CoverStore::forget_unused() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(adopted_, [](const auto& entry) { return entry.second.shape.expired(); });
 }
 
 CoverStore::Result CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {

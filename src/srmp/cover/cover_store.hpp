@@ -28,6 +28,8 @@ class CoverStore {
   void adopt(const std::shared_ptr<const coal::CollisionGeometry>& shape, std::shared_ptr<const GeometryCover> cover);
   /// The cover that was adopted last for this geometry object, or null.
   std::shared_ptr<const GeometryCover> adopted(const coal::CollisionGeometry& shape) const;
+  /// Forgets the covers adopted for geometry objects that have ended.
+  void forget_unused();
 
   /// Where a result comes from: an earlier call, a file, or a new computation.
   enum class Origin { memory, file, built };

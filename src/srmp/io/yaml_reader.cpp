@@ -1,11 +1,17 @@
 #include "srmp/io/yaml_reader.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
+#include "srmp/core/utf8.hpp"
 
 namespace srmp::io {
 
@@ -25,14 +31,52 @@ YAML::Node only_document(const std::string& path, const std::vector<YAML::Node>&
   return *found;
 }
 
-YAML::Node load(const std::string& path, const std::string& language) {
+std::string text_of(const std::string& path, const std::string& language) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) throw FileError(path + ": there is no such file");
   if (std::filesystem::is_directory(path, code)) throw FileError(path + ": this is a directory, not a file");
+  if (!std::filesystem::is_regular_file(path, code)) throw FileError(path + ": this is not a file");
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  if (!file) throw FileError(path + ": the file cannot be read");
+  std::string text = std::move(content).str();
+  if (const std::size_t bad = find_invalid_utf8(text); bad != std::string::npos)
+    throw FileError(
+        path + ":" +
+        std::to_string(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n') + 1) +
+        ": not valid " + language + ", a byte is not UTF-8");
+  return text;
+}
+
+/// Refuses what yaml-cpp 0.8 reads as endlessly many empty documents: closing brackets that nothing opened.
+class EndlessDocuments : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (mark.pos == last_) throw YAML::ParserException(mark, "a bracket is closed that was not opened");
+    last_ = mark.pos;
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int last_{-1};
+};
+
+YAML::Node load(const std::string& path, const std::string& language) {
+  const std::string text = text_of(path, language);
   try {
-    return only_document(path, YAML::LoadAllFromFile(path));
-  } catch (const YAML::BadFile&) {
-    throw FileError(path + ": the file cannot be read");
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    for (EndlessDocuments events; parser.HandleNextDocument(events);) {
+    }
+    return only_document(path, YAML::LoadAll(text));
   } catch (const YAML::Exception& error) {
     throw FileError(path + ":" + std::to_string(error.mark.line + 1) + ": not valid " + language + ", " + error.msg);
   }
@@ -47,7 +91,8 @@ std::string kind(const YAML::Node& node) {
 
 }  // namespace
 
-YamlFile::YamlFile(const std::string& path, const std::string& language) : path_(path), root_(load(path, language)) {}
+YamlFile::YamlFile(const std::string& path, const std::string& language)
+    : path_(path), root_(run_interruptibly([path, language] { return load(path, language); })) {}
 
 std::string YamlFile::where(const YAML::Node& node) const {
   if (!node.IsDefined() || node.Mark().is_null()) return path_;

@@ -4,10 +4,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/core/interruption.hpp"
+#include "srmp/core/interrupt.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/limit_check.hpp"
 
@@ -135,7 +136,8 @@ class Certifier {
   }
 
   void check_rows() {
-    const InterruptionScope scope([this] { stop_if_late(); });  // there may be millions of rows
+    std::optional<InterruptScope> scope;  // a few rows are checked at once, also after the limit
+    if (t_.positions.rows() > 1000) scope.emplace([this] { stop_if_late(); });
     check_limits(
         t_, limits_,
         {.joints = &robot_.joints(), .limits = options_.limits, .jerk = options_.jerk, .at_rest = options_.at_rest},
@@ -209,7 +211,7 @@ class Certifier {
     Eigen::Index at = 0;  // the motion follows the segments in their order
     std::array<Eigen::RowVectorXd, 4> points;
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
-      interruption_point();
+      poll_interrupt();
       bernstein(row, points);
       double smallest = off_segment(points, at);
       for (Eigen::Index next = at + 1; next < segments && smallest > 0.0; ++next) {
