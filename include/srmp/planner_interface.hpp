@@ -183,9 +183,10 @@ class PlannerInterface {
   /// continuous joints take the short way round. Conservative advancement (Schwarzer, Saha, Latombe 2004).
   bool is_motion_free(const std::string& robot, ConstVector a, ConstVector b) const;
   /// Distance of the nearest pair at q (dof,) [m]; negative is the depth of penetration; infinity when there is nothing
-  /// to collide with.
+  /// to collide with. The base and other links that no planned joint moves count too, unless they stand on the other
+  /// (within 10 µm).
   double distance_to_collision(const std::string& robot, ConstVector q) const;
-  /// The nearest pair at q (dof,); nullopt when there is nothing to collide with.
+  /// The pair of distance_to_collision; nullopt when there is nothing to collide with.
   std::optional<Contact> nearest(const std::string& robot, ConstVector q) const;
   /// A checker of the scene as it is now, for many queries; later changes of the scene do not reach it. The first use
   /// of a robot computes sphere covers of its links, which may take many seconds; later ones load them from the cache

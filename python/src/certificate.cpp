@@ -112,8 +112,10 @@ void bind_faults(nb::module_& m) {
 
 void bind_parts(nb::module_& m) {
   nb::class_<LimitUse> use(m, "LimitUse", "The largest fraction of a limit that is used over the whole motion.");
-  use.def_ro("fraction", &LimitUse::fraction,
-             "Of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end.")
+  use.def_ro(
+         "fraction", &LimitUse::fraction,
+         "Of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end. Jerks: inf\n"
+         "where the acceleration jumps (from and to rest too), as with TOPP-RA.")
       .def_ro("joint", &LimitUse::joint, "By which joint; '' = nothing moves, or there is no limit.")
       .def_ro("time", &LimitUse::time, "The time of it [s].")
       .def("__repr__", [](const LimitUse& u) {
@@ -226,7 +228,7 @@ void bind_certificate(nb::module_& m) {
       .def_ro("sampled", &Certificate::sampled,
               "SampledIntervals: parts that are not proved free; empty: all of the motion is.")
       .def_ro("deviation", &Certificate::deviation,
-              "[m]: no point of the robot leaves its path along the waypoints by more.")
+              "[m]: no point of the robot leaves its path along the waypoints by more; NaN: not known.")
       .def_ro("deviation_time", &Certificate::deviation_time, "The time of the largest deviation [s].")
       .def_ro("goal_error", &Certificate::goal_error,
               "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")

@@ -268,7 +268,9 @@ void bind_collision_checker(nb::module_& m) {
             const Eigen::VectorXd v = q.vector("q");
             return self.run([&](const Checker& c, Checker::Workspace& w) { return c.nearest(v, w); });
           },
-          nb::arg("q"), "The nearest pair at q (dof,) [rad or m] as a Contact, or None with nothing around.")
+          nb::arg("q"),
+          "The nearest pair at q (dof,) [rad or m] as a Contact, or None with nothing around. Pairs that never move\n"
+          "relative to each other count only while in collision; PlannerInterface.nearest sees the base too.")
       .def(
           "certify_motion",
           [](Self& self, const ArrayLike& a, const ArrayLike& b) {

@@ -163,7 +163,8 @@ continuous joints take the short way round. Conservative advancement (Schwarzer,
           },
           nb::arg("name"), nb::arg("q"),
           R"(Distance of the nearest pair at q (dof,) [m]; negative is the depth of penetration; inf when there is nothing to
-collide with.)")
+collide with. The base and other links that no planned joint moves count too, unless they stand on the other (within
+10 µm).)")
       .def(
           "nearest",
           [q_of](Self& self, const std::string& name, const ArrayLike& q) {
@@ -171,7 +172,7 @@ collide with.)")
             return self.use([&](auto& p) { return p.nearest(name, v); });
           },
           nb::arg("name"), nb::arg("q"),
-          "The nearest pair at q (dof,) as a Contact; None when there is nothing to collide with.")
+          "The pair of distance_to_collision at q (dof,) as a Contact; None when there is nothing to collide with.")
       .def(
           "collision_checker",
           [](Self& self, const std::string& name, const std::string& mode) {

@@ -99,9 +99,12 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           "verify",
           [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
              nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,
-             std::optional<double> max_deviation, double gap_tolerance) {
-            VerifyOptions options{
-                .limits = limits, .jerk = jerk, .max_deviation = max_deviation, .gap_tolerance = gap_tolerance};
+             std::optional<double> max_deviation, double gap_tolerance, bool at_rest) {
+            VerifyOptions options{.limits = limits,
+                                  .jerk = jerk,
+                                  .at_rest = at_rest,
+                                  .max_deviation = max_deviation,
+                                  .gap_tolerance = gap_tolerance};
             if (start) options.start = start->vector("start of '" + robot + "'");
             const std::vector<Goal> forms = goals.is_none() ? std::vector<Goal>{} : to_goals(goals);
             return self.use([&](const PlannerInterface& p) {
@@ -112,18 +115,20 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           },
           nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("limits") = nb::none(), nb::kw_only(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
-          nb::arg("gap_tolerance") = 0.5,
+          nb::arg("gap_tolerance") = 0.5, nb::arg("at_rest") = true,
           nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
                   "goals: " SRMP_GOALS " | None = None, "
                   "limits: MotionLimits | None = None, *, jerk: bool = False, max_deviation: float | None = None, "
-                  "gap_tolerance: float = 0.5) -> Certificate"),
+                  "gap_tolerance: float = 0.5, at_rest: bool = True) -> Certificate"),
           R"(A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
 nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and goals.
 Faults are reported, not raised.
 
 start: (dof,) [rad or m] where it should begin. goals: it should reach one of them. limits: default
 motion_limits(robot). jerk: verify the jerk limits too. max_deviation: [m] that it may leave its waypoints by.
-gap_tolerance: in (0, 1), relative gap tolerance of the clearance that is proved. The GIL is released.
+gap_tolerance: in (0, 1), how well the clearance is to be known: it is proved until (clearance - clearance_proved) /
+clearance is no more than this, within some hundred distances; what is proved free does not depend on it. at_rest: a
+velocity at the first or last row is a fault; False for a slice of a motion. The GIL is released.
 
 Raises InvalidArgument for an unknown robot and options out of range.)")
       .def(

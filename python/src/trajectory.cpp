@@ -227,20 +227,32 @@ Raises InvalidArgument for NaN, and for a path without times.)")
                   "numpy.typing.NDArray[numpy.float64]]"),
           R"(The state (position, velocity, acceleration, jerk) at time t [s], each as in sample [rad or m, /s, /s^2, /s^3];
 where one jumps: just after.)")
-      .def("resample", &Trajectory::resample, nb::arg("dt"),
-           R"(Rows at every multiple of dt [s] from the start that is not within 1 % of dt of the end, and at the end.
+      .def(
+          "resample",
+          [](const Trajectory& t, double dt, const std::optional<MotionLimits>& limits) {
+            return limits ? t.resample(dt, *limits) : t.resample(dt);
+          },
+          nb::arg("dt"), nb::arg("limits") = nb::none(),
+          R"(Rows at every multiple of dt [s] from the start that is not within 1 % of dt of the end, and at the end.
 
-Another motion, near this one: the polynomials through the new rows, without a certificate; they may exceed limits
-that this one obeys. Raises InvalidArgument unless dt > 0 and there are at most ten million rows.)")
+Another motion, near this one: the polynomials through the new rows. They may exceed limits that this one obeys; the
+certificate, if this one has one, then says so (it says nothing of collisions: PlannerInterface.verify does).
+
+With `limits`, rows are at multiples of dt and nowhere else, and the motion keeps these velocity and acceleration limits:
+it is as much slower as that takes, everywhere. Raises InvalidArgument unless dt > 0 and there are at most ten million
+rows, and for limits that are not of these joints.)")
       .def(
           "slice", &Trajectory::slice, nb::arg("from_time"), nb::arg("to_time"),
           R"(The same motion from one time to another [s], with its times; cut between rows where needed, but at a row that is
 within 1 µs.
 
-Its waypoints are its own rows and its certificate is gone, unless nothing was cut off. Raises InvalidArgument
-unless from_time < to_time and the two overlap the motion.)")
-      .def("followed_by", &Trajectory::followed_by, nb::arg("next"),
-           R"(This motion and then `next`, whose times are moved to follow; `a + b` is the same. It has no certificate.
+Its waypoints are its own rows. A certificate that holds is kept, for the scene it was made in: what was proved of the
+motion is proved of its parts, the use of limits is found anew; the clearance is what was proved of the whole motion
+unless its nearest place is in the part; deviation and goal_error are NaN. Raises InvalidArgument unless from_time < to_time and the two overlap the motion.)")
+      .def(
+          "followed_by", &Trajectory::followed_by, nb::arg("next"),
+          R"(This motion and then `next`, whose times are moved to follow; `a + b` is the same. Where both have certificates
+that hold, for the same limits, it has one: each motion's claims in the scene in which it was verified.
 
 Raises InvalidArgument unless joint names agree and `next` starts where this ends: positions within 1e-9, velocities
 within 1e-6.)")

@@ -28,6 +28,7 @@ def verify(
     jerk: bool = False,
     max_deviation: float | None = None,
     gap_tolerance: float = 0.5,
+    at_rest: bool = True,
     package_dirs: Sequence[str] = (),
 ) -> srmp.Certificate:
     """A Certificate of any trajectory, whoever planned it: PlannerInterface.verify, which explains the arguments.
@@ -58,6 +59,7 @@ def verify(
         jerk=jerk,
         max_deviation=max_deviation,
         gap_tolerance=gap_tolerance,
+        at_rest=at_rest,
     )
 
 

@@ -150,7 +150,9 @@ def test_clearance_is_the_nearest_pair(arm):
     q = random_states(arm, "arm", 50)
     clearance = checker.clearance(q)
     for row, distance in zip(q, clearance, strict=True):
-        assert distance == checker.nearest(row).distance == arm.distance_to_collision("arm", row)
+        assert distance == checker.nearest(row).distance
+        with_base = arm.distance_to_collision("arm", row)  # which is 1 mm above the table
+        assert with_base == (distance if distance < 0.0009 else pytest.approx(0.001, abs=2e-6))
     np.testing.assert_array_equal(clearance > 0, checker.are_free(q))
 
 

@@ -143,7 +143,11 @@ NAMED = [
     (moving_at_the_end, "not_at_rest: arm7_joint5: the velocity is -0.001 at the end; it should be 0"),
 ]
 WITH_OPTIONS = [
-    (jerk, ("--jerk",), "jerk_limit: arm7_joint7: the jerk reaches {number} at {between}; its limit is"),
+    (
+        jerk,
+        ("--jerk",),
+        "jerk_limit: arm7_joint7: the acceleration jumps at {between}, where the jerk is unbounded; its limit is",
+    ),
     (a_detour, ("--max-deviation", 0.01), r"deviation: the motion leaves its checked path by {number} m at {number} s"),
 ]
 

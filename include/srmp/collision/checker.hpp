@@ -71,6 +71,11 @@ struct CheckStatistics {
   std::uint64_t narrow_phase{};        ///< pairs that Coal decided
 };
 
+/// The one with the smaller distance.
+inline std::optional<Contact> nearer(std::optional<Contact> a, std::optional<Contact> b) {
+  return !a || (b && b->distance < a->distance) ? b : a;
+}
+
 /// Proof that a motion is free, or a contact on it, or the first part of it that could not be proved.
 struct MotionCertificate {
   bool proved{};               ///< the whole motion is proved free
@@ -197,8 +202,13 @@ class Checker {
   /// is named once.
   std::vector<Contact> contacts(ConstVector q, Workspace& workspace) const;
   /// The nearest pair (padding counts as part of a body); nullopt when the robot has nothing to collide with. Pairs
-  /// that never move relative to each other count only while in collision.
+  /// that never move relative to each other count only while in collision; see nearest_fixed().
   std::optional<Contact> nearest(ConstVector q, Workspace& workspace) const;
+  /// The nearest pair of a link that no planned joint moves (or what it holds) and an object or another robot, wherever
+  /// the joints stand: the base above the floor. Without padding. Two that stand on each other, within
+  /// touching_tolerance, do not count; nullopt when there are no others. Backends may leave this to its default,
+  /// nullopt.
+  std::optional<Contact> nearest_fixed() const { return do_nearest_fixed(); }
 
   /// From now on is_motion_free throws MotionCheckStopped where a motion takes long and the deadline has passed.
   /// (Bodies that slide past each other within micrometres take tenths of a second.) The deadline must outlive the
@@ -225,6 +235,8 @@ class Checker {
   virtual std::vector<Contact> do_contacts(ConstVector q, Workspace& workspace) const = 0;
   virtual std::optional<Contact> do_nearest(ConstVector q, Workspace& workspace) const = 0;
 
+  /// Default: nullopt.
+  virtual std::optional<Contact> do_nearest_fixed() const;
   /// Default: a Workspace without scratch memory.
   virtual WorkspacePtr do_make_workspace() const;
   /// Default: do_is_free, row by row.

@@ -40,6 +40,7 @@ struct PlanStatistics {
   double verification_time_s{};                ///< [s] certificate
   std::uint64_t expansions{};                  ///< states expanded
   std::uint64_t generated{};                   ///< successors generated
+  std::uint64_t samples{};                     ///< configurations that RRT-Connect drew: it expands no states
   std::uint64_t edge_checks{};                 ///< motions checked, shortcut included; the sum of the next four
   std::uint64_t edges_free_by_spheres{};       ///< decided by spheres alone
   std::uint64_t edges_colliding_by_spheres{};  ///< decided by spheres alone

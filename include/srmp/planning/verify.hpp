@@ -17,8 +17,11 @@ struct VerifyOptions {
   std::vector<GoalConstraint> goals{};     ///< it should reach one of them; none: it may end anywhere
   std::optional<MotionLimits> limits{};    ///< none: PlannerInterface::motion_limits
   bool jerk{false};                        ///< verify the jerk limits too
+  bool at_rest{true};                      ///< a velocity at the ends is a fault; false: it may be a slice in motion
   std::optional<double> max_deviation{};   ///< [m] that it may leave its waypoints by, to 1e-9; none: any
-  double gap_tolerance{0.5};               ///< in (0, 1): relative gap tolerance of the clearance that is proved
+  /// In (0, 1): the clearance is proved until (clearance - clearance_proved) / clearance is no more than this, within
+  /// some hundred distances. What is proved free does not depend on it.
+  double gap_tolerance{0.5};
 };
 
 /// What trajectories of many robots are verified against, besides the scene and each other.

@@ -37,8 +37,10 @@ struct Fault {
 
 /// The largest fraction of a limit that is used over the whole motion: from extrema of the polynomials, not of samples.
 struct LimitUse {
-  double
-      fraction{};  ///< of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end
+  /// Of the limit; 1 = all of it. Positions: of the distance from the middle of the range to its end. Jerks: infinity
+  /// where the acceleration jumps (from and to rest too), as with TOPP-RA: by more than 0.1 % of its limit, and by more
+  /// than the jerk limit allows in 0.4 ms.
+  double fraction{};
   std::string joint;  ///< by which joint; "" = nothing moves, or there is no limit
   double time{};      ///< [s]
   bool operator==(const LimitUse&) const = default;
@@ -67,7 +69,7 @@ struct Certificate {
   double clearance_proved{};   ///< [m] no two bodies come nearer than this, also between samples
   std::vector<SampledInterval> sampled;  ///< parts that are not proved free; empty: all of the motion is
 
-  double deviation{};       ///< [m]: no point of the robot leaves its path along `waypoints` by more
+  double deviation{};       ///< [m]: no point of the robot leaves its path along `waypoints` by more; NaN: not known
   double deviation_time{};  ///< [s]
   double goal_error{std::numeric_limits<double>::quiet_NaN()};  ///< joints: rad or m, the worst joint; poses: m, rad
                                                                 ///< over tolerance; NaN: no goal was given

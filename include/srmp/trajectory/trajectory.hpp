@@ -72,14 +72,22 @@ struct Trajectory {
   RowMatrix jerks() const;
 
   /// Rows at every multiple of dt [s] from the start that is not within 1 % of dt of the end, and at the end. Another
-  /// motion, near this one: the polynomials through the new rows; they may exceed limits that this one obeys. Throws
-  /// InvalidArgument unless dt > 0 and there are at most ten million rows.
+  /// motion, near this one: the polynomials through the new rows; they may exceed limits that this one obeys. If this
+  /// one has a certificate, that of the result says which limits it uses and exceeds; collisions are not checked.
+  /// Throws InvalidArgument unless dt > 0 and there are at most ten million rows.
   Trajectory resample(double dt) const;
+  /// Rows at multiples of dt [s] from the start, and nowhere else: a motion that keeps the velocity and acceleration
+  /// limits (to 1e-9), because it is as much slower as that takes, everywhere. Throws as resample(dt), and for limits
+  /// that are not of these joints or not above 0.
+  Trajectory resample(double dt, const MotionLimits& limits) const;
   /// The same motion from time `from` to `to` [s], with its times; cut between rows where needed, but at a row that is
-  /// within 1 µs. Its waypoints are its own rows (those of a path have no times to cut at) and its certificate is gone,
-  /// unless nothing was cut off. Throws InvalidArgument unless from < to and the two overlap the motion.
+  /// within 1 µs. Its waypoints are its own rows (those of a path have no times to cut at). A certificate that holds is
+  /// kept, for the scene it was made in: what was proved of the motion is proved of its parts, the use of limits is
+  /// found anew; the clearance is what was proved of the whole motion unless its nearest place is in the part;
+  /// deviation and goal_error are NaN. Throws InvalidArgument unless from < to and the two overlap the motion.
   Trajectory slice(double from, double to) const;
-  /// This motion and then `next`, whose times are moved to follow. It has no certificate. Throws InvalidArgument unless
+  /// This motion and then `next`, whose times are moved to follow. Where both have certificates that hold, for the same
+  /// limits, it has one: each motion's claims in the scene in which it was verified. Throws InvalidArgument unless
   /// joint names agree and `next` starts where this ends: positions within 1e-9, velocities within 1e-6.
   Trajectory followed_by(const Trajectory& next) const;
 

@@ -28,6 +28,7 @@ Body link_body(const RobotInstance& instance, std::size_t index) {
           instance.parts[index],
           instance.fields[index],
           bounds,
+          core_of(*geometry.shape, bounds),
           instance.padding,
           -1,
           0,
@@ -38,12 +39,14 @@ Body link_body(const RobotInstance& instance, std::size_t index) {
 }
 
 Body object_body(const Object& object, BodyKind kind) {
+  const Bounds bounds = bounds_of(*object.geometry);
   return {object.name,
           kind,
           object.geometry,
           object.parts,
           object.field,
-          bounds_of(*object.geometry),
+          bounds,
+          core_of(*object.geometry, bounds),
           object.padding,
           -1,
           0,
@@ -263,6 +266,7 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
     const auto pose = [&](bool is_fixed, std::size_t i) {
       return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
     };
+    if (a_fixed && b_fixed && a.robot != b.robot) fixed_pairs.emplace_back(index_a, index_b);
     const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
     const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
     if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;

@@ -25,6 +25,7 @@ struct Body {
   GeometryParts parts;
   std::shared_ptr<const DistanceField> field;  // of an object, or of a link that no planned joint moves
   Bounds bounds;
+  Core core;
   double padding{};
   int robot{-1};            // of the group: whose link it is, or whose link holds it; -1: none of them
   std::uint64_t support{};  // actuated joints of the group that move it
@@ -83,6 +84,8 @@ struct Bodies {
   std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
   std::vector<std::uint32_t> moving_pairs;  // pairs of two moving bodies
   std::vector<RigidOverlap> overlaps;
+  /// Fixed bodies of the planned robot, and others that they may not touch; without those that overlap.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> fixed_pairs;
   BoxBvh tree;  // over the boxes around fixed
   double max_fixed_padding{};
   FormulaTable formulas;

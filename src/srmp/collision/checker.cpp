@@ -209,6 +209,8 @@ void Checker::stop_at(const Deadline& deadline, Workspace& workspace) const {
 
 // --- what a backend need not override
 
+std::optional<Contact> Checker::do_nearest_fixed() const { return std::nullopt; }
+
 Checker::WorkspacePtr Checker::do_make_workspace() const { return std::make_unique<Workspace>(); }
 
 void Checker::do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery&) const {

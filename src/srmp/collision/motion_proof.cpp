@@ -20,6 +20,7 @@ constexpr double rough_distance =
     0.3;                              // of an interval's motion: smaller distances are not refined, it is halved anyway
 constexpr int max_levels = 3;         // of halving at once
 constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
+constexpr int max_sharpening = 256;   // distances to bring the proved clearance near the one that was found
 constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
 
 /// Rows from, ..., to of a motion; or, of the segment between two rows, the part from u to v of [0, 1].
@@ -27,6 +28,14 @@ struct Interval {
   Eigen::Index from{}, to{};
   double u{0.0}, v{1.0};
   bool in_one_segment() const { return to == from + 1; }
+  std::pair<Interval, Interval> halves() const {
+    Interval left = *this, right = *this;
+    if (in_one_segment())
+      left.v = right.u = (u + v) / 2.0;
+    else
+      left.to = right.from = (from + to) / 2;
+    return {left, right};
+  }
 };
 
 /// The segments' Bernstein coefficients: each joint stays between the smallest and the largest of them.
@@ -125,7 +134,8 @@ class Segments {
   std::vector<RowMatrix> low_, high_;  // [level](block, joint)
 };
 
-/// Branch and bound over the time of one motion.
+/// Branch and bound over the time of one motion: first until the motion is proved free, by whatever clearance; then,
+/// where least is proved, until the clearance is known well enough.
 class Prover {
  public:
   Prover(const SceneModel& model, const CubicMotion& motion, SceneWorkspace& workspace, const ProofOptions& options)
@@ -133,7 +143,7 @@ class Prover {
         motion_(motion),
         segments_(motion),
         workspace_(workspace),
-        gap_tolerance_(options.gap_tolerance),
+        fraction_(1.0 - options.gap_tolerance),
         deadline_(options.deadline) {
     const auto dof = motion.positions.cols();
     middle_.resize(dof);
@@ -149,17 +159,38 @@ class Prover {
     std::uint32_t pair;
     int levels;  // of halving before it is worth another check
   };
+  /// A pair that is proved to keep a clearance of `bound` over an interval.
+  struct Proved {
+    double bound;
+    Interval interval;
+    std::uint32_t pair;
+    bool measured;  // by its distance in the middle: only halves can improve the bound
+    bool operator<(const Proved& other) const { return bound > other.bound; }  // in a heap, the least on top
+  };
+  /// What the distance of a pair in the middle of an interval says of all of it.
+  struct Check {
+    CollisionStatus status;
+    double bound{};  // free: a clearance that the pair keeps over the interval
+    bool measured{true};
+    double room{};  // undecided: shorter intervals are proved free where their motion is no more than this
+  };
 
-  void find_nearest_at(Eigen::Index row);
+  bool stopped() const { return deadline_ && deadline_->stop_requested(); }
+  void place_at(const Interval& interval);
+  void find_nearest_at(Eigen::Index row, double enough);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
-  CollisionStatus check(Open& open, bool& finest);
-  CollisionStatus subdivide_for(Open& open, double distance, double motion, bool finest) const;
+  bool sharpen();
+  Check check(const Pair& pair, double motion, double wanted);
+  Check measure(const Pair& pair, double motion, double wanted);
+  static int levels_for(double room, double motion) {
+    return std::clamp(static_cast<int>(std::log2(motion / std::max(room, 0.1 * motion))), 0, max_levels);
+  }
   double approach(const Pair& pair);
   /// The clearance that is to be proved of every pair.
-  double goal() const { return gap_tolerance_ > 0.0 ? gap_tolerance_ * clearance_ : 0.0; }
-  CollisionStatus note_clearance(double at_least);
-  CollisionStatus note_distance(const Pair& pair, double distance);
+  double goal() const { return fraction_ > 0.0 ? fraction_ * clearance_ : 0.0; }
+  void note_proved(const Proved& proved);
+  bool note_distance(const Pair& pair, double distance);
   void leave_unproved(const Interval& interval, std::uint32_t pair);
   bool refine_nearest();
   MotionProof report(bool free) const;
@@ -172,7 +203,7 @@ class Prover {
   const CubicMotion& motion_;
   Segments segments_;
   SceneWorkspace& workspace_;
-  double gap_tolerance_;
+  double fraction_;  // of the clearance that is to be proved
   const Deadline* deadline_;
   double clearance_{infinity};  // the smallest distance found, less padding
   const Pair* nearest_{};
@@ -184,13 +215,14 @@ class Prover {
   std::vector<double> change_;
   std::vector<double> body_motion_;  // by moving body, in the current interval; -1: not known yet
   double time_{};
-  std::vector<Open> open_;  // a stack: those of the current interval on top
+  std::vector<Open> open_;          // a stack: those of the current interval on top
+  std::vector<Proved> to_sharpen_;  // a heap: less than the goal is proved of these
   std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
 
-/// Notes that the pair has this distance at the current configuration.
-CollisionStatus Prover::note_distance(const Pair& pair, double distance) {
+/// Notes that the pair has this distance at the current configuration; false: it is in contact.
+bool Prover::note_distance(const Pair& pair, double distance) {
   const double clearance = distance - pair.padding;
   if (clearance < clearance_) {
     clearance_ = clearance;
@@ -198,17 +230,22 @@ CollisionStatus Prover::note_distance(const Pair& pair, double distance) {
     nearest_time_ = time_;
     nearest_configuration_ = middle_;
   }
-  return clearance <= NarrowPhase::contact_distance ? CollisionStatus::colliding : CollisionStatus::undecided;
+  return clearance > NarrowPhase::contact_distance;
 }
 
-/// Notes that a pair is proved to keep this clearance over the current interval.
-CollisionStatus Prover::note_clearance(double at_least) {
-  proved_ = std::min(proved_, std::max(0.0, at_least));
-  return CollisionStatus::free;
+/// Keeps what is less than the goal, for sharpen().
+void Prover::note_proved(const Proved& proved) {
+  if (proved.bound >= goal()) {
+    proved_ = std::min(proved_, proved.bound);
+    return;
+  }
+  to_sharpen_.push_back(proved);
+  std::push_heap(to_sharpen_.begin(), to_sharpen_.end());
 }
 
-/// Finds the nearest pair at a row, so that pairs farther away need no distance later.
-void Prover::find_nearest_at(Eigen::Index row) {
+/// Finds a pair that is about the nearest at a row, so that pairs farther away need no distance later. `enough`: any
+/// distance of two primitives of a pair that is no more than this will do for the pair's.
+void Prover::find_nearest_at(Eigen::Index row, double enough) {
   time_ = motion_.times[row];
   middle_ = motion_.positions.row(row).transpose();
   workspace_.place(middle_);
@@ -224,7 +261,7 @@ void Prover::find_nearest_at(Eigen::Index row) {
     const Pair& pair = model_.bodies.pairs[i];
     const double margin = clearance_ + pair.padding;
     if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
-    const double found = workspace_.distance(pair, margin, 0.0);
+    const double found = workspace_.distance(pair, margin, enough);
     if (found < infinity) note_distance(pair, found);
   }
 }
@@ -237,42 +274,46 @@ double Prover::approach(const Pair& pair) {
   return known;
 }
 
-/// The interval is to be halved until its motion and the goal together are no more than the distance.
-CollisionStatus Prover::subdivide_for(Open& open, double distance, double motion, bool finest) const {
-  if (finest) return CollisionStatus::undecided;
-  const double room = std::max(distance - model_.bodies.pairs[open.pair].padding - goal(), 0.1 * motion);
-  open.levels = std::clamp(static_cast<int>(std::log2(motion / room)), 0, max_levels);
-  return CollisionStatus::undecided;
+void Prover::place_at(const Interval& interval) {
+  ++samples_;
+  segments_.range(interval, middle_, time_, change_);
+  workspace_.place_in_range(middle_, change_);
+  std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
 }
 
-/// Checks a pair over the interval around the current configuration.
-CollisionStatus Prover::check(Open& open, bool& finest) {
-  const Pair& pair = model_.bodies.pairs[open.pair];
-  const double motion = approach(pair), goal = this->goal();
-  const double margin = pair.padding + motion + goal + NarrowPhase::tolerance;
-  const double bound = workspace_.distance_bound(pair);
-  finest = motion < Checker::motion_floor;
-  if (bound > margin) return note_clearance(bound - pair.padding - motion - NarrowPhase::tolerance);
-  if (!finest && motion + goal > workspace_.likely_max_distance(pair, bound)) {  // no distance could prove it
-    if (bound > pair.padding || !workspace_.in_contact(pair, false))
-      return subdivide_for(open, bound + motion / 2.0, motion, finest);
-    return note_distance(pair, pair.padding);
-  }
+/// Checks a pair over the interval around the current configuration. A clearance of `wanted` will do, though distances
+/// are computed as far as the goal.
+Prover::Check Prover::check(const Pair& pair, double motion, double wanted) {
+  const double bound = workspace_.distance_bound(pair), left = bound - pair.padding - motion - NarrowPhase::tolerance;
+  if (left > wanted) return {CollisionStatus::free, left, false};
+  if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
+    return measure(pair, motion, wanted);
+  // No distance could prove it.
+  if (bound > pair.padding || !workspace_.in_contact(pair, false))
+    return {CollisionStatus::undecided, 0.0, false, bound + motion / 2.0 - pair.padding};
+  note_distance(pair, pair.padding);
+  return {CollisionStatus::colliding};
+}
+
+/// The same by distances: of hulls, and of the pair itself where those are too near.
+Prover::Check Prover::measure(const Pair& pair, double motion, double wanted) {
+  const bool finest = motion < Checker::motion_floor;
+  const double least = pair.padding + motion + NarrowPhase::tolerance, margin = least + goal();
   if (!pair.solid) {
-    const double hulls = workspace_.hull_distance(pair, margin, margin - 0.9 * motion);
-    if (hulls == infinity) return note_clearance(goal);
+    const double suffices = least + wanted - 0.9 * motion, hulls = workspace_.hull_distance(pair, margin, suffices);
+    if (hulls == infinity) return {CollisionStatus::free, goal()};
+    if (hulls > least + wanted) return {CollisionStatus::free, hulls - least, false};
     // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.
-    if (!finest && hulls > margin - 0.9 * motion) return subdivide_for(open, hulls, motion, finest);
+    if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - wanted};
   }
   const double touching = pair.padding + NarrowPhase::contact_distance;
   double found = workspace_.distance(pair, margin, pair.padding + rough_distance * motion);
-  if (found == infinity) return note_clearance(goal);
+  if (found == infinity) return {CollisionStatus::free, goal()};
   if (finest && found > touching && !pair.solid) found = workspace_.distance(pair, margin, touching);
-  if (note_distance(pair, found) == CollisionStatus::colliding) return CollisionStatus::colliding;
+  if (!note_distance(pair, found)) return {CollisionStatus::colliding};
   // What passes is the pair's distance: one that is only of two of its primitives is less than the motion.
-  const double left = found - pair.padding - motion - NarrowPhase::tolerance;
-  if (left > (finest ? 0.0 : this->goal())) return note_clearance(left);
-  return subdivide_for(open, found, motion, finest);
+  if (found > least) return {CollisionStatus::free, found - least};
+  return {CollisionStatus::undecided, 0.0, true, found - pair.padding};
 }
 
 void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
@@ -288,32 +329,29 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  if (samples_ >= max_samples || (deadline_ && deadline_->stop_requested())) {
+  if (samples_ >= max_samples || stopped()) {
     for (std::size_t i = first; i < first + count; ++i) leave_unproved(interval, open_[i].pair);
     return true;
   }
   const auto due = [](const Open& open) { return open.levels == 0; };
   const auto begin = open_.begin() + static_cast<std::ptrdiff_t>(first);
-  if (std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due)) {
-    ++samples_;
-    segments_.range(interval, middle_, time_, change_);
-    workspace_.place_in_range(middle_, change_);
-    std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
-  }
+  if (std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due)) place_at(interval);
   const std::size_t kept = open_.size();
   for (std::size_t i = first; i < first + count; ++i) {
-    Open open = open_[i];
-    if (open.levels > 0) {
-      open_.push_back({open.pair, open.levels - 1});
+    const auto [pair, levels] = open_[i];
+    if (levels > 0) {
+      open_.push_back({pair, levels - 1});
       continue;
     }
-    bool finest = false;
-    const CollisionStatus status = check(open, finest);
-    if (status == CollisionStatus::colliding) return false;
-    if (status == CollisionStatus::undecided && finest)
-      leave_unproved(interval, open.pair);
-    else if (status == CollisionStatus::undecided)
-      open_.push_back(open);
+    const double motion = approach(model_.bodies.pairs[pair]);
+    const Check found = check(model_.bodies.pairs[pair], motion, 0.0);
+    if (found.status == CollisionStatus::colliding) return false;
+    if (found.status == CollisionStatus::free)
+      note_proved({found.bound, interval, pair, found.measured});
+    else if (motion < Checker::motion_floor)
+      leave_unproved(interval, pair);
+    else
+      open_.push_back({pair, levels_for(found.room, motion)});
   }
   const std::size_t still_open = open_.size() - kept;
   if (still_open > 0 && !prove_halves(interval, kept, still_open)) return false;
@@ -322,17 +360,40 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
 }
 
 bool Prover::prove_halves(const Interval& interval, std::size_t first, std::size_t count) {
-  Interval left = interval, right = interval;
-  if (interval.in_one_segment())
-    left.v = right.u = (interval.u + interval.v) / 2.0;
-  else
-    left.to = right.from = (interval.from + interval.to) / 2;
+  const auto [left, right] = interval.halves();
   return prove(left, first, count) && prove(right, first, count);
+}
+
+/// Raises the clearance that is proved, where it is least, until the goal is reached or enough distances are computed.
+/// False at a contact.
+bool Prover::sharpen() {
+  int distances = 0;
+  while (!to_sharpen_.empty() && to_sharpen_.front().bound < goal() && distances < max_sharpening && !stopped()) {
+    std::pop_heap(to_sharpen_.begin(), to_sharpen_.end());
+    Proved least = to_sharpen_.back();
+    to_sharpen_.pop_back();
+    if (least.measured) {
+      const auto [left, right] = least.interval.halves();
+      for (const Interval& half : {left, right}) note_proved({least.bound, half, least.pair, false});
+      continue;
+    }
+    ++distances;
+    place_at(least.interval);
+    const Pair& pair = model_.bodies.pairs[least.pair];
+    const double motion = approach(pair);
+    const Check found = check(pair, motion, goal());
+    if (found.status == CollisionStatus::colliding) return false;
+    note_proved({std::max(least.bound, found.bound), least.interval, least.pair, true});
+    if (motion < Checker::motion_floor) break;
+  }
+  if (!to_sharpen_.empty()) proved_ = std::min(proved_, to_sharpen_.front().bound);
+  return true;
 }
 
 /// The distance noted of the nearest pair may have been that of any two near primitives: computes the pair's own.
 /// False: they are in contact.
 bool Prover::refine_nearest() {
+  if (!nearest_ || nearest_->solid) return clearance_ > NarrowPhase::contact_distance;
   workspace_.place(nearest_configuration_);
   const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
   clearance_ = std::min(clearance_, found);
@@ -344,16 +405,15 @@ MotionProof Prover::run() {
   std::uint64_t active = 0;
   for (std::size_t k = 0; k < model_.group.actuated_joints().size(); ++k) active |= std::uint64_t{1} << k;
   workspace_.start_any_motion(active);
-  if (gap_tolerance_ > 0.0 || last == 0)
-    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) find_nearest_at(row);
-  bool free = clearance_ > NarrowPhase::contact_distance;
+  if (fraction_ > 0.0 || last == 0)
+    for (const Eigen::Index row : {last / 2, Eigen::Index{0}, last}) find_nearest_at(row, last == 0 ? 0.0 : infinity);
+  bool free = refine_nearest();
   if (free && last > 0) {
     open_.clear();
     for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) open_.push_back({i, 0});
-    free = prove({0, last}, 0, model_.bodies.pairs.size());
+    free = prove({0, last}, 0, model_.bodies.pairs.size()) && (!unproved_.empty() || sharpen());
   }
-  if (free && nearest_ && !nearest_->solid) free = refine_nearest();
-  return report(free);
+  return report(free && refine_nearest());
 }
 
 MotionProof Prover::report(bool free) const {
@@ -408,9 +468,9 @@ void require_motion(const CubicMotion& motion, std::size_t dof) {
 MotionProof prove_motion(const Checker& checker, const CubicMotion& motion, Checker::Workspace& workspace,
                          const ProofOptions& options) {
   require_motion(motion, checker.dof());
-  if (!(options.gap_tolerance >= 0.0 && options.gap_tolerance < 1.0))
+  if (!(options.gap_tolerance > 0.0 && options.gap_tolerance <= 1.0))
     throw InvalidArgument("motion proof: gap_tolerance is " + to_text(options.gap_tolerance) +
-                          "; it must be in [0, 1)");
+                          "; it must be in (0, 1]");
   checker.require_own(workspace);
   auto* scene_workspace = dynamic_cast<SceneWorkspace*>(&workspace);
   if (!scene_workspace)

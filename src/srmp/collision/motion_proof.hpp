@@ -40,8 +40,10 @@ struct MotionProof {
 };
 
 struct ProofOptions {
-  /// The proof goes on until `proved` is at least this fraction of `clearance`, or within 25 µm of it, in [0, 1). 0:
-  /// until the motion is proved free; `clearance` and `proved` then have no meaning.
+  /// Relative gap tolerance of the clearance, in (0, 1]. It says how well the clearance is to be known, and nothing
+  /// about what is proved free: once all of the motion is, `proved` is raised until (clearance - proved) / clearance is
+  /// no more than this, or the two are within 25 µm, or 256 more distances are computed. 1: not at all; `clearance` and
+  /// `proved` are then true, but may be far apart.
   double gap_tolerance{0.5};
   const Deadline* deadline{};  ///< once it passes, all that is open goes to `unproved`; null: none
 };
@@ -50,10 +52,11 @@ struct ProofOptions {
 ///
 /// Branch and bound over time, each pair of bodies by itself: a distance of Coal's at a configuration, less what the
 /// two can approach each other anywhere in an interval around it (from the range of the polynomials' Bernstein
-/// coefficients and the kinematic tree), bounds their distance all through it; intervals where that is not enough are
+/// coefficients and the kinematic tree), bounds their distance all through it; intervals where that is not above 0 are
 /// halved (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004).
 /// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`, and so does all that is open
-/// when time is up, or after 200 000 configurations.
+/// when time is up, or after 200 000 configurations. Where nothing is left open, the bounds are raised, the least first
+/// (best-first branch and bound), as far as ProofOptions::gap_tolerance asks.
 ///
 /// With a checker of CheckMode::coal, no pair was left out because of a table either. The result depends on the
 /// arguments alone. Stops at the first contact. Throws InvalidArgument for no rows, sizes that do not match

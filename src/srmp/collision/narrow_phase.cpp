@@ -73,6 +73,13 @@ Bounds bounds_of(const coal::CollisionGeometry& geometry) {
   return bounds;
 }
 
+Core core_of(const coal::CollisionGeometry& geometry, const Bounds& bounds) {
+  const coal::NODE_TYPE type = bounds.center.isZero(0.0) ? geometry.getNodeType() : coal::BV_UNKNOWN;
+  if (type == coal::GEOM_SPHERE) return {Eigen::Vector3d::Zero(), 0.0};
+  if (type == coal::GEOM_CAPSULE) return {{0.0, 0.0, static_cast<const coal::Capsule&>(geometry).halfLength}, 0.0};
+  return {Eigen::Vector3d::Zero(), bounds.radius};
+}
+
 bool is_convex_solid(const coal::CollisionGeometry& geometry) { return geometry.getObjectType() == coal::OT_GEOM; }
 
 FormulaTable::FormulaTable() : known_(std::size_t{coal::NODE_COUNT} * coal::NODE_COUNT, not_known) {}
@@ -273,6 +280,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
   PrimitiveShape shape(tree);
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
+  const double size = solid.bounds.box_half.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
@@ -282,7 +290,9 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
     if (next.squared_distance_bound > limit * limit) continue;
     const PrimitiveBvh::Node& node = tree.nodes()[next.a];
     if (node.size == 0) {
-      if (fills_its_box_badly && solid_to_node(solid, node, to_tree, limit) == infinity) continue;
+      if (fills_its_box_badly && node.half.squaredNorm() < size &&
+          solid_to_node(solid, node, to_tree, limit) == infinity)
+        continue;
       push_nearer_last({bound_to(next.a + 1), next.a + 1, 0}, {bound_to(node.right), node.right, 0}, limit);
       continue;
     }

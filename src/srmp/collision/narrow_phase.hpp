@@ -23,6 +23,15 @@ struct Bounds {
 };
 Bounds bounds_of(const coal::CollisionGeometry& geometry);
 
+/// A geometry is all that is within some distance of its core, so that its distances change by no more than the core
+/// moves: of a sphere the center, which turning does not move; of a capsule its axis; of others all of it. A core is
+/// given as all that is within `radius` of a segment through the bounding sphere's center.
+struct Core {
+  Eigen::Vector3d half;  ///< of the segment, in the geometry's frame
+  double radius{};
+};
+Core core_of(const coal::CollisionGeometry& geometry, const Bounds& bounds);
+
 /// Is it one convex solid, whose distance GJK computes? A mesh or an octree is many primitives.
 bool is_convex_solid(const coal::CollisionGeometry& geometry);
 

@@ -95,7 +95,7 @@ MotionCertificate SceneChecker::do_certify_motion(ConstVector a, ConstVector b, 
   }
   const Eigen::VectorXd times = Eigen::Vector2d(0.0, 1.0);
   const MotionProof proof =
-      prove_motion(*this, {times, ends, RowMatrix(0, a.size())}, workspace, {.gap_tolerance = 0.0});
+      prove_motion(*this, {times, ends, RowMatrix(0, a.size())}, workspace, {.gap_tolerance = 1.0});
   if (!proof.free) return {false, proof.time, proof.time, proof.body_a, proof.body_b};
   if (proof.unproved.empty()) return {true, 0.0, 0.0, "", ""};
   const MotionProof::Part& part = proof.unproved.front();
@@ -145,6 +145,24 @@ std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& worksp
   if (!pair) return std::nullopt;
   const Proximity found = NarrowPhase::distance(scene.placed(false, pair->a), scene.placed(pair->b_fixed, pair->b));
   return scene.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
+}
+
+std::optional<Contact> SceneChecker::do_nearest_fixed() const {
+  const Bodies& bodies = model_.bodies;
+  const auto workspace = std::make_unique<SceneWorkspace>(model_);
+  const auto bound = [&](const auto& pair) {  // from bounding spheres, so that most pairs need no distance
+    const detail::FixedBody &a = bodies.fixed[pair.first], &b = bodies.fixed[pair.second];
+    return (a.center - b.center).norm() - a.bounds.radius - b.bounds.radius;
+  };
+  std::optional<Contact> nearest;
+  for (const auto& pair : bodies.fixed_pairs) {
+    if (nearest && bound(pair) >= nearest->distance) continue;
+    const Proximity found =
+        NarrowPhase::distance(workspace->placed(true, pair.first), workspace->placed(true, pair.second));
+    if (found.distance > touching_tolerance && (!nearest || found.distance < nearest->distance))
+      nearest = workspace->contact(bodies.fixed[pair.first], bodies.fixed[pair.second], found, 0.0);
+  }
+  return nearest;
 }
 
 std::unique_ptr<const Checker> make_checker(const Scene& scene, const std::string& robot,

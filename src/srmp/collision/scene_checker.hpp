@@ -24,6 +24,7 @@ class SceneChecker final : public Checker {
   MotionCertificate do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const override;
   std::vector<Contact> do_contacts(ConstVector q, Workspace& workspace) const override;
   std::optional<Contact> do_nearest(ConstVector q, Workspace& workspace) const override;
+  std::optional<Contact> do_nearest_fixed() const override;
 
   detail::SceneModel model_;
 };

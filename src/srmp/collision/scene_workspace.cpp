@@ -204,13 +204,19 @@ void SceneWorkspace::place_with_axes(ConstVector q) {
   std::fill(reach_known_.begin(), reach_known_.end(), 0);
 }
 
-/// The farthest that a point of the body may be from the joint's axis, here.
+/// The farthest that a point of the body's core may be from the joint's axis, here.
 double SceneWorkspace::axis_reach(std::size_t body, std::size_t actuated) {
   const std::size_t actuated_joints = speed_.size();
   double* reach = reach_.data() + body * actuated_joints;
   if (!reach_known_[body]) {
-    for (std::size_t k : active_list_)
-      reach[k] = (centers_[body] - axes_[k].first).cross(axes_[k].second).norm() + bodies_.moving[body].bounds.radius;
+    const Core& core = bodies_.moving[body].core;
+    const Eigen::Vector3d half = poses_[body].linear() * core.half;
+    for (std::size_t k : active_list_) {
+      const Eigen::Vector3d center = centers_[body] - axes_[k].first;
+      const auto from_axis = [&](const Eigen::Vector3d& point) { return point.cross(axes_[k].second).norm(); };
+      reach[k] = half.isZero(0.0) ? from_axis(center) : std::max(from_axis(center + half), from_axis(center - half));
+      reach[k] += core.radius;
+    }
     reach_known_[body] = 1;
   }
   return reach[actuated];

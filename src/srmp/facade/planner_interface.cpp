@@ -413,7 +413,7 @@ bool PlannerInterface::is_motion_free(const std::string& robot, ConstVector a, C
 std::optional<Contact> PlannerInterface::nearest(const std::string& robot, ConstVector q) const {
   const Checker& checker = impl_->checker(robot);
   impl_->require_state(robot, q);
-  return checker.nearest(q, *checker.make_workspace());
+  return nearer(checker.nearest(q, *checker.make_workspace()), checker.nearest_fixed());
 }
 
 double PlannerInterface::distance_to_collision(const std::string& robot, ConstVector q) const {

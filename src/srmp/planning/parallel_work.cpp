@@ -15,6 +15,7 @@ void add_work(PlanStatistics& sum, const PlanStatistics& part) {
   sum.verification_time_s += part.verification_time_s;
   sum.expansions += part.expansions;
   sum.generated += part.generated;
+  sum.samples += part.samples;
   sum.edge_checks += part.edge_checks;
   sum.edges_free_by_spheres += part.edges_free_by_spheres;
   sum.edges_colliding_by_spheres += part.edges_colliding_by_spheres;

@@ -31,8 +31,9 @@ void RobotContext::stop_if_late(const std::string& phase) const {
                         "the time limit of " + to_text(common.time_limit) + " s passed during " + phase);
 }
 
-std::string RobotContext::no_path_sentence(const search::Result& result, const std::string& no_path) const {
-  const std::string work = std::to_string(result.statistics.expansions) + " states expanded, " +
+std::string RobotContext::no_path_sentence(const search::Result& result, const std::string& no_path,
+                                           const std::string& expanded) const {
+  const std::string work = std::to_string(result.statistics.expansions) + " " + expanded + ", " +
                            std::to_string(result.statistics.evaluations) + " edges checked";
   switch (result.status) {
     case Status::exhausted:

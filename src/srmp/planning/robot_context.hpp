@@ -25,7 +25,8 @@ struct RobotContext {
   void stop_if_late(const std::string& phase) const;
   /// Why a search that is not solved has no path. `no_path` begins the sentence for an exhausted search, as in "the
   /// lattice holds no".
-  std::string no_path_sentence(const search::Result& result, const std::string& no_path) const;
+  std::string no_path_sentence(const search::Result& result, const std::string& no_path,
+                               const std::string& expanded = "states expanded") const;
   /// Adds to the statistics.
   void count(const search::Statistics& work);
   /// Joint-space length [rad, prismatic joints m].

@@ -22,6 +22,7 @@ void for_each_field(Statistics& s, F&& f) {
   f("verification_time_s", s.verification_time_s);
   f("expansions", s.expansions);
   f("generated", s.generated);
+  f("samples", s.samples);
   f("edge_checks", s.edge_checks);
   f("edges_free_by_spheres", s.edges_free_by_spheres);
   f("edges_colliding_by_spheres", s.edges_colliding_by_spheres);

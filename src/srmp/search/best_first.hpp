@@ -31,7 +31,7 @@ inline constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
 struct BestFirstResult {
   Status status{Status::exhausted};  ///< solved, exhausted, timed_out (also when a budget is used up) or cancelled
   NodeId goal{no_node};              ///< of the node that solved it; no_node otherwise
-  std::uint64_t expansions{};        ///< nodes that came to be expanded, one refused by may_expand among them
+  std::uint64_t expansions{};        ///< nodes expanded
 };
 
 /// What a problem tells BestFirstSearch<Node, Key>; it may add nodes to the search in is_valid() and expand().
@@ -100,9 +100,9 @@ class BestFirstSearch {
         result.goal = id;
         return ended(Status::solved);
       }
-      ++result.expansions;
       if constexpr (requires { problem.may_expand(result.expansions); })
-        if (!problem.may_expand(result.expansions)) return ended(Status::timed_out);
+        if (!problem.may_expand(result.expansions + 1)) return ended(Status::timed_out);
+      ++result.expansions;
       problem.expand(id);
     }
   }

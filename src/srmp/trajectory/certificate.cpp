@@ -1,6 +1,7 @@
 #include "srmp/trajectory/certificate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace srmp {
@@ -14,12 +15,16 @@ std::string number(double value, double scale = 1.0) {
 }
 
 std::string line(const char* what, const LimitUse& use) {
+  if (std::isinf(use.fraction))
+    return std::string(what) + "unbounded (" + use.joint + " at " + number(use.time) + " s)";
   std::string text = std::string(what) + number(use.fraction, 100.0) + " % of the limit";
   return use.joint.empty() ? text : text + " (" + use.joint + " at " + number(use.time) + " s)";
 }
 
 std::string clearance_text(const Certificate& c) {
   if (!c.collisions_checked) return "not checked";
+  if (c.body_a.empty() && std::isfinite(c.clearance))
+    return "at least " + number(c.clearance, 1e3) + " mm, as proved of the motion that this is a part of";
   if (c.body_a.empty()) return "nothing to collide with";
   return number(c.clearance, 1e3) + " mm, " + c.body_a + " and " + c.body_b + " at " + number(c.clearance_time) +
          " s; proved at least " + number(c.clearance_proved, 1e3) + " mm";
@@ -69,7 +74,8 @@ std::string Certificate::report() const {
   text += line("jerks          ", jerk) + "\n";
   text += "clearance      " + clearance_text(*this) + "\n";
   text += "proved free    " + free_text(*this) + "\n";
-  text += "deviation      " + number(deviation, 1e3) + " mm from the checked path\n";
+  text += "deviation      " +
+          (std::isnan(deviation) ? "not known" : number(deviation, 1e3) + " mm from the checked path") + "\n";
   return text;
 }
 

@@ -8,24 +8,14 @@
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/trajectory/cubic.hpp"
+#include "srmp/trajectory/limit_check.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double limit_tolerance = 1e-6;  // of a limit
-constexpr double largest = 1e100;         // beyond it, squares overflow
-constexpr double min_half_range = 1e-9;   // [rad or m] of a joint whose two limits are the same
-constexpr double rest_tolerance = 1e-6;   // [rad/s or m/s]
-
-/// Where a joint uses the largest fraction of a limit, and the value there.
-struct Worst {
-  double fraction{}, value{}, time{};
-  Eigen::Index row{};
-  void update(double new_fraction, double new_value, double new_time, Eigen::Index new_row) {
-    if (new_fraction > fraction) *this = {new_fraction, new_value, new_time, new_row};
-  }
-};
+constexpr double largest = 1e100;        // beyond it, squares overflow
+constexpr double rest_tolerance = 1e-6;  // [rad/s or m/s]
 
 /// Checks that this is a trajectory of the robot and that its polynomials are finite.
 class FormatCheck {
@@ -68,6 +58,11 @@ class FormatCheck {
                                          std::to_string(rows.cols()) + "), not (" + std::to_string(n) + ", " +
                                          std::to_string(dof) + ")");
     };
+    if (t_.waypoints.rows() > 0 && t_.waypoints.cols() != dof)
+      return fault(FaultKind::shape,
+                   "waypoints have " + std::to_string(t_.waypoints.cols()) + " columns, not " + std::to_string(dof));
+    if (t_.accelerations.rows() > 0 && t_.velocities.rows() == 0)
+      return fault(FaultKind::shape, "there are accelerations, but no velocities");
     return fits(t_.positions, "positions", true) && fits(t_.velocities, "velocities", false) &&
            fits(t_.accelerations, "accelerations", false);
   }
@@ -78,6 +73,9 @@ class FormatCheck {
       if (!std::isfinite(t_.times[i]) || !finite(t_.positions) || !finite(t_.velocities) || !finite(t_.accelerations))
         return fault(FaultKind::not_finite, "row " + std::to_string(i) + " holds NaN or infinity");
     }
+    for (Eigen::Index i = 0; i < t_.waypoints.rows(); ++i)
+      if (!t_.waypoints.row(i).allFinite())
+        return fault(FaultKind::not_finite, "waypoint " + std::to_string(i) + " holds NaN or infinity");
     return true;
   }
 
@@ -125,7 +123,10 @@ class Certifier {
       result_.faults.push_back(*why);
       return std::move(result_);
     }
-    check_limits();
+    check_limits(
+        t_, limits_,
+        {.joints = &robot_.joints(), .limits = options_.limits, .jerk = options_.jerk, .at_rest = options_.at_rest},
+        result_);
     check_ends_at_rest();
     check_deviation();
     if (options_.collisions) check_collisions();
@@ -135,94 +136,6 @@ class Certifier {
  private:
   void fault(FaultKind kind, const std::string& text, double time = std::numeric_limits<double>::quiet_NaN()) {
     result_.faults.push_back({kind, text, time});
-  }
-
-  // --- limits
-
-  void check_limits() {
-    for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) check_limits_of(j);
-  }
-
-  /// Of one joint, over the whole motion.
-  struct Use {
-    Worst position, velocity, acceleration, jerk;
-  };
-
-  void check_limits_of(Eigen::Index j) {
-    const Joint& joint = robot_.joints()[static_cast<std::size_t>(j)];
-    const double middle = (joint.lower + joint.upper) / 2.0;
-    const double half = std::max((joint.upper - joint.lower) / 2.0, min_half_range);
-    const bool bounded = std::isfinite(half);
-    Use use;
-    const auto at = [&](double q, double time, Eigen::Index row) {
-      if (bounded) use.position.update(std::abs(q - middle) / half, q, time, row);
-    };
-    for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
-    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic p = detail::segment_of(t_, row, j);
-      if (t_.velocities.rows() > 0)
-        for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
-      update_derivatives(p, j, row, use);
-    }
-    if (t_.velocities.rows() == 0) check_jumps(j, use.acceleration);
-    note(result_.position, use.position, joint.name);
-    note(result_.velocity, use.velocity, joint.name);
-    note(result_.acceleration, use.acceleration, joint.name);
-    note(result_.jerk, use.jerk, joint.name);
-    const double tolerance = bounded ? std::max(limit_tolerance, limit_tolerance / half) : 0.0;
-    if (use.position.fraction > 1.0 + tolerance)
-      fault(FaultKind::position_limit,
-            joint.name + ": the position is " + to_text(use.position.value) + " at " +
-                time_text(use.position.time, use.position.row) + "; its limits are [" + to_text(joint.lower) + ", " +
-                to_text(joint.upper) + "]",
-            use.position.time);
-    if (!options_.limits) return;
-    check_limit(FaultKind::velocity_limit, "velocity", joint.name, use.velocity, limits_.velocity[j]);
-    check_limit(FaultKind::acceleration_limit, "acceleration", joint.name, use.acceleration, limits_.acceleration[j]);
-    if (options_.jerk) check_limit(FaultKind::jerk_limit, "jerk", joint.name, use.jerk, limits_.jerk[j]);
-  }
-
-  void update_derivatives(const detail::Cubic& p, Eigen::Index j, Eigen::Index row, Use& use) const {
-    const double begin = t_.times[row], h = p.h;
-    // Positions are rounded, so a difference of order k is known to about this over h^k.
-    const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
-    const auto update = [&](Worst& worst, double value, double u, double unknown, double limit) {
-      worst.update(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
-    };
-    for (const double u : {0.0, p.velocity_extremum(), h})
-      update(use.velocity, p.velocity(u), u, 2 * rounding / h, limits_.velocity[j]);
-    if (t_.velocities.rows() == 0) return;  // straight segments: jumps of the velocity are no accelerations
-    for (const double u : {0.0, h})
-      update(use.acceleration, p.acceleration(u), u, 12 * rounding / h / h, limits_.acceleration[j]);
-    update(use.jerk, p.jerk(), 0.0, 36 * rounding / h / h / h, limits_.jerk[j]);
-  }
-
-  /// Without velocities the motion is straight between rows: the velocity jumps there, as if within half of the time to
-  /// the rows on both sides.
-  void check_jumps(Eigen::Index j, Worst& worst) const {
-    for (Eigen::Index row = 1; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic before = detail::segment_of(t_, row - 1, j), after = detail::segment_of(t_, row, j);
-      const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
-      worst.update(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
-    }
-  }
-
-  static void note(LimitUse& use, const Worst& worst, const std::string& joint) {
-    if (worst.fraction > use.fraction) use = {worst.fraction, joint, worst.time};
-  }
-
-  std::string time_text(double time, Eigen::Index row) const {
-    const std::string at = to_text(time) + " s (";
-    if (row + 1 == t_.positions.rows()) return at + "row " + std::to_string(row) + ", the last)";
-    return at + "between rows " + std::to_string(row) + " and " + std::to_string(row + 1) + ")";
-  }
-
-  void check_limit(FaultKind kind, const char* what, const std::string& joint, const Worst& worst, double limit) {
-    if (worst.fraction <= 1.0 + limit_tolerance) return;
-    fault(kind,
-          joint + ": the " + what + " reaches " + to_text(worst.value) + " at " + time_text(worst.time, worst.row) +
-              "; its limit is " + to_text(limit),
-          worst.time);
   }
 
   void check_ends_at_rest() {

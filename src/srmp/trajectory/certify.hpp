@@ -16,7 +16,7 @@ struct CertifyOptions {
   bool collisions{true};  ///< check for collisions
   /// [s] what comes before is not checked for collisions: the recovery from a start in collision.
   double free_from{-std::numeric_limits<double>::infinity()};
-  double gap_tolerance{0.5};   ///< of the clearance proved: ProofOptions::gap_tolerance, above 0
+  double gap_tolerance{0.5};   ///< of the clearance proved: ProofOptions::gap_tolerance, in (0, 1)
   bool at_rest{true};          ///< a velocity at the ends is a fault
   const Deadline* deadline{};  ///< once it passes, what is not proved yet goes to Certificate::sampled; null: none
 };

@@ -10,7 +10,8 @@ namespace srmp::detail {
 
 namespace {
 
-constexpr double min_phase = 1e-3;  // of the duration
+constexpr double min_phase = 1e-3;   // of the duration,
+constexpr double sure_phase = 1e-4;  // [s] but no more than this: the acceleration would jump
 
 double smallest_ratio(const Eigen::VectorXd& limit, const Eigen::VectorXd& displacement) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -49,12 +50,12 @@ Knots time_with_ruckig(const PathSegment& segment, const MotionLimits& limits, d
   // The jerk is constant between these times: a cubic each. The shortest phases go into those before them; times are
   // sums, so their length would be lost in rounding.
   const ruckig::Profile phases = profile.get_profiles()[0][0];
-  const double duration = profile.get_duration();
+  const double duration = profile.get_duration(), shortest = std::min(min_phase * duration, sure_phase / scale);
   std::vector<double> ends{0.0};
   double end = 0.0;
   const auto add = [&](double phase) {
     end += phase;
-    if (end > ends.back() + min_phase * duration) ends.push_back(end);
+    if (end > ends.back() + shortest) ends.push_back(end);
   };
   if (phases.brake.duration > 0.0)
     for (double t : phases.brake.t) add(t);

@@ -214,6 +214,11 @@ double BatchModel::body_error(const BatchBody& body) const {
   return position_error[node] + rotation_error[node] * far + 12 * kUnit * (node_reach[node] + far);
 }
 
+/// The motion of a sphere is that of its center.
+bool BatchModel::is_sphere(const BatchBody& body) {
+  return body.exact && body.coarse.size() == 1 && body.coarse.front().center == body.bound.center;
+}
+
 void BatchModel::add_bodies() {
   for (const BatchBody& body : world.bodies) {
     batch::KernelBody kernel{};
@@ -223,7 +228,7 @@ void BatchModel::add_bodies() {
     stage_count += kernel.depth;
     const batch::KernelSphere bound = kernel_sphere(body.bound);
     kernel.x = bound.x, kernel.y = bound.y, kernel.z = bound.z, kernel.radius = bound.radius;
-    kernel.reach_radius = above(body.bound.radius + 2 * body_error(body));
+    kernel.reach_radius = above((is_sphere(body) ? 0.0 : body.bound.radius) + 2 * body_error(body));
     kernel.padding = above(body.padding);
     kernel.exact = body.exact;
     kernel.capacity = body.hollow ? above(2 * body.bound.radius + 1e-3) : 0.0f;

@@ -51,6 +51,7 @@ struct BatchModel {
   void add_self_pairs();
   void add_reach();
   double body_error(const BatchBody& body) const;
+  static bool is_sphere(const BatchBody& body);
   bool reachable(const BatchBody& body, const BatchObstacle& obstacle) const;
 };
 

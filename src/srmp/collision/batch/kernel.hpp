@@ -32,7 +32,7 @@ struct KernelBody {
   int first_stage;  // row of its margins in the scratch memory; depth rows
   float x, y, z;    // sphere around all, in the node's frame
   float radius;
-  float reach_radius;         // the same, for motion bounds: float error included
+  float reach_radius;         // of the core (0: a sphere), for motion bounds: float error included
   float padding;              // kept clear of obstacles
   int first_sphere, spheres;  // coarse
   int first_inner, inners;    // spheres inside

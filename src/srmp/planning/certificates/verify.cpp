@@ -87,8 +87,9 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
     throw InvalidArgument("max_deviation is " + to_text(*options.max_deviation) + "; it must be 0 m or above");
   const RobotModel& robot = checker.robot();
   if (options.start) robot.require_configuration(*options.start, "start of '" + robot.name() + "'");
-  Certificate certificate = certify(trajectory, checker, options.limits.value_or(limits),
-                                    {.jerk = options.jerk, .gap_tolerance = options.gap_tolerance});
+  Certificate certificate =
+      certify(trajectory, checker, options.limits.value_or(limits),
+              {.jerk = options.jerk, .gap_tolerance = options.gap_tolerance, .at_rest = options.at_rest});
   if (unreadable(trajectory, robot)) return certificate;
   if (options.start) check_start(trajectory, robot, *options.start, certificate);
   if (!options.goals.empty()) check_goal(trajectory, checker, options.goals, certificate);

@@ -105,7 +105,7 @@ class PlanAround {
   void require_start(Pair& pair) {
     const Trajectory &here = waiting_.at(pair.robot), &motion = obstacles_.at(pair.other);
     const auto stands_on_it = [&](const Trajectory& at, const std::string& does) -> std::optional<PlanningError> {
-      const MotionProof proof = prove_collision_free(*pair.its.front().exact_checker, here, at, {.gap_tolerance = 0.0});
+      const MotionProof proof = prove_collision_free(*pair.its.front().exact_checker, here, at, {.gap_tolerance = 1.0});
       if (proof.free) return std::nullopt;
       return PlanningError(Status::start_invalid,
                            "the committed motion of '" + pair.other + "' " + does + " '" + pair.robot +

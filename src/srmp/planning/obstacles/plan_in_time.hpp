@@ -32,8 +32,8 @@ struct PlanInTimeOptions {
   /// Rounds of improvements over all moves, and the gain [s; rad, prismatic joints m] below which there is none.
   int max_rounds{4};
   double min_gain{1e-6};
-  /// Relative gap at which the proof of a move among static obstacles stops, in [0, 1).
-  double gap_tolerance{0.01};
+  /// CertifyOptions::gap_tolerance of a move among static obstacles: it has to be free, its clearance does not matter.
+  double gap_tolerance{0.99};
 };
 
 /// A motion of one robot among others whose motions are known: moves, stationary at both ends, with waits between them,

@@ -85,7 +85,7 @@ std::optional<CollisionInterval> CollisionMonitor::find_collision_at_samples(con
 std::optional<CollisionInterval> CollisionMonitor::prove(const Trajectory& motion) {
   for (std::size_t other = 0; other < other_robots_.size(); ++other) {
     const auto& [checker, exact_checker, joints_first, other_motion] = other_robots_[other];
-    const ProofOptions options{.gap_tolerance = 0.0, .deadline = &deadline_};
+    const ProofOptions options{.gap_tolerance = 1.0, .deadline = &deadline_};
     checks_ += checks_per_proof;
     const MotionProof proof = joints_first ? prove_collision_free(*exact_checker, *other_motion, motion, options)
                                            : prove_collision_free(*exact_checker, motion, *other_motion, options);

@@ -53,7 +53,7 @@ JointPath GroupPlanner::replan(const JointPath& known, std::uint64_t seed, const
   const CompositeSpace space(world_, known.robots);
   search::RrtConnect trees(rrt_space(space), seed);
   const auto rows = trees.grow(replan_.attempts, deadline);
-  statistics.expansions += trees.attempts();
+  statistics.samples += trees.attempts();
   statistics.memory_bytes = std::max<std::uint64_t>(statistics.memory_bytes, trees.memory());
   if (!rows) return known;
   JointPath path = shortened(space.path(*rows), world_, deadline);

@@ -84,7 +84,7 @@ Attempt CompositeRrtStrategy::attempt(const AttemptBudget& budget, const Deadlin
   const std::uint64_t seed = (growth(budget) - 1) << 16;  // none of those that GroupPlanner::replan takes
   search::RrtConnect trees(rrt_space(space_), seed);
   const auto rows = trees.grow(budgets.rrt_attempts * growth(budget), deadline);
-  statistics_.expansions += trees.attempts();
+  statistics_.samples += trees.attempts();
   note_memory(statistics_, trees.memory());
   if (!rows) return {};
   JointPath path = space_.path(*rows);

@@ -17,7 +17,7 @@ RrtConnectStrategy::RrtConnectStrategy(RobotContext& context, const RobotEndpoin
       trees_(space()) {}
 
 RrtConnectStrategy::~RrtConnectStrategy() {
-  context_.statistics.expansions += trees_.attempts();
+  context_.statistics.samples += trees_.attempts();
   context_.statistics.memory_bytes += trees_.memory();
 }
 
@@ -47,7 +47,8 @@ bool RrtConnectStrategy::has_budget() const {
 Attempt RrtConnectStrategy::not_found(const Deadline& deadline) const {
   Attempt result{.status = deadline.cancelled() ? Status::cancelled : Status::timed_out, .lower = direct_};
   if (budget_.alone && deadline.stop_requested())
-    result.reason = context_.no_path_sentence({.status = result.status, .statistics = work()}, "");
+    result.reason =
+        context_.no_path_sentence({.status = result.status, .statistics = work()}, "", "configurations sampled");
   return result;
 }
 

@@ -1,0 +1,174 @@
+#include "srmp/trajectory/limit_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "srmp/core/error.hpp"
+#include "srmp/trajectory/cubic.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double limit_tolerance = 1e-6;  // of a limit
+constexpr double min_half_range = 1e-9;   // [rad or m] of a joint whose two limits are the same
+constexpr double jump_tolerance = 1e-3;   // of the acceleration limit: smaller jumps of the acceleration are none,
+constexpr double jump_time = 4e-4;        // [s] nor are those that the jerk limit allows in this time
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Where a joint uses the largest fraction of a limit, and the value there.
+struct Worst {
+  double fraction{}, value{}, time{};
+  Eigen::Index row{};
+  void update(double new_fraction, double new_value, double new_time, Eigen::Index new_row) {
+    if (new_fraction > fraction) *this = {new_fraction, new_value, new_time, new_row};
+  }
+};
+
+class LimitCheck {
+ public:
+  LimitCheck(const Trajectory& trajectory, const MotionLimits& limits, const LimitCheckOptions& options,
+             Certificate& result)
+      : t_(trajectory), limits_(limits), options_(options), result_(result) {}
+
+  void run() {
+    for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) check_limits_of(j);
+  }
+
+ private:
+  void fault(FaultKind kind, const std::string& text, double time) { result_.faults.push_back({kind, text, time}); }
+
+  /// Of one joint, over the whole motion.
+  struct Use {
+    Worst position, velocity, acceleration, jerk;
+  };
+
+  void check_limits_of(Eigen::Index j) {
+    const std::string& joint = t_.joint_names[static_cast<std::size_t>(j)];
+    Use use;
+    if (options_.joints) check_position((*options_.joints)[static_cast<std::size_t>(j)], j, use.position);
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
+      update_derivatives(detail::segment_of(t_, row, j), j, row, use);
+    if (t_.velocities.rows() == 0)
+      check_jumps(j, use);
+    else
+      check_acceleration_jumps(j, use.jerk);
+    note(result_.velocity, use.velocity, joint);
+    note(result_.acceleration, use.acceleration, joint);
+    note(result_.jerk, use.jerk, joint);
+    if (!options_.limits) return;
+    check_limit(FaultKind::velocity_limit, "velocity", joint, use.velocity, limits_.velocity[j]);
+    check_limit(FaultKind::acceleration_limit, "acceleration", joint, use.acceleration, limits_.acceleration[j]);
+    if (options_.jerk && std::isinf(use.jerk.fraction))
+      fault(FaultKind::jerk_limit,
+            joint + ": the " + (t_.velocities.rows() > 0 ? "acceleration" : "velocity") + " jumps at " +
+                time_text(use.jerk.time, use.jerk.row) + ", where the jerk is unbounded; its limit is " +
+                to_text(limits_.jerk[j]),
+            use.jerk.time);
+    else if (options_.jerk)
+      check_limit(FaultKind::jerk_limit, "jerk", joint, use.jerk, limits_.jerk[j]);
+  }
+
+  void check_position(const Joint& joint, Eigen::Index j, Worst& worst) {
+    const double middle = (joint.lower + joint.upper) / 2.0;
+    const double half = std::max((joint.upper - joint.lower) / 2.0, min_half_range);
+    if (!std::isfinite(half)) return;
+    const auto at = [&](double q, double time, Eigen::Index row) {
+      worst.update(std::abs(q - middle) / half, q, time, row);
+    };
+    for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows() && t_.velocities.rows() > 0; ++row) {
+      const detail::Cubic p = detail::segment_of(t_, row, j);
+      for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
+    }
+    note(result_.position, worst, joint.name);
+    if (worst.fraction > 1.0 + std::max(limit_tolerance, limit_tolerance / half))
+      fault(FaultKind::position_limit,
+            joint.name + ": the position is " + to_text(worst.value) + " at " + time_text(worst.time, worst.row) +
+                "; its limits are [" + to_text(joint.lower) + ", " + to_text(joint.upper) + "]",
+            worst.time);
+  }
+
+  /// Positions are rounded, so a difference of order k is known to about this over h^k.
+  static double rounding_of(const detail::Cubic& p) {
+    return std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
+  }
+
+  void update_derivatives(const detail::Cubic& p, Eigen::Index j, Eigen::Index row, Use& use) const {
+    const double begin = t_.times[row], h = p.h, rounding = rounding_of(p);
+    const auto update = [&](Worst& worst, double value, double u, double unknown, double limit) {
+      worst.update(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
+    };
+    for (const double u : {0.0, p.velocity_extremum(), h})
+      update(use.velocity, p.velocity(u), u, 2 * rounding / h, limits_.velocity[j]);
+    if (t_.velocities.rows() == 0) return;  // straight segments: jumps of the velocity are no accelerations
+    for (const double u : {0.0, h})
+      update(use.acceleration, p.acceleration(u), u, 12 * rounding / h / h, limits_.acceleration[j]);
+    update(use.jerk, p.jerk(), 0.0, 36 * rounding / h / h / h, limits_.jerk[j]);
+  }
+
+  /// Without velocities the motion is straight between rows: the velocity jumps there, as if within half of the time to
+  /// the rows on both sides. The jerk has no bound there.
+  void check_jumps(Eigen::Index j, Use& use) const {
+    for (Eigen::Index row = 1; row + 1 < t_.positions.rows(); ++row) {
+      const detail::Cubic before = detail::segment_of(t_, row - 1, j), after = detail::segment_of(t_, row, j);
+      const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
+      use.acceleration.update(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
+      if (std::abs(jump) > allowed_jump(j)) use.jerk.update(infinity, jump, t_.times[row], row);
+    }
+  }
+
+  double allowed_jump(Eigen::Index j) const {
+    return std::max(jump_tolerance * limits_.acceleration[j], jump_time * limits_.jerk[j]);
+  }
+
+  /// Where the acceleration jumps, the jerk has no bound. It jumps between rows' polynomials, and at the ends if the
+  /// robot is at rest before and after.
+  void check_acceleration_jumps(Eigen::Index j, Worst& jerk) const {
+    double before = 0.0, unknown_before = 0.0;
+    const Eigen::Index last = t_.positions.rows() - 1;
+    for (Eigen::Index row = 0; row <= last && last > 0; ++row) {
+      const detail::Cubic p = detail::segment_of(t_, std::min(row, last - 1), j);
+      const double unknown = 12 * rounding_of(p) / p.h / p.h, after = row < last ? p.acceleration(0.0) : 0.0;
+      const bool inside = row > 0 && row < last;
+      const double jump = std::max(0.0, std::abs(after - before) - unknown - unknown_before);
+      if ((inside || options_.at_rest) && jump > allowed_jump(j))
+        jerk.update(infinity, after - before, t_.times[row], row);
+      before = p.acceleration(p.h);
+      unknown_before = unknown;
+    }
+  }
+
+  static void note(LimitUse& use, const Worst& worst, const std::string& joint) {
+    if (worst.fraction > use.fraction) use = {worst.fraction, joint, worst.time};
+  }
+
+  std::string time_text(double time, Eigen::Index row) const {
+    const std::string at = to_text(time) + " s (";
+    if (row + 1 == t_.positions.rows()) return at + "row " + std::to_string(row) + ", the last)";
+    return at + "between rows " + std::to_string(row) + " and " + std::to_string(row + 1) + ")";
+  }
+
+  void check_limit(FaultKind kind, const char* what, const std::string& joint, const Worst& worst, double limit) {
+    if (worst.fraction <= 1.0 + limit_tolerance) return;
+    fault(kind,
+          joint + ": the " + what + " reaches " + to_text(worst.value) + " at " + time_text(worst.time, worst.row) +
+              "; its limit is " + to_text(limit),
+          worst.time);
+  }
+
+  const Trajectory& t_;
+  const MotionLimits& limits_;
+  const LimitCheckOptions& options_;
+  Certificate& result_;
+};
+
+}  // namespace
+
+void check_limits(const Trajectory& trajectory, const MotionLimits& limits, const LimitCheckOptions& options,
+                  Certificate& result) {
+  LimitCheck(trajectory, limits, options, result).run();
+}
+
+}  // namespace srmp

@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "srmp/trajectory/limit_check.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+const std::vector<Joint>* joints_of(const Trajectory& t) { return t.robot ? &t.robot->model->joints() : nullptr; }
+
+/// Without what belongs to the whole of a planned motion.
+Certificate without_request(Certificate c) {
+  c.goal_error = unknown;
+  c.bound = std::numeric_limits<double>::infinity();
+  c.bound_graph.clear();
+  return c;
+}
+
+/// Finds the use of limits anew; that of the position limits where they are known.
+void use_limits_of(const Trajectory& motion, Certificate& c) {
+  if (motion.robot) c.position = {};
+  c.velocity = c.acceleration = c.jerk = {};
+  check_limits(motion, c.limits, {.joints = joints_of(motion), .limits = false, .at_rest = false}, c);
+}
+
+bool has_limits(const Trajectory& t) { return t.certificate && t.certificate->limits.size() == t.dof(); }
+bool is_certified(const Trajectory& t) { return has_limits(t) && t.certificate->holds() && t.timed(); }
+
+bool same(const MotionLimits& a, const MotionLimits& b) {
+  return a.velocity == b.velocity && a.acceleration == b.acceleration && a.jerk == b.jerk &&
+         a.continuous == b.continuous;
+}
+
+void delay(Certificate& c, double by) {
+  for (double* time : {&c.position.time, &c.velocity.time, &c.acceleration.time, &c.jerk.time, &c.checked_from,
+                       &c.clearance_time, &c.deviation_time})
+    *time += by;
+  for (SampledInterval& part : c.sampled) {
+    part.from += by;
+    part.to += by;
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Certificate> certificate_of_part(const Trajectory& whole, const Trajectory& part) {
+  if (!is_certified(whole)) return nullptr;
+  Certificate c = without_request(*whole.certificate);
+  const double begin = part.times[0], end = part.times[part.times.size() - 1];
+  use_limits_of(part, c);
+  c.collisions_checked = c.collisions_checked && c.checked_from < end;
+  c.checked_from = std::max(c.checked_from, begin);
+  if (!(c.clearance_time >= begin && c.clearance_time <= end) && !c.body_a.empty()) {
+    c.clearance = c.clearance_proved;
+    c.clearance_time = unknown;
+    c.body_a.clear();
+    c.body_b.clear();
+  }
+  std::erase_if(c.sampled, [&](const SampledInterval& s) { return s.to < begin || s.from > end; });
+  for (SampledInterval& s : c.sampled) {
+    s.from = std::max(s.from, begin);
+    s.to = std::min(s.to, end);
+  }
+  c.deviation = c.deviation_time = unknown;  // from the path of the whole, which the part has not
+  return std::make_shared<const Certificate>(std::move(c));
+}
+
+std::shared_ptr<const Certificate> certificate_of_join(const Trajectory& first, const Trajectory& next,
+                                                       const Trajectory& whole) {
+  if (!is_certified(first) || !is_certified(next) || !same(first.certificate->limits, next.certificate->limits))
+    return nullptr;
+  Certificate c = without_request(*first.certificate), then = *next.certificate;
+  const double seam = first.times[first.times.size() - 1];
+  if (then.checked_from > next.times[0]) c.checked_from = then.checked_from + seam - next.times[0];
+  delay(then, seam - next.times[0]);
+  if (then.position.fraction > c.position.fraction) c.position = then.position;
+  use_limits_of(whole, c);
+  c.collisions_checked = c.collisions_checked && then.collisions_checked;
+  if (then.clearance < c.clearance) {
+    c.clearance = then.clearance;
+    c.clearance_time = then.clearance_time;
+    c.body_a = then.body_a;
+    c.body_b = then.body_b;
+  }
+  c.clearance_proved = std::min(c.clearance_proved, then.clearance_proved);
+  c.sampled.insert(c.sampled.end(), then.sampled.begin(), then.sampled.end());
+  if (!(then.deviation <= c.deviation)) {  // NaN too
+    c.deviation = std::isnan(c.deviation) ? c.deviation : then.deviation;
+    c.deviation_time = std::isnan(c.deviation) ? unknown : then.deviation_time;
+  }
+  c.goal_error = then.goal_error;
+  c.time_s += then.time_s;
+  return std::make_shared<const Certificate>(std::move(c));
+}
+
+std::shared_ptr<const Certificate> certificate_of_limits(const Trajectory& of, const Trajectory& motion) {
+  if (!has_limits(of)) return nullptr;
+  Certificate c;
+  c.limits = of.certificate->limits;
+  check_limits(motion, c.limits, {.joints = joints_of(motion)}, c);
+  c.deviation = c.deviation_time = unknown;
+  return std::make_shared<const Certificate>(std::move(c));
+}
+
+}  // namespace srmp
