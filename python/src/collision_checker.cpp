@@ -3,6 +3,7 @@
 #include <mutex>
 
 #include "bind.hpp"
+#include "interrupt.hpp"
 
 namespace srmp::python {
 
@@ -29,6 +30,7 @@ class PyChecker {
   auto run(Query&& query) {
     const nb::gil_scoped_release no_gil;
     const std::lock_guard lock(mutex_);
+    const InterruptScope interruptible(raise_interrupt);
     return query(*checker_, *workspace_);
   }
 
@@ -89,8 +91,10 @@ BoolArray motions_free(Self& self, const ArrayLike& a, const ArrayLike& b) {
   bool* free{};
   BoolArray result = new_array(static_cast<std::size_t>(from.count()), free);
   self.run([&](const Checker& checker, Checker::Workspace& workspace) {
-    for (Eigen::Index i = 0; i < from.count(); ++i)
+    for (Eigen::Index i = 0; i < from.count(); ++i) {
+      poll_interrupt();
       free[i] = checker.is_motion_free(from.view().row(i).transpose(), to.view().row(i).transpose(), workspace);
+    }
   });
   return result;
 }
@@ -101,6 +105,7 @@ nb::ndarray<nb::numpy, double> clearance(Self& self, const ArrayLike& q) {
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
   self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
+      poll_interrupt();
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     }
@@ -157,6 +162,7 @@ nb::ndarray<nb::numpy, double> clearance_at(Timed& self, const ArrayLike& q, con
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
   self.run([&](const TimedChecker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
+      poll_interrupt();
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), when[i], workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     }

@@ -1,4 +1,6 @@
 #include "bind.hpp"
+#include "interrupt.hpp"
+#include "srmp/core/sentence.hpp"
 #include "srmp/core/status.hpp"
 
 namespace srmp::python {
@@ -20,11 +22,13 @@ PyObject* make_exception(nb::module_& m, const char* name, const char* doc, PyOb
 }
 
 void set_planning_error(const PlanningError& error, const nb::dict& statistics) {
-  const nb::object exception = nb::handle(planning_error_type)(error.what());
+  const nb::object exception = nb::handle(planning_error_type)(one_sentence(error.what()));
   exception.attr("status") = nb::cast(error.status());
   exception.attr("statistics") = statistics;
   PyErr_SetObject(planning_error_type, exception.ptr());
 }
+
+void set_error(PyObject* type, const char* text) { PyErr_SetString(type, one_sentence(text).c_str()); }
 
 void translate(const std::exception_ptr& pointer, void*) {
   try {
@@ -32,17 +36,25 @@ void translate(const std::exception_ptr& pointer, void*) {
   } catch (const PlanningError& error) {
     set_planning_error(error, {});
   } catch (const InvalidArgument& error) {
-    PyErr_SetString(invalid_argument_type, error.what());
+    set_error(invalid_argument_type, error.what());
   } catch (const FileError& error) {
-    PyErr_SetString(file_error_type, error.what());
+    set_error(file_error_type, error.what());
   } catch (const NotSupported& error) {
-    PyErr_SetString(not_supported_type, error.what());
+    set_error(not_supported_type, error.what());
   } catch (const Error& error) {
-    PyErr_SetString(error_type, error.what());
+    set_error(error_type, error.what());
+  } catch (const std::bad_cast&) {
+    set_error(invalid_argument_type,
+              "an argument has another type than is expected, or is text with characters that do not exist in UTF-8");
   }
 }
 
 }  // namespace
+
+void raise_interrupt() {
+  const nb::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
 
 void raise(const PlanningError& error, const nb::dict& statistics) {
   set_planning_error(error, statistics);
@@ -50,7 +62,7 @@ void raise(const PlanningError& error, const nb::dict& statistics) {
 }
 
 void raise_unknown_robot(const std::string& what) {
-  PyErr_SetString(unknown_robot_type, what.c_str());
+  set_error(unknown_robot_type, what.c_str());
   throw nb::python_error();
 }
 

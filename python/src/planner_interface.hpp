@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bind.hpp"
+#include "interrupt.hpp"
 #include "srmp/planner_interface.hpp"
 
 namespace srmp::python {
@@ -23,6 +24,7 @@ class PyPlannerInterface {
     if (!lock)
       throw Error(
           "this PlannerInterface is planning in another thread; give each thread a PlannerInterface of its own");
+    const InterruptScope interruptible(raise_interrupt);
     return call(planner_);
   }
 

@@ -8,6 +8,8 @@
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/collision/robot_group.hpp"
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
+#include "srmp/core/lengths.hpp"
 
 namespace srmp {
 
@@ -157,6 +159,13 @@ void Checker::require_motion(ConstVector a, ConstVector b, const Workspace& work
   group().require_configuration(a, "start of the motion");
   group().require_configuration(b, "end of the motion");
   require_own(workspace);
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    const auto joint = static_cast<std::size_t>(i);
+    if (std::abs(b[i] - a[i]) <= max_joint_travel || group().continuous()[joint]) continue;
+    throw InvalidArgument("the motion takes joint '" + group().joints()[joint].name + "' from " + to_text(a[i]) +
+                          " to " + to_text(b[i]) + "; a motion may take a joint as far as " +
+                          to_text(max_joint_travel) + " rad or m");
+  }
 }
 
 bool Checker::is_free(ConstVector q, Workspace& workspace) const {
@@ -229,6 +238,7 @@ MotionCertificate Checker::do_certify_motion(ConstVector a, ConstVector b, Works
   };
   std::vector<Interval> open{{0.0, 1.0}};  // a stack, so that the first part that cannot be proved is found first
   for (int samples = 1; !open.empty(); ++samples) {
+    poll_interrupt();
     if (workspace.deadline && samples % samples_per_deadline_check == 0 && workspace.deadline->expired())
       throw MotionCheckStopped();
     const auto [from, to] = open.back();

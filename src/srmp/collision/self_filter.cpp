@@ -4,6 +4,7 @@
 
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
 
 namespace srmp {
 
@@ -62,7 +63,10 @@ std::vector<Eigen::Vector3d> points_clear_of_robots(const Scene& scene, const st
   const auto filter = [&](const coal::CollisionGeometry& geometry, const GeometryParts& parts,
                           const Eigen::Isometry3d& geometry_pose) {
     NearGeometry near(geometry, parts, geometry_pose, distance);
-    std::erase_if(kept, [&](const Eigen::Vector3d& point) { return near.contains(pose * point); });
+    std::erase_if(kept, [&](const Eigen::Vector3d& point) {
+      poll_interrupt();
+      return near.contains(pose * point);
+    });
   };
   for (const auto& [name, robot] : scene.robots()) {
     const RobotDataPtr data = robot.model->make_data(robot.other_positions);

@@ -13,6 +13,8 @@ namespace {
 // A file consists of the magic, the key, the content, and the SHA-256 of these.
 constexpr std::string_view kMagic = "SRMPFILE";
 
+constexpr std::uintmax_t kMaxSize = std::uintmax_t{1} << 28;  // bytes; more than any content has
+
 std::string_view as_text(const Sha256::Digest& digest) {
   return {reinterpret_cast<const char*>(digest.data()), digest.size()};
 }
@@ -35,10 +37,13 @@ std::filesystem::path file_of(const std::filesystem::path& directory, std::strin
 std::optional<std::string> read_cached(const std::filesystem::path& directory, std::string_view extension,
                                        const Sha256::Digest& key) {
   if (directory.empty()) return std::nullopt;
-  std::ifstream file(file_of(directory, extension, key), std::ios::binary | std::ios::ate);
-  if (!file) return std::nullopt;
-  std::string text(static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())), '\0');
-  file.seekg(0);
+  const std::filesystem::path path = file_of(directory, extension, key);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;  // a pipe would be waited for
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size > kMaxSize) return std::nullopt;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(static_cast<std::size_t>(size), '\0');
   if (!file.read(text.data(), static_cast<std::streamsize>(text.size()))) return std::nullopt;
   const std::string header = header_of(key);
   const std::size_t sum_size = Sha256::Digest().size();
@@ -50,7 +55,7 @@ std::optional<std::string> read_cached(const std::filesystem::path& directory, s
 
 bool write_cached(const std::filesystem::path& directory, std::string_view extension, const Sha256::Digest& key,
                   std::string_view content) {
-  if (directory.empty()) return false;
+  if (directory.empty() || content.size() > kMaxSize / 2) return false;
   std::string text = header_of(key) + std::string(content);
   text += as_text(digest_of(text));
   std::error_code error;

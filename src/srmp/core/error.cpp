@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "srmp/core/sentence.hpp"
 #include "srmp/core/spelling.hpp"
+#include "srmp/core/utf8.hpp"
 
 namespace srmp {
 
@@ -16,6 +18,36 @@ std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return result;
+}
+
+/// On one line: control characters count as spaces, and bytes that are no UTF-8 are escaped.
+std::string one_line(std::string_view text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string line;
+  for (std::size_t bad = find_invalid_utf8(text); !text.empty(); bad = find_invalid_utf8(text)) {
+    line += text.substr(0, bad);
+    text.remove_prefix(std::min(bad, text.size()));
+    if (text.empty()) break;
+    const auto byte = static_cast<unsigned char>(text.front());
+    line.append("\\x").append({digits[byte >> 4], digits[byte & 15]});
+    text.remove_prefix(1);
+  }
+  std::string clean;
+  for (const char c : line) {
+    const bool is_control = (c >= 0 && c < ' ') || c == 127;
+    if (!is_control || clean.empty() || clean.back() != ' ') clean += is_control ? ' ' : c;
+  }
+  return clean;
+}
+
+std::string shortened(std::string text) {
+  constexpr std::size_t front = 300, back = 190;
+  if (text.size() <= front + back) return text;
+  const auto begins_character = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xC0) != 0x80; };
+  std::size_t first = front, last = text.size() - back;
+  while (!begins_character(first)) --first;
+  while (last < text.size() && !begins_character(last)) ++last;
+  return text.substr(0, first) + " … " + text.substr(last);
 }
 
 }  // namespace
@@ -36,7 +68,11 @@ std::size_t edit_distance(std::string_view raw_a, std::string_view raw_b) {
   return row.back();
 }
 
+std::string one_sentence(std::string_view text) { return shortened(one_line(text)); }
+
 const std::string* nearest_name(std::string_view name, std::span<const std::string> known) {
+  constexpr std::size_t longest_name = 200;  // characters; the distance takes the product of the lengths
+  if (name.size() > longest_name) return nullptr;
   const std::string* nearest = nullptr;
   std::size_t min_distance = std::max<std::size_t>(2, name.size() / 2) + 1;
   for (const std::string& candidate : known) {

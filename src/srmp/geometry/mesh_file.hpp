@@ -14,10 +14,11 @@ struct TriangleSoup {
   std::size_t parts{1};                       ///< number of meshes (materials) in the file that was read
 };
 
-/// Reads any format that assimp reads, all parts with their transforms. Lengths are taken in the file's own unit
-/// (Collada's <unit> is honoured, its up axis is not, as in RViz), times `scale`. Vertices at the same place are
-/// merged; faces left with fewer than three different vertices are dropped. Throws FileError: missing, empty,
-/// unreadable.
+/// Reads STL, OBJ, Collada (.dae), PLY, OFF and glTF (.gltf, .glb), all parts with their transforms. Lengths are taken
+/// in the file's own unit (Collada's <unit> is honoured, its up axis is not, as in RViz), times `scale`. Vertices at
+/// the same place are merged; faces left with fewer than three different vertices are dropped. Throws FileError:
+/// missing, empty, unreadable, of another format, larger than max_length, or of more nodes or triangles than any mesh
+/// has.
 TriangleSoup read_mesh_file(const std::string& path, const Eigen::Vector3d& scale = {1, 1, 1});
 
 /// Adds the triangles that Coal's own loader, and so Pinocchio, reads from the file. For a node with several materials,

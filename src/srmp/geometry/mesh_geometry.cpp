@@ -2,12 +2,17 @@
 
 #include <coal/BVH/BVH_model.h>
 #include <coal/shape/convex.h>
+#include <libqhull_r/libqhull_r.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
+#include "srmp/core/lengths.hpp"
 
 namespace srmp {
 
@@ -23,26 +28,36 @@ struct Plane {
   double distance(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p) - offset); }
 };
 
-/// The convex hull; nullptr when the points span no volume. That is checked first, because qhull prints an error
-/// message.
+/// Does qhull compute the hull without a message? Coal 3.0.3 gives it no file to write messages to, so that the process
+/// ends with the first one; the same computation is made here before, with a file.
+bool qhull_is_silent(const std::vector<Eigen::Vector3d>& points) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  FILE* messages = open_memstream(&text, &size);
+  if (!messages) return false;
+  qhT qhull;
+  qh_zero(&qhull, messages);
+  std::string command = "qhull Qt";  // as Coal has it
+  const int status = qh_new_qhull(&qhull, 3, static_cast<int>(points.size()), const_cast<double*>(points[0].data()),
+                                  False, command.data(), nullptr, messages);
+  qh_freeqhull(&qhull, !qh_ALL);
+  int remaining = 0, blocks = 0;
+  qh_memfreeshort(&qhull, &remaining, &blocks);
+  std::fclose(messages);
+  std::free(text);
+  return status == qh_ERRnone && size == 0;
+}
+
 std::shared_ptr<Hull> coal_hull(const std::vector<Eigen::Vector3d>& vertices) {
-  if (!spans_volume(vertices)) return nullptr;
-  auto points = std::make_shared<std::vector<coal::Vec3s>>(vertices.begin(), vertices.end());
-  try {
-    std::unique_ptr<coal::ConvexBase> hull(
-        coal::ConvexBase::convexHull(points, static_cast<unsigned>(points->size()), true));
-    std::shared_ptr<Hull> result(dynamic_cast<Hull*>(hull.get()));
-    if (result) hull.release();
-    return result;
-  } catch (const std::exception&) {
-    return nullptr;
-  }
+  return std::dynamic_pointer_cast<Hull>(solid_hull(vertices));
 }
 
 std::shared_ptr<Hull> require_hull(const std::vector<Eigen::Vector3d>& vertices) {
   if (auto hull = coal_hull(vertices)) return hull;
   throw InvalidArgument("the convex hull of " + std::to_string(vertices.size()) +
-                        " points has no volume; it needs four points that are not in one plane");
+                        (spans_volume(vertices) ? " points is too nearly flat, or too irregular, to be computed"
+                                                : " points has no volume; it needs four points that are not in one "
+                                                  "plane"));
 }
 
 /// Is every edge used exactly once in each direction?
@@ -86,6 +101,7 @@ bool is_convex(const TriangleSoup& mesh, const Hull& hull) {
   const HullFaces faces(hull);
   if (std::abs(std::abs(signed_volume(mesh)) - faces.volume) > kFlat * faces.area) return false;
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+    poll_interrupt();
     return std::any_of(faces.planes.begin(), faces.planes.end(), [&](const Plane& plane) {
       return plane.distance(mesh.vertices[t[0]]) <= kFlat && plane.distance(mesh.vertices[t[1]]) <= kFlat &&
              plane.distance(mesh.vertices[t[2]]) <= kFlat;
@@ -126,12 +142,25 @@ bool spans_volume(const std::vector<Eigen::Vector3d>& vertices) {
   return std::abs(normal.dot(d - a)) > kThin * size;
 }
 
+std::shared_ptr<coal::ConvexBase> solid_hull(const std::vector<Eigen::Vector3d>& vertices) {
+  if (!spans_volume(vertices) || !qhull_is_silent(vertices)) return nullptr;
+  auto points = std::make_shared<std::vector<coal::Vec3s>>(vertices.begin(), vertices.end());
+  try {
+    return std::shared_ptr<coal::ConvexBase>(
+        coal::ConvexBase::convexHull(points, static_cast<unsigned>(points->size()), true));
+  } catch (const std::exception&) {  // a corner with too many edges for Coal
+    return nullptr;
+  }
+}
+
 TriangleSoup convex_hull(const std::vector<Eigen::Vector3d>& points) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
       throw InvalidArgument(
           "point " + std::to_string(i) +
           " of a convex hull has a component that is NaN or infinite; only finite numbers are allowed");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    require_position(points[i], "point " + std::to_string(i) + " of a convex hull");
   const auto hull = require_hull(points);
   const std::vector<coal::Vec3s>& corners = *hull->points;
   TriangleSoup surface;

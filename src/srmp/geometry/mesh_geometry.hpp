@@ -8,7 +8,8 @@
 
 namespace coal {
 class CollisionGeometry;
-}
+class ConvexBase;
+}  // namespace coal
 
 namespace srmp {
 
@@ -24,6 +25,10 @@ bool is_convex(const TriangleSoup& mesh);
 
 /// Do the vertices span a volume, so that their convex hull is a solid?
 bool spans_volume(const std::vector<Eigen::Vector3d>& vertices);
+
+/// The convex hull of the vertices as Coal makes it, without its bounding box; nullptr when they span no volume, or so
+/// little that qhull finds no hull.
+std::shared_ptr<coal::ConvexBase> solid_hull(const std::vector<Eigen::Vector3d>& vertices);
 
 /// The convex hull: its corners, and triangles that face outwards. Throws InvalidArgument for fewer than four points,
 /// points in one plane, or points that are not finite.

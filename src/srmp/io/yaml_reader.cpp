@@ -3,9 +3,13 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
+#include "srmp/core/utf8.hpp"
 
 namespace srmp::io {
 
@@ -25,14 +29,27 @@ YAML::Node only_document(const std::string& path, const std::vector<YAML::Node>&
   return *found;
 }
 
-YAML::Node load(const std::string& path, const std::string& language) {
+std::string text_of(const std::string& path, const std::string& language) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) throw FileError(path + ": there is no such file");
   if (std::filesystem::is_directory(path, code)) throw FileError(path + ": this is a directory, not a file");
+  if (!std::filesystem::is_regular_file(path, code)) throw FileError(path + ": this is not a file");
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  if (!file) throw FileError(path + ": the file cannot be read");
+  std::string text = std::move(content).str();
+  if (const std::size_t bad = find_invalid_utf8(text); bad != std::string::npos)
+    throw FileError(
+        path + ":" +
+        std::to_string(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n') + 1) +
+        ": not valid " + language + ", a byte is not UTF-8");
+  return text;
+}
+
+YAML::Node load(const std::string& path, const std::string& language) {
   try {
-    return only_document(path, YAML::LoadAllFromFile(path));
-  } catch (const YAML::BadFile&) {
-    throw FileError(path + ": the file cannot be read");
+    return only_document(path, YAML::LoadAll(text_of(path, language)));
   } catch (const YAML::Exception& error) {
     throw FileError(path + ":" + std::to_string(error.mark.line + 1) + ": not valid " + language + ", " + error.msg);
   }
@@ -47,7 +64,8 @@ std::string kind(const YAML::Node& node) {
 
 }  // namespace
 
-YamlFile::YamlFile(const std::string& path, const std::string& language) : path_(path), root_(load(path, language)) {}
+YamlFile::YamlFile(const std::string& path, const std::string& language)
+    : path_(path), root_(run_interruptibly([path, language] { return load(path, language); })) {}
 
 std::string YamlFile::where(const YAML::Node& node) const {
   if (!node.IsDefined() || node.Mark().is_null()) return path_;

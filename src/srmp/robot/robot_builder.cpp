@@ -313,6 +313,10 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
     const UrdfJoint& joint = m.urdf.joints[index];
     m.joints.push_back(joint_of(joint));
     if (m.joints.back().max_velocity <= 0.0) m.joints.back().max_velocity = velocity_without_limit(m, joint);
+    constexpr double min_velocity = 1e-6;  // [rad/s or m/s] below it no motion ends
+    if (m.joints.back().max_velocity < min_velocity)
+      throw InvalidArgument("joint '" + joint.name + "' of robot '" + m.name + "' has the velocity limit " +
+                            to_text(m.joints.back().max_velocity) + "; it must be at least " + to_text(min_velocity));
     m.joint_names.push_back(joint.name);
   }
   for (const std::size_t index : m.urdf.joint_order) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
 #include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/robot_impl.hpp"
 
@@ -15,7 +16,8 @@ RobotModel::~RobotModel() = default;
 void RobotDataDeleter::operator()(RobotData* data) const { delete data; }
 
 std::shared_ptr<const RobotModel> RobotModel::load(const RobotDescription& description) {
-  return RobotModelBuilder::build(description);
+  return run_interruptibly(
+      [description] { return std::shared_ptr<const RobotModel>(RobotModelBuilder::build(description)); });
 }
 
 const std::string& RobotModel::name() const { return impl_->name; }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 #include "srmp/core/pose.hpp"
 #include "srmp/core/spelling.hpp"
 #include "srmp/robot/urdf.hpp"
@@ -93,16 +94,16 @@ class UrdfReader {
       xml_.check_spelling(shape, Names{}, Names{"size"});
       xml_.required(shape, "size");
       g.size = *xml_.vector3(shape, "size");
-      for (const double edge : g.size) require_positive(shape, "size", edge);
+      for (const double edge : g.size) require_length(shape, "size", edge);
     } else if (tag == "sphere") {
       g.kind = Kind::sphere;
       xml_.check_spelling(shape, Names{}, Names{"radius"});
-      g.radius = positive(shape, "radius");
+      g.radius = length_of(shape, "radius");
     } else if (tag == "cylinder" || tag == "capsule") {
       g.kind = tag == "cylinder" ? Kind::cylinder : Kind::capsule;
       xml_.check_spelling(shape, Names{}, Names{"radius", "length"});
-      g.radius = positive(shape, "radius");
-      g.length = positive(shape, "length");
+      g.radius = length_of(shape, "radius");
+      g.length = length_of(shape, "length");
     } else if (tag == "mesh") {
       g.kind = Kind::mesh;
       xml_.check_spelling(shape, Names{}, Names{"filename", "scale"});
@@ -115,16 +116,23 @@ class UrdfReader {
     return g;
   }
 
-  double positive(const XMLElement& element, const char* name) {
+  double length_of(const XMLElement& element, const char* name) {
     const double value = xml_.required_number(element, name);
-    require_positive(element, name, value);
+    require_length(element, name, value);
     return value;
   }
 
-  void require_positive(const XMLElement& element, const char* name, double value) {
+  void require_length(const XMLElement& element, const char* name, double value) {
     if (value <= 0.0)
       xml_.fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is " + to_text(value) +
                              "; it must be above 0");
+    require_not_absurd(element, name, value);
+  }
+
+  void require_not_absurd(const XMLElement& element, const char* name, double length) {
+    if (std::abs(length) > max_length)
+      xml_.fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is " + to_text(length) +
+                             " m" + length_rule());
   }
 
   void read_origin(const XMLElement& owner, Eigen::Isometry3d* transform, Eigen::Vector3d* xyz, Eigen::Vector3d* rpy) {
@@ -133,6 +141,7 @@ class UrdfReader {
     xml_.check_spelling(*element, Names{}, Names{"xyz", "rpy"});
     const Eigen::Vector3d p = xml_.vector3(*element, "xyz").value_or(Eigen::Vector3d::Zero());
     const Eigen::Vector3d r = xml_.vector3(*element, "rpy").value_or(Eigen::Vector3d::Zero());
+    for (const double x : p) require_not_absurd(*element, "xyz", x);
     if (transform) *transform = Pose::from_rpy(p, r).isometry();
     for (const double angle : r)
       if (may_be_degrees(angle, kTurn))

@@ -11,6 +11,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/spelling.hpp"
+#include "srmp/core/utf8.hpp"
 
 namespace srmp::xml {
 
@@ -36,6 +37,16 @@ const tinyxml2::XMLElement* find_xacro(const tinyxml2::XMLElement& root) {
 
 constexpr const char* kExpandFirst = "; expand the file first (xacro FILE.xacro > FILE) and give the result";
 
+/// People write their names in comments, in whatever encoding: what is no UTF-8 there becomes a question mark.
+void mend_comments(std::string& text) {
+  for (std::size_t bad = find_invalid_utf8(text); bad != std::string::npos; bad = find_invalid_utf8(text)) {
+    const std::size_t open = text.rfind("<!--", bad), close = text.find("-->", bad);
+    if (open == std::string::npos || close == std::string::npos || text.find("-->", open) != close) return;
+    for (std::size_t i = bad; i < close; ++i)
+      if (static_cast<unsigned char>(text[i]) >= 0x80) text[i] = '?';
+  }
+}
+
 }  // namespace
 
 std::string read_text(const std::string& path, const std::string& kind) {
@@ -47,7 +58,9 @@ std::string read_text(const std::string& path, const std::string& kind) {
   std::ostringstream text;
   text << file.rdbuf();
   if (!file) throw FileError(kind + " file '" + path + "' cannot be read");
-  return text.str();
+  std::string content = text.str();
+  mend_comments(content);
+  return content;
 }
 
 Document::Document() : document_(std::make_unique<tinyxml2::XMLDocument>()) {}
@@ -64,6 +77,9 @@ Document Document::parse(const std::string& text, const std::string& label, cons
   result.strict_ = strict;
   if (std::all_of(text.begin(), text.end(), is_space))
     throw FileError(label + " is empty; expected a <" + root_tag + ">");
+  if (const std::size_t bad = find_invalid_utf8(text); bad != std::string::npos)
+    result.fail(static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n')) + 1,
+                "a byte is not UTF-8; save the file as UTF-8");
   if (result.document_->Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
     result.fail(result.document_->ErrorLineNum(), "broken XML (" +
                                                       std::string(result.document_->ErrorName()).substr(4) +
@@ -123,6 +139,8 @@ std::optional<std::string> Document::attribute(const tinyxml2::XMLElement& eleme
   if (value.find("${") != std::string::npos || value.find("$(") != std::string::npos)
     fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is '" + value +
                       "', an expression of Xacro" + kExpandFirst);
+  if (!is_utf8(value))  // a reference to a character that does not exist
+    fail(element, "attribute '" + std::string(name) + "' of <" + element.Name() + "> is not UTF-8: '" + value + "'");
   return value;
 }
 

@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
+#include "srmp/core/lengths.hpp"
+#include "srmp/core/utf8.hpp"
 #include "srmp/geometry/distance_field.hpp"
 #include "srmp/robot/joint_names.hpp"
 #include "srmp/scene/shape_geometry.hpp"
@@ -24,13 +27,14 @@ std::vector<std::string> keys(const Map& map) {
   return names;
 }
 
-/// The pose with a unit quaternion. Throws InvalidArgument with the owner's name for NaN, infinity and a zero
-/// quaternion. A quaternion of unit length is returned bit for bit, so that scenes do not change when they are saved
-/// and loaded.
+/// The pose with a unit quaternion. Throws InvalidArgument with the owner's name for NaN, infinity, a zero quaternion
+/// and a place beyond max_length. A quaternion of unit length is returned bit for bit, so that scenes do not change
+/// when they are saved and loaded.
 Pose checked_pose(const Pose& pose, const std::string& owner) {
   constexpr double rounding = 1e-12;
   try {
     const Pose normalized = Pose::from_list(pose.to_list());
+    require_position(pose.p, "pose position");
     return std::abs(pose.q.squaredNorm() - 1.0) <= rounding ? pose : normalized;
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(owner + ": " + error.what());
@@ -41,6 +45,8 @@ double checked_padding(double padding, const std::string& owner) {
   if (!(std::isfinite(padding) && padding >= 0.0))
     throw InvalidArgument("padding of " + owner + " is " + to_text(padding) +
                           "; it must be a finite number, 0 or above [m]");
+  if (padding > max_length)
+    throw InvalidArgument("padding of " + owner + " is " + to_text(padding) + " m" + length_rule());
   return padding;
 }
 
@@ -87,6 +93,19 @@ bool assign_joint(const std::vector<Joint>& joints, const std::string& name, dou
                         (guess.empty() ? "; known: " + quoted_list(known) : guess));
 }
 
+/// Makes the geometry of the object's shape. Large meshes and clouds take seconds.
+void build_geometry(Object& object) {
+  auto build = [](Object built) {
+    built.geometry = make_geometry(built.shape, built.name);
+    built.parts = parts_of(built.geometry);
+    built.field = make_distance_field(*built.geometry, built.parts.bvh.get());
+    return built;
+  };
+  const bool is_large = std::holds_alternative<Mesh>(object.shape) || std::holds_alternative<PointCloud>(object.shape);
+  object = is_large ? run_interruptibly([build, own = std::move(object)]() mutable { return build(std::move(own)); })
+                    : build(std::move(object));
+}
+
 }  // namespace
 
 /// An object (robot empty), a whole robot (object and link empty) or one link.
@@ -102,6 +121,7 @@ struct Scene::Body {
 
 void Scene::require_new_name(const std::string& name, const char* what) const {
   if (name.empty()) throw InvalidArgument(std::string(what) + " name is empty; give it a name");
+  if (!is_utf8(name)) throw InvalidArgument(std::string(what) + " name '" + name + "' is not UTF-8; names must be");
   if (robots_.contains(name))
     throw InvalidArgument(std::string(what) + " name '" + name + "' is taken by a robot; names are unique in a scene");
   if (objects_.contains(name))
@@ -125,9 +145,14 @@ void Scene::add_robot(std::shared_ptr<const RobotModel> model, const Pose& base)
                          {},
                          {}};
   for (const LinkGeometry& geometry : model->geometries()) {
-    instance.parts.push_back(parts_of(geometry.shape));
     const bool moves = geometry.support != 0;
-    instance.fields.push_back(moves ? nullptr : make_distance_field(*geometry.shape, instance.parts.back().bvh.get()));
+    auto [parts, field] = run_interruptibly([shape = geometry.shape, moves] {
+      GeometryParts made = parts_of(shape);
+      auto made_field = moves ? nullptr : make_distance_field(*shape, made.bvh.get());
+      return std::pair(std::move(made), std::move(made_field));
+    });
+    instance.parts.push_back(std::move(parts));
+    instance.fields.push_back(std::move(field));
   }
   robots_.emplace(name, std::move(instance));
 }
@@ -203,9 +228,7 @@ void Scene::add_object(const std::string& name, const Shape& shape, const Pose& 
   const std::string owner = "object '" + name + "'";
   Object object{
       name, shape, nullptr, {}, nullptr, checked_pose(pose, "pose of " + owner), checked_padding(padding, owner)};
-  object.geometry = make_geometry(shape, name);
-  object.parts = parts_of(object.geometry);
-  object.field = make_distance_field(*object.geometry, object.parts.bvh.get());
+  build_geometry(object);
   objects_.emplace(name, std::move(object));
 }
 

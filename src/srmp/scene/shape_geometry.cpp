@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/interrupt.hpp"
+#include "srmp/core/lengths.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/geometry/morton.hpp"
 
@@ -28,19 +30,19 @@ std::string of(const char* what, const std::string& object) {
 }
 
 Geometry build(const Box& box, const std::string& object) {
-  for (double edge : box.size) require_positive(edge, of("box size", object));
+  for (double edge : box.size) require_length(edge, of("box size", object));
   return std::make_shared<coal::Box>(box.size);
 }
 
 Geometry build(const Sphere& sphere, const std::string& object) {
-  require_positive(sphere.radius, of("sphere radius", object));
+  require_length(sphere.radius, of("sphere radius", object));
   return std::make_shared<coal::Sphere>(sphere.radius);
 }
 
 template <class CoalShape, class Round>
 Geometry build_round(const Round& round, const char* kind, const std::string& object) {
-  require_positive(round.radius, of((std::string(kind) + " radius").c_str(), object));
-  require_positive(round.length, of((std::string(kind) + " length").c_str(), object));
+  require_length(round.radius, of((std::string(kind) + " radius").c_str(), object));
+  require_length(round.length, of((std::string(kind) + " length").c_str(), object));
   return std::make_shared<CoalShape>(round.radius, round.length);
 }
 
@@ -53,6 +55,8 @@ void check_mesh(const Mesh& mesh, const std::string& object) {
     if (!mesh.vertices[i].allFinite())
       throw InvalidArgument(mesh_of + ": vertex " + std::to_string(i) +
                             " has a component that is NaN or infinite; only finite numbers are allowed");
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    require_position(mesh.vertices[i], mesh_of + ": vertex " + std::to_string(i));
   const int count = static_cast<int>(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (int index : mesh.triangles[i])
@@ -104,7 +108,7 @@ Geometry octree_of(const PointCloud& cloud) {
 }
 
 Geometry build(const PointCloud& cloud, const std::string& object) {
-  require_positive(cloud.resolution, of("point cloud resolution", object));
+  require_length(cloud.resolution, of("point cloud resolution", object));
   if (cloud.points.empty()) throw InvalidArgument(of("point cloud", object) + " is empty; it needs at least one point");
   constexpr double octree_reach = 32766;  // voxels from the centre to the boundary of an octree with 16 levels
   const double reach = octree_reach * cloud.resolution;
@@ -112,6 +116,8 @@ Geometry build(const PointCloud& cloud, const std::string& object) {
     if (!cloud.points[i].allFinite())
       throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) +
                             " has a component that is NaN or infinite; only finite numbers are allowed");
+    if (cloud.points[i].cwiseAbs().maxCoeff() > max_length)
+      require_position(cloud.points[i], of("point cloud", object) + ": point " + std::to_string(i));
     if (cloud.points[i].cwiseAbs().maxCoeff() > reach)
       throw InvalidArgument(of("point cloud", object) + ": point " + std::to_string(i) + " is more than " +
                             to_text(reach) + " m from the origin, the octree's limit at resolution " +
@@ -127,7 +133,7 @@ Mesh Mesh::from_file(const std::string& path, const Eigen::Vector3d& scale, bool
     if (!std::isfinite(factor) || factor == 0.0)
       throw InvalidArgument("scale of mesh file '" + path + "' has a component " + to_text(factor) +
                             "; each must be finite and not 0");
-  TriangleSoup soup = read_mesh_file(path, scale);
+  TriangleSoup soup = run_interruptibly([path, scale] { return read_mesh_file(path, scale); });
   return {std::move(soup.vertices), std::move(soup.triangles), convex};
 }
 
@@ -158,16 +164,10 @@ GeometryParts parts_of(const std::shared_ptr<const coal::CollisionGeometry>& geo
 std::shared_ptr<const coal::CollisionGeometry> outer_hull(std::shared_ptr<const coal::CollisionGeometry> geometry) {
   const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(geometry.get());
   if (!mesh) return geometry;
-  auto points =
-      std::make_shared<std::vector<coal::Vec3s>>(mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices);
-  if (!spans_volume(*points)) return geometry;
-  try {
-    const std::shared_ptr<coal::ConvexBase> hull(coal::ConvexBase::convexHull(points, mesh->num_vertices, true));
-    hull->computeLocalAABB();
-    return hull;
-  } catch (const std::exception&) {  // qhull failed
-    return geometry;
-  }
+  const auto hull = solid_hull({mesh->vertices->begin(), mesh->vertices->begin() + mesh->num_vertices});
+  if (!hull) return geometry;
+  hull->computeLocalAABB();
+  return hull;
 }
 
 }  // namespace srmp

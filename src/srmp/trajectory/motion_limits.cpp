@@ -12,6 +12,9 @@ namespace {
 
 constexpr double no_velocity_limit = 1e6;  // parsers write huge numbers for "unlimited"
 
+// Limits beyond these no machine has. Computing with them would lose the digits of a double.
+constexpr double min_motion_limit = 1e-6, max_motion_limit = 1e9;
+
 }  // namespace
 
 MotionLimits default_limits(const Eigen::VectorXd& velocity) {
@@ -46,8 +49,13 @@ void require_limits(const MotionLimits& limits, const std::vector<std::string>& 
     if (static_cast<std::size_t>(values.size()) != joint_names.size())
       throw InvalidArgument(what + " limits: got " + std::to_string(values.size()) + ", but there are " +
                             std::to_string(joint_names.size()) + " joints");
-    for (std::size_t j = 0; j < joint_names.size(); ++j)
-      require_positive(values[static_cast<Eigen::Index>(j)], joint_names[j] + ": the " + what + " limit");
+    for (std::size_t j = 0; j < joint_names.size(); ++j) {
+      const double limit = values[static_cast<Eigen::Index>(j)];
+      require_positive(limit, joint_names[j] + ": the " + what + " limit");
+      if (limit < min_motion_limit || limit > max_motion_limit)
+        throw InvalidArgument(joint_names[j] + ": the " + what + " limit is " + to_text(limit) + "; it must be from " +
+                              to_text(min_motion_limit) + " to " + to_text(max_motion_limit));
+    }
   };
   require(limits.velocity, "velocity");
   require(limits.acceleration, "acceleration");

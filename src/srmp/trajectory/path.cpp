@@ -10,6 +10,8 @@ namespace srmp {
 namespace {
 
 constexpr double collinear = 1e-12;  // of the line's length
+constexpr double max_position =
+    1e6;  // [rad or m] of a waypoint: beyond, a double has too few digits left for its speed
 
 /// Do rows first+1 … last-1 lie on the line from row `first` to row `last`, in this order?
 bool on_one_line(ConstRows waypoints, Eigen::Index first, Eigen::Index last) {
@@ -101,6 +103,11 @@ void require_waypoints(ConstRows waypoints, std::span<const std::string> joint_n
   for (Eigen::Index i = 0; i < waypoints.rows(); ++i) {
     const Eigen::VectorXd row = waypoints.row(i);
     require_finite({row.data(), static_cast<std::size_t>(row.size())}, "waypoint " + std::to_string(i), joint_names);
+    Eigen::Index j{};
+    if (row.cwiseAbs().maxCoeff(&j) > max_position)
+      throw InvalidArgument("waypoint " + std::to_string(i) + ": " + joint_label(joint_names, j) + " is " +
+                            to_text(row[j]) + "; it must be from " + to_text(-max_position) + " to " +
+                            to_text(max_position) + " rad or m");
   }
 }
 
