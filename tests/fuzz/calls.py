@@ -51,7 +51,7 @@ class Nasty:
     """An object whose every conversion fails."""
 
     def fail(self, *_):
-        raise RuntimeError("nasty")
+        raise TypeError("nasty")
 
     __array__ = __float__ = __len__ = __iter__ = __fspath__ = fail
 
@@ -103,8 +103,13 @@ class Maker:
                 {"a": 1},
                 np.zeros((2, 0)),
                 Nasty(),
+                np.array(["a"]),
+                np.array([1j]),
+                np.zeros((1, 1, 1)),
+                object(),
+                srmp.Pose(),
+                srmp.GoalConstraint.hold(),
             ]
-            + [np.array(["a"]), np.array([1j]), np.zeros((1, 1, 1)), object(), srmp.Pose(), srmp.GoalConstraint.hold()]
         )
 
     def goal(self):

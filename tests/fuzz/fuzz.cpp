@@ -142,7 +142,9 @@ Arguments parse(int argc, char** argv) {
 }
 
 int run(const Arguments& arguments) {
-  std::string directory = (std::filesystem::temp_directory_path() / "srmp_fuzz_XXXXXX").string();
+  const std::filesystem::path in_memory = "/dev/shm";  // many times faster than a disk
+  const auto base = std::filesystem::is_directory(in_memory) ? in_memory : std::filesystem::temp_directory_path();
+  std::string directory = (base / "srmp_fuzz_XXXXXX").string();
   if (!mkdtemp(directory.data())) throw std::runtime_error("no temporary directory");
   std::vector<Door> doors = fuzz::all_doors(directory);
   if (!arguments.doors.empty())

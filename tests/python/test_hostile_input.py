@@ -418,17 +418,16 @@ def cache_files(root):
 def use_cache(tmp_path):
     bar = "<collision><origin xyz='0.2 0 0'/><geometry><box size='0.3 0.1 0.1'/></geometry></collision>"
     limit = "<limit lower='-3' upper='3' velocity='1' effort='1'/>"
-    urdf = (
-        f"<robot name='r'><link name='a'>{bar}</link><link name='b'>{bar}</link><link name='c'>{bar}</link>"
-        + "".join(
-            f"<joint name='{parent}{child}' type='revolute'><parent link='{parent}'/><child link='{child}'/>{limit}</joint>"
-            for parent, child in ("ab", "bc")
-        )
+    links = "".join(f"<link name='{name}'>{bar}</link>" for name in "abc")
+    joints = "".join(
+        f"<joint name='{parent}{child}' type='revolute'><parent link='{parent}'/><child link='{child}'/>{limit}</joint>"
+        for parent, child in ("ab", "bc")
     )
+    urdf = f"<robot name='r'>{links}{joints}</robot>"
     program = f"""
         import numpy as np, srmp
         p = srmp.PlannerInterface()
-        p.add_articulation(urdf_text={urdf + "</robot>"!r})
+        p.add_articulation(urdf_text={urdf!r})
         p.make_planner("r", {{"planner_id": "auto"}})
         print(p.collision_checker("r").are_free(np.zeros((1, 2))))
     """

@@ -1,5 +1,7 @@
 #include "srmp/io/yaml_reader.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -47,9 +49,34 @@ std::string text_of(const std::string& path, const std::string& language) {
   return text;
 }
 
+/// Refuses what yaml-cpp 0.8 reads as endlessly many empty documents: closing brackets that nothing opened.
+class EndlessDocuments : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (mark.pos == last_) throw YAML::ParserException(mark, "a bracket is closed that was not opened");
+    last_ = mark.pos;
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  int last_{-1};
+};
+
 YAML::Node load(const std::string& path, const std::string& language) {
+  const std::string text = text_of(path, language);
   try {
-    return only_document(path, YAML::LoadAll(text_of(path, language)));
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    for (EndlessDocuments events; parser.HandleNextDocument(events);) {
+    }
+    return only_document(path, YAML::LoadAll(text));
   } catch (const YAML::Exception& error) {
     throw FileError(path + ":" + std::to_string(error.mark.line + 1) + ": not valid " + language + ", " + error.msg);
   }
