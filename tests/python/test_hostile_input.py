@@ -369,7 +369,9 @@ INTERRUPTED = """
     except KeyboardInterrupt:
         print(time.monotonic() - stop.at)
 """
-BIG_MESH = """t = np.random.default_rng(0).uniform(-1, 1, (600_000, 9)).astype(np.float32)
+BIG_MESH = """random = np.random.default_rng(0)
+    t = np.tile(random.uniform(-1, 1, (400_000, 3)), 3) + random.uniform(0, 0.01, (400_000, 9))
+    t = t.astype(np.float32)
     rows = np.zeros(len(t), dtype=[("n", "3<f4"), ("v", "9<f4"), ("a", "<u2")])
     rows["v"] = t
     open("big.stl", "wb").write(b"x" * 80 + struct.pack("<I", len(t)) + rows.tobytes())"""
