@@ -10,7 +10,6 @@ namespace srmp {
 namespace {
 
 constexpr auto poll_every = std::chrono::milliseconds(10);
-constexpr unsigned calls_per_clock = 16;  // reading the clock takes longer than many a step between two calls
 
 thread_local InterruptScope* innermost_scope = nullptr;
 thread_local bool is_background = false;
@@ -41,7 +40,7 @@ InterruptScope::~InterruptScope() { innermost_scope = outer_; }
 
 void poll_interrupt() {
   InterruptScope* scope = innermost_scope;
-  if (!scope || !scope->poll_ || scope->calls_++ % calls_per_clock != 0) return;
+  if (!scope || !scope->poll_) return;
   const auto now = Deadline::Clock::now();
   if (now < scope->next_) return;
   scope->next_ = now + poll_every;

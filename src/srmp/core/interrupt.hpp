@@ -28,7 +28,6 @@ class InterruptScope {
   friend void poll_interrupt();
   std::function<void()> poll_;
   Deadline::Clock::time_point next_{};
-  unsigned calls_{};
   InterruptScope* outer_;
 };
 
