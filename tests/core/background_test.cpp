@@ -7,7 +7,7 @@
 #include <future>
 #include <vector>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/steps.hpp"
 
 using namespace srmp;
@@ -18,7 +18,7 @@ struct Stop {};
 
 /// A computation that ends when it is interrupted, and only then.
 void run_until_interrupted() {
-  for (;;) poll_interrupt();
+  for (;;) interruption_point();
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ BOOST_AUTO_TEST_CASE(a_ticket_that_ends_stops_its_job) {
   std::atomic<bool> second{false};
   Background::Ticket running = Background::submit([&](const std::atomic<bool>& stop) {
     begun.set_value();
-    const InterruptScope scope([&] {
+    const InterruptionScope scope([&] {
       if (stop) throw Stop();
     });
     run_until_interrupted();
@@ -78,13 +78,13 @@ BOOST_AUTO_TEST_CASE(a_forked_process_has_a_background_of_its_own) {
 
 BOOST_AUTO_TEST_CASE(the_innermost_scope_interrupts) {
   int outer = 0;
-  const InterruptScope scope([&] { ++outer; });
+  const InterruptionScope scope([&] { ++outer; });
   {
-    const InterruptScope inner([] { throw Stop(); });
+    const InterruptionScope inner([] { throw Stop(); });
     BOOST_CHECK_THROW(run_until_interrupted(), Stop);
   }
   BOOST_TEST(outer == 0);
-  while (outer == 0) poll_interrupt();
+  while (outer == 0) interruption_point();
 }
 
 BOOST_AUTO_TEST_CASE(steps_end_early_when_one_fails_or_progress_throws) {

@@ -4,7 +4,7 @@
 
 #include "srmp/core/cache_file.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
 #include "srmp/core/sentence.hpp"
 #include "srmp/core/utf8.hpp"
@@ -68,18 +68,18 @@ BOOST_AUTO_TEST_SUITE(interrupts)
 struct Stop {};
 
 BOOST_AUTO_TEST_CASE(the_innermost_scope_counts) {
-  poll_interrupt();  // none
-  const InterruptScope outer([] { throw Stop(); });
-  BOOST_CHECK_THROW(poll_interrupt(), Stop);
+  interruption_point();  // none
+  const InterruptionScope outer([] { throw Stop(); });
+  BOOST_CHECK_THROW(interruption_point(), Stop);
   {
-    const InterruptScope inner({});
-    poll_interrupt();
+    const InterruptionScope inner({});
+    interruption_point();
   }
 }
 
 BOOST_AUTO_TEST_CASE(a_job_returns_its_result_and_its_exception) {
   BOOST_TEST(run_interruptibly([] { return 7; }) == 7);
-  const InterruptScope scope([] {});
+  const InterruptionScope scope([] {});
   const auto caller = std::this_thread::get_id();
   BOOST_TEST(run_interruptibly([caller] { return std::this_thread::get_id() != caller; }));
   check_throws<InvalidArgument>([] { run_interruptibly([]() -> int { throw InvalidArgument("no"); }); }, "no");
@@ -93,10 +93,10 @@ BOOST_AUTO_TEST_CASE(a_job_returns_its_result_and_its_exception) {
 BOOST_AUTO_TEST_CASE(an_abandoned_job_ends_at_its_next_poll) {
   const auto ended = std::make_shared<std::promise<void>>();
   {
-    const InterruptScope scope([] { throw Stop(); });
+    const InterruptionScope scope([] { throw Stop(); });
     BOOST_CHECK_THROW(run_interruptibly([ended]() -> int {
                         try {
-                          for (;;) poll_interrupt();
+                          for (;;) interruption_point();
                         } catch (...) {
                           ended->set_value();
                           throw;

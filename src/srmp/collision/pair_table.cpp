@@ -9,7 +9,7 @@
 
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/core/cache_file.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/cover/cover_file.hpp"
 
@@ -92,7 +92,7 @@ class TableBuilder {
   };
 
   void prove(PairTable& table, int first, int second, int edge) {
-    poll_interrupt();
+    interruption_point();
     if (++distance_checks_ > max_distance_checks) return;
     const int rows = std::min(edge, rows_);
     if (apart(first + 0.5 * edge, second + 0.5 * rows, 0.5 * edge)) {

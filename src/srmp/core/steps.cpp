@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -39,7 +39,7 @@ void Steps::run(std::size_t count, const std::function<void(std::size_t)>& step)
     if (stop_) return;
     try {
       check(worker);
-      const InterruptScope scope([&] { check(worker); });
+      const InterruptionScope scope([&] { check(worker); });
       step(i);
       ++done_;
     } catch (...) {

@@ -13,7 +13,7 @@ namespace srmp {
 using StepProgress = std::function<void(std::size_t done, std::size_t total)>;
 
 /// Runs the numbered steps of a long computation on several threads. Only the calling thread reports progress: between
-/// steps, and within them at each poll_interrupt(). Of several exceptions, that of the step with the smallest index
+/// steps, and within them at each interruption_point(). Of several exceptions, that of the step with the smallest index
 /// is rethrown, and the others end early.
 class Steps {
  public:

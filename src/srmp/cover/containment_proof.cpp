@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -41,7 +41,7 @@ void ContainmentProof::uncovered(const ConvexPart& part) {
 }
 
 void ContainmentProof::triangle(const Triangle& t, const Indices& near) {
-  poll_interrupt();
+  interruption_point();
   const Vector3d center = (t[0] + t[1] + t[2]) / 3;
   const double radius = std::sqrt(
       std::max({(t[0] - center).squaredNorm(), (t[1] - center).squaredNorm(), (t[2] - center).squaredNorm()}));
@@ -63,7 +63,7 @@ void ContainmentProof::triangle(const Triangle& t, const Indices& near) {
 }
 
 void ContainmentProof::cell(const Vector3d& c, double half, const Indices& near, const Indices& planes) {
-  poll_interrupt();
+  interruption_point();
   Indices cutting, overlapping;
   if (!may_overlap_solid(c, half, planes, cutting)) return;
   for (int i : near) {

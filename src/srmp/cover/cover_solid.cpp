@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/cover/solid_geometry.hpp"
 
 namespace srmp {
@@ -98,7 +98,7 @@ bool is_nearly_convex(const SolidGeometry& mesh, const CoverSolid::Vertices& ver
   if (!mesh.closed || mesh.triangles.size() > 4000) return false;
   const double size = mesh.box.diagonal().norm();
   for (const Triangle& t : mesh.triangles) {  // rejects most meshes at little cost
-    poll_interrupt();
+    interruption_point();
     const Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
     if (n.norm() < 1e-5 * size * size) continue;
     double low = 0, high = 0;
@@ -116,7 +116,7 @@ bool is_nearly_convex(const SolidGeometry& mesh, const CoverSolid::Vertices& ver
   bool near = true;
   for (const Triangle& t : mesh.triangles)
     split_triangle(t, size / 40, [&](const Triangle& part) {
-      poll_interrupt();
+      interruption_point();
       if (near) near = hull.depth((part[0] + part[1] + part[2]) / 3) <= 1.5e-3 * size;
     });
   return near;
@@ -258,7 +258,7 @@ CoverSolid CoverSolid::mesh(const Vertices& vertices, const Triangles& triangles
   for (const Triangle& t : geometry->triangles) {
     bool reachable = false;
     split_triangle(t, voxel, [&](const Triangle& part) {
-      poll_interrupt();
+      interruption_point();
       if (!reachable) reachable = geometry->filled.reachable_near(part);
     });
     if (reachable) outer.push_back(t);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -28,7 +28,7 @@ EnclosedSpace::EnclosedSpace(const std::vector<Triangle>& triangles, double voxe
 void EnclosedSpace::mark_surface(const std::vector<Triangle>& triangles) {
   for (const Triangle& triangle : triangles) {
     split_triangle(triangle, voxel_, [&](const Triangle& t) {
-      poll_interrupt();
+      interruption_point();
       const Eigen::Array3i low = index(t[0].cwiseMin(t[1]).cwiseMin(t[2]));
       const Eigen::Array3i high = index(t[0].cwiseMax(t[1]).cwiseMax(t[2]));
       for (int z = low[2]; z <= high[2]; ++z)

@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -30,7 +30,7 @@ std::optional<Vector3d> shrink_sphere(const SolidGeometry& solid, const Vector3d
     return x + inward * r;
   }
   for (int i = 0; i < 30; ++i) {
-    poll_interrupt();
+    interruption_point();
     const Vector3d c = x + inward * r;
     const auto nearest = solid.outer.nearest(c, r * (1 - 1e-6));
     if (nearest.distance >= r * (1 - 1e-6)) return c;
@@ -56,7 +56,7 @@ std::vector<InscribedSphere> find_inscribed_spheres(const SolidGeometry& solid, 
   };
   const std::size_t stride = (triangles.size() + kMaxTouchPoints - 1) / kMaxTouchPoints;
   for (std::size_t i = 0; i < triangles.size(); i += stride) {
-    poll_interrupt();
+    interruption_point();
     const Triangle& t = triangles[i];
     const Vector3d x = (t[0] + t[1] + t[2]) / 3, cross = (t[1] - t[0]).cross(t[2] - t[0]);
     if (cross.norm() < 1e-16) continue;

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/cover/geometry_content.hpp"
 #include "srmp/geometry/triangle_bvh.hpp"
 
@@ -85,7 +85,7 @@ class Patches {
   /// Sorts the patch's triangles so that those on the low side of the middle of the box's longest edge come first, and
   /// returns the place of the first other one.
   std::size_t divide(const Patch& patch) {
-    poll_interrupt();
+    interruption_point();
     int axis = 0;
     patch.box.sizes().maxCoeff(&axis);
     const double middle = 3 * patch.box.center()[axis];
@@ -110,7 +110,7 @@ GeometryCover mesh_cover(const GeometryContent& content) {
       return content.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
     };
     split_triangle({corner(0), corner(1), corner(2)}, edge, [&](const Triangle& piece) { pieces.push_back(piece); });
-    poll_interrupt();
+    interruption_point();
   }
   Patches patches(std::move(pieces));
   const Patch whole = patches.patch(0, patches.size());

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -77,7 +77,7 @@ class Search {
   }
 
   void add(int s) {
-    poll_interrupt();
+    interruption_point();
     for (const std::uint32_t e : system_.sets[s]) {
       if (holders_[e].empty()) continue;
       if (times_[e] == 0) {

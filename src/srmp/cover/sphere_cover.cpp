@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/cover/containment_proof.hpp"
 #include "srmp/cover/inscribed_spheres.hpp"
 #include "srmp/cover/solid_geometry.hpp"
@@ -49,7 +49,7 @@ void add_interior(const SolidGeometry& solid, double step, std::vector<ConvexPar
   for (int x = 0; x < count[0]; ++x)
     for (int y = 0; y < count[1]; ++y)
       for (int z = 0; z < count[2]; ++z) {
-        poll_interrupt();
+        interruption_point();
         const Vector3d p = low + step * Vector3d(x + 0.5, y + 0.5, z + 0.5);
         if (solid.convex ? solid.depth(p) > 0 : solid.enclosed.encloses(p)) parts.push_back({p});
       }
@@ -78,7 +78,7 @@ std::vector<ConvexPart> find_parts(const SolidGeometry& solid, double inflation,
     std::vector<char> contained(parts.size(), 0);
     const PartBlocks blocks(parts);
     for (const InscribedSphere& c : candidates) {
-      poll_interrupt();
+      interruption_point();
       blocks.for_each_contained({c.center, std::max(0.0, c.depth + growth)}, [&](std::size_t k) { contained[k] = 1; });
     }
     std::vector<Triangle> next;
@@ -220,7 +220,7 @@ std::vector<PlacedSphere> pack_solid(const CoverSolid& solid, std::size_t count,
     const double size = geometry.box.sizes().maxCoeff();
     candidates = find_inscribed_spheres(geometry, split_surface(geometry, std::max(min_radius, size / 40)), size / 80);
     for (InscribedSphere& c : candidates) {
-      poll_interrupt();
+      interruption_point();
       c.depth = geometry.inner_depth(c.center) - kRounding;
     }
   }

@@ -4,7 +4,7 @@
 #include <queue>
 #include <utility>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -28,7 +28,7 @@ std::vector<ConvexPart> SphereSelection::extend(const std::vector<ConvexPart>& p
     for (std::size_t k = new_from_[i]; k < set(i).size(); ++k) open[set(i)[k] - first] = 0;
   };
   const auto gain_of = [&](int i) {
-    poll_interrupt();
+    interruption_point();
     int gain = 0;
     for (std::size_t k = new_from_[i]; k < set(i).size(); ++k) gain += open[set(i)[k] - first];
     return gain;
@@ -58,7 +58,7 @@ std::vector<ConvexPart> SphereSelection::extend(const std::vector<ConvexPart>& p
 void SphereSelection::add_elements(const std::vector<ConvexPart>& parts) {
   const PartBlocks blocks(parts);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    poll_interrupt();
+    interruption_point();
     new_from_[i] = system_.sets[i].size();
     blocks.for_each_contained(sphere(static_cast<int>(i)), [&](std::size_t k) {
       system_.sets[i].push_back(static_cast<std::uint32_t>(system_.elements + k));

@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/cover/quick_cover.hpp"
 #include "srmp/robot/robot_geometry.hpp"
 
@@ -79,7 +79,7 @@ CoverSet build(const Distinct& distinct, const RobotCoverOptions& options, const
   std::vector<std::optional<GeometryCoverBuilder>> builders(count);
   steps.run(count, [&](std::size_t i) { builders[i].emplace(*distinct.shapes[i], options.levels); });
   {
-    const InterruptScope scope([&] {
+    const InterruptionScope scope([&] {
       if (progress) progress(count, 2 * count);
     });
     keep_to_budget(builders, distinct.times, options.max_coarse);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
 #include "srmp/core/utf8.hpp"
 #include "srmp/geometry/distance_field.hpp"

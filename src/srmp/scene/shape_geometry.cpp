@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/geometry/morton.hpp"

@@ -8,7 +8,7 @@
 
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/limit_check.hpp"
 
@@ -136,7 +136,7 @@ class Certifier {
   }
 
   void check_rows() {
-    std::optional<InterruptScope> scope;  // a few rows are checked at once, also after the limit
+    std::optional<InterruptionScope> scope;  // a few rows are checked at once, also after the limit
     if (t_.positions.rows() > 1000) scope.emplace([this] { stop_if_late(); });
     check_limits(
         t_, limits_,
@@ -211,7 +211,7 @@ class Certifier {
     Eigen::Index at = 0;  // the motion follows the segments in their order
     std::array<Eigen::RowVectorXd, 4> points;
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
-      poll_interrupt();
+      interruption_point();
       bernstein(row, points);
       double smallest = off_segment(points, at);
       for (Eigen::Index next = at + 1; next < segments && smallest > 0.0; ++next) {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/trajectory/cubic.hpp"
 
 namespace srmp {
@@ -50,7 +50,7 @@ class LimitCheck {
     Use use;
     if (options_.joints) check_position((*options_.joints)[static_cast<std::size_t>(j)], j, use.position);
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
-      poll_interrupt();
+      interruption_point();
       update_derivatives(detail::segment_of(t_, row, j), j, row, use);
     }
     if (t_.velocities.rows() == 0)
