@@ -30,7 +30,7 @@ class PyChecker {
   auto run(Query&& query) {
     const nb::gil_scoped_release no_gil;
     const std::lock_guard lock(mutex_);
-    const InterruptScope interruptible(raise_interrupt);
+    const InterruptionScope interruptible(raise_interrupt);
     return query(*checker_, *workspace_);
   }
 
@@ -92,7 +92,7 @@ BoolArray motions_free(Self& self, const ArrayLike& a, const ArrayLike& b) {
   BoolArray result = new_array(static_cast<std::size_t>(from.count()), free);
   self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < from.count(); ++i) {
-      poll_interrupt();
+      rare_interruption_point();
       free[i] = checker.is_motion_free(from.view().row(i).transpose(), to.view().row(i).transpose(), workspace);
     }
   });
@@ -105,7 +105,7 @@ nb::ndarray<nb::numpy, double> clearance(Self& self, const ArrayLike& q) {
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
   self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
-      poll_interrupt();
+      rare_interruption_point();
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     }
@@ -162,7 +162,7 @@ nb::ndarray<nb::numpy, double> clearance_at(Timed& self, const ArrayLike& q, con
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
   self.run([&](const TimedChecker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
-      poll_interrupt();
+      rare_interruption_point();
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), when[i], workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp::python {
 

@@ -24,7 +24,7 @@ class PyPlannerInterface {
     if (!lock)
       throw Error(
           "this PlannerInterface is planning in another thread; give each thread a PlannerInterface of its own");
-    const InterruptScope interruptible(raise_interrupt);
+    const InterruptionScope interruptible(raise_interrupt);
     return call(planner_);
   }
 

@@ -16,7 +16,7 @@ bool python_interrupted() {
 template <class Plan>
 auto run_interruptible(Plan&& plan) {
   auto result = [&] {
-    const InterruptScope by_deadline({});  // which stops in an orderly way
+    const InterruptionScope by_deadline({});  // which stops in an orderly way
     const nb::gil_scoped_release no_gil;
     return plan();
   }();

@@ -5,7 +5,7 @@
 
 #include "srmp/collision/scene_workspace.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -289,7 +289,7 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  poll_interrupt();
+  interruption_point();
   if (samples_ >= max_samples || (deadline_ && deadline_->stop_requested())) {
     for (std::size_t i = first; i < first + count; ++i) leave_unproved(interval, open_[i].pair);
     return true;

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp::detail {
 
@@ -329,7 +329,7 @@ bool SceneWorkspace::resolve_intervals() {
     for (std::size_t i = 0; i < open_.size();) {
       const double t = open_[i].t;
       place_on_motion(t);
-      poll_interrupt();
+      interruption_point();
       if (deadline && ++samples % samples_per_deadline_check == 0 && deadline->expired()) throw MotionCheckStopped();
       for (; i < open_.size() && open_[i].t == t; ++i)
         if (!process(open_[i].pair, t, open_[i].half_width)) return false;

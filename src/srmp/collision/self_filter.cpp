@@ -4,7 +4,7 @@
 
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -64,7 +64,7 @@ std::vector<Eigen::Vector3d> points_clear_of_robots(const Scene& scene, const st
                           const Eigen::Isometry3d& geometry_pose) {
     NearGeometry near(geometry, parts, geometry_pose, distance);
     std::erase_if(kept, [&](const Eigen::Vector3d& point) {
-      poll_interrupt();
+      interruption_point();
       return near.contains(pose * point);
     });
   };

@@ -32,4 +32,12 @@ void interruption_point() {
   if (scope != nullptr && ++scope->calls_ % calls_per_clock == 0) scope->call_check();
 }
 
+void rare_interruption_point() {
+  if (InterruptionScope::innermost_ != nullptr) InterruptionScope::innermost_->call_check();
+}
+
+bool can_be_interrupted() {
+  return InterruptionScope::innermost_ != nullptr && InterruptionScope::innermost_->check_ != nullptr;
+}
+
 }  // namespace srmp

@@ -17,6 +17,8 @@ class InterruptionScope {
 
  private:
   friend void interruption_point();
+  friend void rare_interruption_point();
+  friend bool can_be_interrupted();
   void call_check();
 
   static thread_local InterruptionScope* innermost_;
@@ -28,5 +30,9 @@ class InterruptionScope {
 
 /// To be called where a long computation may be stopped, at best every few microseconds.
 void interruption_point();
+/// The same for callers that come by rarely: looks at the clock every time.
+void rare_interruption_point();
+/// Does this thread have a scope with a check?
+bool can_be_interrupted();
 
 }  // namespace srmp

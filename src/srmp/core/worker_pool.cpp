@@ -1,6 +1,6 @@
 #include "srmp/core/worker_pool.hpp"
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
@@ -26,7 +26,7 @@ void WorkerPool::run_jobs_of(std::size_t worker) const {
 }
 
 void WorkerPool::run(std::size_t count, const std::function<void(std::size_t, std::size_t)>& job) {
-  const InterruptScope jobs_must_not_throw({});
+  const InterruptionScope jobs_must_not_throw({});
   if (count < 2 || threads_.empty()) {
     for (std::size_t i = 0; i < count; ++i) job(0, i);
     return;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
 
 namespace srmp {
@@ -102,7 +102,7 @@ struct DistanceField::Voxels {
   }
 
   void occupy(const PrimitiveBvh::Triangle& t) {
-    poll_interrupt();
+    interruption_point();
     const Vector3d margin = Vector3d::Constant(1e-6 * edge);
     const auto from = cell_of(t[0].cwiseMin(t[1]).cwiseMin(t[2]) - margin),
                to = cell_of(t[0].cwiseMax(t[1]).cwiseMax(t[2]) + margin);
@@ -226,7 +226,7 @@ void DistanceField::measure(const Voxels& voxels) {
   std::vector<float> along_x(nx), along_y(ny * nx);
   squared_.assign(nx * ny * nz, far);
   for (int z = 0; z < voxels.size[2]; ++z) {
-    poll_interrupt();
+    interruption_point();
     std::fill(along_y.begin(), along_y.end(), far);
     bool any = false;
     for (int y = 0; y < voxels.size[1]; ++y) {

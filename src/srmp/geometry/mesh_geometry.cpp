@@ -11,7 +11,7 @@
 #include <string>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
 
 namespace srmp {
@@ -101,7 +101,7 @@ bool is_convex(const TriangleSoup& mesh, const Hull& hull) {
   const HullFaces faces(hull);
   if (std::abs(std::abs(signed_volume(mesh)) - faces.volume) > kFlat * faces.area) return false;
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
-    poll_interrupt();
+    interruption_point();
     return std::any_of(faces.planes.begin(), faces.planes.end(), [&](const Plane& plane) {
       return plane.distance(mesh.vertices[t[0]]) <= kFlat && plane.distance(mesh.vertices[t[1]]) <= kFlat &&
              plane.distance(mesh.vertices[t[2]]) <= kFlat;

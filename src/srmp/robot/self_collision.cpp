@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "srmp/core/interrupt.hpp"
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/low_discrepancy.hpp"
 #include "srmp/robot/robot_impl.hpp"
 #include "srmp/robot/robot_model.hpp"
@@ -61,7 +61,7 @@ struct Candidate {
 };
 
 bool collide(const RobotModel& model, const RobotData& data, std::size_t a, std::size_t b) {
-  poll_interrupt();
+  rare_interruption_point();
   const LinkGeometry &ga = model.geometries()[a], &gb = model.geometries()[b];
   const Eigen::Isometry3d &pa = model.geometry_pose(data, a), &pb = model.geometry_pose(data, b);
   const double reach = ga.radius + gb.radius;
