@@ -92,7 +92,7 @@ BoolArray motions_free(Self& self, const ArrayLike& a, const ArrayLike& b) {
   BoolArray result = new_array(static_cast<std::size_t>(from.count()), free);
   self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < from.count(); ++i) {
-      interruption_point();
+      rare_interruption_point();
       free[i] = checker.is_motion_free(from.view().row(i).transpose(), to.view().row(i).transpose(), workspace);
     }
   });
@@ -105,7 +105,7 @@ nb::ndarray<nb::numpy, double> clearance(Self& self, const ArrayLike& q) {
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
   self.run([&](const Checker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
-      interruption_point();
+      rare_interruption_point();
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     }
@@ -162,7 +162,7 @@ nb::ndarray<nb::numpy, double> clearance_at(Timed& self, const ArrayLike& q, con
   auto result = new_array(static_cast<std::size_t>(rows.count()), distance);
   self.run([&](const TimedChecker& checker, Checker::Workspace& workspace) {
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
-      interruption_point();
+      rare_interruption_point();
       const auto nearest = checker.nearest(rows.view().row(i).transpose(), when[i], workspace);
       distance[i] = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     }

@@ -240,7 +240,7 @@ MotionCertificate Checker::do_certify_motion(ConstVector a, ConstVector b, Works
   };
   std::vector<Interval> open{{0.0, 1.0}};  // a stack, so that the first part that cannot be proved is found first
   for (int samples = 1; !open.empty(); ++samples) {
-    interruption_point();
+    rare_interruption_point();
     if (workspace.deadline && samples % samples_per_deadline_check == 0 && workspace.deadline->expired())
       throw MotionCheckStopped();
     const auto [from, to] = open.back();

@@ -71,14 +71,14 @@ void SceneChecker::do_are_free(ConstRows q, std::span<bool> free, Workspace& wor
   for (Eigen::Index i = 0; i < q.rows() && has_spheres; ++i) has_spheres = model_.spheres_reach(q.row(i).transpose());
   if (!has_spheres) {
     for (std::size_t i = 0; i < free.size(); ++i) {
-      interruption_point();
+      rare_interruption_point();
       scene.place(q.row(static_cast<Eigen::Index>(i)).transpose());
       free[i] = scene.is_free_here();
     }
     return;
   }
   for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
-    interruption_point();
+    rare_interruption_point();
     const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
     scene.check_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
                       free.subspan(first, count), query.spheres_only || model_.mode == CheckMode::conservative);

@@ -31,7 +31,7 @@ class Collector {
   explicit Collector(const Eigen::Vector3d& scale) : scale_(scale) {}
 
   void add(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent) {
-    interruption_point();
+    rare_interruption_point();
     const aiMatrix4x4 transform = parent * node.mTransformation;
     for (unsigned i = 0; i < node.mNumMeshes; ++i) add(*scene.mMeshes[node.mMeshes[i]], transform);
     for (unsigned i = 0; i < node.mNumChildren; ++i) add(scene, *node.mChildren[i], transform);

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interruption.hpp"
+#include "srmp/core/run_interruptibly.hpp"
 #include "srmp/core/utf8.hpp"
 
 namespace srmp::io {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interruption.hpp"
+#include "srmp/core/run_interruptibly.hpp"
 #include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/robot_impl.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
+#include "srmp/core/run_interruptibly.hpp"
 #include "srmp/core/utf8.hpp"
 #include "srmp/geometry/distance_field.hpp"
 #include "srmp/robot/joint_names.hpp"

@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
+#include "srmp/core/run_interruptibly.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/geometry/morton.hpp"
 
