@@ -330,7 +330,6 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
 
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
-  interruption_point();
   rare_interruption_point();
   if (samples_ >= max_samples || stopped()) {
     for (std::size_t i = first; i < first + count; ++i) leave_unproved(interval, open_[i].pair);
