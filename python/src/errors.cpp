@@ -66,7 +66,7 @@ void raise_unknown_robot(const std::string& what) {
   throw nb::python_error();
 }
 
-void set_wrong_type(const std::string& what) { PyErr_SetString(wrong_type_type, what.c_str()); }
+void set_wrong_type(const std::string& what) { set_error(wrong_type_type, what.c_str()); }
 
 void warn_of_robot(const std::string& what) {
   if (PyErr_WarnEx(robot_warning_type, what.c_str(), 1) != 0) throw nb::python_error();

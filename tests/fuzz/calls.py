@@ -8,6 +8,7 @@ A call may raise srmp.Error, or TypeError for what no signature has; it must not
 
 import argparse
 import faulthandler
+import os
 import random
 import resource
 import sys
@@ -216,6 +217,7 @@ def main(arguments=None):
     warnings.simplefilter("ignore")
     counts, faults, start, case = Counter(), 0, time.monotonic(), options.first
     with tempfile.TemporaryDirectory() as directory:
+        os.chdir(directory)  # for files of relative names
         while case < options.first + options.cases or time.monotonic() < start + 60 * options.minutes:
             faulthandler.dump_traceback_later(4 * MAX_SECONDS, exit=True)  # a case is up to twelve calls
             try:
