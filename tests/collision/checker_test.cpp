@@ -325,7 +325,7 @@ BOOST_AUTO_TEST_CASE(many_objects_give_the_same_results_as_few) {
 
 BOOST_AUTO_TEST_CASE(nearest_is_right_for_robots_and_things_of_spheres_only) {
   // Their distance has a formula, which knows no infinite margin.
-  for (const double far : {2.3, 50.0, 3e4}) {
+  for (const double far : {2.3, 50.0, 900.0}) {
     Scene scene;
     scene.add_robot(spheres());
     scene.add_object("x", Sphere{0.1}, at(far, 0, 0));

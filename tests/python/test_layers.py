@@ -159,7 +159,7 @@ def test_the_clock_stops_work_and_never_steers_it():
             continue
         text = file.read_text()
         assert name in CLOCK_READERS or not uses_of_time(text), f"{name} reads the clock"
-        for seconds in re.findall(r"[.>]within\((.*)\)", text):
+        for seconds in re.findall(r"deadline\w*(?:\.|->)within\((.*)\)", text):
             assert ".max_time()" in seconds, f"{name}: within({seconds}) is not a time that the user asked for"
 
 

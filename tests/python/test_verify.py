@@ -70,7 +70,7 @@ def test_the_scene_counts_as_it_is(solved):
     [
         ({"start": [0, 0]}, "start of 'arm'"),
         ({"goals": srmp.GoalConstraint(srmp.GoalType.JOINTS, [0, 0])}, "goal of 'arm'"),
-        ({"goals": []}, "a goal must be a GoalConstraint or a non-empty list of them"),
+        ({"goals": []}, "a goal must be a GoalConstraint, a Pose,"),
         ({"limits": srmp.MotionLimits([1], [1], [1])}, "velocity limits: got 1, but there are 7 joints"),
         ({"max_deviation": -1}, "max_deviation is -1; it must be 0 m or above"),
         ({"max_deviation": np.nan}, "max_deviation is NaN"),

@@ -213,8 +213,8 @@ class Checker {
   /// From now on the queries throw MotionCheckStopped where they take long and the deadline has passed. (Bodies that
   /// slide past each other within micrometres take tenths of a second, and so may the nearest pair among dense clouds
   /// and meshes.) What only computes contacts and nearest points of a pair that is known is not interrupted. Only
-  /// Deadline::expired is called, so several workspaces may share a deadline. It must outlive the workspace, or the next
-  /// call of this function.
+  /// Deadline::expired is called, so several workspaces may share a deadline. It must outlive the workspace, or the
+  /// next call of this function.
   void stop_at(const Deadline& deadline, Workspace& workspace) const;
 
   /// The counts of this workspace's checks.

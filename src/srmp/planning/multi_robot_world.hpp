@@ -45,8 +45,8 @@ class MultiRobotWorld : public multi::World {
   /// Where the robot is at a step of its move.
   Eigen::VectorXd at(std::size_t robot, const multi::Move& move, int step) const;
   const RobotModel& model(std::size_t robot) const { return checkers_.alone(robot).robot(); }
-  /// From now on nothing is free, or proved apart, once the deadline has passed and checking takes long. It must outlive
-  /// this, or the next call.
+  /// From now on nothing is free, or proved apart, once the deadline has passed and checking takes long. It must
+  /// outlive this, or the next call.
   void stop_at(const Deadline& deadline);
   double step_time() const { return step_time_; }  ///< [s] at full speed
   bool has_own_primitives() const;                 ///< has any task?
