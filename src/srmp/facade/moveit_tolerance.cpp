@@ -10,7 +10,7 @@ namespace srmp {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 constexpr double kLeastRotation = 1e-4;  // [rad] MoveIt's tolerance 0 is met by no number
 constexpr double kMaxAngle = 1.0;  // [rad] of tolerances that are bounded: the angles' bounds hold well below pi/2
 
@@ -24,8 +24,8 @@ struct FreeAxis {
 Eigen::Vector3d angle_bounds(const Eigen::Vector3d& v) {
   const double r13 = v.y() + 0.5 * v.x() * v.z(), r23 = v.x() + 0.5 * v.y() * v.z(), r12 = v.z() + 0.5 * v.x() * v.y();
   const double r33 = 1.0 - 0.5 * (v.x() * v.x() + v.y() * v.y()), r11 = 1.0 - 0.5 * (v.y() * v.y() + v.z() * v.z());
-  const auto angle = [](double sine, double cosine) { return cosine > 0.0 ? std::atan(sine / cosine) : kInfinity; };
-  return {angle(r23, r33), r13 < 1.0 ? std::asin(r13) : kInfinity, angle(r12, r11)};
+  const auto angle = [](double sine, double cosine) { return cosine > 0.0 ? std::atan(sine / cosine) : kNoLimit; };
+  return {angle(r23, r33), r13 < 1.0 ? std::asin(r13) : kNoLimit, angle(r12, r11)};
 }
 
 /// `limit`, made smaller by a common factor until all rotation vectors within it have angles within `limit`.
@@ -73,7 +73,7 @@ Eigen::Vector3d box_beside(const io::OrientationConstraint& constraint, Eigen::I
     box[first] = box[second] = least;  // the angles after the free one are about axes that it has turned
   } else {
     const Eigen::Vector3d across(std::min(limit.x(), kMaxAngle), std::min(limit.y(), kMaxAngle), 0.0);
-    box.head<2>() = within_angles(across, {limit.x(), limit.y(), kInfinity}).head<2>();
+    box.head<2>() = within_angles(across, {limit.x(), limit.y(), kNoLimit}).head<2>();
   }
   return box;
 }
@@ -100,7 +100,7 @@ Eigen::Vector3d rotation_tolerance(const io::OrientationConstraint& constraint, 
     axes.col(free->end_effector).setZero();
     axes(free->constraint, free->end_effector) = 1.0;
     Eigen::Vector3d tolerance = inner_box(axes, box_beside(constraint, free->constraint));
-    tolerance[free->end_effector] = kInfinity;
+    tolerance[free->end_effector] = kNoLimit;
     return tolerance;
   }
   const Eigen::Vector3d limit = limits_of(constraint);
