@@ -140,7 +140,7 @@ class MultiRobotWorld::Pair {
     const std::lock_guard lock(mutex_);
     const auto count = static_cast<std::size_t>(both.rows());
     const auto free = std::make_unique<bool[]>(count);
-    checker_.are_free(both, {free.get(), count}, *workspace_);
+    checker_.are_free(both, {free.get(), count}, *workspace_, {.spheres_only = true});
     return {free.get(), free.get() + count};
   }
 
