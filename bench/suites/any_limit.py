@@ -1,13 +1,13 @@
 """Checks that a time limit which is not reached does not change the answer.
 
-    python bench/suites/any_limit.py --data DIR [--questions 40] [--repeats 2] [--out any_limit.json]
+    python bench/suites/any_limit.py --data DIR [--cases 40] [--repeats 2] [--out any_limit.json]
 
-Each question is planned with a generous limit, which says how long it takes, and then with limits from 1.2 to 50 times
+Each case is planned with a generous limit, which says how long it takes, and then with limits from 1.2 to 50 times
 as long, and all of that again beside a process that keeps another core busy. Plans that end before their limit must
 have one hash: waypoints, samples and times of all trajectories, or the status. Plans that reach their limit (on a busy
-machine those of the shortest limits do) are counted and not compared. The questions are of several robots (generated
+machine those of the shortest limits do) are counted and not compared. The cases are of several robots (generated
 scenarios, half of them around motions that other robots are committed to) with each planner, and of one robot with each
-planner and with improve_rounds. The exit code is 1 when any question has two different hashes.
+planner and with improve_rounds. The exit code is 1 when any case has two different hashes.
 """
 
 from __future__ import annotations
@@ -22,19 +22,18 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import overshoot
+from report import run_and_report
 
 import srmp
-from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
 from srmp.bench.scenarios import find
 
-GENEROUS = 60.0  # [s]; questions that take longer are left out
+GENEROUS = 60.0  # [s]; cases that take longer are left out
 FACTORS = (1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 25.0, 50.0)
 SCENARIOS = (("binpick", 4), ("shelves", 3), ("ring", 4), ("grid", 8))
 PLANNERS: tuple[dict[str, Any], ...] = (
@@ -55,19 +54,19 @@ ONE_ROBOT: tuple[dict[str, Any], ...] = (
     {"planner_id": "wPASE", "num_threads": 2},
 )
 
-Answer = tuple[str, float]
+Outcome = tuple[str, float]
 """Hash of the trajectories, or the status; total_time_s."""
 
 
 @dataclass(frozen=True)
-class Question:
+class Case:
     """`plan` plans it with a time limit [s]."""
 
     name: str
-    plan: Callable[[float], Answer]
+    plan: Callable[[float], Outcome]
 
 
-def answer(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> Answer:
+def outcome(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> Outcome:
     """Of a plan by `planner`, which has just been made."""
     try:
         found = plan()
@@ -81,7 +80,7 @@ def answer(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> Answer:
 
 @dataclass
 class Compared:
-    """The different answers to a question, and the limits that each was given for."""
+    """The different answers to a case, and the limits that each was given for."""
 
     need_s: float
     limits_of: dict[str, list[float]]
@@ -92,15 +91,15 @@ class Compared:
         return len(self.limits_of) == 1
 
 
-def compare(question: Question, factors: Sequence[float], repeats: int, generous: float = GENEROUS) -> Compared | None:
+def compare(case: Case, factors: Sequence[float], repeats: int, generous: float = GENEROUS) -> Compared | None:
     """None: even the generous limit was reached."""
-    digest, need = question.plan(generous)
+    digest, need = case.plan(generous)
     if need >= generous:
         return None
     compared = Compared(need, {digest: [generous]}, 0)
     for factor, _ in itertools.product(factors, range(repeats)):
         limit = factor * need
-        digest, total = question.plan(limit)
+        digest, total = case.plan(limit)
         if total < limit:
             compared.limits_of.setdefault(digest, []).append(limit)
         else:
@@ -108,7 +107,7 @@ def compare(question: Question, factors: Sequence[float], repeats: int, generous
     return compared
 
 
-# --- questions
+# --- cases
 
 
 def described(options: Mapping[str, Any]) -> str:
@@ -126,20 +125,18 @@ def several(
     goals: Mapping[str, np.ndarray],
     options: Mapping[str, Any],
     obstacles: Mapping[str, srmp.Trajectory] | None = None,
-) -> Question:
-    """A question of several robots."""
+) -> Case:
+    """A case of several robots."""
     constraints = {robot: joints(q) for robot, q in goals.items()}
 
-    def plan(limit: float) -> Answer:
+    def plan(limit: float) -> Outcome:
         planner.make_planner(list(starts), {**options, "time_limit": limit})
-        return answer(planner, lambda: planner.plan_multi(dict(starts), constraints, obstacles=dict(obstacles or {})))
+        return outcome(planner, lambda: planner.plan_multi(dict(starts), constraints, obstacles=dict(obstacles or {})))
 
-    return Question(f"{name} {described(options)}{', obstacles' if obstacles else ''}", plan)
+    return Case(f"{name} {described(options)}{', obstacles' if obstacles else ''}", plan)
 
 
-def around_others(
-    name: str, planner: srmp.PlannerInterface, problem: Any, options: Mapping[str, Any]
-) -> Question | None:
+def around_others(name: str, planner: srmp.PlannerInterface, problem: Any, options: Mapping[str, Any]) -> Case | None:
     """The first half of the robots is planned around the motions of the others, which are found first."""
     robots = list(problem.starts)
     half = len(robots) // 2
@@ -156,7 +153,7 @@ def around_others(
     return None
 
 
-def generated(data: str) -> Iterator[Question | None]:
+def generated(data: str) -> Iterator[Case | None]:
     """Problems of the scenarios in turn, each with the next planner, together and around others."""
     worlds = [find(scenario, robots, 0, data) for scenario, robots in SCENARIOS]
     planners = [world.world.build() for world in worlds]
@@ -169,7 +166,7 @@ def generated(data: str) -> Iterator[Question | None]:
         yield around_others(name, planner, problem, options)
 
 
-def committed() -> Iterator[Question]:
+def committed() -> Iterator[Case]:
     """Two arms across a table, one of which is committed."""
     planner = overshoot.two_arms()
     names = planner.get_joint_names("right")
@@ -180,17 +177,17 @@ def committed() -> Iterator[Question]:
         yield several(f"committed {number}", planner, starts, goals, {"planner_id": "xECBS"}, {"right": motion})
 
 
-def single(planner: srmp.PlannerInterface, robot: str, name: str, problem: Any, options: Mapping[str, Any]) -> Question:
-    """A question of one robot."""
+def single(planner: srmp.PlannerInterface, robot: str, name: str, problem: Any, options: Mapping[str, Any]) -> Case:
+    """A case of one robot."""
 
-    def plan(limit: float) -> Answer:
+    def plan(limit: float) -> Outcome:
         planner.make_planner(robot, {**options, "time_limit": limit})
-        return answer(planner, lambda: planner.plan(robot, problem.start, problem.goals))
+        return outcome(planner, lambda: planner.plan(robot, problem.start, problem.goals))
 
-    return Question(f"{name} {described(options)}", plan)
+    return Case(f"{name} {described(options)}", plan)
 
 
-def of_one_robot(data: str, robot: str) -> Iterator[Question]:
+def of_one_robot(data: str, robot: str) -> Iterator[Case]:
     files = mbm.robot_files(data, robot, "urdf")
     runner = mbm.Runner(files, "auto", {}, GENEROUS)
     with mbm.open_problems(files.directory, robot, overshoot.SCENARIOS, mbm.parse_numbers("1-2")) as chosen:
@@ -222,15 +219,15 @@ def busy_neighbour(wanted: bool) -> Iterator[None]:
             process.join()
 
 
-def run(data: str, robot: str, questions: int, repeats: int) -> dict[str, Any]:
+def run(data: str, robot: str, cases: int, repeats: int) -> dict[str, Any]:
     several_robots = itertools.chain(committed(), generated(data))
     rows, left_out = [], 0
 
-    def measure(question: Question) -> bool:
+    def measure(case: Case) -> bool:
         found = []
         for busy in (False, True):
             with busy_neighbour(busy):
-                found.append(compare(question, FACTORS, repeats))
+                found.append(compare(case, FACTORS, repeats))
         known = [compared for compared in found if compared is not None]
         if not known:
             return False
@@ -240,7 +237,7 @@ def run(data: str, robot: str, questions: int, repeats: int) -> dict[str, Any]:
                 limits_of.setdefault(digest, []).extend(limits)
         rows.append(
             {
-                "question": question.name,
+                "case": case.name,
                 "need_s": known[0].need_s,
                 "limits_s": limits_of,
                 "reached": sum(compared.reached for compared in known),
@@ -249,18 +246,18 @@ def run(data: str, robot: str, questions: int, repeats: int) -> dict[str, Any]:
         print_row(rows[-1])
         return True
 
-    while len(rows) < questions:
-        question = next(several_robots)
-        left_out += question is None or not measure(question)
-    for question in of_one_robot(data, robot):
-        left_out += not measure(question)
-    options = {"robot": robot, "questions": questions, "repeats": repeats, "factors": FACTORS}
+    while len(rows) < cases:
+        case = next(several_robots)
+        left_out += case is None or not measure(case)
+    for case in of_one_robot(data, robot):
+        left_out += not measure(case)
+    options = {"robot": robot, "cases": cases, "repeats": repeats, "factors": FACTORS}
     return {"header": mbm.header("any limit", options=options), "left_out": left_out, "rows": rows}
 
 
 def print_row(row: Mapping[str, Any]) -> None:
     hashes = Counter({digest: len(limits) for digest, limits in row["limits_s"].items()})
-    print(f"{row['question']}: {row['need_s']:.3f} s, {dict(hashes)}, limit reached {row['reached']} times", flush=True)
+    print(f"{row['case']}: {row['need_s']:.3f} s, {dict(hashes)}, limit reached {row['reached']} times", flush=True)
 
 
 def table(result: Mapping[str, Any]) -> str:
@@ -268,7 +265,7 @@ def table(result: Mapping[str, Any]) -> str:
     different = [row for row in rows if len(row["limits_s"]) > 1]
     plans = sum(len(limits) for row in rows for limits in row["limits_s"].values())
     return format_table(
-        ["questions", "plans before their limit", "at it", "questions with several answers", "left out"],
+        ["cases", "plans before their limit", "at it", "cases with several answers", "left out"],
         [
             [
                 str(len(rows)),
@@ -284,16 +281,10 @@ def table(result: Mapping[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
     parser.add_argument("--data", required=True, help="the directory given to srmp bench mbm")
-    parser.add_argument("--robot", default="panda", help="of the questions of one robot")
-    parser.add_argument("--questions", type=int, default=40, help="of several robots")
+    parser.add_argument("--robot", default="panda", help="of the cases of one robot")
+    parser.add_argument("--cases", type=int, default=40, help="of several robots")
     parser.add_argument("--repeats", type=int, default=2, help="of each limit")
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    options = vars(parser.parse_args())
-    out = options.pop("out")
-    result = run(**options)
-    print(table(result))
-    if out:
-        write_json(out, result)
+    result = run_and_report(parser, run, table)
     return int(any(len(row["limits_s"]) > 1 for row in result["rows"]))
 
 

@@ -23,9 +23,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from report import run_and_report
 
 import srmp
-from srmp._files import write_json
 from srmp._table import format_seconds, format_table
 from srmp.bench import mbm
 
@@ -255,13 +255,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--repeats", type=int, default=2)
     parser.add_argument("--limit", type=float, default=2.0, help="time limit of a plan [s] (default: %(default)s)")
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    options = vars(parser.parse_args())
-    out = options.pop("out")
-    result = run(**options)
-    print(table(result["rows"]))
-    if out:
-        write_json(out, result)
+    result = run_and_report(parser, run, lambda result: table(result["rows"]))
     return 1 if any(map(is_wrong, result["rows"])) else 0
 
 

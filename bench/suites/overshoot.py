@@ -29,13 +29,12 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from report import run_and_report
 
 import srmp
-from srmp._files import write_json
 from srmp._table import format_seconds, format_table
 from srmp.bench import mbm
 from srmp.bench.scenarios import find
@@ -319,13 +318,7 @@ def main() -> int:
     parser.add_argument("--kinds", default="", help="separated by commas; default: all")
     parser.add_argument("--doubt", type=float, default=0.01, help="plans that overshoot by more are run again [s]")
     parser.add_argument("--reruns", type=int, default=4)
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    options = vars(parser.parse_args())
-    out = options.pop("out")
-    result = run(**options)
-    print(table(result))
-    if out:
-        write_json(out, result)
+    run_and_report(parser, run, table)
     return 0
 
 

@@ -15,15 +15,14 @@ import importlib.metadata
 import logging
 import re
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from report import run_and_report
 from toppra import algorithm, constraint
 from toppra.interpolator import AbstractGeometricPath
 
 import srmp
-from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
 
@@ -165,13 +164,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
     parser.add_argument("--paths", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    options = vars(parser.parse_args())
-    out = options.pop("out")
-    result = run(**options)
-    print(table(result))
-    if out:
-        write_json(out, result)
+    result = run_and_report(parser, run, table)
     return 1 if any(row["ratio"] > ALLOWED for row in result["rows"]) else 0
 
 

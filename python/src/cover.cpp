@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "bind.hpp"
+#include "interrupt.hpp"
 #include "srmp/cover/cover_file.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
 #include "srmp/robot/robot_cover.hpp"
@@ -74,14 +75,6 @@ PyRobotCover by_links(const RobotCover& cover) {
     result.links.back().add(part);
   }
   return result;
-}
-
-StepProgress report_to_python(const std::optional<nb::callable>& progress) {
-  return [&progress](std::size_t done, std::size_t total) {
-    const nb::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-    if (progress) (*progress)(done, total);
-  };
 }
 
 PyRobotCover cover(const std::string& urdf_path, const std::vector<std::string>& package_dirs, double accuracy,

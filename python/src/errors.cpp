@@ -56,6 +56,14 @@ void raise_interrupt() {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
+StepProgress report_to_python(const std::optional<nb::callable>& progress) {
+  return [&progress](std::size_t done, std::size_t total) {
+    const nb::gil_scoped_acquire gil;
+    raise_interrupt();
+    if (progress) (*progress)(done, total);
+  };
+}
+
 void raise(const PlanningError& error, const nb::dict& statistics) {
   set_planning_error(error, statistics);
   throw nb::python_error();

@@ -46,17 +46,6 @@ std::vector<PlanResult> plan_many(PlannerInterface& planner, const std::vector<P
   return run_interruptible([&] { return planner.plan_many(requests, threads, python_interrupted, report); });
 }
 
-void prepare(PlannerInterface& planner, const std::optional<nb::callable>& progress) {
-  run_interruptible([&] {
-    planner.prepare([&progress](std::size_t done, std::size_t total) {
-      const nb::gil_scoped_acquire gil;
-      if (PyErr_CheckSignals() != 0) throw nb::python_error();
-      if (progress) (*progress)(done, total);
-    });
-    return true;
-  });
-}
-
 std::string only_robot(nb::handle robots) {
   const std::vector<std::string> names = to_names(robots);
   if (names.size() != 1)
@@ -207,7 +196,10 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
       .def(
           "prepare",
           [](Self& self, const std::optional<nb::callable>& progress) {
-            self.use([&](PlannerInterface& p) { prepare(p, progress); });
+            self.use([&](PlannerInterface& p) {
+              const nb::gil_scoped_release no_gil;
+              p.prepare(report_to_python(progress));
+            });
           },
           nb::arg("progress") = nb::none(),
           nb::sig("def prepare(self, progress: collections.abc.Callable[[int, int], object] | None = None) -> None"),

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from srmp import _srmp
+from srmp._names import did_you_mean
 
 _MAX_TEXT = 60  # characters of a value
 _NAMES = {
@@ -69,9 +70,9 @@ def _fault(parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[s
         if parameter.name in values and not _fits(parameter.type, values[parameter.name]):
             value = brief(values[parameter.name])
             return _Fault(True, f": {parameter.name} must be {_described(parameter.type)}, but is {value}")
-    wanted = ", ".join(f"{parameter.name}: {_described(parameter.type)}" for parameter in parameters)
+    expected = ", ".join(f"{parameter.name}: {_described(parameter.type)}" for parameter in parameters)
     got = ", ".join(brief(value) for value in values.values())
-    return _Fault(True, f" takes ({wanted}), but got ({got})")
+    return _Fault(True, f" takes ({expected}), but got ({got})")
 
 
 def brief(value: object) -> str:
@@ -92,7 +93,7 @@ def _name(function: Any) -> str:
 def _hint(name: str, known: list[str]) -> str:
     if theirs := _srmp._option_of_other_planner(name):
         return f"; {theirs}, an option of make_planner" if theirs.startswith("it is '") else f"; {theirs}"
-    return _srmp._did_you_mean(name, known) or (f"; it takes {_listed(known)}" if known else "; it takes none")
+    return did_you_mean(name, known) or (f"; it takes {_listed(known)}" if known else "; it takes none")
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -14,12 +14,6 @@ using namespace worlds;
 
 namespace {
 
-std::vector<GeometryParts> parts_of_robot(const RobotModel& robot) {
-  std::vector<GeometryParts> parts;
-  for (const LinkGeometry& geometry : robot.geometries()) parts.push_back(parts_of(geometry.shape));
-  return parts;
-}
-
 /// Checkers of one scene: Coal alone, with quick covers, with refined covers, and with tables as well.
 struct Checkers {
   explicit Checkers(const Scene& scene, const std::string& robot) {
@@ -29,7 +23,7 @@ struct Checkers {
     cover_robot(*instance.model, *refined, {.levels = {.coarse = 0.04, .fine = 0.02}});
     BOOST_TEST(ensure_covered(*instance.model, *refined));
     const auto tables = std::make_shared<PairTableStore>("");
-    tables->tables(instance.model, parts_of_robot(*instance.model));
+    tables->tables(instance.model, parts_of_all(*instance.model));
     add(scene, robot, {.mode = CheckMode::coal});
     add(scene, robot, {.covers = quick});
     add(scene, robot, {.covers = refined});

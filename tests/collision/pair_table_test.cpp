@@ -45,12 +45,6 @@ std::shared_ptr<const RobotModel> irons(const TemporaryDirectory& directory,
   return RobotModel::load(description);
 }
 
-std::vector<GeometryParts> parts_of_all(const RobotModel& robot) {
-  std::vector<GeometryParts> parts;
-  for (const LinkGeometry& geometry : robot.geometries()) parts.push_back(parts_of(geometry.shape));
-  return parts;
-}
-
 bool same(const PairTables& a, const PairTables& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PairTable& x, const PairTable& y) {
     return x.geometry_a == y.geometry_a && x.geometry_b == y.geometry_b && x.joints == y.joints && x.free == y.free;

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "srmp/collision/scene_checker.hpp"
+#include "srmp/scene/shape_geometry.hpp"
 #include "support/robots.hpp"
 
 namespace worlds {
@@ -22,6 +23,13 @@ inline std::shared_ptr<const RobotModel> arm7(const std::string& name = "arm7") 
   description.end_effector = "arm7_hand";
   description.name = name;
   return RobotModel::load(description);
+}
+
+/// What PairTableStore::tables needs of a robot's geometries.
+inline std::vector<GeometryParts> parts_of_all(const RobotModel& robot) {
+  std::vector<GeometryParts> parts;
+  for (const LinkGeometry& geometry : robot.geometries()) parts.push_back(parts_of(geometry.shape));
+  return parts;
 }
 
 /// A slide that carries an arm whose second joint follows the first, backwards and half as fast, with a drawer at its

@@ -60,8 +60,8 @@ def sim_checks():
 
 
 @pytest.fixture
-def arm():
-    """The package's own arm on a table, with a box beside it and a quick planner."""
+def arm_alone():
+    """The package's own arm in an empty scene, without a planner."""
     planner = srmp.PlannerInterface()
     planner.add_articulation(
         urdf_path=srmp.data_path("arm7.urdf"),
@@ -69,6 +69,13 @@ def arm():
         name="arm",
         end_effector="arm7_hand",
     )
+    return planner
+
+
+@pytest.fixture
+def arm(arm_alone):
+    """The package's own arm on a table, with a box beside it and a quick planner."""
+    planner = arm_alone
     planner.add_box("table", size=[2, 2, 0.1], pose=srmp.Pose(p=[0, 0, -0.051]))
     planner.add_box("post", size=[0.1, 0.1, 0.8], pose=srmp.Pose(p=[0.3, 0, 0.4]))
     planner.make_planner("arm", {"planner_id": "wAstar", "time_limit": 10})

@@ -1,6 +1,6 @@
 """A time limit that is not reached changes nothing: the clock stops plans and never steers them.
 
-Plans that end before their limit are compared, so the tests hold on machines of any speed. The full test (40 questions,
+Plans that end before their limit are compared, so the tests hold on machines of any speed. The full test (40 cases,
 beside a process that keeps a core busy) is `python bench/suites/any_limit.py --data DIR`.
 """
 
@@ -11,7 +11,7 @@ import pytest
 
 import srmp
 
-FACTORS = (1.2, 3, 50)  # of the time that a question needs
+FACTORS = (1.2, 3, 50)  # of the time that a case needs
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +40,10 @@ def turned(angle):
     return np.array([angle, 0, 0, pi / 2, 0, pi / 2, 0])
 
 
-def assert_one_answer(any_limit, question):
-    compared = any_limit.compare(question, FACTORS, repeats=1)
+def assert_one_answer(any_limit, case):
+    compared = any_limit.compare(case, FACTORS, repeats=1)
     assert compared is not None
-    assert compared.same, f"{question.name}: {compared.limits_of}"
+    assert compared.same, f"{case.name}: {compared.limits_of}"
 
 
 SEVERAL = [
@@ -68,10 +68,10 @@ def test_around_a_committed_motion(any_limit, suite, arms, number):
     times, angles, start, end = suite("overshoot").AMONG_COMMITTED[number]
     rows = np.array([turned(angle) for angle in angles])
     motion = srmp.Trajectory(arms.get_joint_names("right"), rows, times, np.zeros(rows.shape))
-    question = any_limit.several(
+    case = any_limit.several(
         "committed", arms, {"left": turned(start)}, {"left": turned(end)}, {"planner_id": "xECBS"}, {"right": motion}
     )
-    assert_one_answer(any_limit, question)
+    assert_one_answer(any_limit, case)
 
 
 ONE = [

@@ -13,14 +13,8 @@ def joint_goal(q):
 
 
 @pytest.fixture
-def arm():
-    planner = srmp.PlannerInterface()
-    planner.add_articulation(
-        urdf_path=srmp.data_path("arm7.urdf"),
-        srdf_path=srmp.data_path("arm7.srdf"),
-        name="arm",
-        end_effector="arm7_hand",
-    )
+def arm(arm_alone):
+    planner = arm_alone
     planner.add_box("post", size=[0.1, 0.1, 0.8], pose=srmp.Pose(p=[0.3, 0, 0.4]))
     planner.make_planner("arm", {"planner_id": "auto"})
     return planner
@@ -142,14 +136,8 @@ def test_resampling_says_where_it_exceeds_limits(arm, plan):
 
 
 @pytest.mark.parametrize("gap", [1e-3, 3e-5, 0.0, -5e-6])
-def test_the_fixed_base_counts_in_distances_unless_it_stands_on_something(gap):
-    planner = srmp.PlannerInterface()
-    planner.add_articulation(
-        urdf_path=srmp.data_path("arm7.urdf"),
-        srdf_path=srmp.data_path("arm7.srdf"),
-        name="arm",
-        end_effector="arm7_hand",
-    )
+def test_the_fixed_base_counts_in_distances_unless_it_stands_on_something(arm_alone, gap):
+    planner = arm_alone
     ready = planner.get_group_states("arm")["ready"]
     alone = planner.distance_to_collision("arm", ready)
     planner.add_box("floor", size=[3, 3, 0.1], pose=srmp.Pose(p=[0, 0, -0.05 - gap]))

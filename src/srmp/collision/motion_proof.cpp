@@ -182,8 +182,8 @@ class Prover {
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
   bool sharpen();
-  Check check(const Pair& pair, double motion, double wanted);
-  Check measure(const Pair& pair, double motion, double wanted);
+  Check check(const Pair& pair, double motion, double required);
+  Check measure(const Pair& pair, double motion, double required);
   static int levels_for(double room, double motion) {
     return std::clamp(static_cast<int>(std::log2(motion / std::max(room, 0.1 * motion))), 0, max_levels);
   }
@@ -282,13 +282,13 @@ void Prover::place_at(const Interval& interval) {
   std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
 }
 
-/// Checks a pair over the interval around the current configuration. A clearance of `wanted` will do, though distances
-/// are computed as far as the goal.
-Prover::Check Prover::check(const Pair& pair, double motion, double wanted) {
+/// Checks a pair over the interval around the current configuration. A clearance of `required` will do, though
+/// distances are computed as far as the goal.
+Prover::Check Prover::check(const Pair& pair, double motion, double required) {
   const double bound = workspace_.distance_bound(pair), left = bound - pair.padding - motion - NarrowPhase::tolerance;
-  if (left > wanted) return {CollisionStatus::free, left, false};
+  if (left > required) return {CollisionStatus::free, left, false};
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
-    return measure(pair, motion, wanted);
+    return measure(pair, motion, required);
   // No distance could prove it.
   if (bound > pair.padding || !workspace_.in_contact(pair, false))
     return {CollisionStatus::undecided, 0.0, false, bound + motion / 2.0 - pair.padding};
@@ -297,15 +297,15 @@ Prover::Check Prover::check(const Pair& pair, double motion, double wanted) {
 }
 
 /// The same by distances: of hulls, and of the pair itself where those are too near.
-Prover::Check Prover::measure(const Pair& pair, double motion, double wanted) {
+Prover::Check Prover::measure(const Pair& pair, double motion, double required) {
   const bool finest = motion < Checker::motion_floor;
   const double least = pair.padding + motion + NarrowPhase::tolerance, margin = least + goal();
   if (!pair.solid) {
-    const double suffices = least + wanted - 0.9 * motion, hulls = workspace_.hull_distance(pair, margin, suffices);
+    const double suffices = least + required - 0.9 * motion, hulls = workspace_.hull_distance(pair, margin, suffices);
     if (hulls == infinity) return {CollisionStatus::free, goal()};
-    if (hulls > least + wanted) return {CollisionStatus::free, hulls - least, false};
+    if (hulls > least + required) return {CollisionStatus::free, hulls - least, false};
     // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.
-    if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - wanted};
+    if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - required};
   }
   const double touching = pair.padding + NarrowPhase::contact_distance;
   double found = workspace_.distance(pair, margin, pair.padding + rough_distance * motion);

@@ -9,6 +9,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/interruption.hpp"
+#include "srmp/cover/enclosing_sphere.hpp"
 #include "srmp/cover/solid_geometry.hpp"
 
 namespace srmp {
@@ -277,15 +278,13 @@ PlacedSphere CoverSolid::bounding_sphere() const {
   const SolidGeometry& geometry = *geometry_;
   if (geometry.kind == SolidGeometry::Kind::sphere) return {Vector3d::Zero(), geometry.radius};
   if (geometry.kind == SolidGeometry::Kind::capsule) return {Vector3d::Zero(), geometry.radius + geometry.length / 2};
-  // Badoiu and Clarkson 2003: steps of decreasing length towards the farthest point.
-  PlacedSphere sphere{geometry.box.center(), 0};
   const auto farthest = [&](const Vector3d& c) {
     Vector3d far = c;
     for (const Vector3d& v : geometry.vertices)
       if ((v - c).squaredNorm() > (far - c).squaredNorm()) far = v;
     return far;
   };
-  for (int i = 1; i <= 60; ++i) sphere.center += (farthest(sphere.center) - sphere.center) / (i + 1);
+  PlacedSphere sphere{approach_center(geometry.box.center(), 60, farthest), 0};
   if (geometry.curved_depth)
     sphere.center.head<2>().setZero();  // by symmetry; the ring of vertices then gives the radius
   sphere.radius = (farthest(sphere.center) - sphere.center).norm() * (1 + 1e-12);

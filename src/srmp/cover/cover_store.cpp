@@ -38,10 +38,15 @@ std::optional<CoverStore::Result> CoverStore::find(const Sha256::Digest& key) {
   }
   auto covers = read_covers(directory_, key);
   if (!covers) return std::nullopt;
-  return get(key, [&] { return std::move(*covers); });
+  std::promise<Result> read;
+  read.set_value({std::make_shared<const CoverSet>(std::move(*covers)), Origin::file});
+  const std::lock_guard lock(mutex_);
+  const auto [known, added] = results_.try_emplace(key, read.get_future().share());
+  if (added || known->second.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return known->second.get();
+  return std::nullopt;
 }
 
-void CoverStore::forget_unused() {
+void CoverStore::release_unused() {
   const std::lock_guard lock(mutex_);
   std::erase_if(adopted_, [](const auto& entry) { return entry.second.shape.expired(); });
 }

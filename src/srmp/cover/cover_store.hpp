@@ -29,7 +29,7 @@ class CoverStore {
   /// The cover that was adopted last for this geometry object, or null.
   std::shared_ptr<const GeometryCover> adopted(const coal::CollisionGeometry& shape) const;
   /// Forgets the covers adopted for geometry objects that have ended.
-  void forget_unused();
+  void release_unused();
 
   /// Where a result comes from: an earlier call, a file, or a new computation.
   enum class Origin { memory, file, built };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "srmp/core/interruption.hpp"
+#include "srmp/cover/enclosing_sphere.hpp"
 #include "srmp/cover/geometry_content.hpp"
 #include "srmp/geometry/triangle_bvh.hpp"
 
@@ -64,7 +65,7 @@ class Patches {
     return result;
   }
 
-  /// A small sphere around the patch (Badoiu and Clarkson 2003: steps of decreasing length towards the farthest point).
+  /// A small sphere around the patch.
   PlacedSphere sphere_around(const Patch& patch) const {
     const auto farthest = [&](const Vector3d& c) {
       Vector3d far = c;
@@ -73,8 +74,7 @@ class Patches {
           if ((v - c).squaredNorm() > (far - c).squaredNorm()) far = v;
       return far;
     };
-    Vector3d center = patch.box.center();
-    for (int i = 1; i <= 12; ++i) center += (farthest(center) - center) / (i + 1);
+    const Vector3d center = approach_center(patch.box.center(), 12, farthest);
     const double radius = (farthest(center) - center).norm(),
                  of_box = (farthest(patch.box.center()) - patch.box.center()).norm();
     if (of_box < radius) return {patch.box.center(), of_box * above};

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "srmp/planner_interface.hpp"
+#include "srmp/robot/joint_names.hpp"
 
 namespace srmp {
 
@@ -18,9 +19,8 @@ GoalConstraint by_name(const RobotModel& model, const std::map<std::string, doub
       rest[it - names.begin()] = position;
       continue;
     }
-    for (const Joint& other : model.other_joints())
-      if (other.name == joint)
-        throw InvalidArgument(goal + ": joint '" + joint + "' is not planned; planned are " + quoted_list(names));
+    if (find_joint(model.other_joints(), joint))
+      throw InvalidArgument(goal + ": joint '" + joint + "' is not planned; planned are " + quoted_list(names));
     model.refuse_joint(joint);
   }
   require_finite({rest.data(), names.size()}, goal, names);

@@ -38,10 +38,10 @@ void RobotPreparation::begin(Robot& robot, const RobotInstance& instance) const 
 bool RobotPreparation::update(const Scene& scene) {
   bool changed = false;
   for (const auto& [name, instance] : scene.robots()) {
-    const bool is_new = !robots_.contains(instance.model.get()) || robots_.at(instance.model.get()).model.expired();
     Robot& robot = robot_of(instance.model);
     if (robot.ready) continue;
-    if (is_new) {
+    if (!robot.begun) {
+      robot.begun = true;
       robot.ready = ensure_covered(*instance.model, *covers_) && tables_->find(instance.model);
       if (!robot.ready) begin(robot, instance);
     } else if (*robot.computed) {
@@ -58,6 +58,7 @@ bool RobotPreparation::finish(const Scene& scene, const StepProgress& progress) 
     Robot& robot = robot_of(instance.model);
     if (robot.ready) continue;
     robot.job.cancel();
+    robot.begun = false;  // where `progress` ends this, the next plan begins again
     cover_robot(*instance.model, *covers_, {.threads = threads}, progress);
     tables_->tables(instance.model, instance.parts, threads, progress);
     robot.ready = changed = true;

@@ -30,6 +30,7 @@ class RobotPreparation {
   struct Robot {
     std::weak_ptr<const RobotModel> model;
     std::shared_ptr<std::atomic<bool>> computed{std::make_shared<std::atomic<bool>>(false)};
+    bool begun{};
     bool ready{};  // its covers are adopted and its tables are known
     Background::Ticket job;
   };

@@ -55,7 +55,7 @@ void SceneCheckers::clear() {
   alone_.clear();
   single_.clear();
   together_.reset();
-  covers_->forget_unused();  // those of robots that left the scene
+  covers_->release_unused();  // those of robots that left the scene
 }
 
 }  // namespace srmp

@@ -3,6 +3,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/io/moveit_objects.h"
+#include "srmp/robot/joint_names.hpp"
 
 namespace srmp::io {
 
@@ -26,15 +27,10 @@ std::string robot_of_file(const Scene& scene, const std::string& name) {
   return scene.robots().size() == 1 ? scene.robots().begin()->first : "";
 }
 
-const Joint* joint_named(const std::vector<Joint>& joints, const std::string& name) {
-  const auto it = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
-  return it == joints.end() ? nullptr : &*it;
-}
-
 /// A joint that is planned or stands still, but can move; nullptr: the robot has none of this name.
 const Joint* movable_joint(const RobotModel& model, const std::string& name) {
-  const Joint* planned = joint_named(model.joints(), name);
-  return planned ? planned : joint_named(model.other_joints(), name);
+  const Joint* planned = find_joint(model.joints(), name);
+  return planned ? planned : find_joint(model.other_joints(), name);
 }
 
 /// Applies a robot state to a copy of the scene.
@@ -288,7 +284,7 @@ StartState apply_start_to(const RequestFile& file, Scene& scene, const std::stri
     const auto planned = std::find(model.joint_names().begin(), model.joint_names().end(), name);
     if (planned != model.joint_names().end()) {
       start.q[planned - model.joint_names().begin()] = position;
-    } else if (joint_named(model.other_joints(), name)) {
+    } else if (find_joint(model.other_joints(), name)) {
       others[name] = position;
     } else {
       refuse_misspelt(file, model, name);

@@ -1,5 +1,6 @@
 #include "srmp/robot/joint_names.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -16,6 +17,11 @@ constexpr double kMaxUsualAngle = 2 * std::numbers::pi;
 std::string rounded(double value) { return to_text(std::round(value * 1e4) / 1e4); }
 
 }  // namespace
+
+const Joint* find_joint(const std::vector<Joint>& joints, const std::string& name) {
+  const auto it = std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
+  return it == joints.end() ? nullptr : &*it;
+}
 
 std::string degrees_hint(const Joint& joint, double value) {
   const double radians = value * std::numbers::pi / 180.0;

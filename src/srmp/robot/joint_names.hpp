@@ -1,12 +1,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "srmp/robot/robot_description.hpp"
 
 namespace srmp {
 
 struct RobotModelImpl;
+
+/// The joint of this name; null: there is none.
+const Joint* find_joint(const std::vector<Joint>& joints, const std::string& name);
 
 /// The end of a sentence about a position [rad] outside the limits of a joint: whether it may be in degrees, or "".
 std::string degrees_hint(const Joint& joint, double value);

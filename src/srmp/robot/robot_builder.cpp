@@ -203,12 +203,11 @@ void check_fixed_joints(const Impl& impl) {
     if (std::find(impl.joint_names.begin(), impl.joint_names.end(), name) != impl.joint_names.end())
       throw InvalidArgument("fixed_joints: joint '" + name + "' of robot '" + impl.name +
                             "' is planned; leave it out here, or name the joints to plan in joint_names");
-    const auto it = std::find_if(impl.other_joints.begin(), impl.other_joints.end(),
-                                 [&](const Joint& joint) { return joint.name == name; });
-    if (it == impl.other_joints.end()) throw InvalidArgument("fixed_joints: " + why_not_a_joint(impl, name));
-    if (!(value >= it->lower && value <= it->upper) || !std::isfinite(value))
-      throw InvalidArgument("fixed_joints: " + name + " is " + to_text(value) + "; allowed is " + to_text(it->lower) +
-                            " to " + to_text(it->upper) + degrees_hint(*it, value));
+    const Joint* joint = find_joint(impl.other_joints, name);
+    if (!joint) throw InvalidArgument("fixed_joints: " + why_not_a_joint(impl, name));
+    if (!(value >= joint->lower && value <= joint->upper) || !std::isfinite(value))
+      throw InvalidArgument("fixed_joints: " + name + " is " + to_text(value) + "; allowed is " +
+                            to_text(joint->lower) + " to " + to_text(joint->upper) + degrees_hint(*joint, value));
   }
 }
 

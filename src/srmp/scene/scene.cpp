@@ -76,13 +76,11 @@ void require_within_limits(const Joint& joint, double value, const std::string& 
 /// Sets the position of the joint of this name; false if there is none in `joints`.
 bool assign_joint(const std::vector<Joint>& joints, const std::string& name, double value, const std::string& robot,
                   Eigen::VectorXd& positions) {
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i].name != name) continue;
-    require_within_limits(joints[i], value, robot);
-    positions[static_cast<Eigen::Index>(i)] = value;
-    return true;
-  }
-  return false;
+  const Joint* joint = find_joint(joints, name);
+  if (!joint) return false;
+  require_within_limits(*joint, value, robot);
+  positions[joint - joints.data()] = value;
+  return true;
 }
 
 /// Throws InvalidArgument with the nearest known name, or with all known names.

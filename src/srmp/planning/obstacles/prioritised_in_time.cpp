@@ -108,13 +108,13 @@ bool PrioritisedInTime::plan_one(std::size_t i, const Motions& at_once, const Ti
   }
   const TimedTask task = task_of(i, at_once, others);
   const PhaseTimer timer(deadline_, statistics_.search_time_s);
-  TimedResult answer = plan_in_time(task, budget);
-  statistics_.expansions += answer.expansions;
-  statistics_.edge_checks += answer.edge_checks;
-  statistics_.memory_bytes = std::max(statistics_.memory_bytes, answer.memory_bytes);
-  if (answer.status != Status::solved) return false;
-  answer.motion.robot = part.placed;
-  done.emplace(part.robot, std::move(answer.motion));
+  TimedResult result = plan_in_time(task, budget);
+  statistics_.expansions += result.expansions;
+  statistics_.edge_checks += result.edge_checks;
+  statistics_.memory_bytes = std::max(statistics_.memory_bytes, result.memory_bytes);
+  if (result.status != Status::solved) return false;
+  result.motion.robot = part.placed;
+  done.emplace(part.robot, std::move(result.motion));
   return true;
 }
 
