@@ -250,9 +250,9 @@ class PlannerInterface {
   void make_planner(const std::vector<std::string>& robots, const PlannerOptions& options);
   /// Computes now, on all cores, what makes collision checks of the scene's robots faster: sphere covers, and tables of
   /// pairs of links. It takes seconds to minutes for a robot seen for the first time; later it comes from the cache
-  /// directory. Without this call it happens in the background, from the first plan on; plan_multi waits for it. No
-  /// result depends on it, only the time that plans take. `progress` is called often, in the caller's thread; what it
-  /// throws ends the call within 0.1 s and passes through.
+  /// directory. Without this call it happens in the background, from the first plan on. No result depends on it, only
+  /// the time that plans take. `progress` is called often, in the caller's thread; what it throws ends the call within
+  /// 0.1 s and passes through.
   void prepare(const PlanProgress& progress = {});
   /// The options that make_planner was given for these robots; the defaults of `auto` when it was not called.
   const PlannerOptions& planner_options(const std::vector<std::string>& robots) const;

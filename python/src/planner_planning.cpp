@@ -205,8 +205,8 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
           nb::sig("def prepare(self, progress: collections.abc.Callable[[int, int], object] | None = None) -> None"),
           R"(Computes now, on all cores, what makes collision checks of the scene's robots faster: sphere covers, and tables of
 pairs of links. It takes seconds to minutes for a robot seen for the first time; later it comes from the cache
-directory (`cover_directory()`). Without this call it happens in the background, from the first plan on; plan_multi waits for
-it. No result depends on it, only the time that plans take. `progress` is called often, with the number of steps done and of all.
+directory (`cover_directory()`). Without this call it happens in the background, from the first plan on. No result
+depends on it, only the time that plans take. `progress` is called often, with the number of steps done and of all.
 The GIL is released; Ctrl-C, or an exception of `progress`, ends the call within 0.1 s and is raised.)")
       .def(
           "plan_many",

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from srmp._cli_options import cover_first, parse_key_values, planner_options
+from srmp._cli_options import parse_key_values, planner_options, steps_bar
 
 
 @click.group()
@@ -47,19 +47,19 @@ def mbm(
 
     _require_directory(out)
     chosen_options = parse_key_values(options)
-    files = benchmark.robot_files(data, robot, geometry)
-    cover_first(files.urdf, [str(files.directory)])
-    result = benchmark.run(
-        data,
-        robot,
-        scenarios=scenarios,
-        problems=problems,
-        planner_id=planner,
-        options=chosen_options,
-        geometry=geometry,
-        time_limit=time_limit,
-        progress=_progress_bar,
-    )
+    with steps_bar() as steps:
+        result = benchmark.run(
+            data,
+            robot,
+            scenarios=scenarios,
+            problems=problems,
+            planner_id=planner,
+            options=chosen_options,
+            geometry=geometry,
+            time_limit=time_limit,
+            progress=_progress_bar,
+            steps=steps,
+        )
     _report(result, benchmark.format_statistics, out)
 
 
@@ -90,23 +90,22 @@ def multi(
 ) -> None:
     """Several robots at once: solve the problems of a scenario and print a table."""
     from srmp.bench import multi as benchmark
-    from srmp.bench import scenarios
 
     _require_directory(out)
     chosen_options = parse_key_values(options)
-    for model in scenarios.find(scenario, robots, seed, data).world.models:
-        cover_first(model.urdf, model.package_dirs)
-    result = benchmark.run(
-        scenario,
-        robots,
-        problems=problems,
-        planner_id=planner,
-        options=chosen_options,
-        time_limit=time_limit,
-        seed=seed,
-        data=data,
-        progress=_progress_bar,
-    )
+    with steps_bar() as steps:
+        result = benchmark.run(
+            scenario,
+            robots,
+            problems=problems,
+            planner_id=planner,
+            options=chosen_options,
+            time_limit=time_limit,
+            seed=seed,
+            data=data,
+            progress=_progress_bar,
+            steps=steps,
+        )
     _report(result, benchmark.format_statistics, out)
 
 

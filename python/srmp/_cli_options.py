@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import click
-
-import srmp
 
 
 def decorated(command: Any, decorators: Sequence[Callable[[Any], Any]]) -> Any:
@@ -48,22 +44,23 @@ def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
     return values
 
 
-def cover_first(urdf: str | Path, package_dirs: Sequence[str] = ()) -> None:
-    """Computes the sphere cover of a new robot, which takes up to a minute, with a bar; later it is in the cache."""
-    if os.environ.get("SRMP_CACHE_DIR") != "":  # without a cache the planner makes its own
-        with steps_bar() as progress:
-            srmp.cover(str(urdf), package_dirs=list(package_dirs), progress=progress)
-
-
 @contextlib.contextmanager
 def steps_bar() -> Iterator[Callable[[int, int], None]]:
     """Shows steps done of steps in all on stderr, where that is a terminal."""
     from tqdm import tqdm
 
-    with tqdm(desc="covering", disable=None, leave=False, dynamic_ncols=True) as bar:
+    bars = []
 
-        def show(done: int, total: int) -> None:
-            bar.total = total
-            bar.update(done - bar.n)
+    def show(done: int, total: int) -> None:
+        if not bars:
+            bars.append(tqdm(desc="covering", total=total, disable=None, leave=False, dynamic_ncols=True))
+        bars[0].total = total
+        bars[0].update(done - bars[0].n)
+        if done >= total:
+            bars.pop().close()
 
+    try:
         yield show
+    finally:
+        for bar in bars:
+            bar.close()

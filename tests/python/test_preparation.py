@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import srmp
+from srmp.bench.scenarios import find
 
 
 def make_planner() -> srmp.PlannerInterface:
@@ -57,6 +58,28 @@ def test_plans_before_and_after_preparation_are_the_same(prepared, monkeypatch):
     assert plans(planner) == quick
     monkeypatch.setenv("SRMP_CACHE_DIR", str(directory))
     assert plans(make_planner()) == quick  # from the cache
+
+
+def plans_together(data: str, prepare: bool) -> list[bytes]:
+    scenario = find("shelves", 3, 0, data)
+    planner = scenario.world.build()
+    if prepare:
+        planner.prepare()
+    found = []
+    for number in (1, 6):
+        problem = scenario.problem(number)
+        planner.make_planner(list(problem.starts), {"planner_id": "auto", "time_limit": 60})
+        goals = {robot: srmp.GoalConstraint(srmp.GoalType.JOINTS, q) for robot, q in problem.goals.items()}
+        trajectories = planner.plan_multi(problem.starts, goals)
+        found += [trajectories[robot].waypoints.tobytes() for robot in goals]
+    return found
+
+
+def test_plans_of_several_robots_do_not_wait_for_covers(mbm_dir, monkeypatch, tmp_path):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    quick = plans_together(str(mbm_dir), prepare=False)
+    monkeypatch.setenv("SRMP_CACHE_DIR", str(tmp_path))
+    assert plans_together(str(mbm_dir), prepare=True) == quick
 
 
 def test_prepare_reports_progress(prepared):

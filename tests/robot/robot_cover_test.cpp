@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "srmp/core/error.hpp"
+#include "srmp/cover/quick_cover.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
@@ -112,6 +113,38 @@ class Environment {
 };
 
 }  // namespace
+
+/// Points on the triangles, evenly spread.
+std::vector<Eigen::Vector3d> points_on(const TriangleSoup& mesh) {
+  std::vector<Eigen::Vector3d> points;
+  for (const auto& [a, b, c] : mesh.triangles)
+    for (int i = 0; i <= 8; ++i)
+      for (int k = 0; i + k <= 8; ++k) {
+        const auto corner = [&](int number) { return mesh.vertices[static_cast<std::size_t>(number)]; };
+        points.push_back((i * corner(a) + k * corner(b) + (8 - i - k) * corner(c)) / 8.0);
+      }
+  return points;
+}
+
+BOOST_AUTO_TEST_CASE(quick_covers_contain_meshes_and_stick_out_little) {
+  for (unsigned seed = 0; seed < 20; ++seed)
+    for (const bool open : {false, true}) {
+      const TriangleSoup mesh = lumpy(seed, open);
+      const GeometryCover cover = quick_cover(*make_mesh_geometry(mesh, MeshModel::surface));
+      BOOST_TEST(cover.quick);
+      BOOST_TEST(cover.fine.size() <= 128u);
+      const std::vector<Eigen::Vector3d> points = points_on(mesh);
+      for (const Eigen::Vector3d& point : points)
+        for (const auto* level : {&cover.coarse, &cover.fine})
+          BOOST_REQUIRE(std::any_of(level->begin(), level->end(), [&](const PlacedSphere& sphere) {
+            return (point - sphere.center).norm() <= sphere.radius * (1 + 1e-12);
+          }));
+      const CoverSolid solid = CoverSolid::mesh(mesh.vertices, mesh.triangles);
+      double inflation = 0;
+      for (const PlacedSphere& sphere : cover.fine) inflation += sphere.radius - solid.depth(sphere.center);
+      if (!open) BOOST_TEST(inflation / static_cast<double>(cover.fine.size()) < 0.014);  // of a solid of 0.2 m
+    }
+}
 
 BOOST_AUTO_TEST_CASE(covers_of_lumpy_meshes_contain_them) {
   for (unsigned seed = 1; seed <= 2; ++seed)

@@ -49,8 +49,11 @@ enum class CheckMode {
 
 /// Options of a checker.
 struct CheckerOptions {
-  CheckMode mode{CheckMode::exact};            ///< how motions are decided
-  std::shared_ptr<CoverStore> covers{};        ///< where spheres are looked up; nullptr: a store of the checker's own
+  CheckMode mode{CheckMode::exact};      ///< how motions are decided
+  std::shared_ptr<CoverStore> covers{};  ///< where spheres are looked up; nullptr: a store of the checker's own
+  /// Only covers of robots that take milliseconds to compute: what spheres alone decide is then the same whether or not
+  /// better ones are known.
+  bool quick_covers{};
   std::vector<std::string> other_robots{};     ///< robots that move too: their joints follow in a configuration
   std::vector<std::string> excluded_robots{};  ///< robots left out, with all that they hold
   bool other_robots_only{};  ///< only what the robot and `other_robots` do to each other is a collision

@@ -40,6 +40,7 @@ STATISTICS = (
 PROFILES = ("times", "positions", "velocities", "accelerations")
 COSTS = ("path_cost_rad", "straight_cost_rad", "ee_cost_m")
 _Problem = TypeVar("_Problem")
+Steps: TypeAlias = Callable[[int, int], object]  # done and all, as PlannerInterface.prepare tells
 Progress: TypeAlias = Callable[[Sequence[_Problem]], contextlib.AbstractContextManager[Iterator[_Problem]]]
 
 
@@ -192,7 +193,15 @@ def _nearest(name: str, known: Sequence[str]) -> str:
 class Runner:
     """Plans one problem after the other with one robot model; the scene is emptied in between."""
 
-    def __init__(self, files: RobotFiles, planner_id: str, options: Mapping[str, str], time_limit: float) -> None:
+    def __init__(
+        self,
+        files: RobotFiles,
+        planner_id: str,
+        options: Mapping[str, str],
+        time_limit: float,
+        steps: Steps | None = None,
+    ) -> None:
+        self._steps = steps
         self._files = files
         self._options = {"planner_id": planner_id, "time_limit": time_limit, **options}
         self._planner: srmp.PlannerInterface | None = None
@@ -202,7 +211,7 @@ class Runner:
         """The planner with an empty scene; the robot is read once a planning group."""
         if self._planner is None or self._group != group:
             planner = load_robot(self._files, group)
-            planner.prepare()
+            planner.prepare(self._steps)
             planner.make_planner([self._files.name], self._options)
             self._planner, self._group = planner, group
         for name in self._planner.object_names:
@@ -289,6 +298,7 @@ def run(
     geometry: str = "urdf",
     time_limit: float = 10.0,
     progress: Progress[Problem] | None = None,
+    steps: Steps | None = None,
 ) -> dict[str, Any]:
     """Runs the chosen problems and returns {"header": …, "rows": […]}.
 
@@ -296,7 +306,7 @@ def run(
     """
     files = robot_files(data, robot, geometry)
     numbers = parse_numbers(problems) if problems else None
-    runner = Runner(files, planner_id, options or {}, time_limit)
+    runner = Runner(files, planner_id, options or {}, time_limit, steps)
     with open_problems(files.directory, robot, scenarios, numbers) as chosen:
         rows, complete = solve_all(chosen, runner.run, progress)
     described = {

@@ -35,10 +35,17 @@ class Numbered:
 class Runner:
     """Plans one problem after the other in the scenario's world, which is read once."""
 
-    def __init__(self, scenario: Scenario, planner_id: str, options: Mapping[str, str], time_limit: float) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        planner_id: str,
+        options: Mapping[str, str],
+        time_limit: float,
+        steps: mbm.Steps | None = None,
+    ) -> None:
         self._scenario = scenario
         self._planner = scenario.world.build()
-        self._planner.prepare()
+        self._planner.prepare(steps)
         names = [robot.name for robot in scenario.world.robots]
         self._planner.make_planner(names, {"planner_id": planner_id, "time_limit": time_limit, **options})
 
@@ -117,13 +124,14 @@ def run(
     seed: int = 0,
     data: str | Path | None = None,
     progress: mbm.Progress[Numbered] | None = None,
+    steps: mbm.Steps | None = None,
 ) -> dict[str, Any]:
     """Runs the chosen problems of a scenario (a file, or a name that `find` knows): {"header": …, "rows": […]}.
 
     Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
     """
     found = find(scenario, robots, seed, data)
-    runner = Runner(found, planner_id, options or {}, time_limit)
+    runner = Runner(found, planner_id, options or {}, time_limit, steps)
     rows, complete = mbm.solve_all(_choose(found, problems), runner.run, progress)
     described = {
         "scenario": scenario,

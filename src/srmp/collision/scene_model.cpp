@@ -37,12 +37,18 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
       mode(options.mode) {
   if (mode == CheckMode::coal) return;
   const auto covers = options.covers ? options.covers : std::make_shared<CoverStore>();
-  for (const auto& [name, other] : scene.robots())
-    if (group.contains(name) || !bodies.leaves_out(name)) {
-      const bool best = ensure_covered(*other.model, *covers);
-      if (!best && mode == CheckMode::conservative) cover_robot(*other.model, *covers);  // here covers decide
-    }
-  const CoverOf cover_of = [&](const auto& shape) { return covers->cover(shape); };
+  for (const auto& [name, other] : scene.robots()) {
+    if (!group.contains(name) && bodies.leaves_out(name)) continue;
+    if (options.quick_covers)
+      ensure_quickly_covered(*other.model, *covers);
+    else if (!ensure_covered(*other.model, *covers) && mode == CheckMode::conservative)
+      cover_robot(*other.model, *covers);  // here covers decide
+  }
+  const CoverOf cover_of = [&](const auto& shape) {
+    if (options.quick_covers)
+      if (auto quick = covers->adopted_quick(shape)) return quick;
+    return covers->cover(shape);
+  };
   batch_scene = make_batch_scene(bodies, group, cover_of);
   batch.emplace(batch_scene.world);
   batch_options = batch_options_for(batch_scene.world);

@@ -16,16 +16,37 @@ std::shared_ptr<const GeometryCover> CoverStore::cover(const coal::CollisionGeom
   return {result.covers, &result.covers->front()};
 }
 
+CoverStore::Adopted& CoverStore::entry_of(const std::shared_ptr<const coal::CollisionGeometry>& shape) {
+  Adopted& entry = adopted_[shape.get()];
+  if (entry.shape.expired()) entry = {.shape = shape, .cover = nullptr, .quick = nullptr};
+  return entry;
+}
+
 void CoverStore::adopt(const std::shared_ptr<const coal::CollisionGeometry>& shape,
                        std::shared_ptr<const GeometryCover> cover) {
   const std::lock_guard lock(mutex_);
-  adopted_.insert_or_assign(shape.get(), Adopted{shape, std::move(cover)});
+  entry_of(shape).cover = std::move(cover);
+}
+
+void CoverStore::adopt_quick(const std::shared_ptr<const coal::CollisionGeometry>& shape,
+                             std::shared_ptr<const GeometryCover> cover) {
+  const std::lock_guard lock(mutex_);
+  entry_of(shape).quick = std::move(cover);
+}
+
+CoverStore::Adopted CoverStore::known_of(const coal::CollisionGeometry& shape) const {
+  const std::lock_guard lock(mutex_);
+  const auto it = adopted_.find(&shape);
+  return it != adopted_.end() && !it->second.shape.expired() ? it->second : Adopted{};
 }
 
 std::shared_ptr<const GeometryCover> CoverStore::adopted(const coal::CollisionGeometry& shape) const {
-  const std::lock_guard lock(mutex_);
-  const auto it = adopted_.find(&shape);
-  return it != adopted_.end() && !it->second.shape.expired() ? it->second.cover : nullptr;
+  const Adopted known = known_of(shape);
+  return known.cover ? known.cover : known.quick;
+}
+
+std::shared_ptr<const GeometryCover> CoverStore::adopted_quick(const coal::CollisionGeometry& shape) const {
+  return known_of(shape).quick;
 }
 
 std::optional<CoverStore::Result> CoverStore::find(const Sha256::Digest& key) {

@@ -26,8 +26,13 @@ class CoverStore {
   /// From now on, cover() returns `cover` for this geometry object (not for others of the same content), as for the
   /// geometries of a robot that was covered as a whole. The object may end before the store.
   void adopt(const std::shared_ptr<const coal::CollisionGeometry>& shape, std::shared_ptr<const GeometryCover> cover);
-  /// The cover that was adopted last for this geometry object, or null.
+  /// The same for a cover that serves until a better one is adopted, and afterwards those who always want this one.
+  void adopt_quick(const std::shared_ptr<const coal::CollisionGeometry>& shape,
+                   std::shared_ptr<const GeometryCover> cover);
+  /// The cover that was adopted last for this geometry object, or else the quick one, or null.
   std::shared_ptr<const GeometryCover> adopted(const coal::CollisionGeometry& shape) const;
+  /// The quick one, or null.
+  std::shared_ptr<const GeometryCover> adopted_quick(const coal::CollisionGeometry& shape) const;
   /// Forgets the covers adopted for geometry objects that have ended.
   void release_unused();
 
@@ -50,8 +55,10 @@ class CoverStore {
   using Future = std::shared_future<Result>;
   struct Adopted {
     std::weak_ptr<const coal::CollisionGeometry> shape;  // expired: another object may have the address
-    std::shared_ptr<const GeometryCover> cover;
+    std::shared_ptr<const GeometryCover> cover, quick;
   };
+  Adopted& entry_of(const std::shared_ptr<const coal::CollisionGeometry>& shape);  // the caller has the lock
+  Adopted known_of(const coal::CollisionGeometry& shape) const;
 
   const std::filesystem::path directory_;
   const CoverLevels levels_;

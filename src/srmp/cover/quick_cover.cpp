@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <queue>
 #include <span>
@@ -22,6 +23,29 @@ constexpr std::size_t coarse_patches = 12, fine_patches = 128;  // of a mesh
 constexpr double pieces_along_mesh = 24;                        // triangles are split until they are this small
 constexpr double above = 1 + 1e-9;                              // larger than the rounding errors of a radius
 
+/// What is inside of a mesh, as far as rays tell.
+class Inside {
+ public:
+  explicit Inside(const GeometryContent& content) : surface_(triangles_of(content)) {}
+
+  /// Distance to the surface [m], < 0 outside.
+  double depth(const Vector3d& point) const {
+    static const Vector3d direction = Vector3d(0.48, 0.31, 0.82).normalized();  // along no axis
+    const double distance = surface_.nearest(point).distance;
+    return surface_.crossings(point, direction) % 2 == 1 ? distance : -distance;
+  }
+
+ private:
+  static std::vector<Triangle> triangles_of(const GeometryContent& content) {
+    std::vector<Triangle> triangles;
+    const auto corner = [&](int i) { return content.vertices[static_cast<std::size_t>(i)]; };
+    for (const auto& [a, b, c] : content.triangles) triangles.push_back({corner(a), corner(b), corner(c)});
+    return triangles;
+  }
+
+  TriangleBvh surface_;
+};
+
 /// Triangles of a mesh that one sphere contains.
 struct Patch {
   std::size_t begin{}, end{};
@@ -33,13 +57,7 @@ class Patches {
  public:
   explicit Patches(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {}
 
-  std::size_t size() const { return triangles_.size(); }
-  Patch patch(std::size_t begin, std::size_t end) const {
-    Patch patch{begin, end, {}};
-    for (std::size_t i = begin; i < end; ++i)
-      for (const Vector3d& v : triangles_[i]) patch.box.extend(v);
-    return patch;
-  }
+  Patch whole() const { return patch(0, triangles_.size()); }
 
   /// Splits patches, always the largest, until there are `count`.
   std::vector<Patch> split(std::vector<Patch> patches, std::size_t count) {
@@ -65,23 +83,59 @@ class Patches {
     return result;
   }
 
-  /// A small sphere around the patch.
-  PlacedSphere sphere_around(const Patch& patch) const {
-    const auto farthest = [&](const Vector3d& c) {
-      Vector3d far = c;
-      for (std::size_t i = patch.begin; i < patch.end; ++i)
-        for (const Vector3d& v : triangles_[i])
-          if ((v - c).squaredNorm() > (far - c).squaredNorm()) far = v;
-      return far;
-    };
-    const Vector3d center = approach_center(patch.box.center(), 12, farthest);
-    const double radius = (farthest(center) - center).norm(),
-                 of_box = (farthest(patch.box.center()) - patch.box.center()).norm();
-    if (of_box < radius) return {patch.box.center(), of_box * above};
-    return {center, radius * above};
+  /// A sphere around the patch that sticks out of the mesh by little: its centre lies behind the surface where that
+  /// helps.
+  PlacedSphere enclosing(const Patch& patch, const Inside& inside) const {
+    const PlacedSphere smallest = bound(patch);
+    PlacedSphere best = smallest;
+    double least = smallest.radius - inside.depth(smallest.center);
+    const Vector3d normal = normal_of(patch);
+    for (const double steps : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0})
+      for (const double side : {-1.0, 1.0}) {
+        const PlacedSphere sphere = sphere_at(patch, smallest.center + side * steps * smallest.radius * normal);
+        const double inflation = sphere.radius - inside.depth(sphere.center);
+        if (inflation >= least) continue;
+        least = inflation;
+        best = sphere;
+      }
+    return best;
+  }
+
+  /// The smallest sphere found around the patch.
+  PlacedSphere bound(const Patch& patch) const {
+    const auto far = [&](const Vector3d& c) { return farthest(patch, c); };
+    const PlacedSphere of_box = sphere_at(patch, patch.box.center()),
+                       near = sphere_at(patch, approach_center(patch.box.center(), 12, far));
+    return of_box.radius < near.radius ? of_box : near;
   }
 
  private:
+  Patch patch(std::size_t begin, std::size_t end) const {
+    Patch patch{begin, end, {}};
+    for (std::size_t i = begin; i < end; ++i)
+      for (const Vector3d& v : triangles_[i]) patch.box.extend(v);
+    return patch;
+  }
+  Vector3d farthest(const Patch& patch, const Vector3d& c) const {
+    Vector3d far = c;
+    for (std::size_t i = patch.begin; i < patch.end; ++i)
+      for (const Vector3d& v : triangles_[i])
+        if ((v - c).squaredNorm() > (far - c).squaredNorm()) far = v;
+    return far;
+  }
+  PlacedSphere sphere_at(const Patch& patch, const Vector3d& c) const {
+    return {c, (farthest(patch, c) - c).norm() * above};
+  }
+  /// The mean normal, of length 1 or 0.
+  Vector3d normal_of(const Patch& patch) const {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = patch.begin; i < patch.end; ++i) {
+      const Triangle& t = triangles_[i];
+      sum += (t[1] - t[0]).cross(t[2] - t[0]);
+    }
+    const double length = sum.norm();
+    return length > 0 && std::isfinite(length) ? Vector3d(sum / length) : Vector3d::Zero();
+  }
   /// Sorts the patch's triangles so that those on the low side of the middle of the box's longest edge come first, and
   /// returns the place of the first other one.
   std::size_t divide(const Patch& patch) {
@@ -112,16 +166,17 @@ GeometryCover mesh_cover(const GeometryContent& content) {
     split_triangle({corner(0), corner(1), corner(2)}, edge, [&](const Triangle& piece) { pieces.push_back(piece); });
     interruption_point();
   }
+  const Inside inside(content);
   Patches patches(std::move(pieces));
-  const Patch whole = patches.patch(0, patches.size());
+  const Patch whole = patches.whole();
   const std::vector<Patch> coarse = patches.split({whole}, coarse_patches);
   const std::vector<Patch> fine = patches.split(coarse, fine_patches);
   GeometryCover cover;
   cover.quick = cover.hollow = true;
-  cover.bound = patches.sphere_around(whole);
-  for (const Patch& patch : fine) cover.fine.push_back(patches.sphere_around(patch));
+  cover.bound = patches.bound(whole);
+  for (const Patch& patch : fine) cover.fine.push_back(patches.enclosing(patch, inside));
   for (const Patch& patch : coarse) {
-    cover.coarse.push_back(patches.sphere_around(patch));
+    cover.coarse.push_back(patches.enclosing(patch, inside));
     std::vector<std::uint32_t>& children = cover.children.emplace_back();
     for (std::uint32_t i = 0; i < fine.size(); ++i)
       if (fine[i].begin >= patch.begin && fine[i].end <= patch.end) children.push_back(i);

@@ -570,11 +570,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
   stand_at_ends(scene, request.starts, request.obstacles, common_options(options));
-  // Roadmaps of several robots drop what spheres cannot prove free, so their covers must be the same in every plan.
-  impl_->checkers.prepare(impl_->scene, [&](std::size_t, std::size_t) {
-    if (interrupt && interrupt())
-      throw PlanningError(Status::cancelled, "the plan was cancelled while sphere covers were computed");
-  });
+  impl_->checkers.prepare_in_background(impl_->scene);
   impl_->request = request;
   impl_->result.reset();
   impl_->statistics = {};

@@ -12,13 +12,13 @@ RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool othe
 
 GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
                              std::size_t threads, const CheckerFactory& backend)
-    : names_(std::move(robots)), alone_(names_.size()) {
+    : scene_(scene), names_(std::move(robots)), options_(options), backend_(backend), alone_(names_.size()) {
   Jobs jobs(threads);
   jobs.run(size(), Deadline(), [&](std::size_t i, const Deadline&) {
-    CheckerOptions alone = options;
+    CheckerOptions alone = options_;
     for (const std::string& other : names_)
       if (other != names_[i]) alone.excluded_robots.push_back(other);
-    alone_[i] = backend(scene, names_[i], alone);
+    alone_[i] = backend_(scene_, names_[i], alone);
   });
   if (size() == 1) return;
   std::vector<PlacedSphere> ranges;
@@ -26,15 +26,30 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t j = i + 1; j < size(); ++j)
       if ((ranges[i].center - ranges[j].center).norm() <= ranges[i].radius + ranges[j].radius) pairs_[{i, j}] = nullptr;
-  std::vector<decltype(pairs_)::value_type*> pairs;
+  std::vector<Pairs::value_type*> pairs;
   for (auto& pair : pairs_) pairs.push_back(&pair);
   jobs.run(pairs.size(), Deadline(), [&](std::size_t k, const Deadline&) {
     auto& [numbers, checker] = *pairs[k];
-    CheckerOptions both = options;
-    both.other_robots = {names_[numbers.second]};
-    both.other_robots_only = true;
-    checker = backend(scene, names_[numbers.first], both);
+    checker = make_pair(numbers.first, numbers.second, options_);
   });
+}
+
+std::unique_ptr<const Checker> GroupCheckers::make_pair(std::size_t i, std::size_t j, CheckerOptions options) const {
+  options.other_robots = {names_[j]};
+  options.other_robots_only = true;
+  return backend_(scene_, names_[i], options);
+}
+
+const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) const {
+  if (!pairs_.contains({i, j})) return nullptr;
+  const std::lock_guard lock(mutex_);
+  std::unique_ptr<const Checker>& checker = pairs_by_spheres_[{i, j}];
+  if (!checker) {
+    CheckerOptions options = options_;
+    options.quick_covers = true;
+    checker = make_pair(i, j, std::move(options));
+  }
+  return checker.get();
 }
 
 const GroupCheckers& ProblemCheckers::verification() const {

@@ -27,12 +27,23 @@ class GroupCheckers {
     const auto found = pairs_.find({i, j});
     return found == pairs_.end() ? nullptr : found->second.get();
   }
+  /// The same for StateQuery::spheres_only, with quick covers, so that its results do not depend on which covers are
+  /// known. Made when it is first asked for.
+  const Checker* pair_by_spheres(std::size_t i, std::size_t j) const;
   bool may_conflict(std::size_t i, std::size_t j) const { return pair(std::min(i, j), std::max(i, j)) != nullptr; }
 
  private:
+  using Pairs = std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<const Checker>>;
+  std::unique_ptr<const Checker> make_pair(std::size_t i, std::size_t j, CheckerOptions options) const;
+
+  const Scene scene_;
   std::vector<std::string> names_;
+  const CheckerOptions options_;
+  const CheckerFactory backend_;
   std::vector<std::unique_ptr<const Checker>> alone_;
-  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<const Checker>> pairs_;
+  Pairs pairs_;
+  mutable std::mutex mutex_;  // of what follows
+  mutable Pairs pairs_by_spheres_;
 };
 
 /// The checkers of one problem: those that plan, and those that verify what was planned, by Coal alone, which are made

@@ -125,7 +125,8 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
 /// What is known of two robots, a < b. Threads share it.
 class MultiRobotWorld::Pair {
  public:
-  explicit Pair(const Checker& checker) : checker_(checker), workspace_(checker.make_workspace()) {}
+  Pair(const GroupCheckers& checkers, std::size_t a, std::size_t b)
+      : checkers_(checkers), a_(a), b_(b), exact_{checkers.pair(a, b), checkers.pair(a, b)->make_workspace()} {}
 
   bool are_collision_free(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
                           const Eigen::VectorXd& to_b, const MotionQuery& query) {
@@ -133,14 +134,20 @@ class MultiRobotWorld::Pair {
     return look(from_a, to_a, from_b, to_b, query);
   }
 
-  void stop_at(const Deadline& deadline) { checker_.stop_at(deadline, *workspace_); }
+  void stop_at(const Deadline& deadline) {
+    const std::lock_guard lock(mutex_);
+    deadline_ = &deadline;
+    for (const Checking* checking : {&exact_, &by_spheres_})
+      if (checking->checker) checking->checker->stop_at(deadline, *checking->workspace);
+  }
 
-  /// Rows of a's configurations, then b's.
+  /// By spheres alone. Rows of a's configurations, then b's.
   std::vector<char> collision_free_with(const RowMatrix& both) {
     const std::lock_guard lock(mutex_);
+    const Checking& spheres = checking(true);
     const auto count = static_cast<std::size_t>(both.rows());
     const auto free = std::make_unique<bool[]>(count);
-    checker_.are_free(both, {free.get(), count}, *workspace_, {.spheres_only = true});
+    spheres.checker->are_free(both, {free.get(), count}, *spheres.workspace, {.spheres_only = true});
     return {free.get(), free.get() + count};
   }
 
@@ -174,6 +181,21 @@ class MultiRobotWorld::Pair {
   }
 
  private:
+  struct Checking {
+    const Checker* checker{};
+    Checker::WorkspacePtr workspace;
+  };
+  /// The caller has the lock.
+  const Checking& checking(bool spheres_only) {
+    if (!spheres_only) return exact_;
+    if (!by_spheres_.checker) {
+      by_spheres_.checker = checkers_.pair_by_spheres(a_, b_);
+      by_spheres_.workspace = by_spheres_.checker->make_workspace();
+      if (deadline_) by_spheres_.checker->stop_at(*deadline_, *by_spheres_.workspace);
+    }
+    return by_spheres_;
+  }
+
   bool look(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
             const Eigen::VectorXd& to_b, const MotionQuery& query) {
     ++checks_;
@@ -181,12 +203,15 @@ class MultiRobotWorld::Pair {
     to_.resize(from_.size());
     from_ << from_a, from_b;
     to_ << to_a, to_b;
-    return unless_stopped([&] { return checker_.is_motion_free(from_, to_, *workspace_, query); });
+    const Checking& check = checking(query.spheres_only);
+    return unless_stopped([&] { return check.checker->is_motion_free(from_, to_, *check.workspace, query); });
   }
 
-  const Checker& checker_;
+  const GroupCheckers& checkers_;
+  const std::size_t a_, b_;
   mutable std::mutex mutex_;
-  Checker::WorkspacePtr workspace_;
+  Checking exact_, by_spheres_;  // the latter is made when it is first needed
+  const Deadline* deadline_{};
   Eigen::VectorXd from_, to_;
   std::uint64_t checks_{};
   /// Two moves of two robots, times since the later of their starts.
@@ -207,7 +232,7 @@ MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<Worl
     agents_.push_back(std::make_unique<RobotAgent>(checkers.alone(i), std::move(tasks[i]), options));
     step_time_ = std::max(step_time_, options.resolution / agents_.back()->limits().velocity.mean());
     for (std::size_t j = i + 1; j < checkers.size(); ++j)
-      if (const Checker* both = checkers.pair(i, j)) pairs_.emplace(std::pair(i, j), std::make_unique<Pair>(*both));
+      if (checkers.may_conflict(i, j)) pairs_.emplace(std::pair(i, j), std::make_unique<Pair>(checkers, i, j));
   }
   for (const auto& robot : agents_) robot->step_time = step_time_;
 }

@@ -171,30 +171,37 @@ RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCo
   return cover;
 }
 
+void ensure_quickly_covered(const RobotModel& model, CoverStore& store) {
+  const std::vector<LinkGeometry>& geometries = model.geometries();
+  if (std::all_of(geometries.begin(), geometries.end(),
+                  [&](const LinkGeometry& geometry) { return store.adopted_quick(*geometry.shape) != nullptr; }))
+    return;
+  const Distinct distinct = find_distinct(envelopes_of(model));
+  std::vector<std::shared_ptr<const GeometryCover>> covers;
+  for (const Shape& shape : distinct.shapes)
+    covers.push_back(std::make_shared<const GeometryCover>(quick_cover(*shape)));
+  for (std::size_t i = 0; i < geometries.size(); ++i) {
+    auto cover = covers[distinct.index[i]];
+    if (geometries[i].envelope != geometries[i].shape) cover = within_envelope(*cover);
+    store.adopt_quick(geometries[i].shape, std::move(cover));
+  }
+}
+
 bool ensure_covered(const RobotModel& model, CoverStore& store) {
   bool all = true, quick = false;
   for (const LinkGeometry& geometry : model.geometries()) {
     const auto known = store.adopted(*geometry.shape);
     all = all && known;
-    quick = quick || (known && known->quick);
+    quick = quick || !known || known->quick;
   }
   if (all) return !quick;
-  const std::vector<Shape> shapes = envelopes_of(model);
-  const Distinct distinct = find_distinct(shapes);
-  if (store.find(key_of(distinct, {}))) {
+  if (store.find(key_of(find_distinct(envelopes_of(model)), {}))) {
     cover_robot(model, store);
     return true;
   }
-  std::vector<std::shared_ptr<const GeometryCover>> covers;
-  for (const Shape& shape : distinct.shapes)
-    covers.push_back(std::make_shared<const GeometryCover>(quick_cover(*shape)));
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const LinkGeometry& geometry = model.geometries()[i];
-    auto cover = covers[distinct.index[i]];
-    if (geometry.envelope != geometry.shape) cover = within_envelope(*cover);
-    store.adopt(geometry.shape, std::move(cover));
-  }
-  return std::none_of(covers.begin(), covers.end(), [](const auto& cover) { return cover->quick; });
+  ensure_quickly_covered(model, store);
+  return std::none_of(model.geometries().begin(), model.geometries().end(),
+                      [&](const LinkGeometry& geometry) { return store.adopted(*geometry.shape)->quick; });
 }
 
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,

@@ -45,6 +45,9 @@ RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCo
 /// Has the store adopt covers for all geometries of the model: those of cover_robot (with default options) where they
 /// are known, else quick covers. Takes milliseconds. Returns whether none of them is quick.
 bool ensure_covered(const RobotModel& model, CoverStore& store);
+/// Has the store adopt quick covers for all geometries of the model, which CoverStore::adopted_quick returns. Takes
+/// milliseconds.
+void ensure_quickly_covered(const RobotModel& model, CoverStore& store);
 
 /// cover_robot for a URDF file without a RobotModel; no cover is adopted. Throws FileError as RobotModel::load does,
 /// and InvalidArgument for options out of range.
