@@ -134,26 +134,32 @@ Raises InvalidArgument for an unknown robot and options out of range.)")
       .def(
           "verify_multi",
           [](Self& self, nb::handle trajectory, nb::handle starts, nb::handle goals, nb::handle obstacles, bool jerk,
-             std::optional<double> max_deviation, double gap_tolerance) {
+             std::optional<double> max_deviation, double gap_tolerance, bool at_rest) {
             const MultiTrajectory motions{to_trajectories(trajectory, "the trajectories")};
             const nb::dict none;
             const auto given = [&](nb::handle mapping) { return mapping.is_none() ? nb::handle(none) : mapping; };
             return self.use([&](const PlannerInterface& p) {
               MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles, constraints_of(p));
-              const MultiVerifyOptions options{std::move(r.starts), std::move(r.goals), std::move(r.obstacles), jerk,
-                                               max_deviation,       gap_tolerance};
+              const MultiVerifyOptions options{.starts = std::move(r.starts),
+                                               .goals = std::move(r.goals),
+                                               .obstacles = std::move(r.obstacles),
+                                               .jerk = jerk,
+                                               .at_rest = at_rest,
+                                               .max_deviation = max_deviation,
+                                               .gap_tolerance = gap_tolerance};
               const nb::gil_scoped_release no_gil;
               return p.verify_multi(motions, options);
             });
           },
           nb::arg("trajectory").none(), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("obstacles") = nb::none(), nb::kw_only(), nb::arg("jerk") = false,
-          nb::arg("max_deviation") = nb::none(), nb::arg("gap_tolerance") = 0.5,
+          nb::arg("max_deviation") = nb::none(), nb::arg("gap_tolerance") = 0.5, nb::arg("at_rest") = true,
           nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
                   "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
                   "goals: collections.abc.Mapping[str, " SRMP_GOAL "] | None = None, "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, *, jerk: bool = False, "
-                  "max_deviation: float | None = None, gap_tolerance: float = 0.5) -> dict[str, Certificate]"),
+                  "max_deviation: float | None = None, gap_tolerance: float = 0.5, at_rest: bool = True) -> dict[str, "
+                  "Certificate]"),
           R"(verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,
 which rest where their motions end. Robots not named stand still.
 

@@ -85,7 +85,7 @@ def is_multi(path: str | os.PathLike[str]) -> bool:
 
 
 def verify_multi(
-    world: srmp.PlannerInterface, *, jerk: bool, max_deviation: float | None
+    world: srmp.PlannerInterface, *, jerk: bool, max_deviation: float | None, at_rest: bool
 ) -> dict[str, srmp.Certificate]:
     """Verifies the last result against its request, by code that plans nothing."""
     request, result = world.last_request, world.last_result
@@ -98,6 +98,7 @@ def verify_multi(
         obstacles=request.obstacles,
         jerk=jerk,
         max_deviation=max_deviation,
+        at_rest=at_rest,
     )
 
 

@@ -245,6 +245,7 @@ def replay(problem: str, package_dirs: tuple[str, ...]) -> None:
 @_JOINT_LIMITS
 @click.option("--jerk", is_flag=True, help="Verify the jerk limits too.")
 @click.option("--max-deviation", type=float, help="Largest deviation from its waypoints [m]; default: any.")
+@click.option("--in-motion", is_flag=True, help="It may begin and end in motion, as a slice does.")
 def verify(
     plan: str,
     scene: str | None,
@@ -258,6 +259,7 @@ def verify(
     joint_limits: str | None,
     jerk: bool,
     max_deviation: float | None,
+    in_motion: bool,
 ) -> None:
     """Verify a trajectory in a scene: limits at every instant, collisions between samples too, start and goals.
 
@@ -272,7 +274,9 @@ def verify(
         if given := [option for option, value in for_one.items() if value]:
             raise click.UsageError(f"{given[0]} is for one robot; {plan} holds a plan_multi, which says all itself.")
         many = _verify.load_with_result(plan, package_dirs, solved=True)
-        return _print_certificates(_verify.verify_multi(many, jerk=jerk, max_deviation=max_deviation))
+        return _print_certificates(
+            _verify.verify_multi(many, jerk=jerk, max_deviation=max_deviation, at_rest=not in_motion)
+        )
     trajectory = srmp.Trajectory.load(plan)
     request = srmp.load_moveit_request(request_path) if request_path else None
     if urdf:
@@ -296,6 +300,7 @@ def verify(
         goals=given_request.goals if given_request else None,
         jerk=jerk,
         max_deviation=max_deviation,
+        at_rest=not in_motion,
     )
     _print_certificates({"": certificate})
 

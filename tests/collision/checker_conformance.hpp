@@ -121,6 +121,11 @@ inline void reports_agree_with_is_free(const Checker& checker) {
     const auto nearest = checker.nearest(q, *workspace);
     ++(is_free ? free : colliding);
     BOOST_TEST(contacts.empty() == is_free);
+    const double clearance = checker.clearance(q, *workspace);
+    if (nearest)
+      BOOST_TEST(std::abs(clearance - nearest->distance) < distance_tolerance);
+    else
+      BOOST_TEST(clearance == std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       BOOST_TEST(contacts[i].distance <= distance_tolerance);
       if (i > 0) BOOST_TEST(contacts[i - 1].distance <= contacts[i].distance);

@@ -129,6 +129,14 @@ def test_absurd_sizes_are_refused_by_name(arm, add, size):
     assert arm.object_names == before
 
 
+@pytest.mark.parametrize("goal", [[0, 0, 1e4], [1e300, 0, 0, 1, 0, 0, 0]])
+def test_goals_beyond_any_robot_are_refused(arm, goal):
+    kind = srmp.GoalType.POSITION if len(goal) == 3 else srmp.GoalType.POSE
+    with pytest.raises(srmp.InvalidArgument, match="1000") as error:
+        arm.plan("arm", arm.get_qpos("arm"), srmp.GoalConstraint(kind, goal))
+    sentence(error)
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [

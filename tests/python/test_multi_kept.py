@@ -350,6 +350,16 @@ def test_one_that_holds_ends_where_it_begins(world, request_):
     assert certificates["left"].goal_error == pytest.approx(np.ptp(motions["left"].positions[[0, -1]], axis=0).max())
 
 
+def test_slices_of_many_can_be_verified_in_motion(world, request_):
+    trajectory = world.plan_multi(request_.starts, request_.goals)
+    moving = {name: motion for name, motion in trajectory.items() if motion.duration > 0}
+    end = 0.6 * min(motion.duration for motion in moving.values())
+    slices = dict(trajectory.items()) | {name: motion.slice(0, end) for name, motion in moving.items()}
+    kinds = {fault.kind for certificate in world.verify_multi(slices).values() for fault in certificate.faults}
+    assert kinds == {srmp.FaultKind.not_at_rest}
+    assert all(certificate.holds for certificate in world.verify_multi(slices, at_rest=False).values())
+
+
 def test_verify_multi_sees_what_one_alone_does_not(world, request_):
     trajectory = world.plan_multi(request_.starts, request_.goals)
     late = srmp.MultiTrajectory({"left": trajectory["left"], "right": trajectory["left"]})  # face to face, alike

@@ -240,6 +240,8 @@ def test_verify_names_every_fault(planned, tmp_path):
     half = srmp_command("verify", tmp_path / "half.json", "--scene", directory / "problem.json")
     assert half.exit_code == 1
     assert half.output.splitlines()[-1] == "2 faults: not_at_rest, goal"
+    slice_ = srmp_command("verify", tmp_path / "half.json", "--scene", directory / "problem.json", "--in-motion")
+    assert slice_.output.splitlines()[-1] == "1 fault: goal"
     assert srmp_command("verify", directory / "problem.json", "--max-deviation", 0.005).exit_code == 0
     jerk = srmp_command("verify", directory / "problem.json", "--jerk")
     assert jerk.exit_code == (0 if motion.certificate.jerk.fraction <= 1 else 1)

@@ -175,5 +175,8 @@ BOOST_AUTO_TEST_CASE(what_does_not_change_the_meaning_is_a_warning) {
   warned(two_links(kEnds + kLimit + "<mimic joint='index_j1'/>"), "'index_j1', which does not exist; it is taken for");
   warned(limit("lower='-170' upper='170' velocity='1'"),
          "joint 'j' has the limits -170 to 170 rad, more than two turns; are they in degrees?", false);
+  warned("<robot name='r'><link name='base'/><link name='tip'/><joint name='j' type='prismatic'>" + kEnds +
+             "<limit lower='-1e6' upper='1' velocity='1'/></joint></robot>",
+         "joint 'j' has the limits -1e+06 to 1 m; it is planned within 1000 m of 0", false);
   warned(two_links(kEnds + kLimit + "<origin rpy='0 0 90'/>"), "an angle of 90 rad, more than a turn", false);
 }

@@ -207,6 +207,9 @@ class Checker {
   /// The nearest pair (padding counts as part of a body); nullopt when the robot has nothing to collide with. Pairs
   /// that never move relative to each other count only while in collision; see nearest_fixed().
   std::optional<Contact> nearest(ConstVector q, Workspace& workspace) const;
+  /// The distance of nearest(q) [m] without its points, which take long among clouds and meshes; infinity when the
+  /// robot has nothing to collide with.
+  double clearance(ConstVector q, Workspace& workspace) const;
   /// The nearest pair of a link that no planned joint moves (or what it holds) and an object or another robot, wherever
   /// the joints stand: the base above the floor. Without padding. Two that stand on each other, within
   /// touching_tolerance, do not count; nullopt when there are no others. Backends may leave this to its default,
@@ -214,8 +217,8 @@ class Checker {
   std::optional<Contact> nearest_fixed() const { return do_nearest_fixed(); }
 
   /// From now on the queries throw MotionCheckStopped where they take long and the deadline has passed. (Bodies that
-  /// slide past each other within micrometres take tenths of a second, and so may the nearest pair among dense clouds
-  /// and meshes.) What only computes contacts and nearest points of a pair that is known is not interrupted. Only
+  /// slide past each other within micrometres take tenths of a second, and so may the clearance among dense clouds and
+  /// meshes.) What computes the points of contacts, and of the nearest pair once it is known, is not interrupted. Only
   /// Deadline::expired is called, so several workspaces may share a deadline. It must outlive the workspace, or the
   /// next call of this function.
   void stop_at(const Deadline& deadline, Workspace& workspace) const;
@@ -240,6 +243,8 @@ class Checker {
   virtual std::vector<Contact> do_contacts(ConstVector q, Workspace& workspace) const = 0;
   virtual std::optional<Contact> do_nearest(ConstVector q, Workspace& workspace) const = 0;
 
+  /// Default: the distance of do_nearest.
+  virtual double do_clearance(ConstVector q, Workspace& workspace) const;
   /// Default: nullopt.
   virtual std::optional<Contact> do_nearest_fixed() const;
   /// Default: a Workspace without scratch memory.

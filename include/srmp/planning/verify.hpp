@@ -32,6 +32,7 @@ struct MultiVerifyOptions {
   std::map<std::string, GoalConstraint> goals{};
   std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that are not verified themselves
   bool jerk{false};                               ///< as VerifyOptions::jerk
+  bool at_rest{true};                             ///< as VerifyOptions::at_rest
   std::optional<double> max_deviation{};          ///< as VerifyOptions::max_deviation
   double gap_tolerance{0.5};                      ///< as VerifyOptions::gap_tolerance
 };

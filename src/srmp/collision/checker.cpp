@@ -211,12 +211,23 @@ std::optional<Contact> Checker::nearest(ConstVector q, Workspace& workspace) con
   return do_nearest(q, workspace);
 }
 
+double Checker::clearance(ConstVector q, Workspace& workspace) const {
+  group().require_configuration(q, "configuration");
+  require_own(workspace);
+  return do_clearance(q, workspace);
+}
+
 void Checker::stop_at(const Deadline& deadline, Workspace& workspace) const {
   require_own(workspace);
   workspace.deadline = &deadline;
 }
 
 // --- what a backend need not override
+
+double Checker::do_clearance(ConstVector q, Workspace& workspace) const {
+  const std::optional<Contact> pair = do_nearest(q, workspace);
+  return pair ? pair->distance : std::numeric_limits<double>::infinity();
+}
 
 std::optional<Contact> Checker::do_nearest_fixed() const { return std::nullopt; }
 

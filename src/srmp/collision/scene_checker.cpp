@@ -122,13 +122,14 @@ std::vector<Contact> SceneChecker::do_contacts(ConstVector q, Workspace& workspa
   return contacts;
 }
 
-std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& workspace) const {
-  std::vector<Contact> in_contact = do_contacts(q, workspace);
-  if (!in_contact.empty()) return in_contact.front();
-  auto& scene = static_cast<SceneWorkspace&>(workspace);
-  const Bodies& bodies = model_.bodies;
+struct SceneChecker::NearestPair {
+  const Pair* pair{};  // null: there is none
+  double distance{std::numeric_limits<double>::infinity()};
+};
+
+SceneChecker::NearestPair SceneChecker::nearest_pair(SceneWorkspace& scene) const {
   std::vector<std::pair<double, const Pair*>> order;  // by the lower bound, so that most pairs need no distance
-  for (const std::vector<Pair>* pairs : {&bodies.pairs, &bodies.apart})
+  for (const std::vector<Pair>* pairs : {&model_.bodies.pairs, &model_.bodies.apart})
     for (const Pair& pair : *pairs) order.emplace_back(scene.distance_bound(pair) - pair.padding, &pair);
   std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
     const auto key = [](const auto& entry) {
@@ -136,18 +137,30 @@ std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& worksp
     };
     return key(a) < key(b);
   });
-  double smallest = std::numeric_limits<double>::infinity();
-  const Pair* pair = nullptr;
-  for (const auto& [bound, next] : order) {
-    if (bound > smallest) break;
-    const double distance = scene.distance(*next, smallest + next->padding, 0.0) - next->padding;
-    if (distance >= smallest) continue;
-    smallest = distance;
-    pair = next;
+  NearestPair nearest;
+  for (const auto& [bound, pair] : order) {
+    if (bound > nearest.distance) break;
+    const double distance = scene.distance(*pair, nearest.distance + pair->padding, 0.0) - pair->padding;
+    if (distance < nearest.distance) nearest = {pair, distance};
   }
+  return nearest;
+}
+
+std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& workspace) const {
+  std::vector<Contact> in_contact = do_contacts(q, workspace);
+  if (!in_contact.empty()) return in_contact.front();
+  auto& scene = static_cast<SceneWorkspace&>(workspace);
+  const Bodies& bodies = model_.bodies;
+  const Pair* pair = nearest_pair(scene).pair;
   if (!pair) return std::nullopt;
   const Proximity found = NarrowPhase::distance(scene.placed(false, pair->a), scene.placed(pair->b_fixed, pair->b));
   return scene.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
+}
+
+double SceneChecker::do_clearance(ConstVector q, Workspace& workspace) const {
+  const std::vector<Contact> in_contact = do_contacts(q, workspace);
+  if (!in_contact.empty()) return in_contact.front().distance;
+  return nearest_pair(static_cast<SceneWorkspace&>(workspace)).distance;
 }
 
 std::optional<Contact> SceneChecker::do_nearest_fixed() const {

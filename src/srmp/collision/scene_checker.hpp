@@ -9,6 +9,10 @@
 
 namespace srmp {
 
+namespace detail {
+class SceneWorkspace;
+}
+
 /// The library's own collision backend. Batches of spheres (BatchChecker) and tables of pairs of links decide most
 /// checks; the pairs that they leave undecided go to Coal (CheckMode says which layers are used).
 class SceneChecker final : public Checker {
@@ -24,7 +28,12 @@ class SceneChecker final : public Checker {
   MotionCertificate do_certify_motion(ConstVector a, ConstVector b, Workspace& workspace) const override;
   std::vector<Contact> do_contacts(ConstVector q, Workspace& workspace) const override;
   std::optional<Contact> do_nearest(ConstVector q, Workspace& workspace) const override;
+  double do_clearance(ConstVector q, Workspace& workspace) const override;
   std::optional<Contact> do_nearest_fixed() const override;
+
+  struct NearestPair;
+  /// Of those apart at the workspace's configuration.
+  NearestPair nearest_pair(detail::SceneWorkspace& workspace) const;
 
   detail::SceneModel model_;
 };

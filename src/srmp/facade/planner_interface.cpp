@@ -136,8 +136,10 @@ struct PlannerInterface::Impl {
   /// One robot's of many.
   VerifyOptions verify_options(const std::string& robot, const Trajectory& motion,
                                const MultiVerifyOptions& options) const {
-    VerifyOptions own{
-        .jerk = options.jerk, .max_deviation = options.max_deviation, .gap_tolerance = options.gap_tolerance};
+    VerifyOptions own{.jerk = options.jerk,
+                      .at_rest = options.at_rest,
+                      .max_deviation = options.max_deviation,
+                      .gap_tolerance = options.gap_tolerance};
     if (const auto start = options.starts.find(robot); start != options.starts.end()) own.start = start->second;
     const auto goal = options.goals.find(robot);
     if (goal == options.goals.end()) return own;

@@ -1,6 +1,7 @@
 #include "srmp/planning/goal.hpp"
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 
 namespace srmp {
 
@@ -42,11 +43,12 @@ void GoalConstraint::validate() const {
     if (target.size() == 0) throw InvalidArgument("the goal has an empty target; a target is a row of numbers");
     const std::span<const double> numbers(target.data(), static_cast<std::size_t>(target.size()));
     if (type == GoalType::pose) {
-      Pose::from_list(numbers);
+      require_position(Pose::from_list(numbers).p, "goal pose position");
     } else {
       require_finite(numbers, "goal " + std::string(to_string(type)));
       if (type == GoalType::position && target.size() != 3)
         throw InvalidArgument("a position goal is 3 numbers, x, y, z, but got " + std::to_string(target.size()));
+      if (type == GoalType::position) require_position(target, "goal position");
     }
   }
 }

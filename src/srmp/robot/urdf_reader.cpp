@@ -239,6 +239,11 @@ class UrdfReader {
                         " rad, more than two turns; are they in degrees?");
     joint.lower = lower;
     joint.upper = upper;
+    if (joint.type != UrdfJointType::prismatic || std::max(std::abs(lower), std::abs(upper)) <= max_length) return;
+    joint.lower = std::clamp(lower, -max_length, max_length);
+    joint.upper = std::clamp(upper, -max_length, max_length);
+    xml_.note(*e, "joint '" + joint.name + "' has the limits " + to_text(lower) + " to " + to_text(upper) +
+                      " m; it is planned within " + to_text(max_length) + " m of 0");
   }
 
   void connect(const XMLElement& element, UrdfJoint joint) {

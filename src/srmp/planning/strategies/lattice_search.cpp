@@ -37,8 +37,7 @@ void LatticeSearch::choose_direction() {
 
 double LatticeSearch::clearance(const Eigen::VectorXd& q) {
   context_.stop_if_late("the choice of a direction");
-  const auto pair = context_.checks.checker().nearest(q, context_.checks.workspace());
-  return pair ? pair->distance : search::infinity;
+  return context_.checks.checker().clearance(q, context_.checks.workspace());
 }
 
 FoundPath LatticeSearch::found_path(const search::Result& result, const Lattice& lattice) const {
