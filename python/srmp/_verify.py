@@ -80,7 +80,7 @@ def is_multi(path: str | os.PathLike[str]) -> bool:
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         return content["format"] == "srmp problem" and "starts" in content["request"]
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         return False  # the reader of the file says what is wrong
 
 

@@ -87,6 +87,24 @@ BOOST_AUTO_TEST_CASE(the_innermost_scope_interrupts) {
   while (outer == 0) interruption_point();
 }
 
+BOOST_AUTO_TEST_CASE(the_caller_can_end_the_last_step_that_runs) {
+  const auto last_is_long = [](std::size_t i) {
+    if (i == 1) run_until_interrupted();
+  };
+  for (const std::size_t threads : {1, 3}) {
+    int calls = 0;
+    Steps told(threads, 2, [&](std::size_t, std::size_t) {
+      if (++calls > 3) throw Stop();
+    });
+    BOOST_CHECK_THROW(told.run(2, last_is_long), Stop);
+    int checks = 0;
+    const InterruptionScope scope([&] {
+      if (++checks > 3) throw Stop();
+    });
+    BOOST_CHECK_THROW(Steps(threads, 2, {}).run(2, last_is_long), Stop);
+  }
+}
+
 BOOST_AUTO_TEST_CASE(steps_end_early_when_one_fails_or_progress_throws) {
   for (const std::size_t threads : {1, 3}) {
     Steps failing(threads, 6, {});

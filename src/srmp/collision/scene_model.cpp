@@ -18,7 +18,7 @@ BatchChecker::MotionOptions batch_options_for(const BatchWorld& world) {
 using Tables = std::vector<std::shared_ptr<const PairTables>>;
 Tables tables_of(const RobotGroup& group, const CheckerOptions& options) {
   Tables tables(group.size());
-  if (options.mode != CheckMode::coal && options.pair_tables && !options.other_robots_only)
+  if (options.mode == CheckMode::exact && options.pair_tables && !options.other_robots_only)
     for (std::size_t i = 0; i < group.size(); ++i) tables[i] = options.pair_tables->find(group.instance(i).model);
   return tables;
 }
@@ -61,10 +61,6 @@ bool SceneModel::spheres_reach(ConstVector q) const {
     if (joint.kind == JointKind::prismatic && (value < joint.lower - 1.0 || value > joint.upper + 1.0)) return false;
   }
   return true;
-}
-
-bool SceneModel::has_tables() const {
-  return std::any_of(tables.begin(), tables.end(), [](const auto& of_robot) { return of_robot != nullptr; });
 }
 
 }  // namespace srmp::detail

@@ -24,7 +24,6 @@ struct SceneModel {
   /// Do the spheres' bounds hold at q? They do for prismatic joints up to 1 m outside their limits
   /// (BatchActuatedJoint::max_travel).
   bool spheres_reach(ConstVector q) const;
-  bool has_tables() const;
 
   const RobotGroup& group;
   std::vector<std::shared_ptr<const PairTables>> tables;  // by robot of the group

@@ -47,6 +47,7 @@ SceneWorkspace::SceneWorkspace(const SceneModel& model)
     : model_(model), bodies_(model.bodies), data_(model.group.make_data()), narrow_(model.bodies.formulas) {
   narrow_.poll_with([this] {
     if (deadline && deadline->expired()) throw MotionCheckStopped();
+    interruption_point();
   });
   if (model_.batch) batch_ = model_.batch->make_workspace();
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
@@ -416,12 +417,12 @@ bool SceneWorkspace::is_motion_free(bool start_is_free, bool spheres_only) {
   }
   if (!model_.batch || !model_.spheres_reach(start_) || !model_.spheres_reach(start_ + delta_))
     return resolve_with_coal();
-  if (spheres_only && !model_.has_tables()) {
+  if (spheres_only) {
     ++statistics.motions_by_spheres;
     return prove_with_spheres();
   }
   const CollisionStatus status = check_with_spheres();
-  if (status == CollisionStatus::undecided && !spheres_only) return resolve_open();
+  if (status == CollisionStatus::undecided) return resolve_open();
   ++statistics.motions_by_spheres;
   return status == CollisionStatus::free;
 }

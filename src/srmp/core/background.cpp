@@ -14,7 +14,6 @@ namespace srmp {
 struct Background::Ticket::Entry {
   Job job;
   std::atomic<bool> stop{false};
-  bool ended{false};  // under the queue's mutex
 };
 
 /// The jobs of one process, and the thread that runs them; the thread exists while there are jobs.

@@ -40,4 +40,8 @@ bool can_be_interrupted() {
   return InterruptionScope::innermost_ != nullptr && InterruptionScope::innermost_->check_ != nullptr;
 }
 
+std::function<void()> interruption_check() {
+  return InterruptionScope::innermost_ ? InterruptionScope::innermost_->check_ : std::function<void()>();
+}
+
 }  // namespace srmp

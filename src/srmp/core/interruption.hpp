@@ -19,6 +19,7 @@ class InterruptionScope {
   friend void interruption_point();
   friend void rare_interruption_point();
   friend bool can_be_interrupted();
+  friend std::function<void()> interruption_check();
   void call_check();
 
   static thread_local InterruptionScope* innermost_;
@@ -34,5 +35,7 @@ void interruption_point();
 void rare_interruption_point();
 /// Does this thread have a scope with a check?
 bool can_be_interrupted();
+/// The check of this thread's innermost scope; empty when there is none.
+std::function<void()> interruption_check();
 
 }  // namespace srmp

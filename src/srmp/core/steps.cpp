@@ -1,7 +1,7 @@
 #include "srmp/core/steps.hpp"
 
-#include <algorithm>
-#include <exception>
+#include <chrono>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -10,6 +10,8 @@
 namespace srmp {
 
 namespace {
+
+constexpr auto time_between_reports = std::chrono::milliseconds(10);
 
 /// Ends a step because another one has failed, which says why.
 struct StepStopped {};
@@ -26,27 +28,55 @@ void rethrow_first(const std::vector<std::exception_ptr>& errors) {
 }  // namespace
 
 Steps::Steps(std::size_t threads, std::size_t total, StepProgress progress)
-    : pool_(std::max<std::size_t>(1, threads)), total_(total), progress_(std::move(progress)) {}
+    : pool_(threads < 2 ? 1 : threads + 1), total_(total), progress_(std::move(progress)) {}
 
-void Steps::check(std::size_t worker) {
-  if (stop_) throw StepStopped();
-  if (worker == 0 && progress_) progress_(done_, total_);
+void Steps::report() const {
+  if (interruption_check_) interruption_check_();
+  if (progress_) progress_(done_, total_);
+}
+
+void Steps::work(std::size_t i, const std::function<void(std::size_t)>& step, std::exception_ptr& error) {
+  if (stop_) return;
+  try {
+    const bool alone = pool_.size() == 1;
+    const InterruptionScope scope([&] {
+      if (stop_) throw StepStopped();
+      if (alone) report();
+    });
+    if (alone) report();
+    step(i);
+    ++done_;
+  } catch (...) {
+    error = std::current_exception();
+    stop_ = true;
+  }
+}
+
+void Steps::monitor(const std::atomic<std::size_t>& working, std::exception_ptr& error) {
+  while (working > 0) {
+    try {
+      if (!stop_) report();
+    } catch (...) {
+      error = std::current_exception();
+      stop_ = true;
+    }
+    std::this_thread::sleep_for(time_between_reports);
+  }
 }
 
 void Steps::run(std::size_t count, const std::function<void(std::size_t)>& step) {
-  std::vector<std::exception_ptr> errors(count);
-  pool_.run(count, [&](std::size_t worker, std::size_t i) {
-    if (stop_) return;
-    try {
-      check(worker);
-      const InterruptionScope scope([&] { check(worker); });
-      step(i);
-      ++done_;
-    } catch (...) {
-      errors[i] = std::current_exception();
-      stop_ = true;
-    }
-  });
+  interruption_check_ = interruption_check();
+  std::vector<std::exception_ptr> errors(count + 1);  // the last is the caller's
+  if (pool_.size() == 1) {
+    for (std::size_t i = 0; i < count; ++i) work(i, step, errors[i]);
+  } else {
+    std::atomic<std::size_t> next{0}, working{pool_.size() - 1};
+    pool_.run(pool_.size(), [&](std::size_t worker, std::size_t) {
+      if (worker == 0) return monitor(working, errors[count]);
+      for (std::size_t i = next++; i < count; i = next++) work(i, step, errors[i]);
+      --working;
+    });
+  }
   rethrow_first(errors);
   if (progress_) progress_(done_, total_);
 }

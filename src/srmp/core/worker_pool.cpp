@@ -4,10 +4,13 @@
 
 namespace srmp {
 
-WorkerPool::WorkerPool(std::size_t workers) try {
-  for (std::size_t worker = 1; worker < workers; ++worker) threads_.emplace_back([this, worker] { work(worker); });
-} catch (...) {  // the system cannot start more threads
-  stop();
+WorkerPool::WorkerPool(std::size_t workers) {
+  try {
+    for (std::size_t worker = 1; worker < workers; ++worker) threads_.emplace_back([this, worker] { work(worker); });
+  } catch (...) {  // the system cannot start more threads
+    stop();
+    throw;
+  }
 }
 
 WorkerPool::~WorkerPool() { stop(); }

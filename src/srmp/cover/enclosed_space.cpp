@@ -67,6 +67,7 @@ void EnclosedSpace::spread(std::vector<std::size_t> frontier, const std::vector<
                                           static_cast<std::size_t>(size_[0]) * size_[1]};
   std::vector<std::size_t> next;
   for (int step = 0; step < steps && !frontier.empty(); ++step) {
+    rare_interruption_point();
     for (const std::size_t i : frontier)
       for (int k = 0; k < 3; ++k) {
         const std::size_t place = i / stride[k] % static_cast<std::size_t>(size_[k]);
@@ -97,6 +98,7 @@ std::vector<float> EnclosedSpace::squared_distance(const std::function<bool(std:
     const int n = size_[k], a = (k + 1) % 3, b = (k + 2) % 3;
     for (int u = 0; u < size_[a]; ++u)
       for (int v = 0; v < size_[b]; ++v) {
+        interruption_point();
         float* first = field.data() + u * stride[a] + v * stride[b];
         int top = -1;
         for (int i = 0; i < n; ++i) {

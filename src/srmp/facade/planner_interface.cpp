@@ -556,6 +556,7 @@ std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanReques
     if (request.options) validate(*request.options);
     return impl_->problem_of(request, request.options ? *request.options : planner_options({request.robot}));
   };
+  impl_->checkers.prepare_in_background(impl_->scene);
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
   return srmp::plan_many(requests, make_problem, static_cast<std::size_t>(threads.value_or(static_cast<int>(cores))),
                          interrupt, progress);

@@ -41,9 +41,9 @@ bool RobotPreparation::update(const Scene& scene) {
     Robot& robot = robot_of(instance.model);
     if (robot.ready) continue;
     if (!robot.begun) {
-      robot.begun = true;
       robot.ready = ensure_covered(*instance.model, *covers_) && tables_->find(instance.model);
       if (!robot.ready) begin(robot, instance);
+      robot.begun = true;  // unless an exception ended this
     } else if (*robot.computed) {
       robot.ready = changed = true;
     }

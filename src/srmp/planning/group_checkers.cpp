@@ -41,7 +41,7 @@ std::unique_ptr<const Checker> GroupCheckers::make_pair(std::size_t i, std::size
 }
 
 const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) const {
-  if (!pairs_.contains({i, j})) return nullptr;
+  if (!pairs_.contains({i, j}) || options_.mode == CheckMode::coal) return pair(i, j);
   const std::lock_guard lock(mutex_);
   std::unique_ptr<const Checker>& checker = pairs_by_spheres_[{i, j}];
   if (!checker) {

@@ -147,7 +147,11 @@ class MultiRobotWorld::Pair {
     const Checking& spheres = checking(true);
     const auto count = static_cast<std::size_t>(both.rows());
     const auto free = std::make_unique<bool[]>(count);
-    spheres.checker->are_free(both, {free.get(), count}, *spheres.workspace, {.spheres_only = true});
+    const bool checked = unless_stopped([&] {
+      spheres.checker->are_free(both, {free.get(), count}, *spheres.workspace, {.spheres_only = true});
+      return true;
+    });
+    if (!checked) std::fill_n(free.get(), count, false);
     return {free.get(), free.get() + count};
   }
 

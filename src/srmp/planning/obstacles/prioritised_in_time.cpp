@@ -31,7 +31,10 @@ PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupChec
       quick_(problem.scene, group.names(), problem.checkers.options, 1, problem.checkers.backend),
       deadline_(deadline),
       statistics_(statistics) {
-  for (std::size_t i = 0; i < problem.robots.size(); ++i) workspaces_.push_back(quick_.alone(i).make_workspace());
+  for (std::size_t i = 0; i < problem.robots.size(); ++i) {
+    workspaces_.push_back(quick_.alone(i).make_workspace());
+    quick_.alone(i).stop_at(deadline_, *workspaces_.back());
+  }
 }
 
 // --- starts and goals
@@ -50,12 +53,18 @@ const RobotPath& PrioritisedInTime::path_of(std::size_t i) {
   RobotPath path = find_path_alone(problem_, part, quick_.alone(i), deadline_, statistics_);
   const Checker& at_last = problem_.checkers.planning.alone(i);
   const auto workspace = at_last.make_workspace();
+  at_last.stop_at(deadline_, *workspace);
   std::string why;
-  std::erase_if(path.endpoints.targets, [&](const Eigen::VectorXd& target) {
-    const std::string wrong = invalidity(at_last, target, *workspace);
-    if (why.empty()) why = wrong;
-    return !wrong.empty();
-  });
+  try {
+    std::erase_if(path.endpoints.targets, [&](const Eigen::VectorXd& target) {
+      const std::string wrong = invalidity(at_last, target, *workspace);
+      if (why.empty()) why = wrong;
+      return !wrong.empty();
+    });
+  } catch (const MotionCheckStopped&) {
+    throw PlanningError(deadline_.cancelled() ? Status::cancelled : Status::timed_out,
+                        "robot '" + part.robot + "': the plan was stopped while its goals were checked");
+  }
   if (path.endpoints.targets.empty() && !why.empty())
     throw PlanningError(Status::goal_invalid, "robot '" + part.robot + "': the goal is invalid: " + why);
   return paths_.emplace(i, std::move(path)).first->second;

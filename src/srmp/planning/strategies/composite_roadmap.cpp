@@ -123,10 +123,11 @@ double CompositeRoadmap::collision_free_fraction(std::size_t robot, const Eigen:
 
 /// Numbers of those candidates that are free, the ones that leave most room to the other robots first. Only some are
 /// checked, evenly spread.
-std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates) {
-  const std::size_t checked = options_.retreat_candidates * options_.retreats;
+std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates,
+                                                  const Deadline& deadline) {
+  const std::size_t checked = std::min(options_.retreat_candidates * options_.retreats, candidates.size());
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t n = 0; n < checked; ++n) {
+  for (std::size_t n = 0; n < checked && !deadline.stop_requested(); ++n) {
     const std::size_t i = n * candidates.size() / checked;
     if (world_.is_free_for_one(robot, candidates[i]))
       order.emplace_back(-collision_free_fraction(robot, candidates[i]), i);
@@ -138,16 +139,16 @@ std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::
 }
 
 /// Connects each branch point with the best candidates to which a straight motion is free, and these with each other.
-void CompositeRoadmap::add_retreats(std::size_t robot) {
+void CompositeRoadmap::add_retreats(std::size_t robot, const Deadline& deadline) {
   if (std::exchange(has_retreats_[robot], true)) return;
   Roadmap& map = maps_[robot];
   const std::vector<Eigen::VectorXd> candidates = retreat_candidates(robot);
-  const std::vector<std::size_t> best_first = ranked(robot, candidates);
+  const std::vector<std::size_t> best_first = ranked(robot, candidates, deadline);
   std::vector<std::size_t> kept;  // of the candidates: those that became map.retreats
   for (const Vertex branch_point : branch_points(map)) {
     std::size_t found = 0;
     for (const std::size_t i : best_first) {
-      if (found == options_.retreats || map.vertices.size() > options_.max_vertices) break;
+      if (found == options_.retreats || map.vertices.size() > options_.max_vertices || deadline.stop_requested()) break;
       const auto known = std::find(kept.begin(), kept.end(), i);
       if (!world_.is_free_for_one(robot, map.vertices[branch_point], candidates[i])) continue;
       ++found;
@@ -384,8 +385,8 @@ class CompositeRoadmap::Query {
 CompositeRoadmap::Result CompositeRoadmap::run(const std::vector<std::size_t>& robots, const SearchBudget& budget,
                                                const Deadline& deadline) {
   for (const std::size_t robot : robots) {
-    if (deadline.stop_requested()) return {Status::timed_out, {}, 0.0, 0};
-    add_retreats(robot);
+    add_retreats(robot, deadline);
+    if (const auto stop = search::stop_status(deadline)) return {*stop, {}, 0.0, 0};
   }
   return Query(*this, robots, budget).run(deadline);
 }

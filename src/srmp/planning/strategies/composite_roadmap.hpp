@@ -103,8 +103,9 @@ class CompositeRoadmap {
   std::vector<Vertex> branch_points(const Roadmap& map) const;
   std::vector<Eigen::VectorXd> retreat_candidates(std::size_t robot) const;
   double collision_free_fraction(std::size_t robot, const Eigen::VectorXd& q);
-  std::vector<std::size_t> ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates);
-  void add_retreats(std::size_t robot);
+  std::vector<std::size_t> ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates,
+                                  const Deadline& deadline);
+  void add_retreats(std::size_t robot, const Deadline& deadline);
   void compute_cost_to_go(std::size_t robot);
 
   bool collision_free(Pair& pair, Vertex p, Vertex q);

@@ -83,7 +83,7 @@ class CompositeLatticeStrategy : public Strategy {
       : space_(space), statistics_(statistics) {}
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
-  bool can_exhaust() const override { return true; }
+  bool can_exhaust() const override { return false; }  // what spheres cannot prove may be free
 
  private:
   const CompositeSpace& space_;

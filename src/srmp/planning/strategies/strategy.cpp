@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "srmp/core/error.hpp"
+#include "srmp/search/lazy_tree.hpp"
 
 namespace srmp {
 
 FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double weight, const Deadline& deadline) {
   for (int round = 0;; ++round) {
     bool some_can_exhaust = false, all_exhausted = true;
-    Attempt last;  // that says why there is no path
+    Attempt exhausted, unfinished;  // the last of either that says why there is no path
     for (const auto& strategy : strategies) {
       Attempt attempt = strategy->attempt({round, weight * lower}, deadline);
       lower = std::max(lower, attempt.lower);
@@ -21,9 +22,13 @@ FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double w
         some_can_exhaust = true;
         all_exhausted = all_exhausted && attempt.status == Status::exhausted;
       }
-      if (!attempt.reason.empty()) last = std::move(attempt);
+      if (!attempt.reason.empty()) (attempt.status == Status::exhausted ? exhausted : unfinished) = std::move(attempt);
     }
-    if (deadline.stop_requested() || (some_can_exhaust && all_exhausted)) throw PlanningError(last.status, last.reason);
+    if (some_can_exhaust && all_exhausted) throw PlanningError(Status::exhausted, exhausted.reason);
+    if (!deadline.stop_requested()) continue;
+    if (!unfinished.reason.empty()) throw PlanningError(unfinished.status, unfinished.reason);
+    throw PlanningError(search::stop_status(deadline).value_or(Status::timed_out),
+                        "the plan was stopped before all of its searches had ended");
   }
 }
 
