@@ -363,6 +363,7 @@ def test_endless_motions_are_refused(arm, length):
 INTERRUPTED = """
     import os, signal, struct, sys, threading, time
     import numpy as np, srmp
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # shells have jobs in the background ignore it
     p = srmp.PlannerInterface()
     p.add_articulation(srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf"), name="arm", end_effector="arm7_hand")
     {prepare}

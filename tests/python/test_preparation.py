@@ -103,6 +103,7 @@ def test_an_exception_of_progress_ends_prepare(monkeypatch):
 
 def test_ctrl_c_ends_prepare(monkeypatch):
     monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.05, lambda: signal.raise_signal(signal.SIGINT))
     timer.start()
     with pytest.raises(KeyboardInterrupt):
@@ -110,6 +111,7 @@ def test_ctrl_c_ends_prepare(monkeypatch):
             make_planner().prepare()
             time.sleep(0.001)
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_planners_may_end_while_they_are_prepared(monkeypatch):
