@@ -29,7 +29,8 @@ nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle v
     if (nb::cast<bool>(numpy.attr("iscomplexobj")(array))) throw refuse("real numbers");
     const nb::object numbers = numpy.attr("ascontiguousarray")(array, nb::arg("dtype") = "float64");
     return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(numbers);
-  } catch (const nb::python_error&) {
+  } catch (const nb::python_error& error) {
+    if (!error.matches(PyExc_Exception)) throw;  // a Ctrl-C
     throw refuse("numbers");
   }
 }

@@ -43,6 +43,9 @@ std::string sentence(PyObject* function, PyObject* const* args, std::size_t coun
     const nb::object made =
         nb::module_::import_("srmp._wrong_types").attr("sentence")(nb::handle(function), values, keywords);
     return nb::cast<std::string>(made);
+  } catch (const nb::python_error& error) {
+    if (error.matches(PyExc_KeyboardInterrupt)) PyErr_SetInterrupt();  // heard once the call has ended
+    return {};
   } catch (...) {
     return {};
   }

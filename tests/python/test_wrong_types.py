@@ -115,3 +115,12 @@ def test_every_signature_is_understood():
             for parameter in _parameters(signature):
                 text = _described(parameter.type)
                 assert not re.search(r"[\[\]|]", text), f"{name}: {parameter.name}: {text}"
+
+
+def test_ctrl_c_is_no_wrong_type():
+    class Interrupted:
+        def __array__(self, *args, **kwargs):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        srmp.Pose(p=Interrupted())
