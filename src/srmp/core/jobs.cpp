@@ -30,7 +30,7 @@ class SharedJobs {
   void work() {
     for (std::size_t i; (i = next_++) < count_;) {
       try {
-        if (i < failed_) job_(i, deadline_.interrupted_by([this] { return stop_.load(); }));
+        if (i < failed_) job_(i, deadline_.interrupted_by([this, i] { return stop_ || i > failed_; }));
       } catch (...) {
         note_error(i, std::current_exception());
       }

@@ -17,13 +17,14 @@ class Jobs {
   /// thread monitors them. No more workers are started than there are jobs.
   explicit Jobs(std::size_t threads) : threads_(threads) {}
 
-  /// Runs job `i`. Its deadline passes when that of the whole run does.
+  /// Runs job `i`. Its deadline passes when that of the whole run does, or a job before it has thrown.
   using Job = std::function<void(std::size_t i, const Deadline& deadline)>;
   /// Called by the calling thread when jobs end; `done` includes skipped jobs.
   using Progress = std::function<void(std::size_t done)>;
   /// Starts the jobs 0 … count-1 in order and returns when all have ended. When jobs throw, rethrows the exception of
-  /// the one with the smallest index, whichever threw first: jobs after one that throws may be skipped, jobs before it
-  /// never are. Only the calling thread checks `deadline` and calls `progress`; an exception of either stops all jobs.
+  /// the one with the smallest index, whichever threw first: jobs after one that throws may be skipped or
+  /// stopped, jobs before it never are. Only the calling thread checks `deadline` and calls `progress`; an exception of
+  /// either stops all jobs.
   void run(std::size_t count, const Deadline& deadline, const Job& job, const Progress& progress = {});
 
  private:
