@@ -13,6 +13,7 @@
 
 #include "srmp/core/deadline.hpp"
 #include "srmp/core/error.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/search/graph.hpp"
 
 /// What all searches with lazy edges share: the table of states and the candidate edges that lead to them.
@@ -353,12 +354,7 @@ class LazyTree {
   std::vector<double> true_costs_;
 };
 
-/// timed_out or cancelled when it is time to stop.
-inline std::optional<Status> stop_status(const Deadline& deadline) {
-  if (deadline.cancelled()) return Status::cancelled;
-  if (deadline.expired()) return Status::timed_out;
-  return std::nullopt;
-}
+using srmp::stop_status;
 
 /// The tighter of what the algorithm guarantees and what the search has shown: no path costs less than `lower`.
 inline double proven_bound(double guaranteed, double cost, double lower) {

@@ -9,6 +9,7 @@
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/core/interruption.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/limit_check.hpp"
 
@@ -137,21 +138,18 @@ class Certifier {
 
   void check_rows() {
     std::optional<InterruptionScope> scope;  // a few rows are checked at once, also after the limit
-    if (t_.positions.rows() > 1000) scope.emplace([this] { stop_if_late(); });
+    if (t_.positions.rows() > 1000)
+      scope.emplace([this] {
+        if (options_.deadline)
+          stop_if_late(*options_.deadline,
+                       "the " + std::to_string(t_.positions.rows()) + " rows of the trajectory were verified");
+      });
     check_limits(
         t_, limits_,
         {.joints = &robot_.joints(), .limits = options_.limits, .jerk = options_.jerk, .at_rest = options_.at_rest},
         result_);
     check_ends_at_rest();
     check_deviation();
-  }
-
-  void stop_if_late() const {
-    if (!options_.deadline || !options_.deadline->stop_requested()) return;
-    const bool cancelled = options_.deadline->cancelled();
-    throw PlanningError(cancelled ? Status::cancelled : Status::timed_out,
-                        std::string(cancelled ? "the plan was cancelled" : "the time limit passed") + " while the " +
-                            std::to_string(t_.positions.rows()) + " rows of the trajectory were verified");
   }
 
   void check_ends_at_rest() {

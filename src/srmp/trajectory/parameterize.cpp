@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "srmp/core/error.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "srmp/trajectory/timing.hpp"
@@ -25,11 +25,9 @@ constexpr int attempts = 6;               // to bring cubics with given end spee
 constexpr std::size_t rows_per_deadline_check = 1024, parts_per_deadline_check = 16;
 
 void stop_if_late(const TimingOptions& options) {
-  if (!options.deadline || !options.deadline->stop_requested()) return;
-  const bool cancelled = options.deadline->cancelled();
-  throw PlanningError(cancelled ? Status::cancelled : Status::timed_out,
-                      std::string(cancelled ? "the plan was cancelled" : "the time limit passed") +
-                          " while the path was timed with a sample period of " + to_text(options.sample_period) + " s");
+  if (options.deadline)
+    stop_if_late(*options.deadline,
+                 "the path was timed with a sample period of " + to_text(options.sample_period) + " s");
 }
 
 /// Without waypoints that are hardly apart from the one before. The ends stay.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/path.hpp"
 
@@ -62,7 +63,7 @@ class PlanInTime {
         if (const auto moves = find()) result_.motion = in_sequence(improved(*moves));
       }
     } catch (const MotionCheckStopped&) {
-      result_.status = budget_.deadline.cancelled() ? Status::cancelled : Status::timed_out;
+      result_.status = stop_status(budget_.deadline).value_or(Status::timed_out);
     }
     result_.edge_checks = roadmap_.edge_checks();
     result_.memory_bytes = roadmap_.memory();

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "srmp/core/stopping.hpp"
 #include "srmp/planning/certificates/joint_certificates.hpp"
 #include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/endpoints/joint_endpoints.hpp"
@@ -62,7 +63,7 @@ const RobotPath& PrioritisedInTime::path_of(std::size_t i) {
       return !wrong.empty();
     });
   } catch (const MotionCheckStopped&) {
-    throw PlanningError(deadline_.cancelled() ? Status::cancelled : Status::timed_out,
+    throw PlanningError(stop_status(deadline_).value_or(Status::timed_out),
                         "robot '" + part.robot + "': the plan was stopped while its goals were checked");
   }
   if (path.endpoints.targets.empty() && !why.empty())

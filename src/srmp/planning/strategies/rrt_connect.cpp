@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "srmp/core/stopping.hpp"
 #include "srmp/planning/strategies/robot_sampling.hpp"
 #include "srmp/trajectory/path.hpp"
 
@@ -45,10 +46,10 @@ bool RrtConnectStrategy::has_budget() const {
 }
 
 Attempt RrtConnectStrategy::not_found(const Deadline& deadline) const {
-  Attempt result{.status = deadline.cancelled() ? Status::cancelled : Status::timed_out, .lower = direct_};
+  Attempt result{.status = stop_status(deadline).value_or(Status::timed_out), .lower = direct_};
   if (budget_.alone && deadline.stop_requested())
-    result.reason =
-        context_.no_path_sentence({.status = result.status, .statistics = work()}, "", "configurations sampled");
+    result.reason = context_.no_path_sentence({.status = result.status, .path = {}, .statistics = work()}, "",
+                                              "configurations sampled");
   return result;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "srmp/core/error.hpp"
-#include "srmp/search/lazy_tree.hpp"
+#include "srmp/core/stopping.hpp"
 
 namespace srmp {
 
@@ -27,7 +27,7 @@ FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double w
     if (some_can_exhaust && all_exhausted) throw PlanningError(Status::exhausted, exhausted.reason);
     if (!deadline.stop_requested()) continue;
     if (!unfinished.reason.empty()) throw PlanningError(unfinished.status, unfinished.reason);
-    throw PlanningError(search::stop_status(deadline).value_or(Status::timed_out),
+    throw PlanningError(stop_status(deadline).value_or(Status::timed_out),
                         "the plan was stopped before all of its searches had ended");
   }
 }
