@@ -16,16 +16,16 @@ struct Inflation {
 
 /// The spheres of a collision geometry, in the geometry's frame [m].
 struct GeometryCover {
-  PlacedSphere bound;                ///< contains the geometry
-  std::vector<PlacedSphere> coarse;  ///< together they contain the geometry
-  std::vector<PlacedSphere> fine;    ///< the same, more closely; empty when exact
-  std::vector<PlacedSphere> inner;   ///< inside of the geometry; empty when exact
+  PlacedSphere bound{};                ///< contains the geometry
+  std::vector<PlacedSphere> coarse{};  ///< together they contain the geometry
+  std::vector<PlacedSphere> fine{};    ///< the same, more closely; empty when exact
+  std::vector<PlacedSphere> inner{};   ///< inside of the geometry; empty when exact
   /// cover_children(coarse, fine), by coarse sphere; empty when exact.
-  std::vector<std::vector<std::uint32_t>> children;
+  std::vector<std::vector<std::uint32_t>> children{};
   bool exact{false};   ///< the geometry is a sphere, and the only coarse sphere equals it
   bool quick{false};   ///< made by quick_cover
   bool hollow{false};  ///< a surface: bodies wholly inside do not collide with it
-  Inflation coarse_inflation, fine_inflation;
+  Inflation coarse_inflation{}, fine_inflation{};
 };
 
 /// How closely spheres cover a geometry.

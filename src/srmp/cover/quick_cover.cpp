@@ -20,13 +20,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t coarse_patches = 12, fine_patches = 128;  // of a mesh
-constexpr double pieces_along_mesh = 24;                        // triangles are split until they are this small
+constexpr double edges_along_mesh = 24;                         // triangles are split until they are this small
 constexpr double above = 1 + 1e-9;                              // larger than the rounding errors of a radius
 
 /// What is inside of a mesh, as far as rays tell.
 class Inside {
  public:
-  explicit Inside(const GeometryContent& content) : surface_(triangles_of(content)) {}
+  explicit Inside(std::vector<Triangle> triangles) : surface_(std::move(triangles)) {}
 
   /// Distance to the surface [m], < 0 outside.
   double depth(const Vector3d& point) const {
@@ -36,13 +36,6 @@ class Inside {
   }
 
  private:
-  static std::vector<Triangle> triangles_of(const GeometryContent& content) {
-    std::vector<Triangle> triangles;
-    const auto corner = [&](int i) { return content.vertices[static_cast<std::size_t>(i)]; };
-    for (const auto& [a, b, c] : content.triangles) triangles.push_back({corner(a), corner(b), corner(c)});
-    return triangles;
-  }
-
   TriangleBvh surface_;
 };
 
@@ -153,21 +146,30 @@ class Patches {
   std::vector<Triangle> triangles_;
 };
 
-GeometryCover mesh_cover(const GeometryContent& content) {
+std::vector<Triangle> mesh_triangles(const GeometryContent& content) {
+  std::vector<Triangle> triangles;
+  const auto corner = [&](int i) { return content.vertices[static_cast<std::size_t>(i)]; };
+  for (const auto& [a, b, c] : content.triangles) triangles.push_back({corner(a), corner(b), corner(c)});
+  return triangles;
+}
+
+std::vector<Triangle> small_triangles(const std::vector<Triangle>& triangles) {
   Eigen::AlignedBox3d box;
-  for (const auto& triangle : content.triangles)
-    for (const int i : triangle) box.extend(content.vertices[static_cast<std::size_t>(i)]);
-  const double edge = std::max(box.sizes().maxCoeff() / pieces_along_mesh, 1e-9);
-  std::vector<Triangle> pieces;
-  for (const auto& t : content.triangles) {
-    const auto corner = [&](int k) {
-      return content.vertices[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])];
-    };
-    split_triangle({corner(0), corner(1), corner(2)}, edge, [&](const Triangle& piece) { pieces.push_back(piece); });
+  for (const Triangle& triangle : triangles)
+    for (const Vector3d& corner : triangle) box.extend(corner);
+  const double edge = std::max(box.sizes().maxCoeff() / edges_along_mesh, 1e-9);
+  std::vector<Triangle> small;
+  for (const Triangle& triangle : triangles) {
+    split_triangle(triangle, edge, [&](const Triangle& part) { small.push_back(part); });
     interruption_point();
   }
-  const Inside inside(content);
-  Patches patches(std::move(pieces));
+  return small;
+}
+
+GeometryCover mesh_cover(const GeometryContent& content) {
+  std::vector<Triangle> triangles = mesh_triangles(content);
+  Patches patches(small_triangles(triangles));
+  const Inside inside(std::move(triangles));
   const Patch whole = patches.whole();
   const std::vector<Patch> coarse = patches.split({whole}, coarse_patches);
   const std::vector<Patch> fine = patches.split(coarse, fine_patches);

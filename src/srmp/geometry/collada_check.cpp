@@ -107,7 +107,7 @@ void require_numbers(const XMLElement& element, const std::string& path) {
   for (const char* name : {"count", "offset", "stride"}) {
     const std::string_view value = attribute_or_empty(element, name);
     if (value.size() > max_digits || value.find_first_not_of("0123456789") != value.npos)
-      refuse("'" + std::string(value) + "' is no whole number below a billion, attribute '" + name + "'");
+      refuse(std::string("'").append(value) + "' is no whole number below a billion, attribute '" + name + "'");
   }
   for (auto child = element.FirstChildElement(); child; child = child->NextSiblingElement())
     require_numbers(*child, path);

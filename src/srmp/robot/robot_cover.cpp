@@ -16,8 +16,9 @@ namespace srmp {
 namespace {
 
 using Shape = std::shared_ptr<const coal::CollisionGeometry>;
+using Geometries = std::vector<const LinkGeometry*>;  // of a robot
 
-/// The distinct geometries of a robot: equal ones are covered once.
+/// The distinct envelopes of a robot's geometries: equal ones are covered once.
 struct Distinct {
   std::vector<Shape> shapes;
   std::vector<std::size_t> times;  // how often each occurs in the robot
@@ -25,11 +26,12 @@ struct Distinct {
   Sha256 key{cover_key("robot")};
 };
 
-Distinct find_distinct(const std::vector<Shape>& shapes) {
+Distinct find_distinct(const Geometries& geometries) {
   Distinct distinct;
   std::map<Sha256::Digest, std::size_t> by_content;
   std::map<const coal::CollisionGeometry*, std::size_t> by_address;  // hashes each object once
-  for (const Shape& shape : shapes) {
+  for (const LinkGeometry* geometry : geometries) {
+    const Shape& shape = geometry->envelope;
     const auto [known, is_new_address] = by_address.try_emplace(shape.get(), 0);
     if (is_new_address) {
       Sha256 hash;
@@ -96,34 +98,62 @@ Sha256::Digest key_of(const Distinct& distinct, const RobotCoverOptions& options
   return key.digest();
 }
 
-RobotCover cover_shapes(const std::vector<Shape>& shapes, CoverStore& store, const RobotCoverOptions& options,
-                        const StepProgress& progress) {
-  const auto start = std::chrono::steady_clock::now();
-  require_levels(options.levels);
-  const Distinct distinct = find_distinct(shapes);
-  const CoverStore::Result result =
-      store.get(key_of(distinct, options), [&] { return build(distinct, options, progress); });
-  RobotCover cover;
-  cover.origin = result.origin;
-  for (const std::size_t i : distinct.index)
-    cover.parts.push_back({"", "", Eigen::Isometry3d::Identity(), {result.covers, &result.covers->at(i)}});
-  cover.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return cover;
-}
-
-std::vector<Shape> envelopes_of(const RobotModel& model) {
-  std::vector<Shape> shapes;
-  for (const LinkGeometry& geometry : model.geometries()) shapes.push_back(geometry.envelope);
-  return shapes;
-}
-
 /// The cover of a geometry, given that of its envelope.
-std::shared_ptr<const GeometryCover> within_envelope(const GeometryCover& envelope) {
-  auto cover = std::make_shared<GeometryCover>(envelope);
+std::shared_ptr<const GeometryCover> within_envelope(const LinkGeometry& geometry,
+                                                     std::shared_ptr<const GeometryCover> envelope) {
+  if (geometry.envelope == geometry.shape) return envelope;
+  auto cover = std::make_shared<GeometryCover>(*envelope);
   cover->exact = false;
   cover->hollow = true;
   cover->inner.clear();
   return cover;
+}
+
+/// The cover of geometries whose distinct envelopes have these covers; the caller places its parts.
+RobotCover robot_cover(const Geometries& geometries, const Distinct& distinct, const CoverStore::Result& result) {
+  RobotCover cover;
+  cover.origin = result.origin;
+  for (std::size_t i = 0; i < geometries.size(); ++i)
+    cover.parts.push_back({geometries[i]->link, geometries[i]->name, Eigen::Isometry3d::Identity(),
+                           within_envelope(*geometries[i], {result.covers, &result.covers->at(distinct.index[i])})});
+  return cover;
+}
+
+RobotCover cover_geometries(const Geometries& geometries, CoverStore& store, const RobotCoverOptions& options,
+                            const StepProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  require_levels(options.levels);
+  const Distinct distinct = find_distinct(geometries);
+  const CoverStore::Result result =
+      store.get(key_of(distinct, options), [&] { return build(distinct, options, progress); });
+  RobotCover cover = robot_cover(geometries, distinct, result);
+  cover.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return cover;
+}
+
+Geometries geometries_of(const RobotModel& model) {
+  Geometries geometries;
+  for (const LinkGeometry& geometry : model.geometries()) geometries.push_back(&geometry);
+  return geometries;
+}
+
+void adopt(const RobotCover& cover, const RobotModel& model, CoverStore& store) {
+  for (std::size_t i = 0; i < cover.parts.size(); ++i) store.adopt(model.geometries()[i].shape, cover.parts[i].cover);
+}
+
+void cover_quickly(const RobotModel& model, const Distinct& distinct, CoverStore& store) {
+  std::vector<std::shared_ptr<const GeometryCover>> covers;
+  for (const Shape& shape : distinct.shapes)
+    covers.push_back(std::make_shared<const GeometryCover>(quick_cover(*shape)));
+  for (std::size_t i = 0; i < distinct.index.size(); ++i) {
+    const LinkGeometry& geometry = model.geometries()[i];
+    store.adopt_quick(geometry.shape, within_envelope(geometry, covers[distinct.index[i]]));
+  }
+}
+
+bool is_quickly_covered(const RobotModel& model, const CoverStore& store) {
+  return std::all_of(model.geometries().begin(), model.geometries().end(),
+                     [&](const LinkGeometry& geometry) { return store.adopted_quick(*geometry.shape) != nullptr; });
 }
 
 template <class Value>
@@ -157,67 +187,45 @@ double RobotCover::fine_inflation() const {
 
 RobotCover cover_robot(const RobotModel& model, CoverStore& store, const RobotCoverOptions& options,
                        const StepProgress& progress) {
-  const std::vector<Shape> shapes = envelopes_of(model);
-  RobotCover cover = cover_shapes(shapes, store, options, progress);
+  RobotCover cover = cover_geometries(geometries_of(model), store, options, progress);
   const RobotDataPtr data = model.make_data();
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const LinkGeometry& geometry = model.geometries()[i];
-    if (geometry.envelope != geometry.shape) cover.parts[i].cover = within_envelope(*cover.parts[i].cover);
-    cover.parts[i].link = geometry.link;
-    cover.parts[i].name = geometry.name;
-    cover.parts[i].in_link = model.link_pose(*data, geometry.link_index).inverse() * model.geometry_pose(*data, i);
-    store.adopt(geometry.shape, cover.parts[i].cover);
-  }
+  for (std::size_t i = 0; i < cover.parts.size(); ++i)
+    cover.parts[i].in_link =
+        model.link_pose(*data, model.geometries()[i].link_index).inverse() * model.geometry_pose(*data, i);
+  adopt(cover, model, store);
   return cover;
 }
 
 void ensure_quickly_covered(const RobotModel& model, CoverStore& store) {
-  const std::vector<LinkGeometry>& geometries = model.geometries();
-  if (std::all_of(geometries.begin(), geometries.end(),
-                  [&](const LinkGeometry& geometry) { return store.adopted_quick(*geometry.shape) != nullptr; }))
-    return;
-  const Distinct distinct = find_distinct(envelopes_of(model));
-  std::vector<std::shared_ptr<const GeometryCover>> covers;
-  for (const Shape& shape : distinct.shapes)
-    covers.push_back(std::make_shared<const GeometryCover>(quick_cover(*shape)));
-  for (std::size_t i = 0; i < geometries.size(); ++i) {
-    auto cover = covers[distinct.index[i]];
-    if (geometries[i].envelope != geometries[i].shape) cover = within_envelope(*cover);
-    store.adopt_quick(geometries[i].shape, std::move(cover));
-  }
+  if (!is_quickly_covered(model, store)) cover_quickly(model, find_distinct(geometries_of(model)), store);
 }
 
 bool ensure_covered(const RobotModel& model, CoverStore& store) {
-  bool all = true, quick = false;
-  for (const LinkGeometry& geometry : model.geometries()) {
-    const auto known = store.adopted(*geometry.shape);
-    all = all && known;
-    quick = quick || !known || known->quick;
-  }
-  if (all) return !quick;
-  if (store.find(key_of(find_distinct(envelopes_of(model)), {}))) {
-    cover_robot(model, store);
+  const auto are_adopted = [&](bool as_quick) {
+    return std::all_of(model.geometries().begin(), model.geometries().end(), [&](const LinkGeometry& geometry) {
+      const auto known = store.adopted(*geometry.shape);
+      return known && (as_quick || !known->quick);
+    });
+  };
+  if (are_adopted(true)) return are_adopted(false);
+  const Geometries geometries = geometries_of(model);
+  const Distinct distinct = find_distinct(geometries);
+  if (const auto known = store.find(key_of(distinct, {}))) {
+    adopt(robot_cover(geometries, distinct, *known), model, store);
     return true;
   }
-  ensure_quickly_covered(model, store);
-  return std::none_of(model.geometries().begin(), model.geometries().end(),
-                      [&](const LinkGeometry& geometry) { return store.adopted(*geometry.shape)->quick; });
+  if (!is_quickly_covered(model, store)) cover_quickly(model, distinct, store);
+  return are_adopted(false);
 }
 
 RobotCover cover_urdf(const std::string& urdf_path, const std::vector<std::string>& package_dirs, CoverStore& store,
                       const RobotCoverOptions& options, const StepProgress& progress) {
   const std::string directory = std::filesystem::absolute(urdf_path).parent_path().string();
-  const std::vector<PlacedGeometry> geometries = load_geometries(Urdf::read_file(urdf_path), directory, package_dirs);
-  std::vector<Shape> shapes;
-  for (const PlacedGeometry& g : geometries) shapes.push_back(g.geometry.envelope);
-  RobotCover cover = cover_shapes(shapes, store, options, progress);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const LinkGeometry& geometry = geometries[i].geometry;
-    if (geometry.envelope != geometry.shape) cover.parts[i].cover = within_envelope(*cover.parts[i].cover);
-    cover.parts[i].link = geometry.link;
-    cover.parts[i].name = geometry.name;
-    cover.parts[i].in_link = geometries[i].in_link;
-  }
+  const std::vector<PlacedGeometry> placed = load_geometries(Urdf::read_file(urdf_path), directory, package_dirs);
+  Geometries geometries;
+  for (const PlacedGeometry& one : placed) geometries.push_back(&one.geometry);
+  RobotCover cover = cover_geometries(geometries, store, options, progress);
+  for (std::size_t i = 0; i < placed.size(); ++i) cover.parts[i].in_link = placed[i].in_link;
   return cover;
 }
 

@@ -10,7 +10,7 @@ namespace srmp {
 
 /// Options of cover_robot and cover_urdf.
 struct RobotCoverOptions {
-  CoverLevels levels;  ///< of every geometry
+  CoverLevels levels{};  ///< of every geometry
   /// Largest number of coarse spheres of the whole robot, 0: no limit. Where levels.coarse needs more, coarse spheres
   /// grow beyond it until this many suffice, in each step those of the geometry with the most spheres per inflation.
   std::size_t max_coarse{160};

@@ -93,8 +93,8 @@ std::string plain(std::string_view word) {
 }
 
 bool has_word(std::string_view words, std::string_view word) {
-  const std::string all = " " + std::string(words) + " ";
-  return !word.empty() && all.find(" " + std::string(word) + " ") != std::string::npos;
+  const auto enclosed = [](std::string_view text) { return std::string(" ").append(text) + " "; };
+  return !word.empty() && enclosed(words).find(enclosed(word)) != std::string::npos;
 }
 
 template <std::size_t n>

@@ -14,11 +14,11 @@ namespace srmp {
 /// A path from start to goal as a strategy found it, before it is smoothed.
 struct FoundPath {
   JointPath path;
-  int goal_index{-1};    ///< of one robot alone: PlanStatistics::goal_index
-  double cost{};         ///< joint-space length [rad, prismatic joints m]
-  double lower{};        ///< no path of `graph` costs less
-  std::string graph;     ///< as Solution::graph
-  std::string found_by;  ///< as PlanStatistics::found_by
+  int goal_index{-1};      ///< of one robot alone: PlanStatistics::goal_index
+  double cost{};           ///< joint-space length [rad, prismatic joints m]
+  double lower{};          ///< no path of `graph` costs less
+  std::string graph{};     ///< as Solution::graph
+  std::string found_by{};  ///< as PlanStatistics::found_by
 };
 
 /// How much one attempt may do. Budgets are counted in work, never in time, so that results do not depend on the clock.
