@@ -1,5 +1,7 @@
 """Covers and tables are computed in the background, or by prepare; no result depends on them."""
 
+import contextlib
+import os
 import signal
 import threading
 import time
@@ -112,6 +114,28 @@ def test_ctrl_c_ends_prepare(monkeypatch):
             time.sleep(0.001)
     timer.join()
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fork beside threads
+def test_a_forked_process_does_not_wait_for_its_parents_covers(monkeypatch):
+    monkeypatch.setenv("SRMP_CACHE_DIR", "")
+    planner = make_planner()
+    planner.make_planner("arm", {"planner_id": "auto", "time_limit": 60})  # begins to prepare in the background
+
+    def stop(done, total):
+        raise KeyError("enough")
+
+    for _ in range(4):
+        child = os.fork()
+        if child == 0:
+            signal.signal(signal.SIGALRM, signal.SIG_DFL)
+            signal.alarm(30)
+            with contextlib.suppress(KeyError):
+                planner.prepare(stop)
+            os._exit(0)
+        assert os.waitpid(child, 0)[1] == 0
+        time.sleep(0.5)
 
 
 def test_planners_may_end_while_they_are_prepared(monkeypatch):

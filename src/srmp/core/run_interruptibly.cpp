@@ -1,5 +1,7 @@
 #include "srmp/core/run_interruptibly.hpp"
 
+#include <unistd.h>
+
 #include <mutex>
 #include <vector>
 
@@ -15,7 +17,11 @@ thread_local bool is_own_thread = false;
 class AbandonedThreads {
  public:
   ~AbandonedThreads() {
-    for (std::thread& thread : threads_) thread.join();
+    for (std::thread& thread : threads_)
+      if (process_ == getpid())
+        thread.join();
+      else
+        thread.detach();  // it runs in the parent process only
   }
   void add(std::thread thread) {
     const std::lock_guard lock(mutex_);
@@ -23,6 +29,7 @@ class AbandonedThreads {
   }
 
  private:
+  const pid_t process_{getpid()};
   std::mutex mutex_;
   std::vector<std::thread> threads_;
 };

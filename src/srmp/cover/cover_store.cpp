@@ -52,9 +52,9 @@ std::shared_ptr<const GeometryCover> CoverStore::adopted_quick(const coal::Colli
 std::optional<CoverStore::Result> CoverStore::find(const Sha256::Digest& key) {
   {
     const std::lock_guard lock(mutex_);
-    if (const auto known = results_.find(key); known != results_.end()) {
-      if (known->second.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
-      return Result{known->second.get().covers, Origin::memory};
+    if (const Known* entry = known(key)) {
+      if (!entry->is_ready()) return std::nullopt;
+      return Result{entry->result.get().covers, Origin::memory};
     }
   }
   auto covers = read_covers(directory_, key);
@@ -62,9 +62,17 @@ std::optional<CoverStore::Result> CoverStore::find(const Sha256::Digest& key) {
   std::promise<Result> read;
   read.set_value({std::make_shared<const CoverSet>(std::move(*covers)), Origin::file});
   const std::lock_guard lock(mutex_);
-  const auto [known, added] = results_.try_emplace(key, read.get_future().share());
-  if (added || known->second.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return known->second.get();
+  const auto [entry, added] = results_.emplace(key, Known{read.get_future().share(), getpid()});
+  if (added || entry->second.is_ready()) return entry->second.result.get();
   return std::nullopt;
+}
+
+const CoverStore::Known* CoverStore::known(const Sha256::Digest& key) {
+  const auto entry = results_.find(key);
+  if (entry == results_.end()) return nullptr;
+  if (!entry->second.is_lost()) return &entry->second;
+  results_.erase(entry);
+  return nullptr;
 }
 
 void CoverStore::release_unused() {
@@ -74,16 +82,15 @@ void CoverStore::release_unused() {
 
 CoverStore::Result CoverStore::get(const Sha256::Digest& key, const std::function<CoverSet()>& build) {
   std::promise<Result> promise;
-  Future known;
+  std::shared_future<Result> other;  // of an earlier call
   {
     const std::lock_guard lock(mutex_);
-    const auto [it, added] = results_.try_emplace(key);
-    if (added)
-      it->second = promise.get_future().share();
+    if (const Known* entry = known(key))
+      other = entry->result;
     else
-      known = it->second;
+      results_.emplace(key, Known{promise.get_future().share(), getpid()});
   }
-  if (known.valid()) return {known.get().covers, Origin::memory};
+  if (other.valid()) return {other.get().covers, Origin::memory};
   Result result;
   try {
     if (auto covers = read_covers(directory_, key)) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <chrono>
 #include <functional>
 #include <future>
 #include <map>
@@ -43,7 +46,8 @@ class CoverStore {
     Origin origin{};
   };
   /// The covers under the key, from memory, from a file or computed by `build` (which one thread calls while others
-  /// wait for the same key). An exception of `build` is rethrown to all of them, and the next call tries again.
+  /// wait for the same key). An exception of `build` is rethrown to all of them, and the next call tries again. A
+  /// process that was forked meanwhile computes its own.
   Result get(const Sha256::Digest& key, const std::function<CoverSet()>& build);
   /// The covers under the key where they are in memory or in a file; nullopt otherwise, also while they are computed.
   std::optional<Result> find(const Sha256::Digest& key);
@@ -52,7 +56,16 @@ class CoverStore {
   const std::filesystem::path& directory() const { return directory_; }
 
  private:
-  using Future = std::shared_future<Result>;
+  struct Known {
+    std::shared_future<Result> result;
+    pid_t process;  // that computes it
+
+    bool is_ready() const { return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
+    /// Was the process forked from one that was computing the result? Then it comes in that process only.
+    bool is_lost() const { return process != getpid() && !is_ready(); }
+  };
+  /// The result under the key, if it is known or will be; the caller has the lock.
+  const Known* known(const Sha256::Digest& key);
   struct Adopted {
     std::weak_ptr<const coal::CollisionGeometry> shape;  // expired: another object may have the address
     std::shared_ptr<const GeometryCover> cover, quick;
@@ -63,7 +76,7 @@ class CoverStore {
   const std::filesystem::path directory_;
   const CoverLevels levels_;
   mutable std::mutex mutex_;
-  std::map<Sha256::Digest, Future> results_;
+  std::map<Sha256::Digest, Known> results_;
   std::map<const coal::CollisionGeometry*, Adopted>
       adopted_;  // never iterated over: the order of addresses is arbitrary
 };

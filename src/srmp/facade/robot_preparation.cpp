@@ -40,12 +40,12 @@ bool RobotPreparation::update(const Scene& scene) {
   for (const auto& [name, instance] : scene.robots()) {
     Robot& robot = robot_of(instance.model);
     if (robot.ready) continue;
-    if (!robot.begun) {
+    if (*robot.computed) {
+      robot.ready = changed = true;
+    } else if (robot.begun_by != getpid()) {
       robot.ready = ensure_covered(*instance.model, *covers_) && tables_->find(instance.model);
       if (!robot.ready) begin(robot, instance);
-      robot.begun = true;  // unless an exception ended this
-    } else if (*robot.computed) {
-      robot.ready = changed = true;
+      robot.begun_by = getpid();  // unless an exception ended this
     }
   }
   return changed;
@@ -58,7 +58,7 @@ bool RobotPreparation::finish(const Scene& scene, const StepProgress& progress) 
     Robot& robot = robot_of(instance.model);
     if (robot.ready) continue;
     robot.job.cancel();
-    robot.begun = false;  // where `progress` ends this, the next plan begins again
+    robot.begun_by = 0;  // where `progress` ends this, the next plan begins again
     cover_robot(*instance.model, *covers_, {.threads = threads}, progress);
     tables_->tables(instance.model, instance.parts, threads, progress);
     robot.ready = changed = true;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <unistd.h>
+
 #include <atomic>
 #include <map>
 #include <memory>
@@ -13,7 +15,8 @@ namespace srmp {
 
 /// What makes collision checks of robots faster and changes no result: sphere covers, and tables of pairs of links.
 /// They take seconds to minutes to compute for a robot seen for the first time. So they are computed in the background;
-/// until then quick covers and no tables serve. Not thread-safe.
+/// until then quick covers and no tables serve. A process that forks meanwhile leaves that work with the parent, and
+/// the child begins its own. Not thread-safe.
 class RobotPreparation {
  public:
   RobotPreparation(std::shared_ptr<CoverStore> covers, std::shared_ptr<PairTableStore> tables)
@@ -30,8 +33,8 @@ class RobotPreparation {
   struct Robot {
     std::weak_ptr<const RobotModel> model;
     std::shared_ptr<std::atomic<bool>> computed{std::make_shared<std::atomic<bool>>(false)};
-    bool begun{};
-    bool ready{};  // its covers are adopted and its tables are known
+    pid_t begun_by{};  // the process whose background prepares it; 0: none
+    bool ready{};      // its covers are adopted and its tables are known
     Background::Ticket job;
   };
   Robot& robot_of(const std::shared_ptr<const RobotModel>& model);
