@@ -408,6 +408,19 @@ BOOST_AUTO_TEST_CASE(when_time_is_up_all_that_is_open_is_called_unproved) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(the_deadline_is_seen_between_pairs) {
+  Scene scene = crowd(arm7(), 1, 2, "arm7_hand");
+  const SceneChecker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const Deadline passed(-1.0);
+  Dice dice(2);
+  const Trajectory t = random_walk(dice, checker, 10, 0.05);
+  const auto whole = checker.make_workspace(), stopped = checker.make_workspace();
+  prove(checker, t, *whole);
+  prove(checker, t, *stopped, {.deadline = &passed});
+  BOOST_TEST(checker.statistics(*stopped).narrow_phase <= 6);  // of the nearest pair in three configurations
+  BOOST_TEST(checker.statistics(*whole).narrow_phase > 20);
+}
+
 BOOST_AUTO_TEST_CASE(a_deadline_that_does_not_pass_changes_nothing) {
   const Deadline never;
   const Scene scene = crowd(arm7(), 1, 2, "arm7_hand");

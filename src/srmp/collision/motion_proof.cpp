@@ -245,7 +245,8 @@ void Prover::note_proved(const Proved& proved) {
 }
 
 /// Finds a pair that is about the nearest at a row, so that pairs farther away need no distance later. `enough`: any
-/// distance of two primitives of a pair that is no more than this will do for the pair's.
+/// distance of two primitives of a pair that is no more than this will do for the pair's. Once the deadline has passed,
+/// the pair that may be the nearest is checked alone.
 void Prover::find_nearest_at(Eigen::Index row, double enough) {
   time_ = motion_.times[row];
   middle_ = motion_.positions.row(row).transpose();
@@ -257,8 +258,9 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
     if (bound < clearance_) order_.emplace_back(bound, i);
   }
   std::sort(order_.begin(), order_.end());
+  const bool may_stop = motion_.positions.rows() > 1;  // a single row has no other check
   for (const auto& [bound, i] : order_) {
-    if (bound >= clearance_) return;
+    if (bound >= clearance_ || (may_stop && i != order_.front().second && stopped())) return;
     const Pair& pair = model_.bodies.pairs[i];
     const double margin = clearance_ + pair.padding;
     if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
@@ -287,6 +289,7 @@ void Prover::place_at(const Interval& interval) {
 Prover::Check Prover::check(const Pair& pair, double motion, double required) {
   const double bound = workspace_.distance_bound(pair), left = bound - pair.padding - motion - NarrowPhase::tolerance;
   if (left > required) return {CollisionStatus::free, left, false};
+  if (stopped()) return {CollisionStatus::undecided, 0.0, false};
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
     return measure(pair, motion, required);
   // No distance could prove it.
