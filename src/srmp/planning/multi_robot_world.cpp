@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "srmp/core/memory_of.hpp"
+#include "srmp/core/number_hash.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
 #include "srmp/trajectory/path.hpp"
 
@@ -17,7 +18,7 @@ using search::StateId;
 
 namespace {
 
-/// What a check says; no, once the deadline of its workspace has passed and it takes long.
+/// The result of a check; false where the deadline of its workspace cuts it off.
 template <class Check>
 bool unless_stopped(Check&& check) {
   try {
@@ -26,6 +27,9 @@ bool unless_stopped(Check&& check) {
     return false;
   }
 }
+
+/// Has the deadline passed? Then the result of a check is not to be remembered.
+bool may_be_cut_off(const Checker::Workspace& workspace) { return workspace.deadline && workspace.deadline->expired(); }
 
 }  // namespace
 
@@ -69,12 +73,13 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   }
 
   double evaluate(StateId from, StateId to) override {
-    const auto [known, added] = costs_.try_emplace(std::uint64_t{from} << 32 | to, 0.0);
-    if (added) {
-      const search::Edge edge{from, to, lattice_.distance(configuration(from), configuration(to))};
-      lattice_.evaluate({&edge, 1}, {&known->second, 1});
-    }
-    return known->second;
+    const std::uint64_t key = std::uint64_t{from} << 32 | to;
+    if (const auto known = costs_.find(key); known != costs_.end()) return known->second;
+    const search::Edge edge{from, to, lattice_.distance(configuration(from), configuration(to))};
+    double cost = 0.0;
+    lattice_.evaluate({&edge, 1}, {&cost, 1});
+    if (!may_be_cut_off(*workspace_)) costs_.emplace(key, cost);
+    return cost;
   }
 
   bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
@@ -131,7 +136,7 @@ class MultiRobotWorld::Pair {
   bool are_collision_free(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
                           const Eigen::VectorXd& to_b, const MotionQuery& query) {
     const std::lock_guard lock(mutex_);
-    return look(from_a, to_a, from_b, to_b, query);
+    return check(from_a, to_a, from_b, to_b, query);
   }
 
   void stop_at(const Deadline& deadline) {
@@ -157,22 +162,21 @@ class MultiRobotWorld::Pair {
 
   /// `ends` of the moves where both are under way: of a, then of b, each from and to.
   template <class Ends>
-  bool meet(const Move& move_a, const Move& move_b, int first, int last, Ends&& ends) {
+  bool in_conflict(const Move& move_a, const Move& move_b, int first, int last, Ends&& ends) {
     // Of a wait only the place counts, and the time as far as the other one moves.
     const auto since = [first](const Move& move, int step) {
       return move.waits() ? 0u : static_cast<std::uint32_t>(step - first);
     };
     const bool still = move_a.waits() && move_b.waits();
-    const Meeting key{
+    const MovePair key{
         move_a.from, move_a.to, since(move_a, move_a.start), since(move_a, move_a.end),
         move_b.from, move_b.to, since(move_b, move_b.start), still ? 0u : static_cast<std::uint32_t>(last - first)};
     const std::lock_guard lock(mutex_);
-    const auto [known, added] = meetings_.try_emplace(key, false);
-    if (added) {
-      const std::array<Eigen::VectorXd, 4> q = ends();
-      known->second = !look(q[0], q[1], q[2], q[3], {});
-    }
-    return known->second;
+    if (const auto known = conflicts_.find(key); known != conflicts_.end()) return known->second;
+    const std::array<Eigen::VectorXd, 4> q = ends();
+    const bool collide = !check(q[0], q[1], q[2], q[3], {});
+    if (!may_be_cut_off(*exact_.workspace)) conflicts_.emplace(key, collide);
+    return collide;
   }
 
   std::uint64_t checks() const {
@@ -181,7 +185,7 @@ class MultiRobotWorld::Pair {
   }
   std::size_t memory() const {
     const std::lock_guard lock(mutex_);
-    return memory_of(meetings_);
+    return memory_of(conflicts_);
   }
 
  private:
@@ -200,15 +204,15 @@ class MultiRobotWorld::Pair {
     return by_spheres_;
   }
 
-  bool look(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
-            const Eigen::VectorXd& to_b, const MotionQuery& query) {
+  bool check(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
+             const Eigen::VectorXd& to_b, const MotionQuery& query) {
     ++checks_;
     from_.resize(from_a.size() + from_b.size());
     to_.resize(from_.size());
     from_ << from_a, from_b;
     to_ << to_a, to_b;
-    const Checking& check = checking(query.spheres_only);
-    return unless_stopped([&] { return check.checker->is_motion_free(from_, to_, *check.workspace, query); });
+    const Checking& by = checking(query.spheres_only);
+    return unless_stopped([&] { return by.checker->is_motion_free(from_, to_, *by.workspace, query); });
   }
 
   const GroupCheckers& checkers_;
@@ -219,15 +223,8 @@ class MultiRobotWorld::Pair {
   Eigen::VectorXd from_, to_;
   std::uint64_t checks_{};
   /// Two moves of two robots, times since the later of their starts.
-  using Meeting = std::array<std::uint32_t, 8>;
-  struct MeetingHash {
-    std::size_t operator()(const Meeting& key) const {
-      std::uint64_t hash = 0;
-      for (const std::uint32_t number : key) hash = (hash ^ number) * 0x9e3779b97f4a7c15u ^ hash >> 29;
-      return hash;
-    }
-  };
-  std::unordered_map<Meeting, bool, MeetingHash> meetings_;  // known already
+  using MovePair = std::array<std::uint32_t, 8>;
+  std::unordered_map<MovePair, bool, NumberHash> conflicts_;  // as far as checked: is it one?
 };
 
 MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<WorldTask> tasks, const Options& options)
@@ -243,6 +240,7 @@ MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<Worl
 MultiRobotWorld::~MultiRobotWorld() = default;
 
 void MultiRobotWorld::stop_at(const Deadline& deadline) {
+  deadline_ = &deadline;
   for (const auto& robot : agents_) robot->stop_at(deadline);
   for (const auto& [numbers, pair] : pairs_) pair->stop_at(deadline);
 }
@@ -279,8 +277,8 @@ Eigen::VectorXd MultiRobotWorld::at(std::size_t robot, const Move& move, int ste
   if (move.waits() || step <= move.start) return from;
   const Eigen::VectorXd to = a.configuration(move.to);
   if (step >= move.end) return to;
-  const double share = static_cast<double>(step - move.start) / (move.end - move.start);
-  return from + share * a.robot().difference(from, to);
+  const double fraction = static_cast<double>(step - move.start) / (move.end - move.start);
+  return from + fraction * a.robot().difference(from, to);
 }
 
 bool MultiRobotWorld::in_conflict(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) {
@@ -288,7 +286,7 @@ bool MultiRobotWorld::in_conflict(std::size_t a, const Move& move_a, std::size_t
   const auto [first, last] = multi::overlap(move_a, move_b);
   Pair* both = pair(a, b);
   if (first >= last || !both) return false;
-  return both->meet(move_a, move_b, first, last, [&, first = first, last = last] {
+  return both->in_conflict(move_a, move_b, first, last, [&, first = first, last = last] {
     return std::array{at(a, move_a, first), at(a, move_a, last), at(b, move_b, first), at(b, move_b, last)};
   });
 }

@@ -25,7 +25,7 @@ struct WorldTask {
 /// Robots on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
 ///
 /// Threads may share it, each with robots of its own: lattices grow, and so does what is known of a robot's motions.
-/// Any thread may ask for what two robots do to each other, and for what never changes: robots, tasks, durations.
+/// Any thread may query conflicts of two robots, and what never changes: robots, tasks, durations.
 class MultiRobotWorld : public multi::World {
  public:
   struct Options {
@@ -48,6 +48,8 @@ class MultiRobotWorld : public multi::World {
   /// From now on nothing is free, or proved apart, once the deadline has passed and checking takes long. It must
   /// outlive this, or the next call.
   void stop_at(const Deadline& deadline);
+  /// Has that deadline passed? Then checks may have been cut off, and their results are not to be remembered.
+  bool is_stopped() const { return deadline_ && deadline_->expired(); }
   double step_time() const { return step_time_; }  ///< [s] at full speed
   bool has_own_primitives() const;                 ///< has any task?
   /// Steps that a straight motion takes, > 0.
@@ -69,14 +71,14 @@ class MultiRobotWorld : public multi::World {
   /// A straight motion from where it is free.
   bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
-  std::uint64_t pair_checks() const;  ///< motions of two robots that were looked at
+  std::uint64_t pair_checks() const;  ///< motions of two robots that were checked
   std::uint64_t states() const;
   std::size_t memory() const;  ///< bytes of the lattices and of what is known of motions and pairs of them
 
  private:
   class RobotAgent;
   class Pair;
-  /// Of a < b; null: they never meet.
+  /// Of a < b; null: they never conflict.
   Pair* pair(std::size_t a, std::size_t b) const;
 
   const GroupCheckers& checkers_;
@@ -84,6 +86,7 @@ class MultiRobotWorld : public multi::World {
   std::vector<std::unique_ptr<RobotAgent>> agents_;
   std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<Pair>> pairs_;
   double step_time_{};
+  const Deadline* deadline_{};
 };
 
 }  // namespace srmp

@@ -52,6 +52,26 @@ struct Pair {
   std::unique_ptr<srmp::MultiRobotWorld> world;
 };
 
+/// Where nothing collides, but checks take so long that a deadline cuts them off.
+class Slow final : public srmp::Checker {
+ public:
+  Slow(const srmp::Scene& scene, const std::string& robot, const srmp::CheckerOptions& options)
+      : Checker(scene, robot, options) {}
+
+ private:
+  static bool is_checked(const Workspace& workspace) {
+    if (workspace.deadline && workspace.deadline->expired()) throw srmp::MotionCheckStopped();
+    return true;
+  }
+  bool do_is_free(srmp::ConstVector, Workspace& workspace) const override { return is_checked(workspace); }
+  bool do_is_motion_free(srmp::ConstVector, srmp::ConstVector, Workspace& workspace,
+                         const srmp::MotionQuery&) const override {
+    return is_checked(workspace);
+  }
+  std::vector<srmp::Contact> do_contacts(srmp::ConstVector, Workspace&) const override { return {}; }
+  std::optional<srmp::Contact> do_nearest(srmp::ConstVector, Workspace&) const override { return std::nullopt; }
+};
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(composite)
@@ -154,6 +174,43 @@ BOOST_AUTO_TEST_CASE(roadmaps_give_shorter_paths_for_smaller_weights) {
     BOOST_TEST(some.cost <= best.cost + 1e-9);
   }
   BOOST_TEST((run({.max_expansions = 1, .max_checks = 10'000}).status == srmp::Status::timed_out));
+}
+
+BOOST_AUTO_TEST_CASE(checks_that_the_deadline_cuts_off_are_not_remembered_as_collisions) {
+  Pair pair;
+  const srmp::GroupCheckers checkers(pair.planner.scene(), {"left", "right"}, {}, 1,
+                                     [](const auto&... of) { return std::make_unique<const Slow>(of...); });
+  const srmp::Deadline passed(-1.0), never;
+  srmp::MultiRobotWorld world(checkers, {task_to({-1.2, 0.0}), task_to({-1.2, 0.0})}, {22.5 * M_PI / 180, 0.1});
+  std::vector<srmp::search::Successor> next;
+  for (const std::size_t i : both) world.agent(i).successors(0, next);
+  const srmp::search::StateId state = next.front().state;
+  const srmp::multi::Move move{0, state, 0, 5};
+  srmp::CompositeRoadmap roadmaps(world);
+  const srmp::CompositeRoadmap::SearchBudget budget{.max_expansions = 10'000, .max_checks = 10'000};
+  roadmaps.run(both, {.max_expansions = 1, .max_checks = 1}, never);  // for the roadmaps themselves
+  world.stop_at(passed);
+  BOOST_TEST(world.agent(0).evaluate(0, state) == srmp::search::infinity);
+  BOOST_TEST(world.in_conflict(0, move, 1, move));
+  BOOST_TEST((roadmaps.run(both, budget, never).status != srmp::Status::solved));
+  world.stop_at(never);
+  BOOST_TEST(world.agent(0).evaluate(0, state) < srmp::search::infinity);
+  BOOST_TEST(!world.in_conflict(0, move, 1, move));
+  BOOST_TEST((roadmaps.run(both, budget, never).status == srmp::Status::solved));
+}
+
+BOOST_AUTO_TEST_CASE(roadmaps_refuse_options_out_of_range) {
+  Pair pair;
+  for (const srmp::CompositeRoadmapOptions& options :
+       std::vector<srmp::CompositeRoadmapOptions>{{.retreats = 0},
+                                                  {.retreat_candidates = 0},
+                                                  {.branch_points = 0},
+                                                  {.spacing = 0.0},
+                                                  {.max_vertices = 65'536},
+                                                  {.block = 0},
+                                                  {.step_cost = -1.0},
+                                                  {.joint_offsets = {NAN}}})
+    BOOST_CHECK_THROW(srmp::CompositeRoadmap(*pair.world, options), srmp::InvalidArgument);
 }
 
 BOOST_AUTO_TEST_CASE(robots_arrive_at_their_goals_exactly) {

@@ -146,9 +146,14 @@ int SafeIntervals::min_steps(Vertex a, Vertex b) const {
 
 /// Checked among all that is static at the first call.
 const SafeIntervals::Edge& SafeIntervals::edge(Vertex from, Vertex to) {
-  Edge& edge = checked_edges_[{from, to}];
-  if (std::exchange(edge.checked, true)) return edge;
+  const std::pair ends(from, to);
+  if (const auto known = checked_edges_.find(ends); known != checked_edges_.end()) return known->second;
+  return checked_edges_.emplace(ends, checked_edge(from, to)).first->second;  // unless the deadline cuts the check off
+}
+
+SafeIntervals::Edge SafeIntervals::checked_edge(Vertex from, Vertex to) {
   ++edge_checks_;
+  Edge edge;
   edge.free = task_.checker.is_motion_free(vertices_[from], vertices_[to], *workspace_, {.start_is_free = true});
   if (!edge.free) return edge;
   RowMatrix ends(2, vertices_[from].size());

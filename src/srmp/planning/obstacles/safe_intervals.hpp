@@ -104,8 +104,8 @@ class SafeIntervals {
     int from, to;  // steps, both included
   };
   struct Edge {
-    bool checked{}, free{};  // among all that is static
-    RowMatrix rows;          // the robot's configurations at each step since its departure
+    bool free{};     // among all that is static
+    RowMatrix rows;  // the robot's configurations at each step since its departure
     int steps() const { return static_cast<int>(rows.rows()) - 1; }
   };
   /// An arrival at a vertex.
@@ -126,6 +126,7 @@ class SafeIntervals {
   void compute_steps_to_go();
   int min_steps(Vertex a, Vertex b) const;
   const Edge& edge(Vertex from, Vertex to);
+  Edge checked_edge(Vertex from, Vertex to);
   const std::vector<Interval>& intervals(Vertex p);
   std::vector<char> free_waits(Vertex p);
   void check_waits(std::size_t other, Vertex p, int first, int count, std::vector<char>& free);

@@ -4,6 +4,7 @@
 
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/solution_record.hpp"
+#include "srmp/trajectory/path.hpp"
 
 namespace srmp {
 
@@ -16,7 +17,7 @@ void BestPath::bound(double lower, const std::string& graph) {
 bool BestPath::take(FoundPath found, const Deadline& until, const ShortcutOptions& options) {
   RowMatrix& path = found.path.positions.front();
   if (context_.common.shortcut) path = shortened(path, until, options);
-  const double cost = length(path);
+  const double cost = context_.length(unstack_waypoints(path));
   PlanStatistics& statistics = context_.statistics;
   statistics.search_cost_rad = empty() ? found.cost : std::min(statistics.search_cost_rad, found.cost);
   if (empty() || cost < statistics.path_cost_rad) {
@@ -47,13 +48,6 @@ RowMatrix BestPath::shortened(const RowMatrix& path, const Deadline& until, Shor
   } catch (const MotionCheckStopped&) {
     return path;
   }
-}
-
-double BestPath::length(const RowMatrix& path) const {
-  double sum = 0.0;
-  for (Eigen::Index i = 1; i < path.rows(); ++i)
-    sum += context_.robot.difference(path.row(i - 1).transpose(), path.row(i).transpose()).norm();
-  return sum;
 }
 
 }  // namespace srmp

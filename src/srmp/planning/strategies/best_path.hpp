@@ -27,7 +27,6 @@ class BestPath {
 
  private:
   RowMatrix shortened(const RowMatrix& path, const Deadline& until, ShortcutOptions options);
-  double length(const RowMatrix& path) const;
 
   RobotContext& context_;
   RowMatrix waypoints_;

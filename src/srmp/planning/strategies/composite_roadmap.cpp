@@ -7,6 +7,8 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/memory_of.hpp"
+#include "srmp/core/number_hash.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/search/best_first.hpp"
 #include "srmp/search/dijkstra.hpp"
 
@@ -21,14 +23,33 @@ constexpr std::size_t max_vertex_numbers = 1 << 16;  // that fit into the keys o
 
 CompositeRoadmap::CompositeRoadmap(MultiRobotWorld& world, CompositeRoadmapOptions options)
     : world_(world), options_(std::move(options)), has_retreats_(world.size(), false) {
-  if (options_.max_vertices >= max_vertex_numbers)
-    throw InvalidArgument("max_vertices is " + std::to_string(options_.max_vertices) + ", it must be less than 65536");
+  require_options();
   for (std::size_t a = 0; a < world.size(); ++a) {
     maps_.push_back(single_robot_roadmap(a));
     paths_.push_back(maps_.back().vertices);
     for (std::size_t b = a + 1; b < world.size(); ++b)
       if (world.may_conflict(a, b)) pairs_.try_emplace({a, b}, a, b);
   }
+}
+
+void CompositeRoadmap::require_options() const {
+  const auto require = [](bool holds, const std::string& name, const std::string& value, const std::string& law) {
+    if (!holds) throw InvalidArgument(name + " is " + value + "; it must be " + law);
+  };
+  const auto at_least_1 = [&](std::size_t value, const std::string& name) {
+    require(value > 0, name, std::to_string(value), "at least 1");
+  };
+  at_least_1(options_.retreats, "retreats");
+  at_least_1(options_.retreat_candidates, "retreat_candidates");
+  at_least_1(options_.branch_points, "branch_points");
+  at_least_1(options_.block, "block");
+  require_positive(options_.spacing, "spacing");
+  require(options_.max_vertices < max_vertex_numbers, "max_vertices", std::to_string(options_.max_vertices),
+          "less than 65536");
+  require(options_.step_cost >= 0.0 && std::isfinite(options_.step_cost), "step_cost", to_text(options_.step_cost),
+          "0 or above");
+  require_finite(options_.joint_offsets, "joint_offsets");
+  require_finite(options_.second_joint_offsets, "second_joint_offsets");
 }
 
 // --- roadmaps
@@ -191,8 +212,11 @@ std::vector<Eigen::VectorXd> CompositeRoadmap::retreats(std::size_t robot) const
 bool CompositeRoadmap::collision_free(Pair& pair, Vertex p, Vertex q) {
   if (pair.collision_free.size() <= p) pair.collision_free.resize(maps_[pair.a].vertices.size());
   std::vector<char>& row = pair.collision_free[p];
-  if (row.size() <= q || row[q] == not_checked) check_block(pair, row, p, q);
-  return row[q];
+  const bool known = q < row.size() && row[q] != not_checked;
+  if (!known) check_block(pair, row, p, q);
+  const bool free = row[q];
+  if (!known && world_.is_stopped()) row.clear();
+  return free;
 }
 
 /// Checks vertex p of a against q and the other vertices of b in q's block.
@@ -217,14 +241,14 @@ void CompositeRoadmap::check_block(Pair& pair, std::vector<char>& row, Vertex p,
 bool CompositeRoadmap::edges_collision_free(Pair& pair, Vertex from_a, Vertex to_a, Vertex from_b, Vertex to_b) {
   std::uint64_t key = 0;
   for (const Vertex vertex : {from_a, to_a, from_b, to_b}) key = key << 16 | vertex;
-  const auto [known, added] = pair.edges_collision_free.try_emplace(key, false);
-  if (added) {
-    ++pair.checks;
-    const std::vector<Eigen::VectorXd>&a = maps_[pair.a].vertices, &b = maps_[pair.b].vertices;
-    known->second =
-        world_.are_collision_free(pair.a, a[from_a], a[to_a], pair.b, b[from_b], b[to_b], {.start_is_free = true});
-  }
-  return known->second;
+  if (const auto known = pair.edges_collision_free.find(key); known != pair.edges_collision_free.end())
+    return known->second;
+  ++pair.checks;
+  const std::vector<Eigen::VectorXd>&a = maps_[pair.a].vertices, &b = maps_[pair.b].vertices;
+  const bool free =
+      world_.are_collision_free(pair.a, a[from_a], a[to_a], pair.b, b[from_b], b[to_b], {.start_is_free = true});
+  if (!world_.is_stopped()) pair.edges_collision_free.emplace(key, free);
+  return free;
 }
 
 // --- the search
@@ -301,14 +325,6 @@ class CompositeRoadmap::Query {
   }
 
  private:
-  struct Hash {
-    std::size_t operator()(const State& state) const {
-      std::uint64_t hash = 0;
-      for (const char16_t p : state) hash = (hash ^ p) * 0x9e3779b97f4a7c15u ^ hash >> 29;
-      return hash;
-    }
-  };
-
   /// Of simultaneous motions of two of the robots, in all searches so far.
   std::uint64_t checks() const {
     std::uint64_t sum = 0;
@@ -379,14 +395,14 @@ class CompositeRoadmap::Query {
   std::vector<Pair*> pairs_;  // of robots_, row by row
   std::uint64_t checks_before_{};
   search::BestFirstSearch<Node, double> search_;
-  search::ClosedCosts<std::unordered_map<State, double, Hash>> closed_;
+  search::ClosedCosts<std::unordered_map<State, double, NumberHash>> closed_;
 };
 
 CompositeRoadmap::Result CompositeRoadmap::run(const std::vector<std::size_t>& robots, const SearchBudget& budget,
                                                const Deadline& deadline) {
   for (const std::size_t robot : robots) {
     add_retreats(robot, deadline);
-    if (const auto stop = search::stop_status(deadline)) return {*stop, {}, 0.0, 0};
+    if (const auto stop = stop_status(deadline)) return {*stop, {}, 0.0, 0};
   }
   return Query(*this, robots, budget).run(deadline);
 }

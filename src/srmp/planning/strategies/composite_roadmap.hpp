@@ -58,7 +58,7 @@ struct Roadmap {
 class CompositeRoadmap {
  public:
   /// Of all robots of the world, which must outlive this; the retreats of each are found when first needed. Throws
-  /// InvalidArgument for max_vertices of 65 536 or more.
+  /// InvalidArgument for options out of range.
   explicit CompositeRoadmap(MultiRobotWorld& world, CompositeRoadmapOptions options = {});
 
   struct Result {
@@ -97,6 +97,7 @@ class CompositeRoadmap {
     std::uint64_t checks{};  ///< of simultaneous motions
   };
 
+  void require_options() const;
   Roadmap single_robot_roadmap(std::size_t robot) const;
   void add_edge(Roadmap& map, std::size_t robot, Vertex from, const Eigen::VectorXd& q,
                 std::optional<Vertex> known = {}) const;
