@@ -1,5 +1,7 @@
 #include <atomic>
 #include <boost/test/unit_test.hpp>
+#include <chrono>
+#include <thread>
 
 #include "srmp/planner_interface.hpp"
 #include "support/robots.hpp"
@@ -48,6 +50,53 @@ BOOST_AUTO_TEST_CASE(a_backend_that_sees_too_little_cannot_make_a_path_in_collis
       });
   check_throws<srmp::Error>([&] { planner.plan("planar", below, srmp::GoalConstraint::joints(above)); },
                             "the trajectory found for 'planar' is wrong");
+}
+
+srmp::CheckerFactory slow_backend(std::atomic<int>& made) {
+  return [&made](const srmp::Scene& scene, const std::string& robot, const srmp::CheckerOptions& options) {
+    ++made;
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    return srmp::make_checker(scene, robot, options);
+  };
+}
+
+BOOST_AUTO_TEST_CASE(the_time_of_a_plan_begins_before_its_checkers_are_made) {
+  PlannerInterface planner = planar_beside_post();
+  std::atomic<int> made{0};
+  planner.set_collision_backend(slow_backend(made));
+  planner.plan("planar", below, srmp::GoalConstraint::joints(above));
+  BOOST_TEST(made == 1);
+  BOOST_TEST(planner.get_planning_stats().total_time_s >= 0.03);
+}
+
+BOOST_AUTO_TEST_CASE(checkers_are_not_made_when_the_time_is_over) {
+  for (const int threads : {1, 2}) {
+    PlannerInterface planner;
+    srmp::RobotDescription description = robots::planar_description();
+    std::map<std::string, Eigen::VectorXd> starts;
+    std::map<std::string, srmp::GoalConstraint> goals;
+    for (const std::string name : {"a", "b", "c", "d", "e", "f"}) {
+      description.name = name;
+      planner.add_articulation(description, {.p = {5.0 * static_cast<double>(starts.size()), 0.0, 0.0}});
+      starts.emplace(name, below);
+      goals.emplace(name, srmp::GoalConstraint::joints(above));
+    }
+    planner.make_planner({"a", "b", "c", "d", "e", "f"},
+                         srmp::Auto{.common = {.time_limit = 0.01}, .num_threads = threads});
+    std::atomic<int> made{0};
+    planner.set_collision_backend(slow_backend(made));
+    check_throws<srmp::PlanningError>([&] { planner.plan_multi(starts, goals); },
+                                      "the time limit passed while collision checkers were made");
+    BOOST_TEST(made <= threads);
+    const srmp::PlanStatistics& statistics = planner.get_planning_stats();
+    BOOST_TEST((statistics.status == srmp::Status::timed_out));
+    BOOST_TEST(statistics.total_time_s >= 0.03);
+    BOOST_TEST((planner.last_result().has_value() && planner.last_request().has_value()));
+    made = 0;
+    check_throws<srmp::PlanningError>([&] { planner.plan_multi(starts, goals, {}, [] { return true; }); },
+                                      "the plan was cancelled while collision checkers were made");
+    BOOST_TEST(made <= 1);
+  }
 }
 
 BOOST_AUTO_TEST_CASE(an_empty_backend_is_refused) {

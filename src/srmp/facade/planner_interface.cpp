@@ -4,6 +4,8 @@
 #include <thread>
 
 #include "srmp/collision/self_filter.hpp"
+#include "srmp/core/interruption.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/facade/moveit_problem.hpp"
 #include "srmp/facade/plan_many.hpp"
 #include "srmp/facade/problem_file.hpp"
@@ -76,11 +78,11 @@ struct PlannerInterface::Impl {
   void forget(Gone&& gone) {
     std::erase_if(planners,
                   [&](const auto& entry) { return std::any_of(entry.first.begin(), entry.first.end(), gone); });
-    if (request && std::visit([&](const auto& asked) { return names_any(asked, gone); }, *request)) request.reset();
+    if (request && std::visit([&](const auto& last) { return names_any(last, gone); }, *request)) request.reset();
     std::erase_if(motion_limits, [&](const auto& entry) { return gone(entry.first); });
   }
 
-  /// Single questions go to Coal alone, so that they do not wait for sphere covers.
+  /// Single queries go to Coal alone, so that they do not wait for sphere covers.
   const Checker& checker(const std::string& robot) const { return checkers.of(scene, robot, CheckMode::coal); }
 
   const RobotModel& model(const std::string& robot) const { return *scene.robot(robot).model; }
@@ -115,13 +117,36 @@ struct PlannerInterface::Impl {
     return {robot, start, std::move(goals), limits_of(robot), placed(robot)};
   }
 
-  /// The problem of one robot in the scene as it is now, checked; the scene and the heuristics must outlive it.
-  OwnedProblem problem_of(const PlanRequest& request, const PlannerOptions& options,
-                          const OnSolution& on_solution = {}) const {
+  void require_problem(const PlanRequest& request, const PlannerOptions& options) const {
     require_heuristics(options, heuristic_names());
     require_robots(options, {request.robot});
     require_planner_for_one(options);
     require_request(scene, request.robot, request.start, request.goals);
+  }
+
+  /// Forgets the last plan.
+  void begin(LastRequest next) {
+    request = std::move(next);
+    result.reset();
+    statistics = {};
+  }
+
+  /// Prepares robots and makes checkers; the statistics tell when the deadline ends that.
+  template <class Make>
+  auto make_checkers(const Deadline& deadline, Make&& make) {
+    const InterruptionScope scope([&] { stop_if_late(deadline, "collision checkers were made"); });
+    try {
+      checkers.prepare_in_background(scene);
+      return make();
+    } catch (const PlanningError& error) {
+      record_failure(error, deadline, statistics);
+      throw;
+    }
+  }
+
+  /// The problem of one robot in the scene as it is now; the scene and the heuristics must outlive it.
+  OwnedProblem problem_of(const PlanRequest& request, const PlannerOptions& options,
+                          const OnSolution& on_solution = {}) const {
     OwnedProblem owned{checkers.of_one(scene, request.robot), std::make_unique<const PlannerOptions>(options), {}};
     owned.problem =
         std::make_unique<const PlanProblem>(PlanProblem{scene,
@@ -161,21 +186,21 @@ struct PlannerInterface::Impl {
     std::vector<RobotProblem> found;
     for (const auto& [name, start] : request.starts) {
       const auto goal = request.goals.find(name);
-      const GoalConstraint& asked = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
-      if ((asked.type == GoalType::hold) == stationary) found.push_back(robot_problem(name, start, {asked}));
+      const GoalConstraint& own = goal == request.goals.end() ? GoalConstraint::hold() : goal->second;
+      if ((own.type == GoalType::hold) == stationary) found.push_back(robot_problem(name, start, {own}));
     }
     return found;
   }
 
   /// The result of a request in a scene where robots with obstacles stand at their ends; fills the statistics.
   MultiTrajectory solve(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
-                        const Interrupt& interrupt) {
-    const Deadline deadline(common_options(options).time_limit, interrupt);
+                        const Deadline& deadline) {
     std::vector<RobotProblem> stationary = robots_of(request, true), moving = robots_of(request, false);
     stand_at_starts(now, stationary);
     std::vector<std::string> names;
     for (const RobotProblem& robot : moving) names.push_back(robot.robot);
-    const auto group = checkers.of(now, names, static_cast<std::size_t>(num_threads(options)));
+    const auto threads = static_cast<std::size_t>(num_threads(options));
+    const auto group = make_checkers(deadline, [&] { return checkers.of(now, names, threads, deadline); });
     const PlanProblem problem{now, std::move(moving),     *group,           options, heuristics,
                               {},  std::move(stationary), request.obstacles};
     return run_pipeline(problem, deadline, statistics);
@@ -484,13 +509,13 @@ Certificate PlannerInterface::verify(const std::string& robot, const Trajectory&
 
 std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTrajectory& trajectory,
                                                                   const MultiVerifyOptions& options) const {
-  const auto require_judged = [&](const auto& by_robot, const std::string& what) {
+  const auto require_trajectory = [&](const auto& by_robot, const std::string& what) {
     for (const auto& [name, value] : by_robot)
       if (!trajectory.robots.contains(name))
         throw InvalidArgument("robot '" + name + "' has " + what + ", but no trajectory to verify");
   };
-  require_judged(options.starts, "a start");
-  require_judged(options.goals, "a goal");
+  require_trajectory(options.starts, "a start");
+  require_trajectory(options.goals, "a goal");
   std::map<std::string, Trajectory> motions = trajectory.robots;
   for (const auto& [name, motion] : options.obstacles)
     if (!motions.emplace(name, motion).second)
@@ -529,14 +554,13 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const Interrupt& interrupt, const OnSolution& on_solution) {
   const PlannerOptions& options = planner_options({robot});
-  impl_->checkers.prepare_in_background(impl_->scene);
   const Deadline deadline(common_options(options).time_limit, interrupt);
   const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
-  const OwnedProblem owned = impl_->problem_of(request, options, on_solution);
-  impl_->request = request;
-  impl_->result.reset();
-  impl_->statistics = {};
+  impl_->require_problem(request, options);
+  impl_->begin(request);
   try {
+    const OwnedProblem owned =
+        impl_->make_checkers(deadline, [&] { return impl_->problem_of(request, options, on_solution); });
     MultiTrajectory motions = run_pipeline(*owned.problem, deadline, impl_->statistics);
     Trajectory trajectory = std::move(motions.robots.begin()->second);
     impl_->result = PlanResult(impl_->statistics, trajectory);
@@ -554,7 +578,9 @@ std::vector<PlanResult> PlannerInterface::plan_many(const std::vector<PlanReques
     throw InvalidArgument("threads is " + std::to_string(*threads) + "; it must be at least 1");
   const auto make_problem = [this](const PlanRequest& request) {
     if (request.options) validate(*request.options);
-    return impl_->problem_of(request, request.options ? *request.options : planner_options({request.robot}));
+    const PlannerOptions& options = request.options ? *request.options : planner_options({request.robot});
+    impl_->require_problem(request, options);
+    return impl_->problem_of(request, options);
   };
   impl_->checkers.prepare_in_background(impl_->scene);
   const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
@@ -569,18 +595,16 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   const MultiPlanRequest request{starts, goals, obstacles};  // a copy: the caller's may be last_request
   require_multi_request(impl_->scene, request);
   const PlannerOptions& options = planner_options(names_of(request));
+  const Deadline deadline(common_options(options).time_limit, interrupt);
   require_for_many(options);
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
   stand_at_ends(scene, request.starts, request.obstacles, common_options(options));
-  impl_->checkers.prepare_in_background(impl_->scene);
-  impl_->request = request;
-  impl_->result.reset();
-  impl_->statistics = {};
+  impl_->begin(request);
   for (const RobotProblem& robot : impl_->robots_of(request, false))
     impl_->statistics.robot_cost_rad[robot.robot] = 0.0;
   try {
-    MultiTrajectory result = impl_->solve(request, scene, options, interrupt);
+    MultiTrajectory result = impl_->solve(request, scene, options, deadline);
     impl_->result = MultiPlanResult(impl_->statistics, result);
     return result;
   } catch (const PlanningError&) {

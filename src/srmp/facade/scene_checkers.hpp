@@ -10,7 +10,7 @@
 
 namespace srmp {
 
-/// Checkers of a scene as it is now, each made when it is first asked for and kept until the scene changes. What they
+/// Checkers of a scene as it is now, each made when it is first needed and kept until the scene changes. What they
 /// know of robots (sphere covers, tables of pairs of links) stays. Not thread-safe.
 class SceneCheckers {
  public:
@@ -26,9 +26,10 @@ class SceneCheckers {
 
   /// Of one robot that moves while the others stand as in `scene`, whose state this must be. Throws as `of`.
   std::shared_ptr<const ProblemCheckers> of_one(const Scene& scene, const std::string& robot);
-  /// Of robots that move together while the others stand as in `scene`; the last ones are kept.
+  /// Of robots that move together while the others stand as in `scene`; the last ones are kept. Throws PlanningError
+  /// once the deadline has passed before all are made.
   std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const std::vector<std::string>& robots,
-                                            std::size_t threads);
+                                            std::size_t threads, const Deadline& deadline);
 
   /// Has the scene's robots prepared in the background, and makes checkers again that this makes faster. Takes
   /// milliseconds for a robot seen for the first time, nothing otherwise.

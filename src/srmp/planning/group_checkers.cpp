@@ -1,8 +1,25 @@
 #include "srmp/planning/group_checkers.hpp"
 
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/jobs.hpp"
+#include "srmp/core/stopping.hpp"
 
 namespace srmp {
+
+namespace {
+
+/// Runs make(i) for each i. Long parts of it are interrupted too.
+template <class Make>
+void make_all(Jobs& jobs, std::size_t count, const Deadline& deadline, Make&& make) {
+  jobs.run(count, deadline, [&](std::size_t i, const Deadline& until) {
+    const auto stop = [&until] { stop_if_late(until, "collision checkers were made"); };
+    const InterruptionScope scope(stop);
+    if (i > 0) stop();
+    make(i);
+  });
+}
+
+}  // namespace
 
 RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool other_first) {
   RowMatrix both(robot.rows(), robot.cols() + other.cols());
@@ -11,10 +28,10 @@ RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool othe
 }
 
 GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
-                             std::size_t threads, const CheckerFactory& backend)
+                             std::size_t threads, const CheckerFactory& backend, const Deadline& deadline)
     : scene_(scene), names_(std::move(robots)), options_(options), backend_(backend), alone_(names_.size()) {
   Jobs jobs(threads);
-  jobs.run(size(), Deadline(), [&](std::size_t i, const Deadline&) {
+  make_all(jobs, size(), deadline, [&](std::size_t i) {
     CheckerOptions alone = options_;
     for (const std::string& other : names_)
       if (other != names_[i]) alone.excluded_robots.push_back(other);
@@ -28,7 +45,7 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
       if ((ranges[i].center - ranges[j].center).norm() <= ranges[i].radius + ranges[j].radius) pairs_[{i, j}] = nullptr;
   std::vector<Pairs::value_type*> pairs;
   for (auto& pair : pairs_) pairs.push_back(&pair);
-  jobs.run(pairs.size(), Deadline(), [&](std::size_t k, const Deadline&) {
+  make_all(jobs, pairs.size(), deadline, [&](std::size_t k) {
     auto& [numbers, checker] = *pairs[k];
     checker = make_pair(numbers.first, numbers.second, options_);
   });

@@ -15,9 +15,9 @@ namespace srmp {
 class GroupCheckers {
  public:
   /// Robots of the scene that are not named stand still. `threads`: checkers that are made at the same time, by
-  /// `backend`.
+  /// `backend`. Throws PlanningError once the deadline has passed before all are made.
   GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
-                std::size_t threads = 1, const CheckerFactory& backend = make_checker);
+                std::size_t threads = 1, const CheckerFactory& backend = make_checker, const Deadline& deadline = {});
 
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }
@@ -28,7 +28,7 @@ class GroupCheckers {
     return found == pairs_.end() ? nullptr : found->second.get();
   }
   /// The same for StateQuery::spheres_only, with quick covers, so that its results do not depend on which covers are
-  /// known. Made when it is first asked for.
+  /// known. Made when it is first needed.
   const Checker* pair_by_spheres(std::size_t i, std::size_t j) const;
   bool may_conflict(std::size_t i, std::size_t j) const { return pair(std::min(i, j), std::max(i, j)) != nullptr; }
 
@@ -47,14 +47,14 @@ class GroupCheckers {
 };
 
 /// The checkers of one problem: those that plan, and those that verify what was planned, by Coal alone, which are made
-/// when they are first asked for. Threads share it.
+/// when they are first needed. Threads share it.
 class ProblemCheckers {
  public:
   ProblemCheckers(const Scene& scene, const std::vector<std::string>& robots, const CheckerOptions& options,
-                  std::size_t threads = 1, const CheckerFactory& backend = make_checker)
+                  std::size_t threads = 1, const CheckerFactory& backend = make_checker, const Deadline& deadline = {})
       : options(options),
         backend(backend),
-        planning(scene, robots, options, threads, backend),
+        planning(scene, robots, options, threads, backend, deadline),
         scene_(scene),
         threads_(threads) {}
 

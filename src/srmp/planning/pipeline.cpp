@@ -109,11 +109,15 @@ MultiTrajectory run_pipeline(const PlanProblem& problem, const Deadline& deadlin
     return motions;
   } catch (const PlanningError& error) {
     if (!problem.obstacles.empty()) forget_motions(statistics);
-    statistics.status = error.status();
-    statistics.reason = error.what();
-    statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
+    record_failure(error, deadline, statistics);
     throw;
   }
+}
+
+void record_failure(const PlanningError& error, const Deadline& deadline, PlanStatistics& statistics) {
+  statistics.status = error.status();
+  statistics.reason = error.what();
+  statistics.plan_time_s = statistics.total_time_s = deadline.elapsed();
 }
 
 }  // namespace srmp

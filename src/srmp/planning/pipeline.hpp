@@ -1,5 +1,6 @@
 #pragma once
 
+#include "srmp/core/error.hpp"
 #include "srmp/planning/problem.hpp"
 #include "srmp/trajectory/multi_trajectory.hpp"
 
@@ -13,5 +14,8 @@ namespace srmp {
 /// Fills the statistics, whether it finds motions or throws PlanningError. Throws Error when a certificate does not
 /// hold: nothing is returned then.
 MultiTrajectory run_pipeline(const PlanProblem& problem, const Deadline& deadline, PlanStatistics& statistics);
+
+/// Fills what the statistics say of a plan that ends with this error.
+void record_failure(const PlanningError& error, const Deadline& deadline, PlanStatistics& statistics);
 
 }  // namespace srmp
