@@ -167,6 +167,7 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
 
 BOOST_AUTO_TEST_CASE(rounds_of_improvement_are_the_same_every_time_and_never_for_the_worse) {
   double cost = INFINITY;
+  std::string found_by;
   for (const int rounds : {0, 1, 6}) {
     const srmp::XECBS options{.common = {.time_limit = 20}, .improve_rounds = rounds};
     auto planner = planar_pair(options), again = planar_pair(options);
@@ -175,6 +176,9 @@ BOOST_AUTO_TEST_CASE(rounds_of_improvement_are_the_same_every_time_and_never_for
     for (const auto& [name, trajectory] : again.plan_multi(starts, goals).robots)
       BOOST_TEST((trajectory.positions == motion.robots.at(name).positions));
     BOOST_TEST(planner.get_planning_stats().path_cost_rad <= cost);
+    if (planner.get_planning_stats().path_cost_rad < cost && rounds > 0) found_by = "composite RRT-Connect";
+    if (rounds == 0) found_by = planner.get_planning_stats().found_by;
+    BOOST_TEST(planner.get_planning_stats().found_by == found_by);
     cost = planner.get_planning_stats().path_cost_rad;
   }
 }

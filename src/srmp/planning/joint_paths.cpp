@@ -173,28 +173,30 @@ class IndependenceDetection {
   }
 
   /// Shorter paths of robots that are planned jointly: of each robot by itself, while the others do as before; then,
-  /// for as long as asked, of all of them, by RRT-Connect with other seeds.
+  /// for as long as requested, of all of them, by RRT-Connect with other seeds.
   void improve() {
-    const Improvement asked = improvement(problem_.options);
-    const Deadline until = deadline_.within(asked.max_time());
+    const Improvement more = improvement(problem_.options);
+    const Deadline until = deadline_.within(more.max_time());
     std::vector<std::size_t> coupled;  // groups
     for (std::size_t g = 0; g < groups_.size(); ++g)
       if (groups_[g].found.path.robots.size() > 1) coupled.push_back(g);
     if (coupled.empty()) return;
-    if (common_.shortcut || asked.wanted())
+    if (common_.shortcut || more.wanted())
       try_for(coupled, until, [&](const Group& group, const Deadline& deadline, PlanStatistics& statistics) {
         const PhaseTimer timer(deadline, statistics.shortcut_time_s);
-        return planner_->reroute_each(group.smoothed, deadline);
+        return FoundPath{.path = planner_->reroute_each(group.smoothed, deadline), .found_by = group.found.found_by};
       });
     const auto good_enough = [&] {
-      return until.stop_requested() || statistics_.bound <= std::max(asked.final_weight, 1.0 + 1e-9);
+      return until.stop_requested() || statistics_.bound <= std::max(more.final_weight, 1.0 + 1e-9);
     };
-    for (int round = 0; asked.goes_on_after(round) && !good_enough(); ++round) {
+    for (int round = 0; more.goes_on_after(round) && !good_enough(); ++round) {
       std::erase_if(coupled, [&](std::size_t g) { return !planner_->may_change(groups_[g].smoothed); });
       if (coupled.empty()) return;
       try_for(coupled, until, [&](const Group& group, const Deadline& deadline, PlanStatistics& statistics) {
         const PhaseTimer timer(deadline, statistics.search_time_s);
-        return planner_->replan(group.smoothed, static_cast<std::uint64_t>(round) + 1, deadline, statistics);
+        const std::uint64_t seed = static_cast<std::uint64_t>(round) + 1;
+        return FoundPath{.path = planner_->replan(group.smoothed, seed, deadline, statistics),
+                         .found_by = "composite RRT-Connect"};
       });
     }
   }
@@ -202,19 +204,20 @@ class IndependenceDetection {
   /// Takes what `find` has for each of these groups, where that is shorter and collides with no other group.
   template <class Find>
   void try_for(const std::vector<std::size_t>& groups, const Deadline& until, Find&& find) {
-    std::vector<JointPath> found(groups.size());
+    std::vector<FoundPath> found(groups.size());
     work_.run(groups.size(), until, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
       found[k] = find(groups_[groups[k]], deadline, statistics);
     });
     for (std::size_t k = 0; k < groups.size(); ++k) take_if_shorter(groups[k], std::move(found[k]));
   }
 
-  void take_if_shorter(std::size_t g, JointPath path) {
+  void take_if_shorter(std::size_t g, FoundPath found) {
     Group& group = groups_[g];
-    if (path.length() >= group.smoothed.length()) return;
+    if (found.path.length() >= group.smoothed.length()) return;
     for (std::size_t other = 0; other < groups_.size(); ++other)
-      if (other != g && in_conflict(*world_, path, groups_[other].found.path)) return;
-    group.found.path = group.smoothed = std::move(path);
+      if (other != g && in_conflict(*world_, found.path, groups_[other].found.path)) return;
+    group.found.path = group.smoothed = std::move(found.path);
+    group.found.found_by = std::move(found.found_by);
     record();
   }
 

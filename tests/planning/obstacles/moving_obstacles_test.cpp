@@ -116,6 +116,7 @@ BOOST_AUTO_TEST_CASE(nobody_waits_for_one_who_is_not_in_the_way) {
   auto planner = two_arms();
   const Trajectory obstacle = motion({0.0, 2.0}, {Q(-3.0, 0.0), Q(-2.0, 0.0)});
   BOOST_CHECK_EQUAL(wait(plan(planner, obstacle)), 0.0);
+  BOOST_CHECK_NE(planner.get_planning_stats().found_by, "safe-interval path planning");
 }
 
 BOOST_AUTO_TEST_CASE(statistics_count_the_wait) {
@@ -312,6 +313,7 @@ BOOST_AUTO_TEST_CASE(a_way_round_that_ends_sooner_is_preferred) {
   BOOST_CHECK_GT(distance(planner, left, slow), 0.0);
   BOOST_CHECK_EQUAL(planner.get_planning_stats().bound, std::numeric_limits<double>::infinity());
   BOOST_CHECK_EQUAL(planner.get_planning_stats().makespan_s, left.duration());
+  BOOST_CHECK_EQUAL(planner.get_planning_stats().found_by, "safe-interval path planning");
 }
 
 BOOST_AUTO_TEST_CASE(one_that_may_end_anywhere_is_passed) {

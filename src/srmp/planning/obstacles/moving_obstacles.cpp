@@ -18,8 +18,8 @@ namespace {
 
 constexpr double delay_step = 0.1;  // [s]
 // Paths around the obstacles must arrive earlier by more than these: they are longer, and take time to plan.
-constexpr double min_gain = 0.1;        // [s]
-constexpr double min_gain_share = 0.1;  // of the time until all are there
+constexpr double min_gain = 0.1;           // [s]
+constexpr double min_gain_fraction = 0.1;  // of the time until all are there
 
 Trajectory stationary_at(const Trajectory& motion, Eigen::Index row) {
   return stationary(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
@@ -91,8 +91,8 @@ class PlanAround {
   std::unique_ptr<const GroupCheckers> add_pairs(const std::vector<std::string>& robots) {
     std::vector<std::string> names = robots;
     for (const auto& [name, motion] : obstacles_) names.push_back(name);
-    auto checkers =
-        std::make_unique<const GroupCheckers>(problem_.scene, names, CheckerOptions{.mode = CheckMode::coal});
+    auto checkers = std::make_unique<const GroupCheckers>(
+        problem_.scene, names, CheckerOptions{.mode = CheckMode::coal}, 1, make_checker, deadline_);
     for (std::size_t i = 0; i < robots.size(); ++i)
       for (std::size_t j = robots.size(); j < names.size(); ++j)
         if (const Checker* checker = checkers->pair(i, j))
@@ -134,7 +134,7 @@ class PlanAround {
   }
 
   std::string bodies(const Pair& pair, const std::string& a, const std::string& b) const {
-    return "'" + full_name(pair.robot, a) + "' and '" + b + "'";
+    return std::string("'").append(full_name(pair.robot, a)) + "' and '" + b + "'";
   }
 
   std::string text(const Pair& pair, const CollisionInterval& collision) const {
@@ -236,7 +236,7 @@ class PlanAround {
 
   // --- each by itself
 
-  double gain() const { return std::max(min_gain, min_gain_share * statistics_.makespan_s); }
+  double gain() const { return std::max(min_gain, min_gain_fraction * statistics_.makespan_s); }
 
   /// Would the motions end much earlier if they could begin at once?
   bool ends_late() const {
@@ -283,6 +283,7 @@ class PlanAround {
     planned_.robots = std::move(found);
     statistics_.status = Status::solved;
     statistics_.reason.clear();
+    statistics_.found_by = "safe-interval path planning";
     statistics_.path_cost_rad = statistics_.makespan_s = statistics_.flow_time_s = 0.0;
     for (const auto& [name, motion] : planned_.robots) {
       statistics_.path_cost_rad += statistics_.robot_cost_rad[name] = path_length(motion.waypoints);
@@ -340,6 +341,7 @@ void forget_motions(PlanStatistics& statistics) {
   statistics.path_cost_rad = statistics.search_cost_rad = statistics.bound = 0.0;
   statistics.makespan_s = statistics.flow_time_s = 0.0;
   statistics.bound_graph.clear();
+  statistics.found_by.clear();
   statistics.solutions.clear();
   for (auto& [robot, cost] : statistics.robot_cost_rad) cost = 0.0;
 }
