@@ -31,7 +31,7 @@ class PlainCoal {
   PlainCoal(const srmp::Scene& scene, const std::string& robot, BroadPhase broad_phase)
       : model_(*scene.robot(robot).model), data_(model_.make_data()) {
     if (!scene.attachments().empty() || scene.robots().size() != 1)
-      throw std::invalid_argument("PlainCoal: one robot with empty hands only");
+      throw std::invalid_argument("PlainCoal: one robot that holds nothing only");
     model_.set_other_positions(*data_, scene.robot(robot).other_positions);
     request_.num_max_contacts = 1;
     request_.enable_contact = false;
@@ -91,7 +91,7 @@ class PlainCoal {
 
   void place(const Eigen::VectorXd& q) { model_.forward(*data_, q); }
 
-  /// How far the joints, from the hand to the base, can move any point of the geometry.
+  /// How far the joints, from the end effector to the base, can move any point of the geometry.
   double displacement(std::size_t geometry, ConstVector change) {
     const srmp::LinkGeometry& g = model_.geometries()[geometry];
     const Eigen::Vector3d center = model_.geometry_pose(*data_, geometry) * g.center;

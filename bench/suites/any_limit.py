@@ -192,7 +192,7 @@ def of_one_robot(data: str, robot: str) -> Iterator[Case]:
     runner = mbm.Runner(files, "auto", {}, GENEROUS)
     with mbm.open_problems(files.directory, robot, overshoot.SCENARIOS, mbm.parse_numbers("1-2")) as chosen:
         for problem in chosen:
-            planner, moveit_problem = runner.pose(problem)
+            planner, moveit_problem = runner.set_up(problem)
             for options in ONE_ROBOT:
                 yield single(planner, robot, problem.name, moveit_problem, options)
 

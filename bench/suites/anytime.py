@@ -50,7 +50,7 @@ def run(data: str, robot: str, geometry: str, problems: str, time_limit: float) 
     rows: list[dict[str, Any]] = []
     with mbm.open_problems(files.directory, robot, (), mbm.parse_numbers(problems)) as chosen:
         for problem in tqdm(chosen, disable=None):
-            planner, moveit_problem = runner.pose(problem)
+            planner, moveit_problem = runner.set_up(problem)
             row: dict[str, Any] = {"problem": problem.name}
             for name, options in SETTINGS.items():
                 extra = {"improve_time": time_limit} if options["planner_id"] == "auto" else {}

@@ -3,9 +3,10 @@
     python bench/suites/certificate_times.py [--data DIR] [--plans 2000] [--out certificate_times.json]
 
 Plans between random free configurations of an arm and verifies every plan again: among boxes, in point clouds of 300 to
-300 000 points, before a mesh of a million triangles, with an object in the hand, and beside a second arm. Times are CPU
-times of one thread for one certificate, the best of --repeats, with the checker made before. The arm is the package's;
-with --data (the directory given to srmp bench mbm) every other plan is of MotionBenchMaker's Panda, made of meshes.
+300 000 points, before a mesh of a million triangles, with an object in the gripper, and beside a second arm. Times are
+CPU times of one thread for one certificate, the best of --repeats, with the checker made before. The arm is the
+package's; with --data (the directory given to srmp bench mbm) every other plan is of MotionBenchMaker's Panda, made of
+meshes.
 
 The exit code is 1 when a motion with a clearance of 1 mm or more is not proved free.
 """
@@ -42,8 +43,8 @@ class NoPlan(Exception):
 
 def add_arm(planner: srmp.PlannerInterface, data: str | None, name: str, pose: srmp.Pose) -> None:
     if data is None:
-        urdf, srdf, hand = srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf"), "arm7_hand"
-        planner.add_articulation(urdf_path=urdf, srdf_path=srdf, name=name, end_effector=hand, base_pose=pose)
+        urdf, srdf, end_effector = srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf"), "arm7_hand"
+        planner.add_articulation(urdf_path=urdf, srdf_path=srdf, name=name, end_effector=end_effector, base_pose=pose)
         return
     files = mbm.robot_files(data, "panda", "urdf")
     planner.add_articulation(

@@ -69,7 +69,7 @@ def contradictions(world: recheck_mbm.World, trajectory: srmp.Trajectory) -> lis
 
 
 def check(runner: mbm.Runner, problem: mbm.Problem, files: mbm.RobotFiles) -> dict[str, Any]:
-    planner, moveit_problem = runner.pose(problem)
+    planner, moveit_problem = runner.set_up(problem)
     try:
         trajectory = planner.plan(files.name, moveit_problem.start, moveit_problem.goals)
     except srmp.PlanningError as error:

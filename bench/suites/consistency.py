@@ -86,7 +86,7 @@ def run(
     rows: dict[str, list[dict[str, Any]]] = {planner_id: [] for planner_id in planners}
     with mbm.open_problems(files.directory, robot, (), mbm.parse_numbers(problems)) as chosen:
         for at, problem in enumerate(chosen):
-            planner, moveit_problem = runner.pose(problem)
+            planner, moveit_problem = runner.set_up(problem)
             own = moveit_problem.goals[0].targets[0]
             goals = [own, *moved_goals(planner, robot, own, [at, problem.number])]
             for planner_id in planners:

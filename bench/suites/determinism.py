@@ -53,7 +53,7 @@ def hashes_of(
     named = scenarios.split(",") if scenarios else ()
     with mbm.open_problems(files.directory, robot, named, mbm.parse_numbers(problems)) as chosen:
         for problem in chosen:
-            planner, moveit_problem = runner.pose(problem)
+            planner, moveit_problem = runner.set_up(problem)
             auto = srmp.PlanRequest(robot, moveit_problem.start, moveit_problem.goals)
             hashes = [result_hash(r) for count in threads for r in planner.plan_many([auto] * repeats, count)]
             found[f"auto {problem.name}"] = sorted(set(hashes))

@@ -111,7 +111,7 @@ def measure(
         limits = np.geomspace(1e-3, 1.0, plans).tolist()
         names = list(PLANNERS)
         for at, problem in enumerate(chosen):
-            planner, moveit_problem = runner.pose(problem)
+            planner, moveit_problem = runner.set_up(problem)
             target = planner.compute_fk(robot, moveit_problem.goals[0].targets[0])
             pose = srmp.GoalConstraint(srmp.GoalType.POSE, target)
             for i in range(at, plans, len(chosen)):
@@ -243,7 +243,7 @@ def measure_interrupts(
     names = list(PLANNERS)
     with mbm.open_problems(files.directory, robot, SCENARIOS, mbm.parse_numbers(problems)) as chosen:
         for at, problem in enumerate(chosen):
-            planner, moveit_problem = runner.pose(problem)
+            planner, moveit_problem = runner.set_up(problem)
             for i in range(at, plans, len(chosen)):
                 name = names[(i // len(chosen)) % len(names)]
                 planner.make_planner(robot, {**PLANNERS[name], "time_limit": 60.0})

@@ -1,4 +1,4 @@
-"""The demonstration: the package's own arm takes its hand out of one compartment of a shelf and into another.
+"""The demonstration: the package's own arm takes its end effector out of one compartment of a shelf and into another.
 
 Shows all steps of a request (robot, scene, goal, planner, trajectory) and is short enough to copy from.
 """
@@ -34,7 +34,7 @@ CYLINDERS = {
     "can": (0.025, 0.12, (0.60, -0.20, 0.471)),
     "jar": (0.045, 0.16, (0.66, 0.22, 0.491)),
 }
-START = srmp.Pose.from_rpy([0.58, 0.20, 0.20], [0.0, np.pi / 2, 0.0])  # hand in the lower left compartment
+START = srmp.Pose.from_rpy([0.58, 0.20, 0.20], [0.0, np.pi / 2, 0.0])  # end effector in the lower left compartment
 GOAL = srmp.Pose.from_rpy([0.60, -0.20, 0.48], [0.0, np.pi / 2, 0.0])  # fingers around the can, upper right
 ROBOT = "arm7"
 
@@ -56,11 +56,11 @@ def make_world() -> srmp.PlannerInterface:
 
 
 def start_configuration(planner: srmp.PlannerInterface) -> np.ndarray:
-    """The collision-free configuration with the hand at START that is nearest to the arm's zero position."""
+    """The collision-free configuration with the end effector at START that is nearest to the arm's zero position."""
     for q in planner.compute_ik(ROBOT, START):
         if not planner.is_state_colliding(ROBOT, q):
             return q
-    raise srmp.Error("The hand does not reach into the lower compartment.")
+    raise srmp.Error("The end effector does not reach into the lower compartment.")
 
 
 @dataclass

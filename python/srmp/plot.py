@@ -142,8 +142,8 @@ def draw_motion(
         for k, (origins, time) in enumerate(zip(one.link_origins, times, strict=True)):
             last = k in (0, len(times) - 1)
             _draw_robot(axes, np.asarray(origins, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
-        hand = np.asarray(one.end_effector_path, dtype=float)
-        axes.plot(*hand.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
+        traced = np.asarray(one.end_effector_path, dtype=float)
+        axes.plot(*traced.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
 
     _frame(axes, lower, upper)
     _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))

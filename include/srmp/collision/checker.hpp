@@ -119,8 +119,8 @@ struct MotionQuery {
 ///
 /// Bodies collide when they touch (are within 1 µm of each other) or come within the sum of their paddings; links of
 /// one robot and what it holds have no padding towards each other. Two bodies that never move relative to each other
-/// (the base on its table, an object in the hand) are checked once, without padding, and collide only when they overlap
-/// by more than `touching_tolerance`: things may stand on things.
+/// (the base on its table, an object in the gripper) are checked once, without padding, and collide only when they
+/// overlap by more than `touching_tolerance`: things may stand on things.
 ///
 /// A motion is the straight line in joint space; continuous joints go the short way. It is called free only when it is
 /// *proved* free, between samples too. The library's backend proves it by conservative advancement (Schwarzer, Saha,

@@ -262,7 +262,7 @@ struct Improvement {
   double final_weight{1.0};
 
   /// Whether better paths are requested.
-  bool wanted() const { return rounds > 0 || time > 0.0; }
+  bool requested() const { return rounds > 0 || time > 0.0; }
   /// Whether another round follows.
   bool goes_on_after(int round) const { return rounds > 0 ? round < rounds : time > 0.0; }
   /// The time for better paths [s], within the time limit; infinity: as long as that allows.

@@ -30,6 +30,7 @@ void require_new_heuristic(const std::string& name, const UserHeuristic& heurist
 
 /// Evaluates the heuristic: n values. Throws InvalidArgument, with name, value and configuration, unless all are finite
 /// and >= 0.
-Eigen::VectorXd ask(const std::string& name, const UserHeuristic& heuristic, ConstRows configurations, ConstRows goals);
+Eigen::VectorXd evaluate(const std::string& name, const UserHeuristic& heuristic, ConstRows configurations,
+                         ConstRows goals);
 
 }  // namespace srmp

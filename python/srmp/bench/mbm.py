@@ -218,7 +218,7 @@ class Runner:
             self._planner.remove_object(name)
         return self._planner
 
-    def pose(self, problem: Problem) -> tuple[srmp.PlannerInterface, srmp.MoveItProblem]:
+    def set_up(self, problem: Problem) -> tuple[srmp.PlannerInterface, srmp.MoveItProblem]:
         """The problem's scene, and its start and goals for the robot (whose name is that of the files)."""
         request = srmp.load_moveit_request(str(problem.request))
         planner = self._planner_for(request.group_name)
@@ -231,11 +231,11 @@ class Runner:
         return planner, planner.apply_moveit_request(self._files.name, request)
 
     def run(self, problem: Problem) -> dict[str, Any]:
-        """One row of the result file. Only problems that cannot even be posed raise."""
-        planner, posed = self.pose(problem)
+        """One row of the result file. Only problems that cannot even be set up raise."""
+        planner, moveit_problem = self.set_up(problem)
         trajectory, reason = None, ""
         try:
-            trajectory = planner.plan(self._files.name, posed.start, posed.goals)
+            trajectory = planner.plan(self._files.name, moveit_problem.start, moveit_problem.goals)
             status = "solved"
         except srmp.PlanningError as error:
             status, reason = status_name(error.status), str(error)

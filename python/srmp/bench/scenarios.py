@@ -301,7 +301,7 @@ def _circle(robots: Sequence[Robot], radius: float) -> tuple[Robot, ...]:
 
 
 def _ring(robots: Sequence[Robot]) -> Layout:
-    """Around a table, at least 0.65 m apart, hands over the table."""
+    """Around a table, at least 0.65 m apart, end effectors over the table."""
     radius = max(0.65, 0.325 / np.sin(np.pi / len(robots)))
     placed = _circle(robots, radius)
     table = Shape("table", "cylinder", (radius + 0.3, 0.05), srmp.Pose(p=[0, 0, -0.025]))
@@ -322,7 +322,7 @@ def _bin(name: str, x: float, y: float) -> list[Shape]:
 
 
 def _binpick(robots: Sequence[Robot]) -> Layout:
-    """Around four bins, each hand in a bin of its own, drawn anew for start and goal."""
+    """Around four bins, each end effector in a bin of its own, drawn anew for start and goal."""
     shapes = [shape for k, place in enumerate(_BINS) for shape in _bin(f"bin_{k}", *place)]
 
     def into(x: float, y: float) -> Target:
@@ -350,7 +350,7 @@ _SHELF = {  # edge lengths, centre [m]
 
 
 def _shelves(robots: Sequence[Robot]) -> Layout:
-    """Side by side 0.45 m apart before a shelf, hands level between two boards or above them."""
+    """Side by side 0.45 m apart before a shelf, end effectors level between two boards or above them."""
     placed = [robot.at(0.0, 0.45 * (k - (len(robots) - 1) / 2)) for k, robot in enumerate(robots)]
 
     def before(robot: Robot) -> Target:

@@ -264,7 +264,7 @@ class World:
         """Attach a geometry to a link (default: the move group's), at `pose` in the link's frame, or replace what has
         that name.
 
-        It may touch the hand: links that no planned joint moves against that link. link_id: a number in
+        It may touch the gripper: links that no planned joint moves against that link. link_id: a number in
         user_link_names, or a name.
         """
         link = self._link(art_name, link_id)
@@ -329,7 +329,7 @@ class World:
     def _make(self, name: str, body: _Body) -> None:
         body.add(name=name, pose=body.pose)
         if body.link is not None:
-            self.srmp.attach_object(name, self._name, body.link, self._hand(body.link), body.pose)
+            self.srmp.attach_object(name, self._name, body.link, self._gripper(body.link), body.pose)
 
     @contextlib.contextmanager
     def _without(self, use_point_cloud: bool, use_attach: bool) -> Iterator[None]:
@@ -361,13 +361,13 @@ class World:
             raise srmp.InvalidArgument(f"link_id is {link_id}; it must be in 0..{len(self.user_link_names) - 1}, or -1")
         return self.move_group if link_id == -1 else self.user_link_names[link_id]
 
-    def _hand(self, link: str) -> list[str]:
+    def _gripper(self, link: str) -> list[str]:
         """Links that no planned joint moves against `link`: no plan can change their contact with what it holds."""
-        hand = {link}
+        gripper = {link}
         still = [(j.parent, j.child) for j in self._joints if j.name not in self._planned | self._driven]
-        while more := {b for pair in still for a, b in (pair, pair[::-1]) if a in hand} - hand:
-            hand |= more
-        return sorted(hand)
+        while more := {b for pair in still for a, b in (pair, pair[::-1]) if a in gripper} - gripper:
+            gripper |= more
+        return sorted(gripper)
 
     def _shape(self, geometry: Any) -> Callable[..., None]:
         """What adds a geometry, ours or MPLib's."""

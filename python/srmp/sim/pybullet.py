@@ -349,7 +349,7 @@ class PyBullet(Simulator):
             lower, upper = np.array(self.p.getAABB(body, link))
 
             def heights(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-                """At shares of the sides."""
+                """At fractions of the sides."""
                 inside = np.clip(np.stack([x, y], axis=-1), 1e-9, 1 - 1e-9)
                 starts = np.append(inside * (upper - lower)[:2] + lower[:2], np.full((len(x), 1), upper[2] + 1), axis=1)
                 down = np.array([0.0, 0.0, upper[2] - lower[2] + 2])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Heights = Callable[[Floats, Floats], Floats]  # at shares (n,), 0 to 1, of the sides along x and y
+Heights = Callable[[Floats, Floats], Floats]  # at fractions (n,), 0 to 1, of the sides along x and y
 
 LARGEST_GRID = 512  # cells along a side of a height field
 MAX_GRIDS = 2000  # that are tried
@@ -53,7 +53,7 @@ def read_stl(path: Path) -> tuple[NDArray[np.float64], list[NDArray[np.int64]]]:
 
 
 def grid_surface(heights: Heights, spread: float) -> tuple[Floats, NDArray[np.int64]] | None:
-    """The grid of triangles whose height it is: corners (x and y as shares, z) and triangles. None if there is none.
+    """The grid of triangles whose height it is: corners (x and y as fractions, z) and triangles. None if there is none.
 
     spread: how much higher the highest corner is than the lowest. The grid is the coarsest that agrees everywhere.
     """
@@ -77,7 +77,7 @@ def grid_surface(heights: Heights, spread: float) -> tuple[Floats, NDArray[np.in
 
 
 def _cells(profiles: Callable[[Floats], Floats]) -> int:
-    """The fewest equal pieces such that the two profiles are straight in each."""
+    """The fewest equal parts such that the two profiles are straight in each."""
     places = np.random.default_rng(2).uniform(size=64)
     true = profiles(places).reshape(2, -1)
     for count in range(1, LARGEST_GRID + 1):

@@ -274,7 +274,7 @@ class SimulatedWorld:
                 self.planner.remove_object(name)
                 present.remove(name)
         self._objects = {name: old for name, old in self._objects.items() if name in present}
-        self._held = {name: hand for name, hand in self._held.items() if name in present}
+        self._held = {name: holder for name, holder in self._held.items() if name in present}
         new = {}
         for name, item in seen.items():
             old = self._objects.get(name)
@@ -395,7 +395,7 @@ class SimulatedWorld:
         moved = [link for link in robot.links if np.any(self.planner.compute_jacobian(robot.name, q, link)[3:, -1])]
         return moved[0]
 
-    # --- hands
+    # --- held bodies
 
     def grasp(self, body: Any, robot: str, link: str = "", touch_links: Sequence[str] | None = None) -> None:
         """Attaches the body to the robot, at its pose in the simulator.

@@ -31,7 +31,7 @@ class InterruptionScope {
 
 /// To be called where a long computation may be stopped, at best every few microseconds.
 void interruption_point();
-/// The same for callers that come by rarely: looks at the clock every time.
+/// The same for callers that come by rarely: reads the clock every time.
 void rare_interruption_point();
 /// Does this thread have a scope with a check?
 bool can_be_interrupted();

@@ -292,7 +292,7 @@ std::optional<LastResult> read_result(io::JsonReader& root, const std::optional<
   if (!root.has("result")) return std::nullopt;
   io::JsonReader reader = root.inner("result");
   if (!request) root.fail("it has a result, but no request");
-  return std::visit([&](const auto& asked) { return read_result_of(asked, reader, scene); }, *request);
+  return std::visit([&](const auto& given) { return read_result_of(given, reader, scene); }, *request);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ void require_planner_for(const std::vector<std::string>& robots, const PlannerOp
 void require_request(const Scene& scene, const std::string& robot, ConstVector start,
                      const std::vector<GoalConstraint>& goals);
 /// The same of many robots: throws InvalidArgument unless starts and goals suit them, and one is to move. Of obstacles
-/// only the names are looked at; the rest is stand_at_ends'.
+/// only the names are checked; the rest is stand_at_ends'.
 void require_multi_request(const Scene& scene, const MultiPlanRequest& request);
 
 /// What a problem file holds: a world, how its robots plan, and the last question with its answer.

@@ -181,7 +181,7 @@ class IndependenceDetection {
     for (std::size_t g = 0; g < groups_.size(); ++g)
       if (groups_[g].found.path.robots.size() > 1) coupled.push_back(g);
     if (coupled.empty()) return;
-    if (common_.shortcut || more.wanted())
+    if (common_.shortcut || more.requested())
       try_for(coupled, until, [&](const Group& group, const Deadline& deadline, PlanStatistics& statistics) {
         const PhaseTimer timer(deadline, statistics.shortcut_time_s);
         return FoundPath{.path = planner_->reroute_each(group.smoothed, deadline), .found_by = group.found.found_by};

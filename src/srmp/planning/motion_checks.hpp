@@ -9,7 +9,7 @@ namespace srmp {
 
 struct PlanStatistics;
 
-/// What one plan asks the checker: scratch memory for each of its workers, and a count of the answers. Throws
+/// The checks of one plan: scratch memory for each of its workers, and a count of the results. Throws
 /// MotionCheckStopped as Checker::stop_at says, unless there are several workers, which must not throw.
 class MotionChecks {
  public:
@@ -22,7 +22,7 @@ class MotionChecks {
 
   /// `a` is known to be free.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
-  /// Motions that the first worker was asked about.
+  /// Motions that the first worker checked.
   std::uint64_t motions() const { return checker_.statistics(*workers_.front().workspace).motions; }
   /// Throws MotionCheckStopped if any of several workers was stopped.
   void require_not_stopped() const;

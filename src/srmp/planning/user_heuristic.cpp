@@ -17,8 +17,8 @@ void require_new_heuristic(const std::string& name, const UserHeuristic& heurist
   if (!heuristic.function) throw InvalidArgument("heuristic '" + name + "' has an empty function");
 }
 
-Eigen::VectorXd ask(const std::string& name, const UserHeuristic& heuristic, ConstRows configurations,
-                    ConstRows goals) {
+Eigen::VectorXd evaluate(const std::string& name, const UserHeuristic& heuristic, ConstRows configurations,
+                         ConstRows goals) {
   Eigen::VectorXd values = heuristic.function(configurations, goals);
   if (values.size() != configurations.rows())
     throw InvalidArgument("heuristic '" + name + "' returned " + std::to_string(values.size()) + " values for " +

@@ -14,14 +14,14 @@ JointPath joint_path(const MultiRobotWorld& world, std::size_t robot, const std:
 }
 
 JointPath joint_path(const MultiRobotWorld& world, const std::vector<std::size_t>& robots,
-                     const std::vector<std::vector<Eigen::VectorXd>>& ways) {
+                     const std::vector<std::vector<Eigen::VectorXd>>& paths) {
   JointPath path{robots, {0.0}, {}};
   for (std::size_t i = 0; i < robots.size(); ++i)
-    path.positions.push_back(world.unwrapped(robots[i], stack_waypoints(ways[i])));
-  for (std::size_t k = 1; k < ways.front().size(); ++k) {
+    path.positions.push_back(world.unwrapped(robots[i], stack_waypoints(paths[i])));
+  for (std::size_t k = 1; k < paths.front().size(); ++k) {
     int longest = 1;
     for (std::size_t i = 0; i < robots.size(); ++i)
-      longest = std::max(longest, world.duration(robots[i], ways[i][k - 1], ways[i][k]));
+      longest = std::max(longest, world.duration(robots[i], paths[i][k - 1], paths[i][k]));
     path.steps.push_back(path.steps.back() + longest);
   }
   return path;

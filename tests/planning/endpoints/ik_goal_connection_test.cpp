@@ -37,15 +37,15 @@ BOOST_AUTO_TEST_CASE(from_a_state_near_a_target_to_a_configuration_that_meets_it
   const std::vector<GoalConstraint> goals{GoalConstraint::joints(Eigen::Vector3d::Zero()),
                                           GoalConstraint::position(world({0.0, -2.0, 0.0})),
                                           GoalConstraint::position(world(tip_at(bent)))};
-  const GoalConnection snap = make_ik_goal_connection({robot, base}, goals, steps);
+  const GoalConnection connection = make_ik_goal_connection({robot, base}, goals, steps);
   const Eigen::Vector3d near = bent + Eigen::Vector3d(0.15, -0.1, 0.2);
-  const auto found = snap(near);
+  const auto found = connection(near);
   BOOST_REQUIRE_EQUAL(found.size(), 1);
   BOOST_CHECK_EQUAL(found[0].goal, 2);
   BOOST_CHECK_LT((tip_at(found[0].q) - tip_at(bent)).norm(), 2e-5);
   BOOST_CHECK_LE((found[0].q - near).cwiseAbs().maxCoeff(), 0.5);
-  BOOST_CHECK(snap(near)[0].q == found[0].q);
-  BOOST_CHECK(snap(bent + Eigen::Vector3d(1.0, 0.0, 0.0)).empty());  // too far
+  BOOST_CHECK(connection(near)[0].q == found[0].q);
+  BOOST_CHECK(connection(bent + Eigen::Vector3d(1.0, 0.0, 0.0)).empty());  // too far
 }
 
 BOOST_AUTO_TEST_CASE(poses_want_the_orientation_too_unless_it_is_free) {

@@ -12,20 +12,21 @@ namespace {
 constexpr double rounding = 1e-9;         // [m] of a deviation
 constexpr double joint_tolerance = 2e-6;  // [rad or m]: targets outside a limit by 1e-6 are moved onto it
 
-double share_of(const Eigen::Vector3d& miss, const AxisTolerance& tolerance) {
+double fraction_of(const Eigen::Vector3d& miss, const AxisTolerance& tolerance) {
   return (miss.cwiseAbs().array() / tolerance.axes.array()).maxCoeff();
 }
 
 double miss_of(const GoalConstraint& goal, const Eigen::VectorXd& target, const Checker& checker, ConstVector q) {
   const RobotModel& robot = checker.robot();
   if (goal.type == GoalType::joints) return robot.difference(q, target).cwiseAbs().maxCoeff();
-  const Pose hand = checker.base() * robot.compute_fk(q, "", checker.other_positions());
-  if (goal.type == GoalType::position) return share_of(hand.p - target.head<3>(), goal.position_tolerance);
-  const Pose wanted = Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
-  const Pose off = wanted.inverse() * hand;
+  const Pose end_effector = checker.base() * robot.compute_fk(q, "", checker.other_positions());
+  if (goal.type == GoalType::position) return fraction_of(end_effector.p - target.head<3>(), goal.position_tolerance);
+  const Pose goal_pose = Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
+  const Pose off = goal_pose.inverse() * end_effector;
   const Eigen::AngleAxisd turn(off.q);
   const double angle = std::remainder(turn.angle(), 2.0 * M_PI);
-  return std::max(share_of(off.p, goal.position_tolerance), share_of(angle * turn.axis(), goal.rotation_tolerance));
+  return std::max(fraction_of(off.p, goal.position_tolerance),
+                  fraction_of(angle * turn.axis(), goal.rotation_tolerance));
 }
 
 /// The values of a row in another order.

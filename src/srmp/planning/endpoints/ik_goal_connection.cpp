@@ -50,15 +50,15 @@ class IkGoalConnection {
 
  private:
   bool is_near(const Eigen::Isometry3d& tip, const ConnectionTarget& target) const {
-    const Pose& wanted = target.goal.in_base;
+    const Pose& goal_pose = target.goal.in_base;
     const IkOptions& options = target.goal.options;
-    const Eigen::Vector3d apart = wanted.q.conjugate() * (tip.translation() - wanted.p);
+    const Eigen::Vector3d apart = goal_pose.q.conjugate() * (tip.translation() - goal_pose.p);
     bool turned = false;  // orientations with free axes are left to inverse kinematics
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       if (!options.position_tolerance.is_free(axis) && std::abs(apart[axis]) > target.max_apart) return false;
       turned |= options.rotation_tolerance.is_free(axis);
     }
-    return turned || wanted.q.angularDistance(Eigen::Quaterniond(tip.linear())) <= 2.0 * turn_;
+    return turned || goal_pose.q.angularDistance(Eigen::Quaterniond(tip.linear())) <= 2.0 * turn_;
   }
 
   const RobotModel& robot_;
@@ -88,14 +88,14 @@ GoalConnection make_ik_goal_connection(const PlacedRobot& robot, const std::vect
                                        const Eigen::VectorXd& step) {
   const auto by_joints = [](const GoalConstraint& goal) { return goal.type == GoalType::joints; };
   if (std::all_of(goals.begin(), goals.end(), by_joints)) return {};
-  IkGoalConnection snap(robot, step);
+  IkGoalConnection connection(robot, step);
   int number = 0;
   for (const GoalConstraint& goal : goals)
     for (const Eigen::VectorXd& target : goal.targets) {
-      if (!by_joints(goal)) snap.add(ik_goal(goal, target, robot), number);
+      if (!by_joints(goal)) connection.add(ik_goal(goal, target, robot), number);
       ++number;
     }
-  return snap;
+  return connection;
 }
 
 }  // namespace srmp

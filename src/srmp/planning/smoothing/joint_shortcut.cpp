@@ -29,7 +29,7 @@ class Shortener {
   }
 
  private:
-  static constexpr double slack = 0.05;  // that is worth tightening [rad, prismatic joints m]
+  static constexpr double min_detour = 0.05;  // that is worth tightening [rad, prismatic joints m]
 
   std::size_t number(std::size_t robot) const { return path_.robots[robot]; }
   bool late() const { return deadline_.stop_requested(); }
@@ -37,13 +37,13 @@ class Shortener {
   Eigen::VectorXd at(std::size_t robot, std::size_t row) const {
     return path_.positions[robot].row(static_cast<Eigen::Index>(row)).transpose();
   }
-  /// On the straight way between two rows.
+  /// On the straight motion between two rows.
   Eigen::VectorXd between(std::size_t robot, std::size_t a, std::size_t b, std::size_t row) const {
-    const double share = (path_.steps[row] - path_.steps[a]) / (path_.steps[b] - path_.steps[a]);
-    return at(robot, a) + share * (at(robot, b) - at(robot, a));
+    const double fraction = (path_.steps[row] - path_.steps[a]) / (path_.steps[b] - path_.steps[a]);
+    return at(robot, a) + fraction * (at(robot, b) - at(robot, a));
   }
 
-  /// Is it worth asking, and free, for one robot to go straight between two rows?
+  /// Is it short enough to be tried, and free, for one robot to go straight between two rows?
   bool can_straighten(std::size_t robot, std::size_t a, std::size_t b) {
     if (late()) return false;
     const Eigen::VectorXd from = at(robot, a), to = at(robot, b);
@@ -109,7 +109,7 @@ class Shortener {
     RowMatrix& rows = path_.positions[robot];
     const auto first = static_cast<Eigen::Index>(a + 1), count = static_cast<Eigen::Index>(b - a - 1);
     const RowMatrix bent = rows.middleRows(first, count);
-    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(robot, b) - at(robot, a)).norm() < slack) return;
+    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(robot, b) - at(robot, a)).norm() < min_detour) return;
     RowMatrix straight = bent;
     for (std::size_t row = a + 1; row < b; ++row)
       straight.row(static_cast<Eigen::Index>(row - a - 1)) = between(robot, a, b, row).transpose();

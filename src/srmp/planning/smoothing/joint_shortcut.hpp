@@ -9,8 +9,8 @@ namespace srmp {
 /// while the others do as before (its own waits go too). No robot's way becomes longer. Stops at the deadline with what
 /// it has.
 JointPath shortened(JointPath path, MultiRobotWorld& world, const Deadline& deadline);
-/// Nearer to straight where it cannot be straight, robot by robot: parts of ways bend no more than they must, from
-/// whole ways to parts of two rows.
+/// Nearer to straight where it cannot be straight, robot by robot: parts of paths bend no more than they must, from
+/// whole paths to parts of two rows.
 JointPath tightened(JointPath path, MultiRobotWorld& world, const Deadline& deadline);
 
 }  // namespace srmp

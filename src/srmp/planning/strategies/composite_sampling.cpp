@@ -6,7 +6,7 @@ namespace srmp {
 
 namespace {
 
-constexpr double stays = 0.1;  // share of the samples in which a robot is at its start; as many, at its goal
+constexpr double stays = 0.1;  // fraction of the samples in which a robot is at its start; as many, at its goal
 
 using Sampler = std::function<Eigen::VectorXd(search::RandomSequence&)>;
 

@@ -61,7 +61,7 @@ class CompositeLattices : public LatticeFamily {
     const Eigen::VectorXd step = lattice_step(space_.joints(), scale * std::min(lattice.resolution, M_PI / 2 / scale),
                                               scale * lattice.prismatic_resolution);
     PrimitiveSet set = rich_primitives(space_.joints(), step, pairs_);
-    PrimitiveFamily one_robot{"one arm", PrimitiveUse::to_targets, {}};  // the others stay
+    PrimitiveFamily one_robot{"one robot", PrimitiveUse::to_targets, {}};  // the others stay
     const Eigen::VectorXd& all = set.families.front().moves.front();
     for (std::size_t i = 0; i < space_.size(); ++i) {
       Eigen::VectorXd& move = one_robot.moves.emplace_back(Eigen::VectorXd::Zero(step.size()));
@@ -71,7 +71,8 @@ class CompositeLattices : public LatticeFamily {
     return set;
   }
 
-  /// All joints alike; those near the bases counting for more; those near the hands; and one robot after the other.
+  /// All joints alike; those near the bases counting for more; those near the end effectors; and one robot after the
+  /// other.
   void make_weights() {
     const std::size_t robots = space_.size();
     weights_ = RowMatrix::Ones(3 + static_cast<Eigen::Index>(robots), space_.first(robots));

@@ -60,10 +60,10 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
 }
 
 JointPath CompositeSpace::path(const std::vector<Eigen::VectorXd>& rows) const {
-  std::vector<std::vector<Eigen::VectorXd>> ways(size());
+  std::vector<std::vector<Eigen::VectorXd>> paths(size());
   for (std::size_t i = 0; i < size(); ++i)
-    for (const Eigen::VectorXd& row : rows) ways[i].push_back(part(row, i));
-  return joint_path(world_, robots_, ways);
+    for (const Eigen::VectorXd& row : rows) paths[i].push_back(part(row, i));
+  return joint_path(world_, robots_, paths);
 }
 
 }  // namespace srmp

@@ -34,7 +34,7 @@ AnyHeuristic users(const std::string& name, const UserHeuristic& user, Lattice& 
     RowMatrix rows(static_cast<Eigen::Index>(asked.size()), goals.cols());
     for (std::size_t k = 0; k < asked.size(); ++k)
       rows.row(static_cast<Eigen::Index>(k)) = lattice.configuration(states[asked[k]]).transpose();
-    const Eigen::VectorXd values = ask(name, user, rows, goals);
+    const Eigen::VectorXd values = evaluate(name, user, rows, goals);
     for (std::size_t k = 0; k < asked.size(); ++k) out[asked[k]] = values[static_cast<Eigen::Index>(k)];
   };
 }

@@ -53,7 +53,7 @@ class PathSearch {
   void run_auto(const Auto& options) {
     best_.bound(direct_, "every path");
     FoundPath first = find_first(options.weight);
-    if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).wanted())
+    if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).requested())
       improve_path(context_, lattices_, best_, std::move(first), direct_);
   }
 

@@ -17,7 +17,7 @@ struct RrtConnectBudget {
   /// were checked by the trees: more finds paths in narrow places earlier, less leaves easy lattices more time.
   double fraction{7.0 / 8.0};
   std::uint64_t first_checks{128};       ///< motions
-  std::uint64_t attempts_per_check{16};  ///< attempts between two looks at the budget
+  std::uint64_t attempts_per_check{16};  ///< attempts between two checks of the budget
 };
 
 /// Two trees that grow towards each other through one robot's joint space (Kuffner, LaValle 2000), by samples that are
