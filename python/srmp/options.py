@@ -16,6 +16,7 @@ __all__ = [
     "ECBS",
     "WPASE",
     "XECBS",
+    "AMRAStar",
     "ARAStar",
     "AStar",
     "Auto",
@@ -134,6 +135,9 @@ class WAStar(_Options):
     planner_id: ClassVar[str] = "wAstar"
     weight: float = 50.0
     """This weight inflates the heuristic [>= 1]."""
+    multi_resolution: bool = True
+    """Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by
+    side, and the bound holds for the one in which the path was found; otherwise one lattice is."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -152,6 +156,9 @@ class ARAStar(_Options):
     """The weight decreases by this much after each round [> 0]."""
     final_weight: float = 1.0
     """The search ends once this bound is proven [>= 1]."""
+    multi_resolution: bool = True
+    """Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by
+    side, and the bound holds for the one in which the path was found; otherwise one lattice is."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -165,13 +172,16 @@ class MHAStar(_Options):
 
     planner_id: ClassVar[str] = "MHAstar"
     inadmissible_heuristics: list[str] = dataclasses.field(
-        default_factory=lambda: ["bfs", "joint_proximal", "joint_distal", "joint_sum"]
+        default_factory=lambda: ["joint_proximal", "joint_distal", "joint_sum"]
     )
     """These heuristics guide searches beside the anchor search, which has the option `heuristic`."""
     w1: float = 20.0
     """This weight inflates every heuristic [>= 1]."""
     w2: float = 5.0
     """The keys of the inadmissible searches may exceed the anchor search's by this factor [>= 1]."""
+    multi_resolution: bool = True
+    """Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by
+    side, and the bound holds for the one in which the path was found; otherwise one lattice is."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -186,10 +196,32 @@ class WPASE(_Options):
     planner_id: ClassVar[str] = "wPASE"
     weight: float = 50.0
     """This weight inflates the heuristic [>= 1]."""
+    multi_resolution: bool = True
+    """Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by
+    side, and the bound holds for the one in which the path was found; otherwise one lattice is."""
     num_threads: int = 4
     """This many threads evaluate edges; the path does not depend on it [> 0 and <= 1024]."""
-    batch_size: int = 16
+    batch_size: int = 4
     """This many edges are evaluated together; another size may find another path [> 0]."""
+
+
+@dataclasses.dataclass(kw_only=True)
+class AMRAStar(_Options):
+    """AMRA*: several heuristics and resolutions share one search; better paths until the time limit.
+
+    Literature: AMRA*: Saxena, Kusnur, Likhachev 2022; MRA*: Du, Islam, Likhachev 2020.
+
+    Guarantee: anytime; first cost <= `w1` * `w2` * optimum of the finest lattice, then <= last proven bound * it.
+    """
+
+    planner_id: ClassVar[str] = "AMRAstar"
+    w1: float = 20.0
+    """In the first round, this weight inflates every heuristic [>= 1]."""
+    w2: float = 5.0
+    """In the first round, the keys of the inadmissible searches may exceed the anchor search's by this factor [>= 1].
+    """
+    final_weight: float = 1.0
+    """The search ends once this bound is proven [>= 1]."""
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -375,8 +375,7 @@ void for_each_search(double target, Check&& check) {
       const auto values = [&](std::span<const StateId> states, std::span<double> out) {
         std::transform(states.begin(), states.end(), out.begin(), [&](StateId s) { return h(s); });
       };
-      AlternatingSearch search(g, h, InadmissibleHeuristics{1, values}, w);
-      search.add_starts(g.starts());
+      AlternatingSearch search(g, g.starts(), h, InadmissibleHeuristics{1, values}, w);
       return search.result(search.improve(Deadline(), 1'000'000));
     });
   }
@@ -472,4 +471,36 @@ BOOST_AUTO_TEST_CASE(joints_of_two_robots_make_one_lattice) {
   const auto one = successors(alone, 0), other = successors(from_joints, 0);
   BOOST_REQUIRE(one.size() == other.size());
   for (std::size_t i = 0; i < one.size(); ++i) BOOST_TEST(one[i].cost == other[i].cost);
+}
+
+BOOST_AUTO_TEST_CASE(a_state_is_on_the_grids_whose_steps_divide_its_distance_from_its_root) {
+  const auto robot = robots::planar();
+  const Eigen::VectorXd fine = Vector2d::Constant(30 * degree), coarse = Vector2d::Constant(60 * degree);
+  const Vector2d root(0.1, -0.2);
+  Lattice lattice(*robot, {root}, {Vector2d(2, 2)},
+                  {.primitives = axis_primitives(robot->joints(), fine),
+                   .coarser = {{coarse, rich_primitives(robot->joints(), coarse, parallel_pairs(*robot))}}},
+                  always_free);
+  BOOST_REQUIRE_EQUAL(lattice.levels(), 2u);
+  std::array<int, 2> on{};
+  for (const std::size_t level : {0, 1}) {
+    std::vector<search::Successor> next;
+    lattice.successors(0, level, next);
+    BOOST_TEST(!next.empty());
+    for (const search::Successor& successor : next) {
+      BOOST_TEST(!lattice.is_goal(successor.state));  // those are connections
+      BOOST_TEST(lattice.is_on(successor.state, 0));
+      const Vector2d steps = (lattice.configuration(successor.state) - root) / (60 * degree);
+      const bool whole = (steps - steps.array().round().matrix()).norm() < 1e-3;
+      BOOST_TEST(lattice.is_on(successor.state, 1) == whole);
+      ++on[whole];
+    }
+  }
+  BOOST_TEST(on[0] > 0);
+  BOOST_TEST(on[1] > 0);
+
+  std::vector<search::Successor> connections;
+  lattice.connections(0, connections);
+  BOOST_REQUIRE_EQUAL(connections.size(), 1u);
+  BOOST_TEST(lattice.is_goal(connections[0].state));
 }

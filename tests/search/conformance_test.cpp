@@ -3,6 +3,7 @@
 #include <string>
 
 #include "search/graphs.hpp"
+#include "srmp/search/alternating_search.hpp"
 #include "srmp/search/ara.hpp"
 #include "srmp/search/astar.hpp"
 #include "srmp/search/mha.hpp"
@@ -72,9 +73,9 @@ Planner portfolio_of_one(double weight, std::uint64_t slice, std::size_t inadmis
                         ((i % inadmissible_heuristics) * states[i / inadmissible_heuristics] * 2654435761u) % 97u);
                 }};
             const auto make = [&](std::size_t) {
-              return PortfolioMember<AnyGraph, AnyHeuristic>{&graph, {starts.begin(), starts.end()}, &h, values};
+              return std::make_unique<AlternatingSearch<AnyGraph, AnyHeuristic>>(graph, starts, h, values, weight);
             };
-            return portfolio<AnyGraph, AnyHeuristic>(1, make, {weight, slice}, deadline).result;
+            return portfolio(1, make, {.slice = slice}, deadline).result;
           }};
 }
 

@@ -1,6 +1,8 @@
 #include "srmp/search/portfolio.hpp"
 
 #include "search/graphs.hpp"
+#include "srmp/search/alternating_search.hpp"
+#include "srmp/search/astar.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -8,8 +10,6 @@ using namespace srmp::search;
 using namespace srmp::search::test;
 
 namespace {
-
-using Member = PortfolioMember<TestGraph, Problem>;
 
 /// Two inadmissible heuristics: the problem's own heuristic, and a hash.
 InadmissibleHeuristics inadmissible_heuristics(const Problem& problem) {
@@ -21,10 +21,20 @@ InadmissibleHeuristics inadmissible_heuristics(const Problem& problem) {
           }};
 }
 
-Member member(Problem& problem) { return {&problem.graph, problem.starts, &problem, inadmissible_heuristics(problem)}; }
+struct Options {
+  double weight{1.5};
+  std::uint64_t slice{2};
+  std::uint64_t max_expansions{unlimited};
+};
 
-PortfolioResult run(const std::vector<Member>& members, const PortfolioOptions& options = {1.5, 2}) {
-  return portfolio<TestGraph, Problem>(members.size(), [&](std::size_t i) { return members[i]; }, options, Deadline());
+PortfolioResult run(const std::vector<Problem*>& members, const Options& options = {}) {
+  const auto make = [&](std::size_t i) {
+    Problem& problem = *members[i];
+    return std::make_unique<AlternatingSearch<TestGraph, Problem>>(problem.graph, problem.starts, problem,
+                                                                   inadmissible_heuristics(problem), options.weight);
+  };
+  return portfolio(members.size(), make, {.slice = options.slice, .max_expansions = options.max_expansions},
+                   Deadline());
 }
 
 }  // namespace
@@ -35,16 +45,16 @@ BOOST_AUTO_TEST_CASE(a_portfolio_keeps_the_bound_of_its_winner_and_fails_only_wh
     BOOST_TEST_CONTEXT("seed " << seed) {
       Problem a = random_problem(seed), b = random_problem(seed + 1);
       Problem only_a = random_problem(seed), only_b = random_problem(seed + 1);
-      const bool possible = run({member(only_a)}).result.status == Status::solved ||
-                            run({member(only_b)}).result.status == Status::solved;
-      const PortfolioResult found = run({member(a), member(b)});
+      const bool possible =
+          run({&only_a}).result.status == Status::solved || run({&only_b}).result.status == Status::solved;
+      const PortfolioResult found = run({&a, &b});
       BOOST_TEST((found.result.status == Status::solved) == possible);
       if (!possible) continue;
       ++solved;
       second += found.winner == 1;
       check_result(found.winner ? b : a, found.result, 1.5);
       Problem again_a = random_problem(seed), again_b = random_problem(seed + 1);
-      const PortfolioResult again = run({member(again_a), member(again_b)});
+      const PortfolioResult again = run({&again_a, &again_b});
       BOOST_TEST(again.winner == found.winner);
       BOOST_TEST((again.result.path == found.result.path));
     }
@@ -56,24 +66,24 @@ BOOST_AUTO_TEST_CASE(a_portfolio_keeps_the_bound_of_its_winner_and_fails_only_wh
 BOOST_AUTO_TEST_CASE(a_portfolio_refuses_invalid_options) {
   Problem problem = random_problem(0);
   check_throws<InvalidArgument>([&] { run({}); }, "at least one search");
-  check_throws<InvalidArgument>([&] { run({member(problem)}, {0.5}); }, "weight");
-  check_throws<InvalidArgument>([&] { run({member(problem)}, {2.0, 0}); }, "at least one expansion");
+  check_throws<InvalidArgument>([&] { run({&problem}, {0.5}); }, "weight");
+  check_throws<InvalidArgument>([&] { run({&problem}, {2.0, 0}); }, "at least one expansion");
 }
 
 BOOST_AUTO_TEST_CASE(a_portfolio_says_which_graphs_hold_no_path) {
   Problem open = corridor(), broken = broken_bridge();
-  const PortfolioResult found = run({member(broken), member(open)}, {1.0, 1});
+  const PortfolioResult found = run({&broken, &open}, {1.0, 1});
   BOOST_TEST(found.winner == 1u);
   BOOST_TEST((found.exhausted == std::vector<char>{1, 0}));
   Problem alone = broken_bridge();
-  const PortfolioResult none = run({member(alone)});
+  const PortfolioResult none = run({&alone});
   BOOST_TEST((none.result.status == Status::exhausted));
   BOOST_TEST((none.exhausted == std::vector<char>{1}));
 }
 
 BOOST_AUTO_TEST_CASE(a_portfolio_stops_after_max_expansions) {
   Problem problem = corridor();
-  const PortfolioResult found = run({member(problem)}, {1.0, 1, 2});
+  const PortfolioResult found = run({&problem}, {1.0, 1, 2});
   BOOST_TEST((found.result.status == Status::timed_out));
   BOOST_TEST((found.exhausted == std::vector<char>{0}));
   BOOST_TEST(found.result.statistics.expansions == 2u);
@@ -84,9 +94,9 @@ BOOST_AUTO_TEST_CASE(a_member_is_made_before_its_first_slice) {
   std::size_t made = 0;
   const auto make = [&](std::size_t) {
     ++made;
-    return member(problem);
+    return std::make_unique<WeightedAstar<TestGraph, Problem>>(problem.graph, problem.starts, problem, AstarOptions{});
   };
-  BOOST_TEST((portfolio<TestGraph, Problem>(3, make, {1.0, 8}, Deadline()).result.status == Status::solved));
+  BOOST_TEST((portfolio(3, make, {}, Deadline()).result.status == Status::solved));
   BOOST_TEST(made == 1u);
 }
 
@@ -104,7 +114,7 @@ BOOST_AUTO_TEST_CASE(a_graph_exhausted_within_a_limit_holds_no_path_below_it) {
         Problem within = problem;
         for (StateId s = 0; s < within.h.size(); ++s)
           if (from_start[s] + within.h[s] > limit) within.h[s] = infinity;
-        const PortfolioResult found = run({member(within)});
+        const PortfolioResult found = run({&within});
         if (found.exhausted[0]) {
           BOOST_REQUIRE_GE(optimum, limit);
           ++proven;

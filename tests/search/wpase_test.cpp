@@ -30,7 +30,7 @@ BOOST_AUTO_TEST_CASE(wpase_keeps_its_bound_with_a_pair_heuristic) {
       Problem problem = random_problem(seed);
       LowerBounds pair{problem.graph, {}};
       const WpaseOptions options{.weight = 1.0 + 0.8 * (seed % 4), .batch_size = 1 + seed % 13};
-      const Result result = wpase(problem.graph, problem.starts, problem, pair, options, Deadline());
+      const Result result = wpase(problem.graph, problem.starts, problem, options, Deadline(), pair);
       check_result(problem, result, options.weight);
       BOOST_REQUIRE_LE(problem.graph.max_evaluations(), 1);
       BOOST_REQUIRE_LE(result.statistics.expansions, problem.graph.arcs.size());

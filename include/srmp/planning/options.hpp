@@ -81,6 +81,9 @@ struct WAStar {
   CommonOptions common{};
   /// This weight inflates the heuristic [>= 1].
   double weight{50.0};
+  /// Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by side,
+  /// and the bound holds for the one in which the path was found; otherwise one lattice is.
+  bool multi_resolution{true};
 };
 
 /// ARA*: a first path quickly, then better ones until the time limit.
@@ -94,6 +97,9 @@ struct ARAStar {
   double weight_delta{10.0};
   /// The search ends once this bound is proven [>= 1].
   double final_weight{1.0};
+  /// Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by side,
+  /// and the bound holds for the one in which the path was found; otherwise one lattice is.
+  bool multi_resolution{true};
 };
 
 /// MHA*: several heuristics share one search.
@@ -102,11 +108,14 @@ struct ARAStar {
 struct MHAStar {
   CommonOptions common{};
   /// These heuristics guide searches beside the anchor search, which has the option `heuristic`.
-  std::vector<std::string> inadmissible_heuristics{"bfs", "joint_proximal", "joint_distal", "joint_sum"};
+  std::vector<std::string> inadmissible_heuristics{"joint_proximal", "joint_distal", "joint_sum"};
   /// This weight inflates every heuristic [>= 1].
   double w1{20.0};
   /// The keys of the inadmissible searches may exceed the anchor search's by this factor [>= 1].
   double w2{5.0};
+  /// Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by side,
+  /// and the bound holds for the one in which the path was found; otherwise one lattice is.
+  bool multi_resolution{true};
 };
 
 /// Parallel weighted search; the same path for every number of threads.
@@ -119,7 +128,23 @@ struct WPASE {
   /// This many threads evaluate edges; the path does not depend on it [> 0 and <= 1024].
   int num_threads{4};
   /// This many edges are evaluated together; another size may find another path [> 0].
-  int batch_size{16};
+  int batch_size{4};
+  /// Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by side,
+  /// and the bound holds for the one in which the path was found; otherwise one lattice is.
+  bool multi_resolution{true};
+};
+
+/// AMRA*: several heuristics and resolutions share one search; better paths until the time limit.
+/// Literature: AMRA*: Saxena, Kusnur, Likhachev 2022; MRA*: Du, Islam, Likhachev 2020.
+/// Guarantee: anytime; first cost <= `w1` * `w2` * optimum of the finest lattice, then <= last proven bound * it.
+struct AMRAStar {
+  CommonOptions common{};
+  /// In the first round, this weight inflates every heuristic [>= 1].
+  double w1{20.0};
+  /// In the first round, the keys of the inadmissible searches may exceed the anchor search's by this factor [>= 1].
+  double w2{5.0};
+  /// The search ends once this bound is proven [>= 1].
+  double final_weight{1.0};
 };
 
 /// Two trees that grow towards each other, by the same samples every time: quick, not optimal.
@@ -213,7 +238,7 @@ struct Auto {
 
 /// The options of one planner.
 using PlannerOptions =
-    std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, XECBS, ECBS, CBS, Prioritised, RRTConnect>;
+    std::variant<Auto, WAStar, AStar, ARAStar, MHAStar, WPASE, AMRAStar, XECBS, ECBS, CBS, Prioritised, RRTConnect>;
 
 /// A value of a dictionary. A string may also hold a number or a truth value ("5", "true"), or names with commas or
 /// spaces between them for an option that is a list of names.

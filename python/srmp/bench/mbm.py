@@ -34,7 +34,7 @@ GROUPS = {"panda": "panda_arm", "ur5": "manipulator", "fetch": "arm_with_torso"}
 _ENTRY = re.compile(r"(?:^|/)(?P<scenario>[^/]+)/(?P<kind>scene|request)(?P<number>\d+)\.yaml$")
 STATISTICS = (
     *("plan_time_s", "total_time_s", "search_time_s", "timing_time_s", "verification_time_s"),
-    *("expansions", "memory_bytes", "edge_checks"),
+    *("found_by", "expansions", "memory_bytes", "edge_checks"),
     *("edges_free_by_spheres", "edges_colliding_by_spheres", "edges_free_by_coal", "edges_colliding_by_coal"),
 )
 PROFILES = ("times", "positions", "velocities", "accelerations")

@@ -9,6 +9,7 @@
 #include "srmp/facade/moveit_problem.hpp"
 #include "srmp/facade/plan_many.hpp"
 #include "srmp/facade/problem_file.hpp"
+#include "srmp/facade/request_checks.hpp"
 #include "srmp/facade/scene_checkers.hpp"
 #include "srmp/io/joint_limits.hpp"
 #include "srmp/io/scene_file.hpp"
@@ -19,41 +20,6 @@
 #include "srmp/planning/stationary_robots.hpp"
 
 namespace srmp {
-
-namespace {
-
-std::vector<std::string> names_of(const MultiPlanRequest& request) {
-  std::vector<std::string> names;
-  for (const auto& [name, start] : request.starts) names.push_back(name);
-  return names;
-}
-
-bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
-  const auto named = [&](const auto& entry) { return is_one(entry.first); };
-  return std::any_of(request.starts.begin(), request.starts.end(), named) ||
-         std::any_of(request.obstacles.begin(), request.obstacles.end(), named);
-}
-bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
-  return is_one(request.robot);
-}
-
-void require_planner_for_one(const PlannerOptions& options) {
-  if (registered_planner(options).info.one_robot) return;
-  throw NotSupported(planner_id(options) +
-                     " plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for "
-                     "plan");
-}
-
-/// One robot may have been given a planner that knows no others.
-void require_for_many(const PlannerOptions& options) {
-  const PlannerInfo& info = registered_planner(options).info;
-  if (!info.many_robots)
-    throw InvalidArgument("planner '" + info.id +
-                          "' plans for one robot, with plan; make_planner one for many, such as 'xECBS', for "
-                          "plan_multi");
-}
-
-}  // namespace
 
 struct PlannerInterface::Impl {
   Scene scene;
@@ -372,7 +338,7 @@ void PlannerInterface::load_scene(const std::string& path, const std::vector<std
   impl_->request.reset();
 }
 
-// --- questions
+// --- queries
 
 const Scene& PlannerInterface::scene() const { return impl_->scene; }
 

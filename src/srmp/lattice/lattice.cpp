@@ -47,7 +47,8 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
       ends_(workers, {q_, q_}),
       workers_(workers) {
   for (const Joint& joint : joints_) unit_.push_back(grid_unit(joint));
-  for (const PrimitiveFamily& family : options.primitives.families) add_family(family);
+  add_level(options.primitives, {});
+  for (const CoarseLevel& level : options.coarser) add_level(level.primitives, level.step);
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     scratch_key_[0] = static_cast<std::int32_t>(i);
     table_.insert(scratch_key_);
@@ -65,8 +66,15 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
   }
 }
 
-void Lattice::add_family(const PrimitiveFamily& family) {
-  Family& added = families_.emplace_back(Family{family.use, {}});
+void Lattice::add_level(const PrimitiveSet& primitives, const Eigen::VectorXd& step) {
+  Level& level = levels_.emplace_back();
+  for (const PrimitiveFamily& family : primitives.families) level.families.push_back(make_family(family));
+  for (Eigen::Index j = 0; j < step.size(); ++j)
+    level.steps.push_back(static_cast<std::int32_t>(std::lround(step[j] / unit_[static_cast<std::size_t>(j)])));
+}
+
+Lattice::Family Lattice::make_family(const PrimitiveFamily& family) const {
+  Family added{family.use, {}};
   for (const Eigen::VectorXd& delta : family.moves) {
     Move move{{}, 0.0};
     for (std::size_t j = 0; j < joints_.size(); ++j)
@@ -76,6 +84,15 @@ void Lattice::add_family(const PrimitiveFamily& family) {
       throw InvalidArgument("motion primitive family '" + family.name + "' has a move of zero length");
     added.moves.push_back(std::move(move));
   }
+  return added;
+}
+
+bool Lattice::is_on(search::StateId state, std::size_t level) const {
+  const auto key = table_.key(state);
+  const std::vector<std::int32_t>& steps = levels_[level].steps;
+  for (std::size_t j = 0; j < steps.size(); ++j)
+    if (key[j + 1] % steps[j] != 0) return false;
+  return true;
 }
 
 std::vector<search::StateId> Lattice::starts() const {
@@ -223,6 +240,11 @@ void Lattice::add_moves_to_targets(search::StateId state, const Move& steps, std
 }
 
 void Lattice::successors(search::StateId state, std::vector<search::Successor>& out) {
+  connections(state, out);
+  successors(state, 0, out);
+}
+
+void Lattice::connections(search::StateId state, std::vector<search::Successor>& out) {
   if (is_goal(state)) return;
   read_configuration(state, q_);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
@@ -235,8 +257,13 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
     if (waypoint != state) out.push_back({waypoint, std::max(distance(q_, roots_[i]), min_cost)});
   }
   add_goal_connections(state, out);
+}
+
+void Lattice::successors(search::StateId state, std::size_t level, std::vector<search::Successor>& out) {
+  if (is_goal(state)) return;
+  read_configuration(state, q_);
   const bool near = near_an_end(q_);
-  for (const Family& family : families_)
+  for (const Family& family : levels_[level].families)
     if (family.use == PrimitiveUse::always || family.use == PrimitiveUse::to_targets ||
         (family.use == PrimitiveUse::near) == near)
       add_moves(state, family, out);

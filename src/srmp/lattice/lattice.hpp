@@ -47,11 +47,19 @@ RowMatrix distance_weights(std::size_t dof);
 ///   optimum; `exhausted` covers these goals too.
 class Lattice {
  public:
+  /// A resolution that is coarser than the lattice's own: the grid of states whose joints differ from their root's by
+  /// multiples of `step`, and the primitives that are used there. No step is rounded: it is a multiple of
+  /// three grid units, as axis_primitives makes them.
+  struct CoarseLevel {
+    Eigen::VectorXd step;  ///< (dof,) [rad or m], > 0
+    PrimitiveSet primitives;
+  };
   struct Options {
     PrimitiveSet primitives;
     double connection_distance{search::infinity};  ///< [rad], >= 0
     GoalConnection goal_connection{};              ///< may be empty
     std::vector<Eigen::VectorXd> waypoints{};      ///< free configurations that every state is connected with
+    std::vector<CoarseLevel> coarser{};            ///< for searches at several resolutions, finer ones first
   };
 
   /// All roots and targets must be free configurations within limits. Batches of edges are distributed over `workers`.
@@ -67,6 +75,12 @@ class Lattice {
   void successors(search::StateId state, std::vector<search::Successor>& out);
   void evaluate(std::span<const search::Edge> edges, std::span<double> costs);
   bool is_goal(search::StateId state) const { return table_.key(state)[0] < 0; }
+
+  // --- search::MultiResolutionGraph
+  std::size_t levels() const { return levels_.size(); }
+  bool is_on(search::StateId state, std::size_t level) const;
+  void successors(search::StateId state, std::size_t level, std::vector<search::Successor>& out);
+  void connections(search::StateId state, std::vector<search::Successor>& out);
 
   std::vector<search::StateId> starts() const;
   Eigen::VectorXd configuration(search::StateId state) const;
@@ -97,7 +111,14 @@ class Lattice {
     std::vector<Move> moves;
   };
 
-  void add_family(const PrimitiveFamily& family);
+  /// Primitives and, of a coarse level, the steps of its grid in grid units.
+  struct Level {
+    std::vector<Family> families;
+    std::vector<std::int32_t> steps;
+  };
+
+  void add_level(const PrimitiveSet& primitives, const Eigen::VectorXd& step);
+  Family make_family(const PrimitiveFamily& family) const;
   void add_goal_connections(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
@@ -117,7 +138,7 @@ class Lattice {
   GoalConnection goal_connection_;
   std::map<search::StateId, ConnectedGoal> connected_goals_;
   MotionValidator validator_;
-  std::vector<Family> families_;
+  std::vector<Level> levels_;
   std::vector<double> unit_;  // of the grid, one entry per joint [rad or m]
   StateTable table_;          // key: root number, then grid coordinates; goals: see lattice.cpp
   std::vector<std::int32_t> scratch_key_;

@@ -1,22 +1,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "srmp/search/inadmissible_heuristics.hpp"
 #include "srmp/search/lazy_tree.hpp"
 #include "srmp/search/open_list.hpp"
+#include "srmp/search/resumable_search.hpp"
 
 namespace srmp::search {
-
-/// Estimates of the cost-to-go, which may overestimate it: each finite and >= 0. values(states, out) writes all `count`
-/// of the first state, then of the next.
-struct InadmissibleHeuristics {
-  std::size_t count{};
-  std::function<void(std::span<const StateId>, std::span<double>)> values;
-};
 
 /// Finds some path quickly, and then proves or improves its cost: greedy best-first search in the orders of several
 /// heuristics that share their expansions, beside A*.
@@ -32,31 +26,25 @@ struct InadmissibleHeuristics {
 /// Needs: a Graph, and a consistent heuristic for the anchor as weighted A* (astar.hpp). Without inadmissible
 /// heuristics it is A*.
 template <Graph G, Heuristic H>
-class AlternatingSearch {
+class AlternatingSearch : public ResumableSearch {
  public:
-  AlternatingSearch(G& graph, H& anchor, InadmissibleHeuristics inadmissible_heuristics, double weight)
-      : tree_(graph, anchor),
-        inadmissible_heuristics_(std::move(inadmissible_heuristics)),
-        weight_(weight),
-        queues_(inadmissible_heuristics_.count) {}
-
-  void add_starts(std::span<const StateId> starts) {
-    reached_.clear();
+  /// Graph and anchor outlive this.
+  AlternatingSearch(G& graph, std::span<const StateId> starts, H& anchor,
+                    InadmissibleHeuristics inadmissible_heuristics, double weight)
+      : tree_(graph, anchor), values_(std::move(inadmissible_heuristics)), weight_(weight), queues_(values_.count()) {
+    require_weight(weight, "weight");
     tree_.add_starts(starts, [this](StateId s) { reached_.push_back(s); });
     requeue_reached();
   }
 
-  bool solved() const { return goal_.known(); }
-  /// Of the best path; infinity while there is none.
-  double cost() const { return goal_.cost(); }
-  /// Nothing left to do: proven, or exhausted.
-  bool finished() const {
+  bool solved() const override { return goal_.known(); }
+  double cost() const override { return goal_.cost(); }
+  bool finished() const override {
     if (solved()) return cost() <= weight_ * anchor_.min_priority();
     return queues_.empty() ? anchor_.empty() : queues_[0].empty();  // these queues hold the same states
   }
 
-  /// Expands until finished, or `expansions` states. Says why when it had to stop earlier.
-  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) {
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) override {
     const std::uint64_t first = tree_.statistics.expansions;
     while (!finished() && tree_.statistics.expansions - first < expansions) {
       if (const auto stop = stop_status(deadline)) return stop;
@@ -74,16 +62,15 @@ class AlternatingSearch {
     return std::nullopt;
   }
 
-  Result result(std::optional<Status> stop) const {
+  Result result(std::optional<Status> stop) const override {
     Result result = goal_.result(statistics(), stop);
     if (solved()) result.bound = proven_bound(infinity, cost(), anchor_.min_priority());
     return result;
   }
 
-  std::uint64_t expansions() const { return tree_.statistics.expansions; }
-  Statistics statistics() const {
+  Statistics statistics() const override {
     Statistics statistics = tree_.statistics;
-    statistics.memory = table().memory() + anchor_.memory() + values_of_.capacity() * sizeof(double);
+    statistics.memory = table().memory() + anchor_.memory() + values_.memory();
     for (const OpenList& queue : queues_) statistics.memory += queue.memory();
     return statistics;
   }
@@ -106,7 +93,7 @@ class AlternatingSearch {
   }
 
   void requeue_reached() {
-    evaluate_inadmissible();
+    values_.evaluate(reached_);
     for (const StateId s : reached_) requeue(s);
   }
 
@@ -124,41 +111,15 @@ class AlternatingSearch {
     const double g = table().best_cost(s);
     anchor_.set(s, g + state.heuristic, state.heuristic);
     if (state.closed) return;
-    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, values_of_[at(s, i)], g);
-  }
-
-  std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * queues_.size() + i; }
-
-  /// The inadmissible heuristics of the states reached, each evaluated once, all in one call.
-  void evaluate_inadmissible() {
-    const std::size_t count = queues_.size();
-    if (count == 0) return;
-    new_states_.clear();
-    for (const StateId s : reached_) {
-      if (at(s, count) > values_of_.size()) values_of_.resize(at(s, count), -1.0);
-      if (values_of_[at(s, 0)] < 0.0) new_states_.push_back(s);
-    }
-    if (new_states_.empty()) return;
-    values_.resize(new_states_.size() * count);
-    inadmissible_heuristics_.values(new_states_, values_);
-    for (std::size_t k = 0; k < values_.size(); ++k) {
-      const StateId s = new_states_[k / count];
-      if (!(values_[k] >= 0.0 && values_[k] < infinity))
-        throw InvalidArgument("inadmissible heuristic " + std::to_string(k % count) + " of state " + std::to_string(s) +
-                              " is " + to_text(values_[k]) + ", it must be finite and at least 0");
-      values_of_[at(s, k % count)] = values_[k];
-    }
+    for (std::size_t i = 0; i < queues_.size(); ++i) queues_[i].set(s, values_(s, i), g);
   }
 
   LazyTree<G, H> tree_;
-  InadmissibleHeuristics inadmissible_heuristics_;
+  InadmissibleValues values_;
   double weight_;
   OpenList anchor_;
-  std::vector<OpenList> queues_;     ///< one per inadmissible heuristic
-  std::vector<StateId> reached_;     ///< by the last expansion
-  std::vector<StateId> new_states_;  ///< of these, those not evaluated yet
-  std::vector<double> values_;       ///< of these
-  std::vector<double> values_of_;    ///< by state and inadmissible heuristic; negative: not evaluated yet
+  std::vector<OpenList> queues_;  ///< one per inadmissible heuristic
+  std::vector<StateId> reached_;  ///< by the last expansion
   BestGoal goal_;
   std::uint64_t round_{};
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -26,39 +27,77 @@ struct AraOptions {
   std::function<bool(const Result&)> on_solution{};
 };
 
-/// When time runs out or the caller cancels, the best path so far is the result (`solved`, with its bound); timed_out
-/// and cancelled mean that there was none yet.
+/// One search in slices, from all `starts` (cost 0 each) to the nearest goal.
+template <Graph G, Heuristic H>
+class AraStar : public ResumableSearch {
+ public:
+  /// Graph and heuristic outlive this.
+  AraStar(G& graph, std::span<const StateId> starts, H& heuristic, AraOptions options)
+      : options_(std::move(options)),
+        weight_(options_.initial_weight),
+        search_(graph, heuristic, weight_, WeightedSearch<G, H>::Expand::again) {
+    require_weight(options_.final_weight, "final_weight");
+    require_weight(options_.initial_weight, "initial_weight");
+    require_positive(options_.weight_delta, "weight_delta");
+    if (options_.initial_weight < options_.final_weight) {
+      throw InvalidArgument("initial_weight is " + to_text(options_.initial_weight) + ", less than final_weight " +
+                            to_text(options_.final_weight));
+    }
+    search_.add_starts(starts);
+  }
+
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) override {
+    const std::uint64_t first = search_.expansions();
+    while (!finished()) {
+      const std::uint64_t used = search_.expansions() - first;
+      if (used >= expansions) return std::nullopt;
+      if (const auto stop = search_.improve(deadline, expansions - used)) return stop;
+      if (search_.finished()) end_round();
+    }
+    return std::nullopt;
+  }
+
+  /// Proven, exhausted, or on_solution wants no better path.
+  bool finished() const override { return finished_; }
+
+  /// Of the last round that ended. When time runs out or the caller cancels, that is the best path so far (`solved`,
+  /// with its bound); timed_out and cancelled mean that there was none yet.
+  Result result(std::optional<Status> stop) const override {
+    Result result = solved() || finished_ ? best_ : search_.result(weight_, stop);
+    result.statistics = statistics();
+    return result;
+  }
+  bool solved() const override { return best_.status == Status::solved; }
+  double cost() const override { return best_.cost; }
+  Statistics statistics() const override { return search_.statistics(); }
+
+ private:
+  void end_round() {
+    Result now = search_.result(weight_, std::nullopt);
+    now.bound = std::min(now.bound, best_.bound);  // proven for a costlier path, so for this one
+    const bool improved = now.cost < best_.cost || now.bound < best_.bound;
+    best_ = std::move(now);
+    finished_ = !solved() || (improved && options_.on_solution && !options_.on_solution(best_)) ||
+                best_.bound <= options_.final_weight;
+    if (finished_) return;
+    weight_ = std::max(options_.final_weight, std::min(weight_ - options_.weight_delta, best_.bound));
+    search_.next_round(weight_);
+  }
+
+  AraOptions options_;
+  double weight_;
+  WeightedSearch<G, H> search_;
+  Result best_;
+  bool finished_{};
+};
+
+/// The whole search at once.
 template <Graph G, Heuristic H>
 Result ara_star(G& graph, std::span<const StateId> starts, H& heuristic, const AraOptions& options,
                 const Deadline& deadline) {
-  require_weight(options.final_weight, "final_weight");
-  require_weight(options.initial_weight, "initial_weight");
-  require_positive(options.weight_delta, "weight_delta");
-  if (options.initial_weight < options.final_weight) {
-    throw InvalidArgument("initial_weight is " + to_text(options.initial_weight) + ", less than final_weight " +
-                          to_text(options.final_weight));
-  }
-  using Search = WeightedSearch<G, H>;
-  double weight = options.initial_weight;
-  Search search(graph, heuristic, weight, Search::Expand::again);
-  search.add_starts(starts);
-  Result best;
-  while (true) {
-    const std::optional<Status> stop = search.improve(deadline);
-    if (stop && best.status == Status::solved) {
-      best.statistics = search.statistics();
-      return best;
-    }
-    Result now = search.result(weight, stop);
-    now.bound = std::min(now.bound, best.bound);  // proven for a costlier path, so for this one
-    const bool improved = now.cost < best.cost || now.bound < best.bound;
-    best = std::move(now);
-    if (best.status != Status::solved) return best;
-    if (improved && options.on_solution && !options.on_solution(best)) return best;
-    if (best.bound <= options.final_weight) return best;
-    weight = std::max(options.final_weight, std::min(weight - options.weight_delta, best.bound));
-    search.next_round(weight);
-  }
+  AraStar<G, H> search(graph, starts, heuristic, options);
+  const std::optional<Status> stop = search.improve(deadline, unlimited);
+  return search.result(stop);
 }
 
 }  // namespace srmp::search

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -20,17 +21,39 @@ struct AstarOptions {
   double weight{1.0};  ///< >= 1; 1 is A*, more expands fewer states for costlier paths
 };
 
-/// Searches from all `starts` (cost 0 each) to the nearest goal. Throws InvalidArgument for options, starts, heuristic
-/// values and edge costs outside their contracts.
+/// One search in slices, from all `starts` (cost 0 each) to the nearest goal. Throws InvalidArgument for options,
+/// starts, heuristic values and edge costs outside their contracts.
+template <Graph G, Heuristic H>
+class WeightedAstar : public ResumableSearch {
+ public:
+  /// Graph and heuristic outlive this.
+  WeightedAstar(G& graph, std::span<const StateId> starts, H& heuristic, const AstarOptions& options)
+      : weight_(options.weight), search_(graph, heuristic, options.weight, WeightedSearch<G, H>::Expand::once) {
+    require_weight(options.weight, "weight");
+    search_.add_starts(starts);
+  }
+
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) override {
+    return search_.improve(deadline, expansions);
+  }
+  bool finished() const override { return search_.finished(); }
+  Result result(std::optional<Status> stop) const override { return search_.result(weight_, stop); }
+  bool solved() const override { return search_.solved(); }
+  double cost() const override { return search_.cost(); }
+  Statistics statistics() const override { return search_.statistics(); }
+
+ private:
+  double weight_;
+  WeightedSearch<G, H> search_;
+};
+
+/// The whole search at once.
 template <Graph G, Heuristic H>
 Result weighted_astar(G& graph, std::span<const StateId> starts, H& heuristic, const AstarOptions& options,
                       const Deadline& deadline) {
-  require_weight(options.weight, "weight");
-  using Search = WeightedSearch<G, H>;
-  Search search(graph, heuristic, options.weight, Search::Expand::once);
-  search.add_starts(starts);
-  const std::optional<Status> stop = search.improve(deadline);
-  return search.result(options.weight, stop);
+  WeightedAstar<G, H> search(graph, starts, heuristic, options);
+  const std::optional<Status> stop = search.improve(deadline, unlimited);
+  return search.result(stop);
 }
 
 }  // namespace srmp::search

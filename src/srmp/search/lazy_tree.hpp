@@ -34,13 +34,17 @@ inline constexpr EdgeId no_edge = std::numeric_limits<EdgeId>::max();
 /// it could never win. Only candidates better than the state's cost at its last expansion are kept.
 class CandidateTable {
  public:
+  /// Edges of an expansion that are remembered, one after the other in the table.
+  struct EdgeBlock {
+    EdgeId first{no_edge};  ///< no_edge: not generated yet
+    std::uint32_t count{};
+  };
   struct State {
-    double cost{infinity};       ///< to come, at the last expansion; infinity before
-    double heuristic{-1.0};      ///< negative: not evaluated yet
-    EdgeId parent{no_edge};      ///< the edge over which `cost` was reached
-    EdgeId best{no_edge};        ///< first candidate
-    EdgeId first_edge{no_edge};  ///< outgoing edges, one block; only when edges are remembered
-    std::uint32_t edge_count{};
+    double cost{infinity};   ///< to come, at the last expansion; infinity before
+    double heuristic{-1.0};  ///< negative: not evaluated yet
+    EdgeId parent{no_edge};  ///< the edge over which `cost` was reached
+    EdgeId best{no_edge};    ///< first candidate
+    EdgeBlock edges{};       ///< outgoing edges; only when edges are remembered
     std::uint32_t closed{};  ///< the search's mark
     bool inconsistent{};     ///< in the search's INCONS
   };
@@ -54,6 +58,8 @@ class CandidateTable {
     if (s == no_state) throw InvalidArgument("the graph generated no_state (4294967295) as a state");
     states_.resize(std::size_t{s} + 1);
   }
+
+  std::size_t size() const { return states_.size(); }
 
   bool has_candidate(StateId s) const { return states_[s].best != no_edge; }
   /// Is the best candidate of `s` evaluated?
@@ -254,7 +260,9 @@ class LazyTree {
   /// Offers the edges of a committed state, for searches that expand a state at most once.
   template <class Reached>
   void expand_once(StateId s, Reached&& reached) {
-    const double cost = generate_successors(s);
+    ++statistics.expansions;
+    generate_successors([this, s](std::vector<Successor>& out) { graph_.successors(s, out); });
+    const double cost = table[s].cost;
     for (const Successor& next : successors_) {
       if (admit(s, next) && table.offer_new({s, next.state, next.cost}, cost + next.cost)) reached(next.state);
     }
@@ -263,9 +271,18 @@ class LazyTree {
   /// The same for searches that may expand a state again: edges and their true costs are remembered.
   template <class Reached>
   void expand(StateId s, Reached&& reached) {
-    if (table[s].first_edge == no_edge) return expand_first(s, reached);
     ++statistics.expansions;
-    for (EdgeId e = table[s].first_edge; e < table[s].first_edge + table[s].edge_count; ++e) offer(s, e, reached);
+    CandidateTable::EdgeBlock edges = table[s].edges;
+    expand(s, edges, [this, s](std::vector<Successor>& out) { graph_.successors(s, out); }, reached);
+    table[s].edges = edges;
+  }
+
+  /// The same for a part of the edges, which `generate(out)` appends to `out` when it is called for the first time. No
+  /// expansion is counted.
+  template <class Generate, class Reached>
+  void expand(StateId s, CandidateTable::EdgeBlock& edges, Generate&& generate, Reached&& reached) {
+    if (edges.first == no_edge) return expand_first(s, edges, generate, reached);
+    for (EdgeId e = edges.first; e < edges.first + edges.count; ++e) offer(s, e, reached);
   }
 
   /// Evaluates edges in one call to the graph. The caller must requeue the states they lead to.
@@ -290,13 +307,12 @@ class LazyTree {
   }
 
  private:
-  double generate_successors(StateId s) {
-    ++statistics.expansions;
+  template <class Generate>
+  void generate_successors(Generate&& generate) {
     successors_.clear();
-    graph_.successors(s, successors_);
+    generate(successors_);
     statistics.generated += successors_.size();
     if constexpr (BatchHeuristic<H>) evaluate_heuristics();
-    return table[s].cost;
   }
 
   /// The heuristics of all new successors in one call.
@@ -324,19 +340,16 @@ class LazyTree {
     return heuristic(next.state) < infinity;
   }
 
-  template <class Reached>
-  void expand_first(StateId s, Reached&& reached) {
-    generate_successors(s);
-    EdgeId first = no_edge;
-    std::uint32_t count = 0;
+  template <class Generate, class Reached>
+  void expand_first(StateId s, CandidateTable::EdgeBlock& edges, Generate&& generate, Reached&& reached) {
+    generate_successors(generate);
+    edges = {.first = 0, .count = 0};  // generated, though perhaps there are none
     for (const Successor& next : successors_) {
       if (!admit(s, next)) continue;
       const EdgeId e = table.add(s, next.state, next.cost);
-      if (count++ == 0) first = e;
+      if (edges.count++ == 0) edges.first = e;
       offer(s, e, reached);
     }
-    table[s].first_edge = count > 0 ? first : 0;  // generated, though perhaps there were none
-    table[s].edge_count = count;
   }
 
   template <class Reached>

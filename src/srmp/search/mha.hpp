@@ -10,6 +10,7 @@
 
 #include "srmp/search/lazy_tree.hpp"
 #include "srmp/search/open_list.hpp"
+#include "srmp/search/resumable_search.hpp"
 
 /// MHA*: multi-heuristic A* with shared expansions (SMHA*) and lazily evaluated edges.
 ///
@@ -28,20 +29,29 @@ struct MhaOptions {
 
 using InadmissibleHeuristic = AnyHeuristic;
 
-/// The queues of one MHA* search. Queue 0 belongs to the anchor and holds every open state.
+/// One search in slices, from all `starts` (cost 0 each) to the nearest goal, guided by `anchor` and any number of
+/// `others`. Queue 0 belongs to the anchor and holds every open state.
 template <Graph G, Heuristic H>
-class MultiHeuristicSearch {
+class MultiHeuristicSearch : public ResumableSearch {
  public:
-  MultiHeuristicSearch(G& graph, H& anchor, std::span<const InadmissibleHeuristic> others, const MhaOptions& options)
-      : tree_(graph, anchor), others_(others), options_(options), queues_(others.size() + 1) {}
-
-  Result run(std::span<const StateId> starts, const Deadline& deadline) {
+  /// Graph and heuristics outlive this.
+  MultiHeuristicSearch(G& graph, std::span<const StateId> starts, H& anchor,
+                       std::span<const InadmissibleHeuristic> others, const MhaOptions& options)
+      : tree_(graph, anchor), others_(others), options_(options), queues_(others.size() + 1) {
+    require_weight(options.w1, "w1");
+    require_weight(options.w2, "w2");
+    for (std::size_t i = 0; i < others.size(); ++i)
+      if (!others[i]) throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " is empty");
     tree_.add_starts(starts, [this](StateId s) { reached_.push_back(s); });
     evaluate_others();
     for (const StateId s : reached_) requeue(s);
-    for (std::size_t round = 0; !queues_[0].empty();) {
-      if (const auto stop = stop_status(deadline)) return unsolved(*stop);
-      const std::size_t queue = queue_of(round);
+  }
+
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) override {
+    const std::uint64_t first = tree_.statistics.expansions;
+    while (!finished() && tree_.statistics.expansions - first < expansions) {
+      if (const auto stop = stop_status(deadline)) return stop;
+      const std::size_t queue = queue_of(round_);
       const StateId s = queues_[queue].top().state;
       if (!table().confirmed(s)) {
         const EdgeId e = table().best(s);
@@ -50,14 +60,40 @@ class MultiHeuristicSearch {
         continue;
       }
       close(s, queue);
-      if (tree_.is_goal(s)) return solved(s);
+      if (tree_.is_goal(s)) {
+        goal_.offer(table(), s);
+        break;
+      }
       reached_.clear();
       tree_.expand(s, [this](StateId next) { reached_.push_back(next); });
       evaluate_others();
       for (const StateId next : reached_) requeue(next);
-      ++round;
+      ++round_;
     }
-    return unsolved(Status::exhausted);
+    return std::nullopt;
+  }
+
+  bool finished() const override { return solved() || queues_[0].empty(); }
+  bool solved() const override { return goal_.known(); }
+  double cost() const override { return goal_.cost(); }
+
+  Result result(std::optional<Status> stop) const override {
+    Result result = goal_.result(statistics(), stop);
+    if (!solved()) return result;
+    double lower = result.cost;
+    const auto lower_to = [&](StateId s) { lower = std::min(lower, table().best_cost(s) + table()[s].heuristic); };
+    for (const OpenList::Entry& entry : queues_[0].entries()) lower_to(entry.state);
+    for (const StateId s : inconsistent_) lower_to(s);
+    result.bound = proven_bound(options_.w1 * options_.w2, result.cost, lower);
+    return result;
+  }
+
+  Statistics statistics() const override {
+    Statistics statistics = tree_.statistics;
+    statistics.memory =
+        table().memory() + values_of_.capacity() * sizeof(double) + inconsistent_.capacity() * sizeof(StateId);
+    for (const OpenList& open : queues_) statistics.memory += open.memory();
+    return statistics;
   }
 
  private:
@@ -130,28 +166,6 @@ class MultiHeuristicSearch {
     }
   }
 
-  Result unsolved(Status status) const {
-    Result result;
-    result.status = status;
-    result.statistics = tree_.statistics;
-    result.statistics.memory =
-        table().memory() + values_of_.capacity() * sizeof(double) + inconsistent_.capacity() * sizeof(StateId);
-    for (const OpenList& open : queues_) result.statistics.memory += open.memory();
-    return result;
-  }
-
-  Result solved(StateId goal) const {
-    Result result = unsolved(Status::solved);
-    result.path = table().path_to(goal);
-    result.cost = table().path_cost(result.path);
-    double lower = result.cost;
-    const auto lower_to = [&](StateId s) { lower = std::min(lower, table().best_cost(s) + table()[s].heuristic); };
-    for (const OpenList::Entry& entry : queues_[0].entries()) lower_to(entry.state);
-    for (const StateId s : inconsistent_) lower_to(s);
-    result.bound = proven_bound(options_.w1 * options_.w2, result.cost, lower);
-    return result;
-  }
-
   LazyTree<G, H> tree_;
   std::span<const InadmissibleHeuristic> others_;
   MhaOptions options_;
@@ -161,18 +175,17 @@ class MultiHeuristicSearch {
   std::vector<StateId> new_states_;    ///< of these, those not evaluated yet
   std::vector<double> values_;         ///< of these
   std::vector<StateId> inconsistent_;  ///< closed by the anchor, but a cheaper candidate was found since
+  BestGoal goal_;
+  std::size_t round_{};
 };
 
-/// Searches from all `starts` (cost 0 each) to the nearest goal, guided by `anchor` and any number of `others`.
+/// The whole search at once.
 template <Graph G, Heuristic H>
 Result mha_star(G& graph, std::span<const StateId> starts, H& anchor, std::span<const InadmissibleHeuristic> others,
                 const MhaOptions& options, const Deadline& deadline) {
-  require_weight(options.w1, "w1");
-  require_weight(options.w2, "w2");
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    if (!others[i]) throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " is empty");
-  }
-  return MultiHeuristicSearch<G, H>(graph, anchor, others, options).run(starts, deadline);
+  MultiHeuristicSearch<G, H> search(graph, starts, anchor, others, options);
+  const std::optional<Status> stop = search.improve(deadline, unlimited);
+  return search.result(stop);
 }
 
 }  // namespace srmp::search

@@ -9,6 +9,7 @@
 
 #include "srmp/search/lazy_tree.hpp"
 #include "srmp/search/open_list.hpp"
+#include "srmp/search/resumable_search.hpp"
 
 namespace srmp::search {
 
@@ -35,9 +36,10 @@ class WeightedSearch {
   /// No state in OPEN can beat the best goal within the weight.
   bool finished() const { return open_.empty() || (solved() && open_.min_priority() >= goal_.cost()); }
 
-  /// Expands in the order of OPEN until finished. Says why when it had to stop earlier.
-  std::optional<Status> improve(const Deadline& deadline) {
-    while (!finished()) {
+  /// Expands in the order of OPEN until finished, or `expansions` states more. Says why when it had to stop earlier.
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions = unlimited) {
+    const std::uint64_t first = this->expansions();
+    while (!finished() && this->expansions() - first < expansions) {
       if (const auto stop = stop_status(deadline)) return stop;
       const StateId s = open_.top().state;
       if (table().confirmed(s)) {
@@ -94,6 +96,9 @@ class WeightedSearch {
   }
 
   bool solved() const { return goal_.known(); }
+  std::uint64_t expansions() const { return tree_.statistics.expansions; }
+  /// Of the best path; infinity while there is none.
+  double cost() const { return goal_.cost(); }
 
   Statistics statistics() const {
     Statistics statistics = tree_.statistics;
@@ -111,6 +116,7 @@ class WeightedSearch {
 
   double priority(StateId s) const { return table().best_cost(s) + weight_ * table()[s].heuristic; }
   OpenList& open() { return open_; }
+  const OpenList& open() const { return open_; }
   LazyTree<G, H>& tree() { return tree_; }
   CandidateTable& table() { return tree_.table; }
   const CandidateTable& table() const { return tree_.table; }

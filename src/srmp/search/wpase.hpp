@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "srmp/search/weighted_search.hpp"
@@ -40,15 +42,25 @@ concept PairHeuristic = requires(P& pair, StateId a, StateId b) {
 /// Selects h(a) - h(b), which by consistency is a lower bound of the cost from a to b.
 struct HeuristicDifference {};
 
-/// The rounds of one wPA*SE search.
-template <Graph G, Heuristic H, class P>
-class BatchedSearch {
+/// One search in slices, from all `starts` (cost 0 each) to the nearest goal.
+template <Graph G, Heuristic H, class P = HeuristicDifference>
+  requires PairHeuristic<P> || std::same_as<P, HeuristicDifference>
+class ParallelWeightedAstar : public ResumableSearch {
  public:
-  BatchedSearch(WeightedSearch<G, H>& search, P& pair, const WpaseOptions& options)
-      : search_(search), pair_(pair), options_(options) {}
+  /// Graph and heuristic outlive this.
+  ParallelWeightedAstar(G& graph, std::span<const StateId> starts, H& heuristic, const WpaseOptions& options,
+                        P pair = {})
+      : search_(graph, heuristic, options.weight, WeightedSearch<G, H>::Expand::once),
+        pair_(std::move(pair)),
+        options_(options) {
+    require_weight(options.weight, "weight");
+    if (options.batch_size == 0) throw InvalidArgument("batch_size is 0, it must be at least 1");
+    search_.add_starts(starts);
+  }
 
-  std::optional<Status> run(const Deadline& deadline) {
-    while (!search_.open().empty() && !search_.solved()) {
+  std::optional<Status> improve(const Deadline& deadline, std::uint64_t expansions) override {
+    const std::uint64_t first = search_.expansions();
+    while (!finished() && search_.expansions() - first < expansions) {
       const std::optional<Status> stop = collect(deadline);
       if (!stop && !search_.solved() && !batch_.empty()) search_.tree().evaluate(batch_);
       put_back();
@@ -56,6 +68,12 @@ class BatchedSearch {
     }
     return std::nullopt;
   }
+
+  bool finished() const override { return search_.open().empty() || search_.solved(); }
+  Result result(std::optional<Status> stop) const override { return search_.result(options_.weight, stop); }
+  bool solved() const override { return search_.solved(); }
+  double cost() const override { return search_.cost(); }
+  Statistics statistics() const override { return search_.statistics(); }
 
  private:
   /// Walks down OPEN: edges to evaluate go into the batch, independent confirmed states are expanded, all others wait.
@@ -99,32 +117,20 @@ class BatchedSearch {
     waiting_.clear();
   }
 
-  WeightedSearch<G, H>& search_;
-  P& pair_;
+  WeightedSearch<G, H> search_;
+  P pair_;
   WpaseOptions options_;
   std::vector<OpenList::Entry> waiting_;
   std::vector<EdgeId> batch_;
 };
 
-/// Searches from all `starts` (cost 0 each) to the nearest goal.
-template <Graph G, Heuristic H, class P>
-  requires PairHeuristic<P> || std::same_as<P, HeuristicDifference>
-Result wpase(G& graph, std::span<const StateId> starts, H& heuristic, P& pair, const WpaseOptions& options,
-             const Deadline& deadline) {
-  require_weight(options.weight, "weight");
-  if (options.batch_size == 0) throw InvalidArgument("batch_size is 0, it must be at least 1");
-  using Search = WeightedSearch<G, H>;
-  Search search(graph, heuristic, options.weight, Search::Expand::once);
-  search.add_starts(starts);
-  const std::optional<Status> stop = BatchedSearch<G, H, P>(search, pair, options).run(deadline);
-  return search.result(options.weight, stop);
-}
-
-template <Graph G, Heuristic H>
+/// The whole search at once.
+template <Graph G, Heuristic H, class P = HeuristicDifference>
 Result wpase(G& graph, std::span<const StateId> starts, H& heuristic, const WpaseOptions& options,
-             const Deadline& deadline) {
-  HeuristicDifference pair;
-  return wpase(graph, starts, heuristic, pair, options, deadline);
+             const Deadline& deadline, P pair = {}) {
+  ParallelWeightedAstar<G, H, P> search(graph, starts, heuristic, options, std::move(pair));
+  const std::optional<Status> stop = search.improve(deadline, unlimited);
+  return search.result(stop);
 }
 
 }  // namespace srmp::search

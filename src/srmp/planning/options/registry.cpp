@@ -74,6 +74,13 @@ OptionSpec search_weight() {
 }
 
 template <class Planner>
+OptionSpec multi_resolution() {
+  return option("multi_resolution", &Planner::multi_resolution, anything(),
+                "Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched "
+                "side by side, and the bound holds for the one in which the path was found; otherwise one lattice is.");
+}
+
+template <class Planner>
 OptionSpec low_level_weight() {
   return option("weight_low_level_heuristic", &Planner::weight_low_level_heuristic, at_least(1.0),
                 "This weight inflates the heuristic of each robot's low-level search.");
@@ -169,7 +176,7 @@ RegisteredPlanner weighted_astar() {
                           .papers = "weighted A*: Pohl 1970; lazy edges: Cohen, Phillips, Likhachev 2014",
                           .guarantee = "cost <= `weight` * optimum",
                           .one_robot = true},
-                         {search_weight<WAStar>()}, {"wa*", "weightedastar"});
+                         {search_weight<WAStar>(), multi_resolution<WAStar>()}, {"wa*", "weightedastar"});
 }
 
 RegisteredPlanner ara_star() {
@@ -183,7 +190,8 @@ RegisteredPlanner ara_star() {
       {option("weight", &ARAStar::weight, at_least(1.0), "The first round inflates the heuristic by this weight."),
        option("weight_delta", &ARAStar::weight_delta, above(0.0),
               "The weight decreases by this much after each round."),
-       option("final_weight", &ARAStar::final_weight, at_least(1.0), "The search ends once this bound is proven.")},
+       option("final_weight", &ARAStar::final_weight, at_least(1.0), "The search ends once this bound is proven."),
+       multi_resolution<ARAStar>()},
       {"ara*"});
 }
 
@@ -199,8 +207,26 @@ RegisteredPlanner mha_star() {
               "These heuristics guide searches beside the anchor search, which has the option `heuristic`."),
        option("w1", &MHAStar::w1, at_least(1.0), "This weight inflates every heuristic."),
        option("w2", &MHAStar::w2, at_least(1.0),
-              "The keys of the inadmissible searches may exceed the anchor search's by this factor.")},
+              "The keys of the inadmissible searches may exceed the anchor search's by this factor."),
+       multi_resolution<MHAStar>()},
       {"mha*"});
+}
+
+RegisteredPlanner amra_star() {
+  return planner<AMRAStar>(
+      {.id = "AMRAstar",
+       .class_name = "AMRAStar",
+       .summary = "AMRA*: several heuristics and resolutions share one search; better paths until the time limit",
+       .papers = "AMRA*: Saxena, Kusnur, Likhachev 2022; MRA*: Du, Islam, Likhachev 2020",
+       .guarantee =
+           "anytime; first cost <= `w1` * `w2` * optimum of the finest lattice, then <= last proven bound * it",
+       .one_robot = true},
+      {option("w1", &AMRAStar::w1, at_least(1.0), "In the first round, this weight inflates every heuristic."),
+       option("w2", &AMRAStar::w2, at_least(1.0),
+              "In the first round, the keys of the inadmissible searches may exceed the anchor search's by this "
+              "factor."),
+       option("final_weight", &AMRAStar::final_weight, at_least(1.0), "The search ends once this bound is proven.")},
+      {"amra*"});
 }
 
 RegisteredPlanner parallel_weighted_astar() {
@@ -211,7 +237,7 @@ RegisteredPlanner parallel_weighted_astar() {
                       .papers = "ePA*SE: Mukherjee, Aine, Likhachev 2022; PA*SE: Phillips, Likhachev, Koenig 2014",
                       .guarantee = "cost <= `weight` * optimum",
                       .one_robot = true},
-                     {search_weight<WPASE>(),
+                     {search_weight<WPASE>(), multi_resolution<WPASE>(),
                       option("num_threads", &WPASE::num_threads, thread_count(),
                              "This many threads evaluate edges; the path does not depend on it."),
                       option("batch_size", &WPASE::batch_size, above(0.0),
@@ -278,11 +304,17 @@ std::string normalized(const std::string& id) {
 
 const std::vector<RegisteredPlanner>& registry() {
   static const std::vector<RegisteredPlanner> planners{
-      automatic(),      astar(),
-      weighted_astar(), ara_star(),
-      mha_star(),       parallel_weighted_astar(),
-      rrt_connect(),    conflict_based_search(),
-      enhanced_cbs(),   experience_accelerated_ecbs(),
+      automatic(),
+      astar(),
+      weighted_astar(),
+      ara_star(),
+      mha_star(),
+      parallel_weighted_astar(),
+      amra_star(),
+      rrt_connect(),
+      conflict_based_search(),
+      enhanced_cbs(),
+      experience_accelerated_ecbs(),
       prioritised(),
   };
   return planners;

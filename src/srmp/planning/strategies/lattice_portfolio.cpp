@@ -1,33 +1,57 @@
 #include "srmp/planning/strategies/lattice_portfolio.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace srmp {
 
-LatticePortfolio::LatticePortfolio(LatticeFamily& family, const LatticePortfolioOptions& options)
-    : family_(family), options_(options) {
+namespace {
+
+std::vector<LatticeMember> members_of(const LatticePortfolioOptions& options) {
+  std::vector<LatticeMember> members;
   for (const double scale : options.scales)
-    for (const bool backward : options.directions) members_.push_back({nullptr, {}, backward, scale});
-  searches_ = std::make_unique<Searches>(
-      members_.size(), [this](std::size_t i) { return make_search(members_[i]); },
-      search::PortfolioOptions{.weight = options.weight, .max_expansions = options.max_expansions});
+    for (std::size_t d = 0; d < options.directions.size(); ++d)
+      for (std::size_t variant = 0; variant < options.variants; ++variant)
+        members.push_back(
+            {.backward = options.directions[d], .scale = scale, .slice = options.slices[d], .variant = variant});
+  return members;
+}
+
+std::vector<std::uint64_t> slices_of(const std::vector<LatticeMember>& members) {
+  std::vector<std::uint64_t> slices;
+  for (const LatticeMember& member : members) slices.push_back(member.slice);
+  return slices;
+}
+
+}  // namespace
+
+LatticePortfolio::LatticePortfolio(LatticeFamily& family, const LatticePortfolioOptions& options)
+    : family_(family),
+      options_(options),
+      members_(members_of(options)),
+      searches_(
+          members_.size(), [this](std::size_t i) { return begin(members_[i]); },
+          {.slices = slices_of(members_), .max_expansions = options.max_expansions, .first_only = options.first_only}) {
 }
 
 Attempt LatticePortfolio::attempt(const AttemptBudget&, const Deadline& deadline) {
-  const auto found = searches_->round(deadline);
+  const auto found = searches_.round(deadline);
   if (!found) return {.status = Status::timed_out};
-  const auto describe = [&](const Member& member) { return family_.describe(member.backward, member.scale); };
+  const auto describe = [&](const LatticeMember& member) { return family_.describe(member.backward, member.scale); };
   exhausted_graphs_.clear();
   for (std::size_t i = 0; i < members_.size(); ++i)
     if (found->exhausted[i]) exhausted_graphs_.push_back(describe(members_[i]));
   if (found->result.status == Status::solved) {
-    const Member& winner = members_[found->winner];
+    winner_ = found->winner;
+    const LatticeMember& winner = members_[winner_];
     return {.status = Status::solved,
             .found = family_.path_of(found->result, *winner.lattice, winner.backward, winner.scale)};
   }
-  const std::size_t count = members_.size();
-  const std::string no_path = count > 1 ? "none of the " + std::to_string(count) + " lattices holds a"
-                                        : describe(members_.front()) + " holds no";
+  std::set<std::string> lattices;  // several searches may share one
+  for (const LatticeMember& member : members_) lattices.insert(describe(member));
+  const std::size_t count = lattices.size();
+  const std::string no_path =
+      count > 1 ? "none of the " + std::to_string(count) + " lattices holds a" : *lattices.begin() + " holds no";
   return {.status = found->result.status, .reason = family_.no_path_sentence(found->result, no_path)};
 }
 
@@ -39,28 +63,33 @@ Attempt LatticePortfolio::run(const Deadline& deadline) {
 }
 
 search::Statistics LatticePortfolio::statistics() const {
-  search::Statistics sum = searches_->statistics();
-  for (const Member& member : members_)
+  search::Statistics sum = searches_.statistics();
+  for (const LatticeMember& member : members_)
     if (member.lattice) sum.memory += member.lattice->memory();
   return sum;
 }
 
 std::uint64_t LatticePortfolio::states() const {
   std::uint64_t sum = 0;
-  for (const Member& member : members_)
+  for (const LatticeMember& member : members_)
     if (member.lattice) sum += member.lattice->size();
   return sum;
 }
 
-search::PortfolioMember<Lattice, search::AnyHeuristic> LatticePortfolio::make_search(Member& member) const {
+std::unique_ptr<search::ResumableSearch> LatticePortfolio::begin(LatticeMember& member) const {
   member.lattice.reset(new Lattice(family_.lattice(member.backward, member.scale)));
+  return options_.search ? options_.search(member) : alternating_search(member);
+}
+
+std::unique_ptr<search::ResumableSearch> LatticePortfolio::alternating_search(LatticeMember& member) const {
   Lattice& lattice = *member.lattice;
-  member.anchor = [&lattice, limit = options_.max_length](search::StateId s) {
+  member.heuristics.emplace_back([&lattice, limit = options_.max_length](search::StateId s) {
     const double to_goal = lattice.distance_to_targets(s);
     if (limit == search::infinity || to_goal + lattice.distance_from_roots(s) < limit + 1e-9) return to_goal;
     return search::infinity;
-  };
-  return {&lattice, lattice.starts(), &member.anchor, family_.inadmissible_heuristics(lattice)};
+  });
+  return std::make_unique<search::AlternatingSearch<Lattice, search::AnyHeuristic>>(
+      lattice, lattice.starts(), member.heuristics.front(), family_.inadmissible_heuristics(lattice), options_.weight);
 }
 
 }  // namespace srmp

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/planning/strategies/strategy.hpp"
+#include "srmp/search/alternating_search.hpp"
 #include "srmp/search/portfolio.hpp"
 
 namespace srmp {
@@ -17,6 +19,7 @@ class LatticeFamily {
  public:
   virtual ~LatticeFamily() = default;
   virtual Lattice lattice(bool backward, double scale) = 0;
+  /// Of LatticePortfolio's own searches.
   virtual search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice) = 0;
   /// Of a solved search in lattice(backward, scale).
   virtual FoundPath path_of(const search::Result& result, const Lattice& lattice, bool backward,
@@ -25,6 +28,19 @@ class LatticeFamily {
   /// Why a search that is not solved has no path; `no_path` begins the sentence.
   virtual std::string no_path_sentence(const search::Result& result, const std::string& no_path) const = 0;
 };
+
+/// One search of a portfolio and what it needs to live.
+struct LatticeMember {
+  bool backward{};
+  double scale{1.0};
+  std::uint64_t slice{};                           ///< expansions in a round
+  std::size_t variant{};                           ///< < LatticePortfolioOptions::variants
+  std::unique_ptr<Lattice> lattice{};              ///< it cannot move
+  std::vector<search::AnyHeuristic> heuristics{};  ///< of its search, which refers to them
+};
+
+/// Makes the search of a member's lattice.
+using MakeLatticeSearch = std::function<std::unique_ptr<search::ResumableSearch>(LatticeMember&)>;
 
 struct LatticePortfolioOptions {
   double weight{1.0};  ///< of each search, >= 1
@@ -35,10 +51,15 @@ struct LatticePortfolioOptions {
   /// Joint-space length: only states that may lie on a path shorter than this are searched.
   double max_length{std::numeric_limits<double>::infinity()};
   std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};  ///< of one search
+  std::vector<std::uint64_t> slices{8, 8};  ///< expansions of one search in a round, by direction
+  bool first_only{true};                    ///< search::PortfolioOptions::first_only
+  std::size_t variants{1};                  ///< searches for each lattice
+  MakeLatticeSearch search{};               ///< empty: search::AlternatingSearch
 };
 
 /// Lattices at several resolutions, from the start and from the goals, searched side by side a few expansions at a
-/// time, each by several heuristics (search/portfolio.hpp). A round of attempts is one slice of each search.
+/// time (search/portfolio.hpp); by default each by several heuristics (search/alternating_search.hpp). A round of
+/// attempts is one slice of each search.
 class LatticePortfolio : public Strategy {
  public:
   /// The family outlives this.
@@ -52,27 +73,22 @@ class LatticePortfolio : public Strategy {
   /// Names of the lattices that were exhausted: none holds a path shorter than max_length.
   const std::vector<std::string>& exhausted_graphs() const { return exhausted_graphs_; }
   bool all_exhausted() const { return exhausted_graphs_.size() == members_.size(); }
+  /// Once an attempt has ended with a path: the search that found it.
+  const LatticeMember& winner() const { return members_[winner_]; }
   /// Of all searches; memory includes the lattices.
   search::Statistics statistics() const;
   std::uint64_t states() const;  ///< of all lattices
 
  private:
-  /// One search and what it needs to live.
-  struct Member {
-    std::unique_ptr<Lattice> lattice;  // it cannot move
-    search::AnyHeuristic anchor;
-    bool backward;
-    double scale;
-  };
-  using Searches = search::Portfolio<Lattice, search::AnyHeuristic>;
-
-  search::PortfolioMember<Lattice, search::AnyHeuristic> make_search(Member& member) const;
+  std::unique_ptr<search::ResumableSearch> begin(LatticeMember& member) const;
+  std::unique_ptr<search::ResumableSearch> alternating_search(LatticeMember& member) const;
 
   LatticeFamily& family_;
   const LatticePortfolioOptions options_;
-  std::vector<Member> members_;
-  std::unique_ptr<Searches> searches_;
+  std::vector<LatticeMember> members_;
+  search::Portfolio searches_;
   std::vector<std::string> exhausted_graphs_;
+  std::size_t winner_{};
 };
 
 }  // namespace srmp

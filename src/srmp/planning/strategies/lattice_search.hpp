@@ -1,34 +1,54 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "srmp/planning/strategies/best_path.hpp"
 #include "srmp/planning/strategies/robot_lattices.hpp"
 
 namespace srmp {
 
-/// The planners that search one lattice of one robot: A*, weighted A*, ARA*, MHA*, wPA*SE. An attempt is the whole
-/// search; ARA* hands each path that is better than the one before to `best`.
+/// Do the options ask for lattices at several resolutions?
+bool searches_several_lattices(const PlannerOptions& options);
+
+/// The planners of one robot that search lattices and nothing else: A*, weighted A*, ARA*, MHA*, wPA*SE, AMRA*. One
+/// search of one lattice or, with the option `multi_resolution`, one search of each of several lattices, side by side.
+/// An attempt is the whole search; the anytime planners hand each path that is better than the one before to `best`.
 class LatticeSearch : public Strategy {
  public:
-  /// References outlive this.
-  LatticeSearch(RobotContext& context, const RobotEndpoints& endpoints, RobotLattices& lattices, BestPath& best)
-      : context_(context), endpoints_(endpoints), lattices_(lattices), best_(best) {}
+  /// References outlive this. Throws NotSupported for the options of a planner for many robots.
+  /// `direct` is the length of the straight line to the nearest target.
+  LatticeSearch(RobotContext& context, const RobotEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
+                double direct);
 
-  /// Throws NotSupported for the options of a planner for many robots.
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
   bool can_exhaust() const override { return true; }
 
  private:
-  void choose_direction();
+  bool anytime() const;
+  Lattice make_lattice(bool backward, double scale);
+  LatticePortfolioOptions portfolio_options();
+  /// Both directions, the one that begins at the end with less clearance more often.
+  void prefer_narrow_end(LatticePortfolioOptions& options);
+  bool narrower_at_goals();
   double clearance(const Eigen::VectorXd& q);
-  search::Result search(Lattice& lattice);
-  search::Result run_search(Lattice& lattice, const search::AnyHeuristic& heuristic);
-  FoundPath found_path(const search::Result& result, const Lattice& lattice) const;
+  Attempt run(LatticePortfolio& searches, const Deadline& deadline);
+  std::unique_ptr<search::ResumableSearch> make_search(LatticeMember& member);
+  std::unique_ptr<search::ResumableSearch> make_ara_star(LatticeMember& member, const ARAStar& options);
+  std::unique_ptr<search::ResumableSearch> make_amra_star(LatticeMember& member, const AMRAStar& options);
+  search::AnyHeuristic heuristic(LatticeMember& member);
+  bool take(const search::Result& better, const LatticeMember& member, double final_weight);
+  FoundPath found_path(const search::Result& result, const LatticeMember& member) const;
+  void bound(FoundPath& found) const;
 
   RobotContext& context_;
   const RobotEndpoints& endpoints_;
   RobotLattices& lattices_;
   BestPath& best_;
-  bool backward_{false};
+  const double direct_;
+  const bool several_;       // lattices
+  bool good_enough_{false};  // of an anytime planner: no better path is required
 };
 
 }  // namespace srmp

@@ -68,6 +68,18 @@ search::InadmissibleHeuristics RobotHeuristics::inadmissible_heuristics(Lattice&
           }};
 }
 
+std::size_t RobotHeuristics::metrics() const { return context_.common.heuristic == measure_names.front() ? 2 : 1; }
+
+AnyHeuristic RobotHeuristics::metric(std::size_t number, Lattice& lattice) const {
+  const RowMatrix rows = distance_weights(context_.robot.dof());
+  const Eigen::RowVectorXd weights = rows.row(static_cast<Eigen::Index>(number) + 1);
+  return [&lattice, weights = RowMatrix(weights / weights.maxCoeff())](search::StateId state) {
+    std::array<double, 2> values{};
+    lattice.distances_to_targets(state, weights, values);
+    return values.front();
+  };
+}
+
 bool RobotHeuristics::consistent(const std::string& name) const {
   const UserHeuristics& known = context_.problem.heuristics;
   const auto user = known.find(name);

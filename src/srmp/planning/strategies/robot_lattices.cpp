@@ -27,6 +27,20 @@ Lattice RobotLattices::lattice(bool backward, double scale) {
   return make(backward, own_primitives() ? read_primitives() : rich_primitives(joints, step(scale), pairs()));
 }
 
+Lattice RobotLattices::multi_resolution(bool backward) {
+  if (own_primitives()) return make(backward, read_primitives());
+  const std::vector<Joint>& joints = context_.robot.joints();
+  PrimitiveSet finest = rich_primitives(joints, step(finest_scale), pairs());
+  const Eigen::VectorXd whole = finest.families.front().moves.front();  // on the grid, all joints at once
+  std::vector<Lattice::CoarseLevel> coarser;
+  for (const double factor : {2.0, 4.0, 8.0}) {
+    Eigen::VectorXd step = factor * whole;
+    if (factor * resolution(finest_scale) > std::max(context_.common.resolution, 90.0)) break;
+    coarser.push_back({step, rich_primitives(joints, step, pairs())});
+  }
+  return make(backward, std::move(finest), std::move(coarser));
+}
+
 std::string RobotLattices::describe(bool backward, double scale) const {
   const std::string end = backward ? "the goals" : "the start";
   if (own_primitives()) return "the lattice of '" + context_.common.mprim_path + "' from " + end;
@@ -68,12 +82,14 @@ void RobotLattices::count(const LatticePortfolio& searches) {
   context_.statistics.memory_bytes = std::max(context_.statistics.memory_bytes, work.memory);
 }
 
-Lattice RobotLattices::make(bool backward, PrimitiveSet primitives) {
+Lattice RobotLattices::make(bool backward, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser) {
   std::vector<Eigen::VectorXd> roots{endpoints_.start}, goals = endpoints_.targets;
   if (backward) roots.swap(goals);
   return Lattice(
       context_.robot, std::move(roots), std::move(goals),
-      {.primitives = std::move(primitives), .goal_connection = backward ? GoalConnection{} : goal_connection_},
+      {.primitives = std::move(primitives),
+       .goal_connection = backward ? GoalConnection{} : goal_connection_,
+       .coarser = std::move(coarser)},
       [&checks = context_.checks](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return checks.is_motion_free(a, b, worker);
       },

@@ -22,6 +22,10 @@ class RobotLattices : public LatticeFamily {
   RobotHeuristics& heuristics() { return heuristics_; }
 
   Lattice plain(bool backward);  ///< with default_primitives, at the resolution that the options name
+  /// With rich_primitives: of finest_scale times that resolution, with three coarser levels of double steps each. The
+  /// user's own primitives have one level.
+  Lattice multi_resolution(bool backward);
+  static constexpr double finest_scale = 0.4;
   /// With rich_primitives.
   Lattice lattice(bool backward, double scale) override;
   search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice) override {
@@ -42,7 +46,7 @@ class RobotLattices : public LatticeFamily {
   void count(const LatticePortfolio& searches);
 
  private:
-  Lattice make(bool backward, PrimitiveSet primitives);
+  Lattice make(bool backward, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
   PrimitiveSet read_primitives() const;
   const std::vector<JointPair>& pairs();
   Eigen::VectorXd step(double scale = 1.0) const;

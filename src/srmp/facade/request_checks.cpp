@@ -1,0 +1,40 @@
+#include "srmp/facade/request_checks.hpp"
+
+#include <algorithm>
+
+#include "srmp/core/error.hpp"
+#include "srmp/planning/options/registry.hpp"
+
+namespace srmp {
+
+std::vector<std::string> names_of(const MultiPlanRequest& request) {
+  std::vector<std::string> names;
+  for (const auto& [name, start] : request.starts) names.push_back(name);
+  return names;
+}
+
+bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
+  const auto named = [&](const auto& entry) { return is_one(entry.first); };
+  return std::any_of(request.starts.begin(), request.starts.end(), named) ||
+         std::any_of(request.obstacles.begin(), request.obstacles.end(), named);
+}
+bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
+  return is_one(request.robot);
+}
+
+void require_planner_for_one(const PlannerOptions& options) {
+  if (registered_planner(options).info.one_robot) return;
+  throw NotSupported(planner_id(options) +
+                     " plans for many robots, with plan_multi; make_planner another planner, such as 'wAstar', for "
+                     "plan");
+}
+
+void require_for_many(const PlannerOptions& options) {
+  const PlannerInfo& info = registered_planner(options).info;
+  if (!info.many_robots)
+    throw InvalidArgument("planner '" + info.id +
+                          "' plans for one robot, with plan; make_planner one for many, such as 'xECBS', for "
+                          "plan_multi");
+}
+
+}  // namespace srmp

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "srmp/planning/options.hpp"
+#include "srmp/planning/request.hpp"
+
+namespace srmp {
+
+/// The robots that have a start.
+std::vector<std::string> names_of(const MultiPlanRequest& request);
+
+/// Does the request name something for which `is_one` is true: a robot with a start, or one of a committed motion?
+bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one);
+bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one);
+
+/// Throws NotSupported for a planner that plans for many robots only.
+void require_planner_for_one(const PlannerOptions& options);
+/// Throws InvalidArgument for a planner that plans for one robot only: one of many robots may have been given it.
+void require_for_many(const PlannerOptions& options);
+
+}  // namespace srmp
