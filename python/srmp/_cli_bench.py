@@ -5,11 +5,21 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from srmp._cli_options import parse_key_values, planner_options, steps_bar
+from srmp._cli_options import execution_options, parse_key_values, planner_options, steps_bar
+
+if TYPE_CHECKING:
+    from srmp.bench.runner import Execution
+
+
+_OUT = click.option(
+    "--out",
+    type=click.Path(dir_okay=False),
+    help="Result file (JSON): a header and one row for each problem. A run that was killed goes on from OUT.part.",
+)
 
 
 @click.group()
@@ -28,9 +38,8 @@ def bench() -> None:
 @click.option(
     "--geometry", type=click.Choice(["urdf", "spheres"]), default="urdf", show_default=True, help="Collision model."
 )
-@click.option(
-    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
-)
+@execution_options
+@_OUT
 def mbm(
     data: str,
     robot: str,
@@ -40,6 +49,8 @@ def mbm(
     options: tuple[str, ...],
     time_limit: float,
     geometry: str,
+    workers: int | None,
+    ray: str | None,
     out: str | None,
 ) -> None:
     """MotionBenchMaker: solve its problems and print a table per scenario."""
@@ -47,6 +58,7 @@ def mbm(
 
     _require_directory(out)
     chosen_options = parse_key_values(options)
+    execution = _execution(out, workers, ray)
     with steps_bar() as steps:
         result = benchmark.run(
             data,
@@ -57,10 +69,11 @@ def mbm(
             options=chosen_options,
             geometry=geometry,
             time_limit=time_limit,
+            execution=execution,
             progress=_progress_bar,
             steps=steps,
         )
-    _report(result, benchmark.format_statistics, out)
+    _report(result, benchmark.format_statistics, out, execution)
 
 
 @bench.command()
@@ -74,9 +87,8 @@ def mbm(
     type=click.Path(exists=True, file_okay=False),
     help="Directory with MotionBenchMaker's robots; default: those of example-robot-data.",
 )
-@click.option(
-    "--out", type=click.Path(dir_okay=False), help="Result file (JSON): a header and one row for each problem."
-)
+@execution_options
+@_OUT
 def multi(
     scenario: str,
     robots: int | None,
@@ -86,6 +98,8 @@ def multi(
     time_limit: float,
     seed: int,
     data: str | None,
+    workers: int | None,
+    ray: str | None,
     out: str | None,
 ) -> None:
     """Several robots at once: solve the problems of a scenario and print a table."""
@@ -93,6 +107,7 @@ def multi(
 
     _require_directory(out)
     chosen_options = parse_key_values(options)
+    execution = _execution(out, workers, ray)
     with steps_bar() as steps:
         result = benchmark.run(
             scenario,
@@ -103,10 +118,11 @@ def multi(
             time_limit=time_limit,
             seed=seed,
             data=data,
+            execution=execution,
             progress=_progress_bar,
             steps=steps,
         )
-    _report(result, benchmark.format_statistics, out)
+    _report(result, benchmark.format_statistics, out, execution)
 
 
 def _require_directory(out: str | None) -> None:
@@ -114,7 +130,19 @@ def _require_directory(out: str | None) -> None:
         raise click.BadParameter(f"--out: the directory {Path(out).parent} does not exist.")
 
 
-def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: str | None) -> None:
+def _execution(out: str | None, workers: int | None, ray: str | None) -> Execution:
+    """Says when a run that was killed goes on."""
+    from srmp.bench.runner import Execution
+
+    execution = Execution.beside(out, workers, ray)
+    if execution.journal and execution.journal.exists():
+        click.echo(f"{execution.journal} exists: going on where that run ended", err=True)
+    return execution
+
+
+def _report(
+    result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: str | None, execution: Execution
+) -> None:
     """The table, the problems that are none, and the result file."""
     from srmp._files import write_json
 
@@ -128,6 +156,7 @@ def _report(result: dict[str, Any], table: Callable[[Sequence[Any]], str], out: 
         click.echo(f"wrote {out}")
     if not result["header"]["complete"]:
         raise click.Abort
+    execution.finish()
 
 
 @contextlib.contextmanager

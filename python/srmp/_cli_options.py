@@ -31,6 +31,23 @@ def planner_options(time_limit: float = 10.0) -> Callable[[Any], Any]:
     return decorate
 
 
+def execution_options(command: Any) -> Any:
+    """--workers and --ray of benchmarks."""
+    decorators = [
+        click.option(
+            "--workers",
+            type=click.IntRange(min=1),
+            help="Processes that solve problems; with --ray, workers of the cluster (default: all its CPUs).",
+        ),
+        click.option(
+            "--ray",
+            metavar="ADDRESS",
+            help='Solve on a Ray cluster: "auto", "ray://host:10001"; "local": start one here.',
+        ),
+    ]
+    return decorated(command, decorators)
+
+
 def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
     """["weight=10"] as a dictionary; the planner checks keys and values."""
     values: dict[str, str] = {}

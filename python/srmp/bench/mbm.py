@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import difflib
+import functools
 import importlib.metadata
 import math
 import os
@@ -17,15 +18,16 @@ import platform
 import re
 import tarfile
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any
 
 import numpy as np
 
 import srmp
 from srmp._table import format_seconds, format_table
+from srmp.bench.runner import Execution, Progress, Steps, run_rows
 
 # The link whose path length is reported; other robots: the end of the planning group.
 END_EFFECTORS = {"panda": "panda_hand", "ur5": "ee_link", "fetch": "gripper_link"}
@@ -39,9 +41,6 @@ STATISTICS = (
 )
 PROFILES = ("times", "positions", "velocities", "accelerations")
 COSTS = ("path_cost_rad", "straight_cost_rad", "ee_cost_m")
-_Problem = TypeVar("_Problem")
-Steps: TypeAlias = Callable[[int, int], object]  # done and all, as PlannerInterface.prepare tells
-Progress: TypeAlias = Callable[[Sequence[_Problem]], contextlib.AbstractContextManager[Iterator[_Problem]]]
 
 
 # --- problems ---------------------------------------------------------------------------------------------------------
@@ -206,6 +205,7 @@ class Runner:
         self._options = {"planner_id": planner_id, "time_limit": time_limit, **options}
         self._planner: srmp.PlannerInterface | None = None
         self._group = ""
+        self._unpacked = contextlib.ExitStack()
 
     def _planner_for(self, group: str) -> srmp.PlannerInterface:
         """The planner with an empty scene; the robot is read once a planning group."""
@@ -218,8 +218,18 @@ class Runner:
             self._planner.remove_object(name)
         return self._planner
 
+    @functools.cached_property
+    def _own_problems(self) -> dict[str, Problem]:
+        opened = open_problems(self._files.directory, self._files.name)
+        return {problem.name: problem for problem in self._unpacked.enter_context(opened)}
+
+    def _on_this_machine(self, problem: Problem) -> Problem:
+        """A worker on another machine unpacks the problems itself."""
+        return problem if problem.request.is_file() else self._own_problems[problem.name]
+
     def set_up(self, problem: Problem) -> tuple[srmp.PlannerInterface, srmp.MoveItProblem]:
         """The problem's scene, and its start and goals for the robot (whose name is that of the files)."""
+        problem = self._on_this_machine(problem)
         request = srmp.load_moveit_request(str(problem.request))
         planner = self._planner_for(request.group_name)
         planner.load_moveit_scene(str(problem.scene))
@@ -297,49 +307,58 @@ def run(
     options: Mapping[str, str] | None = None,
     geometry: str = "urdf",
     time_limit: float = 10.0,
+    execution: Execution | None = None,
     progress: Progress[Problem] | None = None,
     steps: Steps | None = None,
 ) -> dict[str, Any]:
-    """Runs the chosen problems and returns {"header": …, "rows": […]}.
+    """Runs the chosen problems and returns {"header": …, "rows": […]}; runner.run_rows says how.
 
     Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
     """
+    execution = execution or Execution()
     files = robot_files(data, robot, geometry)
     numbers = parse_numbers(problems) if problems else None
-    runner = Runner(files, planner_id, options or {}, time_limit, steps)
-    with open_problems(files.directory, robot, scenarios, numbers) as chosen:
-        rows, complete = solve_all(chosen, runner.run, progress)
+    settings = (files, planner_id, options or {}, time_limit)
     described = {
         "data": str(data),
         "robot": robot,
-        "scenarios": sorted({problem.scenario for problem in chosen}),
+        "scenarios": [],
         "problems": problems or "all",
         "planner": planner_id,
         "planner_options": dict(options or {}),
         "geometry": geometry,
         "time_limit": time_limit,
     }
-    return {"header": run_header("MotionBenchMaker", complete, described), "rows": rows}
+    with open_problems(files.directory, robot, scenarios, numbers) as chosen:
+        described["scenarios"] = sorted({problem.scenario for problem in chosen})
+        runner = Runner(*settings, steps)
+        if execution.distributed:
+            runner.set_up(chosen[0])  # the sphere covers are computed once, before the workers begin
+        rows, complete = run_rows(
+            chosen,
+            functools.partial(Runner, *settings),
+            request=journal_request("MotionBenchMaker", described),
+            solver=runner,
+            execution=execution,
+            progress=progress,
+        )
+    return {"header": run_header("MotionBenchMaker", complete, described, execution), "rows": rows}
 
 
-def solve_all(
-    problems: Sequence[_Problem], solve: Callable[[_Problem], dict[str, Any]], progress: Progress[_Problem] | None
-) -> tuple[list[dict[str, Any]], bool]:
-    """The rows, and whether they are all: Ctrl-C ends it early, with the rows that were finished."""
-    rows: list[dict[str, Any]] = []
-    with progress(problems) if progress else contextlib.nullcontext(iter(problems)) as sequence:
-        try:
-            for problem in sequence:
-                rows.append(solve(problem))
-        except KeyboardInterrupt:
-            return rows, False
-    return rows, True
+def journal_request(benchmark: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """What the journal of a run is of: rows of other options or versions do not belong beside each other."""
+    return {"benchmark": benchmark, **options, "versions": versions()}
 
 
-def run_header(benchmark: str, complete: bool, options: Mapping[str, Any], **more: Any) -> dict[str, Any]:
-    """The header of a run: header(), and whether it is complete, when it began, the cores and the options."""
+def run_header(
+    benchmark: str, complete: bool, options: Mapping[str, Any], execution: Execution, **more: Any
+) -> dict[str, Any]:
+    """The header of a run: header(), and whether it is complete, when it ended, the cores, workers and options."""
     created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-    return header(benchmark, complete=complete, created=created, cores=os.cpu_count(), options=options, **more)
+    about = {"complete": complete, "created": created, "cores": os.cpu_count()}
+    if execution.distributed:
+        about.update(workers=execution.workers, ray=execution.ray)
+    return header(benchmark, **about, options=options, **more)
 
 
 def status_name(status: Any) -> str:

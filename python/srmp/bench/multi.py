@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import numpy as np
 import srmp
 from srmp._table import format_table
 from srmp.bench import mbm
+from srmp.bench.runner import Execution, Progress, Steps, run_rows
 from srmp.bench.scenarios import find
 from srmp.bench.scenes import Problem, Scenario
 
@@ -41,7 +43,7 @@ class Runner:
         planner_id: str,
         options: Mapping[str, str],
         time_limit: float,
-        steps: mbm.Steps | None = None,
+        steps: Steps | None = None,
     ) -> None:
         self._scenario = scenario
         self._planner = scenario.world.build()
@@ -123,16 +125,20 @@ def run(
     time_limit: float = 20.0,
     seed: int = 0,
     data: str | Path | None = None,
-    progress: mbm.Progress[Numbered] | None = None,
-    steps: mbm.Steps | None = None,
+    execution: Execution | None = None,
+    progress: Progress[Numbered] | None = None,
+    steps: Steps | None = None,
 ) -> dict[str, Any]:
     """Runs the chosen problems of a scenario (a file, or a name that `find` knows): {"header": …, "rows": […]}.
 
-    Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
+    runner.run_rows says how. Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were
+    finished.
     """
+    execution = execution or Execution()
     found = find(scenario, robots, seed, data)
-    runner = Runner(found, planner_id, options or {}, time_limit, steps)
-    rows, complete = mbm.solve_all(_choose(found, problems), runner.run, progress)
+    settings = (planner_id, options or {}, time_limit)
+    chosen = _choose(found, problems)
+    runner = Runner(found, *settings, steps)
     described = {
         "scenario": scenario,
         "robots": len(found.world.robots),
@@ -143,8 +149,20 @@ def run(
         "seed": seed,
         "data": data,
     }
-    header = mbm.run_header("several robots", complete, described, scenario=runner.describe())
+    rows, complete = run_rows(
+        chosen,
+        functools.partial(_make_runner, (scenario, robots, seed, data), settings),
+        request=mbm.journal_request("several robots", described),
+        solver=runner,
+        execution=execution,
+        progress=progress,
+    )
+    header = mbm.run_header("several robots", complete, described, execution, scenario=runner.describe())
     return {"header": header, "rows": rows}
+
+
+def _make_runner(scenario: tuple[Any, ...], settings: tuple[Any, ...]) -> Runner:
+    return Runner(find(*scenario), *settings)
 
 
 def _choose(scenario: Scenario, problems: str) -> list[Numbered]:
