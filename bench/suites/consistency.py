@@ -23,6 +23,7 @@ import srmp
 from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
+from srmp.bench.repeated import coefficient_of_variation
 from srmp.cli import parse_key_values
 
 LARGEST_MOVE = np.radians(2.0)
@@ -66,7 +67,7 @@ def row_of(
         "ee_length_m": own,
         "ee_lengths_m": moved,
         "failed": [f"{result.status.name}: {result.reason}" for result in results[1:] if not result.solved],
-        "variation": float(np.std(solved, ddof=1) / np.mean(solved)) if len(solved) > 1 else None,
+        "variation": coefficient_of_variation(solved) if len(solved) > 1 else None,
         "change": float(np.mean(np.abs(np.array(solved) / own - 1))) if own and solved else None,
     }
 

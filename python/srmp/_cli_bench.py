@@ -1,4 +1,4 @@
-"""The commands srmp bench mbm and srmp bench multi."""
+"""The commands srmp bench mbm, multi and paper."""
 
 from __future__ import annotations
 
@@ -123,6 +123,43 @@ def multi(
             steps=steps,
         )
     _report(result, benchmark.format_statistics, out, execution)
+
+
+@bench.command()
+@click.option("--experiments", default="a,b,c", show_default=True, help="Which of the three.")
+@click.option("--planner", "planners", multiple=True, help="Only this one, by its name in the tables; may be repeated.")
+@click.option("--problems", default="", help="Base problems, and numbers in MotionBenchMaker's scenarios, such as 1-5.")
+@click.option("--repetitions", type=click.IntRange(min=1), help="Of each base problem; default: 10 (a), 5 (b).")
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0, min_open=True), help="Seconds; default: 5 (a), 20 (b), 10 (c)."
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of generated problems, and of OMPL's planners.")
+@click.option(
+    "--data",
+    type=click.Path(exists=True, file_okay=False),
+    help="Directory with MotionBenchMaker's robots and problems; without it (c) is not run.",
+)
+@execution_options
+@click.option(
+    "--out",
+    default="experiments",
+    show_default=True,
+    type=click.Path(file_okay=False),
+    help="Directory of experiments.md, .json, and figures. A run that was killed goes on from experiments.json.part.",
+)
+def paper(out: str, workers: int | None, ray: str | None, **options: Any) -> None:
+    """The paper's experiments, beside OMPL's planners: tables, figures and a page."""
+    from srmp.bench.paper import page, run
+
+    directory = Path(out)
+    directory.mkdir(parents=True, exist_ok=True)
+    execution = _execution(str(directory / "experiments.json"), workers, ray)
+    result = run.run(**options, execution=execution, progress=_progress_bar)
+    for note in (*result["header"]["notes"], *page.write(result, directory)):
+        click.echo(note)
+    if not result["header"]["complete"]:
+        raise click.Abort
+    execution.finish()
 
 
 def _require_directory(out: str | None) -> None:

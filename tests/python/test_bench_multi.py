@@ -12,6 +12,7 @@ from click.testing import CliRunner
 import srmp
 from srmp._files import plain
 from srmp.bench import multi, scenarios, scenes
+from srmp.bench.repeated import variation
 from srmp.cli import main
 
 SMALL = {"ring": 3, "binpick": 4, "shelves": 3, "grid": 5, "mixed": 2}
@@ -185,7 +186,7 @@ def test_invalid_requests_are_refused(write, data, monkeypatch):
         scenarios.find("binpik", data=data)
     with pytest.raises(srmp.InvalidArgument, match="robots 65: 'grid' takes 2 to 64"):
         scenarios.find("grid", 65, data=data)
-    with pytest.raises(srmp.InvalidArgument, match="robots 5: 'binpick' takes 2 to 4"):
+    with pytest.raises(srmp.InvalidArgument, match="robots 5: 'binpick' takes 1 to 4"):
         scenarios.find("binpick", 5, data=data)
     with pytest.raises(srmp.InvalidArgument, match=r"robots 3: .* has 2"):
         scenarios.find(write(APART), 3, data=data)
@@ -233,17 +234,17 @@ ROWS = [row(1, "solved", 1.0), row(2, "solved", 1.2), row(3, "goal_invalid"), ro
 
 
 def test_table():
-    head, _, line, variation = multi.format_statistics(ROWS).splitlines()
+    head, _, line, last = multi.format_statistics(ROWS).splitlines()
     assert head.split()[:2] == ["scenario", "solved/valid/total"]
     assert line.split()[:2] == ["binpick", "3/4/5"]
     assert line.split()[-6:] == ["3", "3", "2.50", "s", "4", "mm"]
-    assert "varies by 12.9%" in variation
+    assert "varies by 12.9%" in last
     assert "–" in multi.format_statistics([row(1, "timed_out")])
 
 
 def test_variation_is_over_repetitions_that_were_solved():
-    assert multi.variation(ROWS) == pytest.approx(np.std([1.0, 1.2], ddof=1) / 1.1)
-    assert math.isnan(multi.variation(ROWS[1:]))
+    assert variation(ROWS) == pytest.approx(np.std([1.0, 1.2], ddof=1) / 1.1)
+    assert math.isnan(variation(ROWS[1:]))
 
 
 # --- re-check ---------------------------------------------------------------------------------------------------------

@@ -284,12 +284,17 @@ def certificate_row(certificate: srmp.Certificate | None) -> dict[str, Any] | No
     return {name: getattr(certificate, name) for name in kept}
 
 
+def difference(planner: srmp.PlannerInterface, robot: str, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """b - a, of configurations or rows of them; continuous joints the short way round."""
+    motion = b - a
+    continuous = np.isinf(planner.get_joint_limits(robot)).all(axis=1)
+    motion[..., continuous] = (motion[..., continuous] + np.pi) % (2 * np.pi) - np.pi
+    return motion
+
+
 def straight_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:
     """Length [rad] of the straight motion from the path's start to its end, continuous joints the short way round."""
-    motion = path[-1] - path[0]
-    continuous = np.isinf(planner.get_joint_limits(robot)).all(axis=1)
-    motion[continuous] = (motion[continuous] + np.pi) % (2 * np.pi) - np.pi
-    return float(np.linalg.norm(motion))
+    return float(np.linalg.norm(difference(planner, robot, path[0], path[-1])))
 
 
 def end_effector_length(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 import srmp
 from srmp._table import format_table
 from srmp.bench import mbm
+from srmp.bench.repeated import variation
 from srmp.bench.runner import Execution, Progress, Steps, run_rows
 from srmp.bench.scenarios import find
 from srmp.bench.scenes import Problem, Scenario
@@ -177,19 +178,6 @@ def _choose(scenario: Scenario, problems: str) -> list[Numbered]:
 
 
 # --- statistics -------------------------------------------------------------------------------------------------------
-
-
-def variation(rows: Sequence[Mapping[str, Any]]) -> float:
-    """Of the summed end-effector lengths over the repetitions of a problem, the mean over problems; NaN: none has two.
-
-    The coefficient of variation: standard deviation (of the n - 1 kind) by mean.
-    """
-    lengths: dict[int, list[float]] = {}
-    for row in rows:
-        if row["status"] == "solved" and "base" in row:
-            lengths.setdefault(row["base"], []).append(row["ee_cost_m"])
-    ratios = [np.std(some, ddof=1) / np.mean(some) for some in lengths.values() if len(some) > 1]
-    return float(np.mean(ratios)) if ratios else math.nan
 
 
 def format_statistics(rows: Sequence[Mapping[str, Any]]) -> str:

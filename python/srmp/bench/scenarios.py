@@ -161,7 +161,15 @@ class GeneratedScenario:
 
     endless = True
 
-    def __init__(self, name: str, robots: int | None, seed: int, data: str | Path | None) -> None:
+    def __init__(
+        self,
+        name: str,
+        robots: int | None = None,
+        seed: int = 0,
+        data: str | Path | None = None,
+        repetitions: int | None = None,
+    ) -> None:
+        """repetitions: of each base problem, instead of those of its kind."""
         kind = KINDS[name]
         robots = kind.robots if robots is None else robots
         if robots not in kind.allowed:
@@ -171,7 +179,7 @@ class GeneratedScenario:
             raise srmp.InvalidArgument(f"seed {seed} is below 0.")
         self.name = name
         self.numbers = range(1, kind.problems + 1)
-        self._repetitions, self._seed = kind.repetitions, seed
+        self._repetitions, self._seed = repetitions or kind.repetitions, seed
         names = (tuple(MODELS) if data is None else OF_DATA) if kind.mixed else ("panda",)
         models = {model: find_model(model, data) for model in names[:robots]}
         layout = kind.make([Robot(f"{n}_{k}", models[n]) for k, n in zip(range(robots), itertools.cycle(names))])
@@ -368,8 +376,8 @@ def _shelves(robots: Sequence[Robot]) -> Layout:
 
 KINDS = {
     "ring": Kind(_ring, robots=4, allowed=range(2, 17)),
-    "binpick": Kind(_binpick, robots=4, allowed=range(2, 5), repetitions=5, problems=75),
-    "shelves": Kind(_shelves, robots=3, allowed=range(2, 5), repetitions=5, problems=75),
+    "binpick": Kind(_binpick, robots=4, allowed=range(1, 5), repetitions=5, problems=75),
+    "shelves": Kind(_shelves, robots=3, allowed=range(1, 5), repetitions=5, problems=75),
     "grid": Kind(_grid, robots=8, allowed=range(2, 65)),
     "mixed": Kind(_ring, robots=4, allowed=range(2, 17), mixed=True),
 }
