@@ -86,9 +86,11 @@ class Space {
     auto& compound = *state->as<ob::CompoundState>();
     auto& vector = *compound.as<ob::RealVectorStateSpace::StateType>(0);
     for (std::size_t i = 0; i < bounded_.size(); ++i) vector[static_cast<unsigned>(i)] = q[bounded_[i]];
-    for (std::size_t i = 0; i < circles_.size(); ++i)
-      compound.as<ob::SO2StateSpace::StateType>(static_cast<unsigned>(i + 1))->value = q[circles_[i]];
-    space_->enforceBounds(state);
+    for (std::size_t i = 0; i < circles_.size(); ++i) {
+      const auto number = static_cast<unsigned>(i + 1);
+      compound.as<ob::SO2StateSpace::StateType>(number)->value = q[circles_[i]];
+      space_->getSubspace(number)->enforceBounds(compound[number]);  // bounded ones stay: OMPL refuses what is outside
+    }
   }
 
  private:

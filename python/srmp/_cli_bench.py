@@ -127,7 +127,9 @@ def multi(
 
 @bench.command()
 @click.option("--experiments", default="a,b,c", show_default=True, help="Which of the three.")
-@click.option("--planner", "planners", multiple=True, help="Only this one, by its name in the tables; may be repeated.")
+@click.option(
+    "--planner", "planners", multiple=True, help="Only this one: a name of the tables, or an id; may be repeated."
+)
 @click.option("--problems", default="", help="Base problems, and numbers in MotionBenchMaker's scenarios, such as 1-5.")
 @click.option("--repetitions", type=click.IntRange(min=1), help="Of each base problem; default: 10 (a), 5 (b).")
 @click.option(
@@ -147,12 +149,22 @@ def multi(
     type=click.Path(file_okay=False),
     help="Directory of experiments.md, .json, and figures. A run that was killed goes on from experiments.json.part.",
 )
-def paper(out: str, workers: int | None, ray: str | None, **options: Any) -> None:
+@click.option(
+    "--table",
+    "earlier",
+    type=click.Path(exists=True, dir_okay=False),
+    help="Run nothing: write page and figures of an earlier run's experiments.json again.",
+)
+def paper(out: str, workers: int | None, ray: str | None, earlier: str | None, **options: Any) -> None:
     """The paper's experiments, beside OMPL's planners: tables, figures and a page."""
     from srmp.bench.paper import page, run
 
     directory = Path(out)
     directory.mkdir(parents=True, exist_ok=True)
+    if earlier:
+        for note in page.write(page.read(earlier), directory):
+            click.echo(note)
+        return
     execution = _execution(str(directory / "experiments.json"), workers, ray)
     result = run.run(**options, execution=execution, progress=_progress_bar)
     for note in (*result["header"]["notes"], *page.write(result, directory)):

@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm, multi | cmake-dir."""
+"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm, multi, paper | cmake-dir."""
 
 from __future__ import annotations
 

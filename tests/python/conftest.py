@@ -41,6 +41,14 @@ def mbm_dir(request, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def stand_in_dir(tmp_path_factory):
+    """The stand-in alone: for what is the same with any robot."""
+    import stand_in
+
+    return stand_in.write(tmp_path_factory.mktemp("mbm"))
+
+
+@pytest.fixture(scope="session")
 def suite():
     """Imports a program of bench/suites, which verifies results with Pinocchio's and Coal's Python packages."""
     sys.path.append(str(Path(__file__).parents[2] / "bench" / "suites"))

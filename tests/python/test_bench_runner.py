@@ -246,13 +246,6 @@ def bench(*arguments):
     return outcome
 
 
-@pytest.fixture(scope="module")
-def stand_in_dir(tmp_path_factory):
-    import stand_in
-
-    return stand_in.write(tmp_path_factory.mktemp("mbm"))
-
-
 @pytest.mark.parametrize("command", ["mbm", "multi"])
 def test_two_workers_write_the_same_rows(command, stand_in_dir, tmp_path):
     arguments = {

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
 
+BENCHMARK = "the paper's experiments"
+"""What result files are called."""
 SRMP, OMPL, COAL, MOVEIT = "SRMP", "OMPL", "OMPL, plain Coal", "MoveIt"
 """Whose planner it is, and what checks collisions: our checker for the first two, Coal alone for the third."""
 
@@ -26,6 +29,10 @@ class Contestant:
     def id(self) -> str:
         """What the library calls it."""
         return self.planner or self.name
+
+    def among(self, names: Sequence[str]) -> bool:
+        """Whether it is meant by one of the names, or ids; by none: everyone is."""
+        return not names or self.name in names or self.id in names
 
     @property
     def key(self) -> str:

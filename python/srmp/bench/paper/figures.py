@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from srmp._table import format_seconds
 from srmp.bench.paper.contestants import COAL, EXPERIMENTS, SRMP, Contestant
-from srmp.bench.paper.tables import Entry, checked, rows_of, tables
+from srmp.bench.paper.tables import INVALID, Entry, checked, rows_of, tables
 
 _COLOURS = {SRMP: "#0b7a75", COAL: "#b9b2a7"}
 _OTHER = "#c2955d"
@@ -53,15 +54,15 @@ def _label(planner: str, library: str) -> str:
     return {SRMP: planner, COAL: f"{planner} (Coal)"}.get(library, f"{planner} (OMPL)")
 
 
-def _style(axes: Any, labels: Sequence[str] | None, title: str) -> None:
+def _style(axes: Any, labels: Sequence[str], title: str) -> None:
     axes.set_title(title, fontsize=9)
     axes.grid(axis="x", color="#e3e3e3", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.tick_params(length=2)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    axes.set_yticks(range(len(labels or ())), labels or ())
-    axes.invert_yaxis()
+    axes.set_yticks(range(len(labels)), labels)
+    axes.set_ylim(len(labels) - 0.4, -0.6)
 
 
 # --- (a) and (b): bars ------------------------------------------------------------------------------------------------
@@ -85,38 +86,51 @@ def _bars(entries: Sequence[Entry]) -> Any:
 
 
 def _draw_bars(axes: Any, entries: Sequence[Entry], field: str, title: str, logarithmic: bool, labelled: bool) -> None:
+    """Bars; on a logarithmic axis, where bars would mislead, points with a line."""
     values = [getattr(entry, field) * (100 if field == "variation" else 1) for entry in entries]
     known = [value for value in values if not math.isnan(value)]
     _style(axes, [_label(e.planner, e.library) for e in entries] if labelled else [""] * len(entries), title)
     if not known:
+        axes.set_xticks([])
         return
+    first = min(known) / 2 if logarithmic else 0.0
     if logarithmic:
-        axes.set_xscale("log")
-    for k, (entry, value) in enumerate(zip(entries, values, strict=True)):
-        colour = _COLOURS.get(entry.library, _OTHER)
-        text = "none solved" if math.isnan(entry.length_mean_m) else "–"
-        if not math.isnan(value):
-            if logarithmic:
-                axes.plot([value], [k], marker="o", markersize=5, color=colour)
-                axes.hlines(k, min(known) / 2, value, color=colour, linewidth=1.2)
-            else:
-                axes.barh(k, value, color=colour, height=0.68)
-            text = f"{value:.3g}"
-            if field == "length_mean_m":
-                text = f"{value:.2f}  ({entry.success:.0%})"
-        axes.annotate(
-            text,
-            (0 if math.isnan(value) and not logarithmic else min(known) / 2 if math.isnan(value) else value, k),
-            xytext=(5, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=7,
-            color=_GREY,
-        )
-    if logarithmic:
-        axes.set_xlim(min(known) / 2, max(known) * 8)
+        _logarithmic(axes, first, max(known) * 8)
     else:
         axes.set_xlim(0, max(max(known) * 1.35, 1e-6))
+    for k, (entry, value) in enumerate(zip(entries, values, strict=True)):
+        colour = _COLOURS.get(entry.library, _OTHER)
+        if math.isnan(value):
+            _write(axes, first, k, "–" if entry.solved else "none solved")
+            continue
+        if logarithmic:
+            axes.plot([value], [k], marker="o", markersize=5, color=colour)
+            axes.hlines(k, first, value, color=colour, linewidth=1.2)
+        else:
+            axes.barh(k, value, color=colour, height=0.68)
+        _write(axes, value, k, _value(entry, field, value))
+
+
+def _value(entry: Entry, field: str, value: float) -> str:
+    if field == "length_mean_m":
+        return f"{value:.2f}  ({entry.success:.0%})"
+    return format_seconds(value) if field == "time_mean_s" else f"{value:.3g}"
+
+
+def _write(axes: Any, x: float, y: float, text: str) -> None:
+    axes.annotate(text, (x, y), xytext=(5, 0), textcoords="offset points", va="center", fontsize=7, color=_GREY)
+
+
+def _logarithmic(axes: Any, low: float, high: float) -> None:
+    """Labels at powers of ten only, or at 1, 2 and 5 where there are fewer than two."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    axes.set_xscale("log")
+    axes.set_xlim(low, high)
+    if math.floor(math.log10(high)) - math.ceil(math.log10(low)) < 1:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 # --- (c): distributions -----------------------------------------------------------------------------------------------
@@ -148,7 +162,11 @@ def _draw_boxes(
 ) -> None:
     solved = [[row for row in rows_of(rows, c) if row["status"] == "solved"] for c in contestants]
     values = [[row[key] for row in some] for some in solved]
-    axes.set_xscale("log")
+    known = [value for some in values for value in some]
+    _style(axes, [_label(c.name, c.library) for c in contestants] if labelled else [""] * len(contestants), title)
+    if not known:
+        axes.set_xticks([])
+        return
     boxes = axes.boxplot(
         values,
         positions=range(len(contestants)),
@@ -163,14 +181,7 @@ def _draw_boxes(
     for patch, contestant in zip(boxes["boxes"], contestants, strict=True):
         patch.set_facecolor(_COLOURS.get(contestant.library, _OTHER))
         patch.set_linewidth(0.6)
-    _style(axes, [_label(c.name, c.library) for c in contestants] if labelled else [""] * len(contestants), title)
-    axes.set_ylim(len(contestants) - 0.5, -0.5)
-    if labelled:
-        for k, (contestant, some) in enumerate(zip(contestants, solved, strict=True)):
-            valid = sum(row["status"] not in ("start_invalid", "goal_invalid") for row in rows_of(rows, contestant))
-            text = f"{len(some) / valid:.0%}" if valid else "–"
-            axes.annotate(
-                text, (1.0, k), xycoords=("axes fraction", "data"), ha="right", va="center", fontsize=7, color=_GREY
-            )
-        low, high = axes.get_xlim()
-        axes.set_xlim(low, high * 4)
+    _logarithmic(axes, min(known) / 1.5, max(known) * (8 if labelled else 1.5))
+    for k, (contestant, some) in enumerate(zip(contestants, solved, strict=True) if labelled else ()):
+        valid = sum(row["status"] != INVALID for row in rows_of(rows, contestant))
+        _write(axes, 2 * max(known), k, f"{len(some) / valid:.0%}" if valid else "–")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import srmp
 from srmp._files import write_json, write_text
-from srmp.bench.paper.contestants import EXPERIMENTS
+from srmp.bench.paper.contestants import BENCHMARK, EXPERIMENTS
 from srmp.bench.paper.statements import Statement, statements
 from srmp.bench.paper.statements import markdown as statement_table
 from srmp.bench.paper.tables import Entry, as_json, tables
@@ -17,32 +19,35 @@ from srmp.bench.paper.tables import markdown as entry_table
 NO_FIGURES = 'There are no figures: matplotlib is not installed (pip install ".[bench]").'
 
 _SETUP = {
-    "a": """One Panda picks and places in bins (`binpick`) and moves from shelf to shelf (`shelves`):
-{problems} base problems each, each with {repetitions} repetitions in which one joint of the goal is moved by up to 2 degrees.
-The time limit is {time_limit:g} s.""",
-    "b": """Four Pandas around bins (`binpick`) and three before a shelf (`shelves`) move at the same time:
-{problems} base problems each, each with {repetitions} repetitions in which one joint of each goal is moved by up to
-2 degrees. OMPL's planners plan in the composite space of all robots. The time limit is {time_limit:g} s. Lengths are summed
-over the robots.""",
+    "a": """One Panda picks and places in bins (`binpick`) and moves from shelf to shelf (`shelves`): {problems}, each
+with {repetitions}, for which one joint of the goal is moved by up to 2 degrees. The time limit is {time_limit:g} s.""",
+    "b": """Four Pandas around bins (`binpick`) and three before a shelf (`shelves`) move at the same time: {problems},
+each with {repetitions}, for which one joint of each goal is moved by up to 2 degrees. OMPL's planners plan in the
+composite space of all robots. The time limit is {time_limit:g} s. Lengths are summed over the robots.""",
     "c": """MotionBenchMaker's problems {numbers} of each scenario, for the Panda, the UR5 and the Fetch. The time limit
-is {time_limit:g} s. Boxes span the quartiles, whiskers 90 % of the problems; axes are logarithmic.""",
+is {time_limit:g} s. Boxes span the quartiles, whiskers 90 % of the problems; percentages say how many were solved.""",
 }
 
 _METHOD = """## How it is measured
 
-- **Length** is the distance that the end effector travels, the paper's cost. **Variation** is its coefficient of variation
-  (standard deviation by mean) over the repetitions of a base problem, averaged over base problems. **× shortest** compares
-  with the shortest path that any planner found for the problem. Means are over the problems that the planner solved.
-- **Time** ends when the path is ready: shortcut, in our planners, or simplified by OMPL's `PathSimplifier`, which takes the
-  time that is left and at least one pass. Our planners have their default options, OMPL's their default parameters. `ARA*`,
-  `AMRA*` and `RRT*` improve their path until the time limit, unless they prove it good enough before.
-- **OMPL** plans on the same robot, scene and collision checker as our planners: motions are proved free between samples, so
-  that only the planner differs. **OMPL, plain Coal** uses Pinocchio and Coal [as one writes it](benchmarks.md#plain-coal),
-  and samples motions as MoveIt does by default (half a percent of the space's extent).
-- **Every path is checked again** by code that plans nothing: start, goal, joint limits, and Coal's distances prove the motion
-  between waypoints free; motions of several robots from our planners are verified on their common clock. A path with a fault
-  is *faulty* and does not count as solved.
-- OMPL's planners take random numbers from a seed that depends on the problem. Our planners need none.
+- **Length** is the distance that the end effector travels, the paper's cost. **Variation** is its coefficient of
+  variation (standard deviation by mean) over the repetitions of a base problem, averaged over base problems.
+  **× shortest** compares with the shortest path that any planner found for the problem. Means are over the problems
+  that the planner solved.
+- **Time** ends when the path is ready: shortcut, in our planners, or simplified by OMPL's `PathSimplifier`, which takes
+  the time that is left and at least one pass. Our planners have their default options, OMPL's their default
+  parameters. `ARA*`, `AMRA*` and RRT* improve their path until the time limit, unless they prove it good enough before.
+- **OMPL** plans on the same robot, scene and collision checker as our planners: motions are proved free between
+  samples, so that only the planner differs. **OMPL, plain Coal** uses Pinocchio and Coal
+  [as one writes it](benchmarks.md#plain-coal), and samples motions as MoveIt does by default (half a percent of the
+  space's extent).
+- **Every path is checked again** by code that plans nothing: start, goal and joint limits are compared, and Coal's
+  distances prove the motion between waypoints free. Motions of several robots from our planners are verified on their
+  common clock. A path with a fault is *faulty* and does not count as solved.
+- OMPL's planners take random numbers from a seed that depends on the problem. Our planners need none. What PRM and the
+  anytime planners find within their time depends on the machine.
+- A statement about OMPL's planners is compared with those on the same collision checker, and, unless it names them,
+  without the anytime planners.
 """
 
 
@@ -73,6 +78,17 @@ def write(result: Mapping[str, Any], directory: Path) -> list[str]:
     return [*said, f"wrote {directory / 'experiments.md'}", f"wrote {directory / 'experiments.json'}"]
 
 
+def read(path: str | Path) -> dict[str, Any]:
+    """The result in an experiments.json. Raises FileError where it is none."""
+    try:
+        result = json.loads(Path(path).read_text(encoding="utf-8"))
+        if result["header"]["benchmark"] != BENCHMARK:
+            raise ValueError("it is of another benchmark")
+        return {"header": result["header"], "rows": result["rows"]}
+    except (ValueError, KeyError, TypeError) as error:
+        raise srmp.FileError(f"{path} holds no results of `srmp bench paper`: {error}.") from error
+
+
 def durations(rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     """The time [s] that the rows of each experiment took: setting up, planning, checking."""
     found: dict[str, float] = {}
@@ -92,7 +108,7 @@ def page(
     options = header["options"]
     parts = [
         "# The paper's experiments",
-        "This page is written by `srmp bench paper` ([how](cli.md#bench-paper)). It repeats the experiments of the paper on\n"
+        "This page is written by [`srmp bench paper`](cli.md#bench-paper). It repeats the experiments of the paper on\n"
         "SRMP with this library, beside what the paper says of them.",
         _how_it_was_run(header, rows),
         *header["notes"],
@@ -121,8 +137,8 @@ def _section(
     parts.append(
         _SETUP[letter].format(
             numbers=options["problems"][letter],
-            problems=len(parse_numbers(options["problems"][letter])),
-            repetitions=options["repetitions"].get(letter),
+            problems=_count(len(parse_numbers(options["problems"][letter])), "base problem"),
+            repetitions=_count(options["repetitions"].get(letter, 1), "repetition"),
             time_limit=options["time_limit"][letter],
         )
     )
@@ -143,6 +159,8 @@ def _how_it_was_run(header: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]
         for e in EXPERIMENTS.values()
         if e.letter in options["experiments"] and _differs(e.letter, options)
     ]
+    if options["planners"]:
+        smaller.append(f"only the planners {', '.join(options['planners'])}")
     took = ", ".join(f"({letter}) {_duration(seconds)}" for letter, seconds in durations(rows).items())
     workers = header.get("workers") or 1
     text = (
@@ -152,6 +170,10 @@ def _how_it_was_run(header: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]
         f"Setting up, planning and checking took {took or 'no time'}, by {workers} worker{'s' if workers > 1 else ''}."
     )
     return text + (f"\n\n**This is a smaller run than the paper's:** {'; '.join(smaller)}." if smaller else "")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _differs(letter: str, options: Mapping[str, Any]) -> bool:

@@ -12,7 +12,7 @@ from typing import Any
 import srmp
 from srmp._names import did_you_mean
 from srmp.bench import mbm
-from srmp.bench.paper.contestants import EXPERIMENTS, Contestant, Experiment, ompl_module, why_not_run
+from srmp.bench.paper.contestants import BENCHMARK, EXPERIMENTS, Contestant, Experiment, ompl_module, why_not_run
 from srmp.bench.paper.solve import Task, make_solver
 from srmp.bench.runner import Execution, Progress, run_rows
 from srmp.bench.scenarios import KINDS
@@ -35,7 +35,7 @@ def run(
 ) -> dict[str, Any]:
     """Runs the experiments and returns {"header": …, "rows": […]}; runner.run_rows says how.
 
-    planners: only those of these names. problems: numbers of base problems, and in each of MotionBenchMaker's
+    planners: only those of these names or ids. problems: numbers of base problems, and in each of MotionBenchMaker's
     scenarios. What is not given is as in the paper. header["notes"] says what could not be run here, and why.
 
     Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
@@ -47,7 +47,7 @@ def run(
         raise srmp.InvalidArgument(f"repetitions {repetitions}: there must be at least 1.")
     described = {
         "experiments": [experiment.letter for experiment in chosen],
-        "planners": list(planners) or "all",
+        "planners": list(planners),
         "problems": {e.letter: problems or e.problems for e in chosen},
         "repetitions": {e.letter: repetitions or e.repetitions for e in chosen if e.letter != "c"},
         "time_limit": {e.letter: time_limit or e.time_limit for e in chosen},
@@ -64,10 +64,10 @@ def run(
             for task in _tasks(experiment, described, [c for c in experiment.contestants if _runs(c, planners)], stack)
         ]
         solver = functools.partial(make_solver, data, seed)
-        request = {**mbm.journal_request("the paper's experiments", described), **versions}
+        request = {**mbm.journal_request(BENCHMARK, described), **versions}
         rows, complete = run_rows(tasks, solver, request=request, execution=execution, progress=progress)
     header = mbm.run_header(
-        "the paper's experiments",
+        BENCHMARK,
         complete,
         described,
         execution,
@@ -87,15 +87,16 @@ def _experiments(letters: str) -> list[Experiment]:
 
 
 def _require_known(planners: Sequence[str], experiments: Sequence[Experiment]) -> None:
-    known = list(dict.fromkeys(c.name for e in experiments for c in e.contestants))
+    contestants = [c for e in experiments for c in e.contestants]
+    known = list(dict.fromkeys(c.name for c in contestants))
     for name in planners:
-        if name not in known:
+        if not any(c.among([name]) for c in contestants):
             hint = did_you_mean(name, known) or "."
             raise srmp.InvalidArgument(f"planner '{name}' is not one of {', '.join(known)}{hint}")
 
 
 def _runs(contestant: Contestant, planners: Sequence[str]) -> bool:
-    return not why_not_run(contestant) and (not planners or contestant.name in planners)
+    return not why_not_run(contestant) and contestant.among(planners)
 
 
 def _notes(experiments: Sequence[Experiment], data: str | Path | None) -> list[str]:

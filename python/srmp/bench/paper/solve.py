@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import time
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -235,13 +235,25 @@ def fault_of(query: Query, found: Found) -> str | None:
 def _collision(query: Query, paths: Mapping[str, np.ndarray]) -> str | None:
     """Of robots that move straight from row to row at the same times."""
     for name, path in paths.items():
-        times = np.arange(len(path), dtype=float)
-        if len(paths) == 1:
-            free = query.planner.collision_checker(name, mode="coal").motions_free(path[:-1], path[1:])
-        else:
-            others = {other: (times, rows) for other, rows in paths.items() if other != name}
-            checker = query.planner.timed_collision_checker(name, others, mode="coal")
-            free = checker.motions_free(path[:-1], path[1:], times[:-1], times[1:])
-        if not free.all():
-            return f"{name}: segment {int(np.argmin(free)) + 1} of {len(free)} is not proved free"
+        certify = _certifier(query.planner, name, paths)
+        for k in range(len(path) - 1):
+            certificate = certify(path, k)
+            if not certificate.proved:
+                pair = f"{certificate.body_a} and {certificate.body_b}"
+                touch = certificate.interval[0] == certificate.interval[1]
+                return f"{name}, segment {k + 1} of {len(path) - 1}: {pair} " + (
+                    "collide" if touch else "could not be proved apart"
+                )
     return None
+
+
+def _certifier(
+    planner: srmp.PlannerInterface, name: str, paths: Mapping[str, np.ndarray]
+) -> Callable[[np.ndarray, int], srmp.MotionCertificate]:
+    """Certifies the segment of this number of the robot's path, among the others on theirs."""
+    if len(paths) == 1:
+        alone = planner.collision_checker(name, mode="coal")
+        return lambda path, k: alone.certify_motion(path[k], path[k + 1])
+    others = {other: (np.arange(len(path), dtype=float), path) for other, path in paths.items() if other != name}
+    among = planner.timed_collision_checker(name, others, mode="coal")
+    return lambda path, k: among.certify_motion(path[k], path[k + 1], float(k), float(k + 1))

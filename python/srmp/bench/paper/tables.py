@@ -13,7 +13,7 @@ from srmp._table import format_seconds
 from srmp.bench.paper.contestants import EXPERIMENTS, SRMP, Contestant, why_not_run
 from srmp.bench.repeated import variation
 
-INVALID = ("start_invalid", "goal_invalid")
+INVALID = "invalid"
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,12 @@ class Entry:
 
 
 def checked(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Rows in which paths that the re-check found faulty are no solutions."""
-    return [{**row, "status": "faulty"} if row["fault"] else row for row in rows]
+    """Rows in which paths that the re-check found faulty are no solutions, and invalid problems are so for everyone."""
+    invalid = {row["instance"] for row in rows if row["status"] in ("start_invalid", "goal_invalid")}
+    return [
+        {**row, "status": INVALID if row["instance"] in invalid else "faulty" if row["fault"] else row["status"]}
+        for row in rows
+    ]
 
 
 def tables(result: Mapping[str, Any]) -> list[Entry]:
@@ -61,7 +65,7 @@ def tables(result: Mapping[str, Any]) -> list[Entry]:
         here = [row for row in rows if row["experiment"] == letter and row["scenario"] == scenario]
         best = {key: _best(here, key) for key in ("ee_cost_m", "plan_time_s")}
         for contestant in EXPERIMENTS[letter].contestants:
-            if named == "all" or contestant.name in named:
+            if contestant.among(named):
                 entries.append(_entry(letter, scenario, contestant, here, best))
     return entries
 
@@ -94,7 +98,7 @@ def _entry(
     solved = [row for row in mine if row["status"] == "solved"]
     counts = {
         "solved": len(solved),
-        "valid": sum(row["status"] not in INVALID for row in mine),
+        "valid": sum(row["status"] != INVALID for row in mine),
         "faults": sum(row["status"] == "faulty" for row in mine),
     }
     if not solved:
