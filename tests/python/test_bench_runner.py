@@ -263,26 +263,55 @@ def test_two_workers_write_the_same_rows(command, stand_in_dir, tmp_path):
     assert repeatable(results[0]["rows"]) == repeatable(results[1]["rows"])
 
 
-def test_a_killed_command_goes_on(stand_in_dir, tmp_path):
-    out = tmp_path / "results.json"
-    journal = tmp_path / "results.json.part"
-    arguments = ["mbm", "--data", stand_in_dir, "--robot", "panda", "--scenario", "cage", "--time-limit", "1"]
-    arguments += ["--planner", "ARAstar", "--out", out]
-    command = subprocess.Popen([sys.executable, "-m", "srmp.cli", "bench", *map(str, arguments)])
+def begin(journal, *arguments):
+    """Starts a command, in a process group of its own, and waits until its first row is in the journal."""
+    command = subprocess.Popen(
+        [sys.executable, "-m", "srmp.cli", "bench", *map(str, arguments)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     deadline = time.monotonic() + 60
     while not (journal.exists() and len(journal.read_text().splitlines()) >= 2):
         assert time.monotonic() < deadline, "no row was written"
         assert command.poll() is None
         time.sleep(0.02)
+    return command
+
+
+@pytest.fixture
+def cage(stand_in_dir, tmp_path):
+    """A command that takes a second for each of five problems."""
+    arguments = ["mbm", "--data", stand_in_dir, "--robot", "panda", "--scenario", "cage", "--time-limit", "1"]
+    return [*arguments, "--planner", "ARAstar", "--out", tmp_path / "results.json"]
+
+
+def test_a_killed_command_goes_on(cage, tmp_path):
+    out, journal = tmp_path / "results.json", tmp_path / "results.json.part"
+    command = begin(journal, *cage)
     command.kill()
     command.wait()
     kept = [json.loads(line) for line in journal.read_text().splitlines()[1:] if line.endswith("}")]
     assert not out.exists()
-    refused = CliRunner().invoke(main, ["bench", *map(str, arguments), "--planner", "wAstar"])
+    refused = CliRunner().invoke(main, ["bench", *map(str, cage), "--planner", "wAstar"])
     assert refused.exit_code == 2
     assert 'planner: "ARAstar" there, "wAstar" here' in refused.output
-    assert "going on where that run ended" in bench(*arguments).output
+    assert "going on where that run ended" in bench(*cage).output
     assert not journal.exists()
     rows = json.loads(out.read_text())["rows"]
     assert len(rows) == 5
     assert rows[0]["total_time_s"] == kept[0]["total_time_s"]  # not solved again
+
+
+def test_ctrl_c_ends_the_workers_too(cage, tmp_path):
+    out, journal = tmp_path / "results.json", tmp_path / "results.json.part"
+    command = begin(journal, *cage, "--workers", 2)
+    os.killpg(command.pid, signal.SIGINT)
+    _, said = command.communicate(timeout=30)
+    assert command.returncode == 1
+    assert said.splitlines()[-1] == "Aborted!"
+    assert "Traceback" not in said
+    written = json.loads(out.read_text())
+    assert not written["header"]["complete"]
+    assert 1 <= len(written["rows"]) < 5
+    assert len(journal.read_text().splitlines()) == 1 + len(written["rows"])
