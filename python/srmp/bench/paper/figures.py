@@ -36,7 +36,7 @@ def draw(result: Mapping[str, Any], directory: Path) -> list[str]:
 
 def _save(figure: Any, path: Path) -> None:
     figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
-    figure.savefig(path.with_suffix(".png"), dpi=130)
+    figure.savefig(path.with_suffix(".png"), dpi=110)
 
 
 def _figure(scenarios: Sequence[str], panels: int, names: int) -> tuple[Any, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 import srmp
 from srmp._files import write_json, write_text
-from srmp.bench.paper.contestants import BENCHMARK, EXPERIMENTS
+from srmp.bench.paper.contestants import BENCHMARK, EXPERIMENTS, SRMP, Experiment
 from srmp.bench.paper.statements import Statement, statements
 from srmp.bench.paper.statements import markdown as statement_table
 from srmp.bench.paper.tables import Entry, as_json, tables
@@ -116,7 +117,7 @@ def page(
     if not header["complete"]:
         parts.append("**The run was interrupted: rows are missing.**")
     for letter in options["experiments"]:
-        parts += _section(letter, options, entries, found, drawn)
+        parts += _section(letter, options, entries, found, rows, drawn)
     return "\n\n".join([*parts, _METHOD])
 
 
@@ -125,6 +126,7 @@ def _section(
     options: Mapping[str, Any],
     entries: Sequence[Entry],
     found: Sequence[Statement],
+    rows: Sequence[Mapping[str, Any]],
     drawn: Sequence[str],
 ) -> list[str]:
     experiment = EXPERIMENTS[letter]
@@ -145,19 +147,31 @@ def _section(
     parts.append(statement_table([statement for statement in found if statement.experiment == letter]))
     if letter in drawn:
         parts.append(f"![Experiment ({letter}): {experiment.title}](experiments-{letter}.svg)")
+        parts.append(f"The figure as [PNG](experiments-{letter}.png).")
     for scenario in dict.fromkeys(entry.scenario for entry in here):
         parts += [f"### {scenario}", entry_table([entry for entry in here if entry.scenario == scenario])]
+        parts += _found_by([row for row in rows if (row["experiment"], row["scenario"]) == (letter, scenario)])
     return parts
+
+
+def _found_by(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Which members of portfolios found the paths."""
+    lines = []
+    for planner in ("xECBS", "auto"):
+        found = Counter(row["found_by"] for row in rows if (row["library"], row["planner"]) == (SRMP, planner))
+        del found[None]
+        if found:
+            by = ", ".join(f"{name} ({count})" for name, count in found.most_common())
+            lines.append(f"Paths of `{planner}` were found by: {by}.")
+    return lines
 
 
 def _how_it_was_run(header: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> str:
     options = header["options"]
     smaller = [
-        f"({e.letter}) problems {options['problems'][e.letter]} instead of {e.problems}, "
-        + (f"{options['repetitions'][e.letter]} repetitions instead of {e.repetitions}, " if e.letter != "c" else "")
-        + f"{options['time_limit'][e.letter]:g} s instead of {e.time_limit:g} s"
+        f"({e.letter}) {', '.join(differences)}"
         for e in EXPERIMENTS.values()
-        if e.letter in options["experiments"] and _differs(e.letter, options)
+        if e.letter in options["experiments"] and (differences := _differences(e, options))
     ]
     if options["planners"]:
         smaller.append(f"only the planners {', '.join(options['planners'])}")
@@ -176,13 +190,18 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def _differs(letter: str, options: Mapping[str, Any]) -> bool:
-    experiment = EXPERIMENTS[letter]
-    return (
-        options["problems"][letter] != experiment.problems
-        or options["time_limit"][letter] != experiment.time_limit
-        or options["repetitions"].get(letter, experiment.repetitions) != experiment.repetitions
-    )
+def _differences(experiment: Experiment, options: Mapping[str, Any]) -> list[str]:
+    """From the paper's size."""
+    letter, differences = experiment.letter, []
+    problems, limit = options["problems"][letter], options["time_limit"][letter]
+    repetitions = options["repetitions"].get(letter, experiment.repetitions)
+    if problems != experiment.problems:
+        differences.append(f"problems {problems} instead of {experiment.problems}")
+    if repetitions != experiment.repetitions:
+        differences.append(f"{_count(repetitions, 'repetition')} instead of {experiment.repetitions}")
+    if limit != experiment.time_limit:
+        differences.append(f"{limit:g} s instead of {experiment.time_limit:g} s")
+    return differences
 
 
 def _duration(seconds: float) -> str:

@@ -110,7 +110,7 @@ def _notes(experiments: Sequence[Experiment], data: str | Path | None) -> list[s
         if data is None:
             notes.append("MotionBenchMaker's problems were not run: --data DIR says where they are.")
         elif missing := [robot for robot in ROBOTS if not _has(data, robot)]:
-            notes.append(f"MotionBenchMaker's problems for {', '.join(missing)} were not run: {data} has none.")
+            notes.append(f"MotionBenchMaker's problems for {', '.join(missing)} were not run: the data has none.")
     return notes
 
 
