@@ -314,4 +314,5 @@ def test_ctrl_c_ends_the_workers_too(cage, tmp_path):
     written = json.loads(out.read_text())
     assert not written["header"]["complete"]
     assert 1 <= len(written["rows"]) < 5
-    assert len(journal.read_text().splitlines()) == 1 + len(written["rows"])
+    kept = len(journal.read_text().splitlines()) - 1
+    assert kept - len(written["rows"]) in (0, 1)  # the signal may come between the two

@@ -96,9 +96,10 @@ def run_rows(
             sequence = stack.enter_context(progress(todo) if progress else contextlib.nullcontext(iter(todo)))
             found = stack.enter_context(_solved(todo, make_solver, solver, execution))
             for _, row in zip(sequence, found, strict=True):  # the problem first: its name is shown meanwhile
-                rows.append(_as_read(row))
+                row = _as_read(row)
                 if journal:
-                    journal.append(rows[-1])
+                    journal.write(row)
+                rows.append(row)
         except KeyboardInterrupt:
             return rows, False
     return rows, True
@@ -138,6 +139,7 @@ _of_this_process: Solver
 def _begin_worker(make_solver: Callable[[], Solver]) -> None:
     global _of_this_process
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     _of_this_process = make_solver()
 
 
@@ -158,13 +160,23 @@ def _solved_by_processes(
         min(execution.workers or 1, len(problems)), get_context("spawn"), _begin_worker, (make_solver,)
     )
     try:
-        futures = [pool.submit(_solve, problem) for problem in problems]
+        with _ctrl_c_later():  # workers begin with the signal blocked, and ignore it once they can
+            futures = [pool.submit(_solve, problem) for problem in problems]
         yield (future.result() for future in futures)
     except BrokenProcessPool as error:
         rest = f" {execution.journal} keeps the rows so far: run the same again to go on." if execution.journal else ""
         raise srmp.Error(f"a worker could not begin, or was killed (too little memory?).{rest}") from error
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+@contextlib.contextmanager
+def _ctrl_c_later() -> Iterator[None]:
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextlib.contextmanager
@@ -232,10 +244,6 @@ class Journal:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
-    def append(self, row: Row) -> None:
-        """Writes a row; it stays even if this process is killed next."""
-        self._write(row)
-
     def _lock(self) -> None:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -248,7 +256,7 @@ class Journal:
         whole, line_break, _ = self._file.read().rpartition(b"\n")
         self._file.truncate(len(whole) + len(line_break))
         if not line_break:
-            self._write(self._header)
+            self.write(self._header)
             return
         try:
             header, *self.rows = [json.loads(line) for line in whole.split(b"\n")]
@@ -263,7 +271,8 @@ class Journal:
                 "remove the file."
             )
 
-    def _write(self, line: Mapping[str, Any]) -> None:
+    def write(self, line: Mapping[str, Any]) -> None:
+        """Writes a row; it stays even if this process is killed next."""
         self._file.write(_line(line).encode() + b"\n")
         self._file.flush()
 
