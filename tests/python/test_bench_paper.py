@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 import srmp
 from srmp.bench.paper import contestants, page, run, solve, statements, tables
+from srmp.bench.runner import Execution
 from srmp.cli import main
 
 needs_ompl = pytest.mark.skipif(
@@ -78,6 +79,13 @@ def test_ompls_planners_have_their_columns(small, results):
 
 def small_run(**settings):
     return run.run(**{"experiments": "a", "problems": "1", "repetitions": 1, "time_limit": 0.5, **settings})
+
+
+def test_two_workers_give_the_same_rows(stand_in_dir):
+    runs = [small_run(data=stand_in_dir, planners=["wA*"], execution=Execution(workers)) for workers in (1, 2)]
+    rows = [[{k: v for k, v in row.items() if not k.endswith("_time_s")} for row in run["rows"]] for run in runs]
+    assert rows[0] == rows[1]
+    assert [row["status"] for row in rows[0]] == ["solved"] * 2
 
 
 def test_without_ompl_one_sentence_says_so(monkeypatch, stand_in_dir, tmp_path):

@@ -7,13 +7,14 @@ import subprocess
 import sys
 import time
 import types
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import srmp
+from srmp.bench import mbm
 from srmp.bench.runner import Execution, run_rows
 from srmp.cli import main
 
@@ -139,7 +140,7 @@ def test_the_journal_of_another_run_is_refused(journal):
     assert journal.read_bytes() == before
 
 
-@pytest.mark.parametrize("text", ["[1, 2]\n", "hello\n", '{"format": "something else"}\n'])
+@pytest.mark.parametrize("text", ["[1, 2]\n", "hello\n", "hello", '{"format": "something else"}\n', "a\nb"])
 def test_what_is_no_journal_is_refused_and_kept(tmp_path, text):
     path = tmp_path / "notes.part"
     path.write_text(text)
@@ -261,6 +262,16 @@ def test_two_workers_write_the_same_rows(command, stand_in_dir, tmp_path):
     assert results[1]["header"]["workers"] == 2
     assert [row["status"] for row in results[0]["rows"]] == ["solved"] * 3
     assert repeatable(results[0]["rows"]) == repeatable(results[1]["rows"])
+
+
+def test_a_worker_without_the_files_of_a_problem_unpacks_them(stand_in_dir, tmp_path):
+    """One on another machine, where the temporary directory of the first does not exist."""
+    files = mbm.robot_files(stand_in_dir, "panda", "urdf")
+    with mbm.open_problems(files.directory, "panda", ["box"], {2}) as (problem,):
+        elsewhere = replace(problem, scene=tmp_path / "none", request=tmp_path / "none")
+        rows = [mbm.Runner(files, "wAstar", {}, 5.0).run(p) for p in (problem, elsewhere)]
+    assert rows[0]["status"] == "solved"
+    assert np.array_equal(rows[0]["path"], rows[1]["path"])
 
 
 def begin(journal, *arguments):

@@ -244,6 +244,11 @@ class Journal:
     def __exit__(self, *_: object) -> None:
         self._file.close()
 
+    def write(self, line: Mapping[str, Any]) -> None:
+        """Writes a row; it stays even if this process is killed next."""
+        self._file.write(_line(line).encode() + b"\n")
+        self._file.flush()
+
     def _lock(self) -> None:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -253,15 +258,12 @@ class Journal:
     def _read(self) -> None:
         self._file.seek(0)
         # What follows the last line break is a line that was torn when the run was killed.
-        whole, line_break, _ = self._file.read().rpartition(b"\n")
-        self._file.truncate(len(whole) + len(line_break))
-        if not line_break:
-            self.write(self._header)
-            return
+        whole, line_break, torn = self._file.read().rpartition(b"\n")
+        own_header = _line(self._header).encode()
         try:
-            header, *self.rows = [json.loads(line) for line in whole.split(b"\n")]
-            if header["format"] != _FORMAT:
-                raise ValueError("its format is another")
+            header, *rows = [json.loads(line) for line in (whole if line_break else own_header).split(b"\n")]
+            if header["format"] != _FORMAT or not (line_break or own_header.startswith(torn)):
+                raise ValueError("it does not begin as one")
             written = dict(header["request"])
         except (ValueError, KeyError, TypeError) as error:
             raise srmp.FileError(f"{self._path} is not the journal of a benchmark: {error}.") from error
@@ -270,11 +272,10 @@ class Journal:
                 f"{self._path} is the journal of another run ({different}): finish that run, choose another --out, or "
                 "remove the file."
             )
-
-    def write(self, line: Mapping[str, Any]) -> None:
-        """Writes a row; it stays even if this process is killed next."""
-        self._file.write(_line(line).encode() + b"\n")
-        self._file.flush()
+        self.rows = rows
+        self._file.truncate(len(whole) + len(line_break))
+        if not line_break:
+            self.write(self._header)
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:

@@ -176,12 +176,12 @@ def _how_it_was_run(header: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]
     if options["planners"]:
         smaller.append(f"only the planners {', '.join(options['planners'])}")
     took = ", ".join(f"({letter}) {_duration(seconds)}" for letter, seconds in durations(rows).items())
-    workers = header.get("workers") or 1
+    by = "the workers of a Ray cluster" if header.get("ray") else _count(header.get("workers") or 1, "worker")
     text = (
         f"srmp {header['versions']['srmp']}"
         + (f", OMPL {header['ompl']}" if header["ompl"] else "")
-        + f"; {header['cpu']}, {header['cores']} cores; seed {options['seed']}; {header['created'][:10]}. "
-        f"Setting up, planning and checking took {took or 'no time'}, by {workers} worker{'s' if workers > 1 else ''}."
+        + f"; {header['cpu']}, {header['cores']} cores; seed {options['seed']}; {header['created'][:10]}.\n"
+        + f"Setting up, planning and checking took {took or 'no time'}, by {by}."
     )
     return text + (f"\n\n**This is a smaller run than the paper's:** {'; '.join(smaller)}." if smaller else "")
 
