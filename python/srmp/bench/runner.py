@@ -191,7 +191,7 @@ def _cluster(address: str) -> Iterator[Any]:
     try:
         ray.init(address=address, log_to_driver=False)
     except (ConnectionError, ValueError, RuntimeError) as error:
-        raise srmp.Error(f"there is no Ray cluster at '{address}': {error}.") from error
+        raise srmp.Error(f"there is no Ray cluster at '{address}': {str(error).rstrip('.')}.") from error
     try:
         yield ray
     finally:
