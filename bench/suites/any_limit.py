@@ -39,7 +39,7 @@ SCENARIOS = (("binpick", 4), ("shelves", 3), ("ring", 4), ("grid", 8))
 PLANNERS: tuple[dict[str, Any], ...] = (
     {"planner_id": "xECBS"},
     {"planner_id": "auto"},
-    {"planner_id": "xECBS", "improve_rounds": 2},
+    {"planner_id": "xECBS"},
     {"planner_id": "Prioritised"},
     {"planner_id": "ECBS"},
     {"planner_id": "auto", "num_threads": 2},

@@ -297,8 +297,6 @@ class XECBS(_Options):
     num_threads: int = 1
     """At most this many threads plan parts for many robots at the same time; the result does not depend on it
     [> 0 and <= 1024]."""
-    improve_rounds: int = 0
-    """After the first path, this many rounds search for better ones; the result is the same on every machine [>= 0]."""
 
 
 @dataclasses.dataclass(kw_only=True)

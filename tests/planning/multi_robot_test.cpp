@@ -165,11 +165,27 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
   BOOST_CHECK(planner.get_planning_stats().total_time_s < 10);
 }
 
+/// No random trees, no roadmaps, no composite space: the constraint tree finds the paths wherever robots interact.
+BOOST_AUTO_TEST_CASE(planners_by_conflicts_search_by_conflicts_alone) {
+  const srmp::CommonOptions common{.time_limit = 20};
+  for (const srmp::PlannerOptions& options :
+       {srmp::PlannerOptions(srmp::XECBS{common}), srmp::PlannerOptions(srmp::Prioritised{common})}) {
+    BOOST_TEST_CONTEXT(srmp::planner_id(options)) {
+      auto planner = planar_pair(options);
+      planner.plan_multi(starts, goals);
+      const srmp::PlanStatistics& statistics = planner.get_planning_stats();
+      BOOST_TEST(statistics.tree_nodes >= 1u);
+      BOOST_TEST(statistics.samples == 0u);
+      BOOST_TEST(statistics.found_by.starts_with("conflict-based search"), statistics.found_by);
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(rounds_of_improvement_are_the_same_every_time_and_never_for_the_worse) {
   double cost = INFINITY;
   std::string found_by;
   for (const int rounds : {0, 1, 6}) {
-    const srmp::XECBS options{.common = {.time_limit = 20}, .improve_rounds = rounds};
+    const srmp::Auto options{.common = {.time_limit = 20}, .improve_rounds = rounds};
     auto planner = planar_pair(options), again = planar_pair(options);
     const srmp::MultiTrajectory motion = planner.plan_multi(starts, goals);
     check_apart(planner, motion);
@@ -201,7 +217,7 @@ BOOST_AUTO_TEST_CASE(auto_improves_for_as_long_as_asked_and_never_for_the_worse)
   }
   BOOST_TEST(statistics.solutions.back().cost_rad == statistics.path_cost_rad);
 
-  BOOST_CHECK_THROW(planar_pair(srmp::XECBS{.improve_rounds = -1}), srmp::InvalidArgument);
+  BOOST_CHECK_THROW(planar_pair(srmp::Auto{.improve_rounds = -1}), srmp::InvalidArgument);
 
   auto enough = planar_pair(srmp::Auto{.common = {.time_limit = 20}, .improve_time = 10, .final_weight = 50});
   enough.plan_multi(starts, goals);

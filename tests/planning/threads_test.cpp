@@ -73,7 +73,7 @@ void check_threads(const Options& options, const Places& places = near_each_othe
 BOOST_AUTO_TEST_SUITE(threads)
 
 BOOST_AUTO_TEST_CASE(the_answer_is_the_same_for_every_number) {
-  check_threads(srmp::XECBS{.improve_rounds = 2});
+  check_threads(srmp::XECBS{});
   check_threads(srmp::Auto{.improve_rounds = 1});
   check_threads(srmp::Prioritised{});
 }

@@ -141,7 +141,7 @@ PLANNERS = [
     ({"planner_id": "auto", "num_threads": 1e6}, "'num_threads' is 1e\\+06; it must be above 0 and at most 1024"),
     ({"planner_id": "auto", "improve_time": -1}, "'improve_time' is -1; it must be at least 0"),
     ({"planner_id": "auto", "improve_rounds": -1}, "'improve_rounds' is -1; it must be at least 0"),
-    ({"planner_id": "xECBS", "improve_rounds": 0.5}, "'improve_rounds' is 0.5"),
+    ({"planner_id": "auto", "improve_rounds": 0.5}, "'improve_rounds' is 0.5"),
     ({"planner_id": "auto", "final_weight": 0.9}, "'final_weight' is 0.9; it must be at least 1"),
     ({"planner_id": "wAstar", "shortcut": "maybe"}, "'shortcut' must be true or false"),
     ({"planner_id": 7}, "'planner_id' must be a word"),

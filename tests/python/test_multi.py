@@ -128,6 +128,8 @@ def test_constraint_tree_nodes_are_counted():
     planner.plan_multi(STARTS, GOALS)
     statistics = planner.get_planning_stats()
     assert statistics["tree_nodes"] > 1
+    assert statistics["samples"] == 0
+    assert statistics["found_by"] == "conflict-based search"
     assert 1 <= statistics["bound"] <= 1.3 * 1.3 * 50
 
 

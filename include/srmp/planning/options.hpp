@@ -194,7 +194,6 @@ struct XECBS {
   double high_level_focal_suboptimality{1.3};
   /// The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1].
   double low_level_focal_suboptimality{1.3};
-  /// After the first path, this many rounds search for better ones; the result is the same on every machine [>= 0].
   int improve_rounds{0};
   /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
   /// [> 0 and <= 1024].

@@ -7,12 +7,13 @@
 #include <tuple>
 
 #include "srmp/core/memory_of.hpp"
+#include "srmp/multi/safe_interval_search.hpp"
 #include "srmp/search/lazy_tree.hpp"
 
 namespace srmp::multi {
 
 double ConflictSearchOptions::bound() const {
-  return priorities_only ? search::infinity : low_level_weight * low_focal * high_focal;
+  return priorities_only || known_paths_only ? search::infinity : low_level_weight * low_focal * high_focal;
 }
 
 namespace {
@@ -125,7 +126,7 @@ class ConflictSearch {
     while (true) {
       if (const auto stop = search::stop_status(deadline_)) return ended(*stop);
       if (budget_used_up()) return ended(Status::timed_out);
-      if (open_.empty()) return ended(Status::exhausted);
+      if (open_.empty() && focal_.empty() && beyond_.empty()) return ended(Status::exhausted);
       const NodePtr node = take();
       if (node->conflicts.empty()) return solved(*node);
       branch(*node);
@@ -133,6 +134,8 @@ class ConflictSearch {
   }
 
  private:
+  bool by_priorities() const { return options_.priorities || priorities_only(); }
+  bool priorities_only() const { return options_.priorities_only || options_.known_paths_only; }
   std::uint64_t evaluations() const { return result_.statistics.low.evaluations; }
   bool budget_used_up() const { return evaluations() >= options_.max_evaluations; }
 
@@ -149,19 +152,28 @@ class ConflictSearch {
   /// `lower_bound_period`-th time, it takes the one with the least lower bound, the oldest first: so the bound rises,
   /// and no node waits for ever behind others that seem nearly solved.
   NodePtr take() {
-    NodePtr node = *open_.begin();
-    if (node->complete) lower_ = std::max(lower_, node->lower_sum);  // no solution costs less
-    const double limit = options_.priorities_only ? search::infinity : options_.bound() * lower_ * (1.0 + 1e-12);
+    NodePtr node = open_.empty() ? nullptr : *open_.begin();
+    if (node && node->complete) lower_ = std::max(lower_, node->lower_sum);  // no solution costs less
+    const double limit = priorities_only() ? search::infinity : options_.bound() * lower_ * (1.0 + 1e-12);
     for (; !beyond_.empty() && (*beyond_.begin())->cost <= limit; beyond_.erase(beyond_.begin()))
       focal_.insert(*beyond_.begin());
-    const bool optimal = options_.bound() == 1.0 && !options_.priorities;  // all of focal_ has the least lower bound
-    proves_ = focal_.empty() || (!optimal && !options_.priorities_only && ++taken_ % options_.lower_bound_period == 0);
-    if (!proves_) node = *focal_.begin();
-    held_ -= memory_of_node(*node);
-    open_.erase(node);
-    beyond_.erase(node);
-    focal_.erase(node);
+    const bool optimal = options_.bound() == 1.0 && !by_priorities();  // all of focal_ has the least lower bound
+    const bool proves = !optimal && !priorities_only() && ++taken_ % options_.lower_bound_period == 0;
+    proves_ = node && (focal_.empty() || proves);
+    if (!proves_) node = focal_.empty() ? *beyond_.begin() : *focal_.begin();
+    remove(node);
     return node;
+  }
+
+  /// With priorities, a complete node is in OPEN twice: for its children by priorities, and for those that prove.
+  void remove(const NodePtr& node) {
+    const bool twice = by_priorities() && !priorities_only() && node->complete && !node->conflicts.empty();
+    if (!twice || proves_) open_.erase(node);
+    if (!twice || !proves_) {
+      beyond_.erase(node);
+      focal_.erase(node);
+    }
+    if (!open_.contains(node) && !focal_.contains(node) && !beyond_.contains(node)) held_ -= memory_of_node(*node);
   }
 
   bool add_root() {
@@ -186,20 +198,71 @@ class ConflictSearch {
     for (const int side : {0, 1})
       if (gives_way(node, conflict.agents[side], conflict.agents[1 - side]))
         return push(replanned(std::make_shared<TreeNode>(node), conflict.agents[side]));
-    if (node.complete && !options_.priorities_only && add_constrained(node, conflict)) return;
-    if (options_.priorities || options_.priorities_only)
-      for (const int side : {0, 1}) {
-        auto child = std::make_shared<TreeNode>(node);
-        child->complete = false;
-        child->ahead.insert({conflict.agents[1 - side], conflict.agents[side]});
-        push(replanned(std::move(child), conflict.agents[side]));
-      }
+    if (!by_priorities() || (proves_ && node.complete && !priorities_only()))
+      add_constrained(node, conflict);
+    else
+      add_prioritised(node, conflict);
   }
 
-  /// Opens the two children that lose no solution. True: opened in place of them the node itself, with a path found for
-  /// one of them that has fewer conflicts and is within the node's bound (bypass: Boyarski, Felner, Sharon, Stern
-  /// 2015); never for a node that was taken to raise the bound.
-  bool add_constrained(const TreeNode& node, const Conflict& conflict) {
+  /// Opens a child for each of the two in which the other one gives way to it; only one where that solves the problem.
+  void add_prioritised(const TreeNode& node, const Conflict& conflict) {
+    for (const int side : {0, 1}) {
+      const std::size_t before = conflict.agents[side], after = conflict.agents[1 - side];
+      NodePtr child = prioritised(node, before, after, 0);
+      if (!child) child = around_the_start(node, before, after);
+      if (!child) child = prioritised(node, before, after, options_.delay);
+      const bool solution = child && child->conflicts.empty();
+      push(std::move(child));
+      if (solution) return;
+    }
+  }
+
+  /// A child in which `after` gives way to `before`, which waits for so many steps before it does as it did.
+  NodePtr prioritised(const TreeNode& node, std::size_t before, std::size_t after, int delay) {
+    auto child = std::make_shared<TreeNode>(node);
+    child->complete = false;
+    child->ahead.insert({before, after});
+    if (delay > 0) {
+      child->paths[before] = delayed(before, *child->paths[before], delay);
+      find_conflicts(*child, before);
+      for (const std::size_t other : all_ahead_of(*child, before))
+        if (child->conflicts.contains(std::minmax(before, other))) return nullptr;
+    }
+    return replanned(std::move(child), after);
+  }
+
+  /// A child in which `after` gives way to `before`, whose path leads around the start of `after`.
+  NodePtr around_the_start(const TreeNode& node, std::size_t before, std::size_t after) {
+    auto child = std::make_shared<TreeNode>(node);
+    child->complete = false;
+    child->ahead.insert({before, after});
+    const StateId start = world_.agent(after).start();
+    const TimedPath stays{{{start, start, 0, forever}}, 0.0};
+    const PathPtr last = child->paths[before];
+    const std::vector<std::size_t> ahead = all_ahead_of(*child, before);
+    if (replan(*child, before, last.get(), ahead, {after, &stays}) != Status::solved) return nullptr;
+    for (const std::size_t other : ahead)
+      if (child->conflicts.contains(std::minmax(before, other))) return nullptr;
+    return replanned(std::move(child), after);
+  }
+
+  PathPtr delayed(std::size_t agent, const TimedPath& path, int delay) {
+    TimedPath later;
+    const StateId start = path.moves.front().from;
+    for (int step = 0; step < delay; ++step) later.moves.push_back({start, start, step, step + 1});
+    for (Move move : path.moves) {
+      move.start += delay;
+      if (move.end != forever) move.end += delay;
+      later.moves.push_back(move);
+    }
+    later.cost = cost_of(world_.agent(agent), later.moves);
+    return std::make_shared<const TimedPath>(std::move(later));
+  }
+
+  /// Opens the two children that lose no solution; or in place of them the node itself, with a path found for one of
+  /// them that has fewer conflicts and is within the node's bound (bypass: Boyarski, Felner, Sharon, Stern 2015), but
+  /// never for a node that was taken to raise the bound.
+  void add_constrained(const TreeNode& node, const Conflict& conflict) {
     NodePtr children[2];
     for (const int side : {0, 1}) {
       const std::size_t agent = conflict.agents[side];
@@ -212,11 +275,9 @@ class ConflictSearch {
       child->constraints = node.constraints;
       child->lower = node.lower;
       child->sum_up();
-      push(std::move(child));
-      return true;
+      return push(std::move(child));
     }
     for (NodePtr& child : children) push(std::move(child));
-    return false;
   }
 
   /// The earliest conflict; of several, that of the first agents.
@@ -244,33 +305,51 @@ class ConflictSearch {
   /// The child with a new path for one agent; null: there is none, or the deadline has passed.
   NodePtr replanned(NodePtr child, std::size_t agent) {
     const PathPtr last = child->paths[agent];
-    if (replan(*child, agent, last.get(), all_ahead_of(*child, agent)) != Status::solved) return nullptr;
+    const std::vector<std::size_t> before = all_ahead_of(*child, agent);
+    if (replan(*child, agent, last.get(), before) != Status::solved) return nullptr;
+    for (const std::size_t other : before)
+      if (child->conflicts.contains(std::minmax(agent, other))) return nullptr;
     child->sum_up();
     return child;
   }
 
-  Status replan(TreeNode& node, std::size_t agent, const TimedPath* last, const std::vector<std::size_t>& before) {
+  Status replan(TreeNode& node, std::size_t agent, const TimedPath* last, const std::vector<std::size_t>& before,
+                const OtherPath& also = {}) {
     std::vector<Constraint> mine;
     for (const Link* link = node.constraints.get(); link; link = link->before.get())
       if (link->constraint.agent() == agent) mine.push_back(link->constraint);
     std::vector<OtherPath> avoid, others;
+    std::vector<std::pair<std::size_t, PathPtr>> way_given{{agent, nullptr}};
     for (std::size_t i = 0; i < world_.size(); ++i) {
       if (i == agent || !node.paths[i] || !world_.may_conflict(agent, i)) continue;
       const bool ahead = std::binary_search(before.begin(), before.end(), i);
       (ahead ? avoid : others).push_back({i, node.paths[i].get()});
+      if (ahead) way_given.emplace_back(i, node.paths[i]);
     }
+    if (also.path) {
+      avoid.push_back(also);
+      way_given.emplace_back(also.agent, nullptr);
+    }
+    if (!avoid.empty() && failed_.contains(way_given)) return Status::exhausted;
     TimedSearchOptions options{
         .bound = low_bound(), .low_level_weight = options_.low_level_weight, .focal = options_.low_focal};
     options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, evaluations());
-    if (!before.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
-    TimedSearchResult found =
-        timed_search(world_, agent, mine, avoid, others, options_.experience ? last : nullptr, options, deadline_);
+    if (!avoid.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
+    const TimedPath* experience = options_.experience ? last : nullptr;
+    TimedSearchResult found = options_.known_paths_only || (by_priorities() && !avoid.empty())
+                                  ? safe_interval_search(world_, agent, mine, avoid, experience,
+                                                         {.weight = options_.low_level_weight,
+                                                          .known_paths_only = options_.known_paths_only,
+                                                          .max_evaluations = options.max_evaluations},
+                                                         deadline_)
+                                  : timed_search(world_, agent, mine, avoid, others, experience, options, deadline_);
     search::Statistics& low = result_.statistics.low;
     low.expansions += found.statistics.expansions;
     low.generated += found.statistics.generated;
     low.evaluations += found.statistics.evaluations;
     low.memory = std::max(low.memory, found.statistics.memory);
     result_.statistics.memory = std::max(result_.statistics.memory, held_ + found.statistics.memory);
+    if (found.status != Status::solved && !avoid.empty()) failed_.insert(std::move(way_given));
     if (found.status != Status::solved) return found.status;
     node.lower[agent] = std::max(node.lower[agent], found.lower);
     node.paths[agent] = std::make_shared<const TimedPath>(std::move(found.path));
@@ -315,6 +394,9 @@ class ConflictSearch {
   std::set<NodePtr, ByLower> open_;       // all that are open
   std::set<NodePtr, ByCost> beyond_;      // those whose cost is not known to be within the bound
   std::set<NodePtr, ByConflicts> focal_;  // the others
+  /// Agents that found no path on which they give way to these paths (null: to an agent at its start): more constraints
+  /// do not help.
+  std::set<std::vector<std::pair<std::size_t, PathPtr>>> failed_;
   double lower_{0.0};
   bool proves_{};  // the node was taken for its lower bound
   std::uint64_t taken_{0};

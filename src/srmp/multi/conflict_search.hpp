@@ -16,11 +16,15 @@ struct ConflictSearchOptions {
   double low_focal{1.0};         ///< focal bound of the agents' searches, >= 1
   double high_focal{1.0};        ///< focal bound of the constraint tree, >= 1
   bool experience{false};        ///< an agent's search reuses what is still valid of its last path
-  /// Beside the two children that lose no solution, each conflict has two in which one agent gives way to all of the
-  /// other's path (constraints of any kind beside complete ones: Shaoul, Veerapaneni, Likhachev, Li 2024; priorities:
-  /// Ma, Harabor, Stuckey, Li, Koenig 2019). They find paths earlier and have no effect on the bound.
+  /// Nodes that are taken for their few conflicts have children in which one agent gives way to all of the other's
+  /// path (priorities: Ma, Harabor, Stuckey, Li, Koenig 2019), by safe_interval_search. Where it cannot, the other one
+  /// first leads around its start (Čáp, Novák, Kleiner, Selecký 2015), or waits for a while. They find paths earlier
+  /// and have no effect on the bound: the two children that lose no solution are opened when a node is taken for its
+  /// lower bound (constraints of any kind beside complete ones: Shaoul, Veerapaneni, Likhachev, Li 2024).
   bool priorities{false};
-  bool priorities_only{false};  ///< no complete children: fast, but nothing is proved
+  bool priorities_only{false};   ///< no complete children, so nothing is proved
+  bool known_paths_only{false};  ///< the same, and all agents move along paths that are known already
+  int delay{8};                  ///< with priorities: steps of that wait
   /// Moves evaluated by the search of an agent that gives way, after which the child is dropped.
   std::uint64_t max_priority_evaluations{20'000};
   /// Moves evaluated by all searches together, after which the result is timed_out.

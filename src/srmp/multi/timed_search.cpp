@@ -54,14 +54,6 @@ class Heap {
   Queue heap_;
 };
 
-/// The step from which on the constraint forbids nothing.
-int end_of(const Constraint& constraint) {
-  int end = 0;
-  for (const Move& move : constraint.conflict.moves)
-    end = std::max(end, move.end == forever ? move.start + 1 : move.end);
-  return end;
-}
-
 class TimedSearch {
  public:
   TimedSearch(World& world, std::size_t agent, std::span<const Constraint> constraints,
@@ -120,9 +112,9 @@ class TimedSearch {
     const StateId state = node.move.to;
     node.f = node.g + (node.final ? 0.0 : estimate(agent_.heuristic(state), "heuristic", state));
     if (node.f == search::infinity) return no_node;
-    node.inflated = node.g + options_.low_level_weight * (node.final ? 0.0
-                                                                     : estimate(agent_.inadmissible_heuristic(state),
-                                                                                "inadmissible heuristic", state));
+    const double to_go =
+        node.final ? 0.0 : estimate(agent_.inadmissible_heuristic(state), "inadmissible heuristic", state);
+    node.inflated = node.g + options_.low_level_weight * to_go;
     nodes_.push_back(node);
     const auto id = static_cast<NodeId>(nodes_.size() - 1);
     enter(id);
@@ -276,6 +268,7 @@ class TimedSearch {
     statistics_.generated += successors_.size();
     for (const search::Successor& next : successors_) {
       search::require_edge({state, next.state, next.cost});
+      if (agent_.known_missing(state, next.state)) continue;
       const int duration = agent_.duration(state, next.state);
       if (duration < 1)
         refuse("the edge from state " + std::to_string(state) + " to " + std::to_string(next.state) + " takes " +

@@ -47,6 +47,8 @@ class Agent {
   /// The edge's true cost, no less than its lower bound but for rounding; infinity when the edge does not exist. May
   /// be called again for the same edge.
   virtual double evaluate(StateId from, StateId to) = 0;
+  /// True only if the edge has been evaluated before, and does not exist.
+  virtual bool known_missing(StateId, StateId) const { return false; }
   virtual bool is_goal(StateId state) = 0;
   /// A consistent heuristic: a lower bound of the cost-to-go. Infinity: no goal can be reached.
   virtual double heuristic(StateId state) = 0;
@@ -54,9 +56,19 @@ class Agent {
   virtual double inadmissible_heuristic(StateId state) { return heuristic(state); }
   /// Steps that the edge takes, > 0.
   virtual int duration(StateId from, StateId to) = 0;
+  /// The states of paths from start to goal whose edges exist, both ways, where that is known beforehand.
+  virtual std::vector<std::vector<StateId>> known_paths() { return {}; }
   /// Cost of waiting for a step, other than for good at the goal; > 0.
   virtual double wait_cost() = 0;
 };
+
+/// Of an agent's moves, waits included.
+inline double cost_of(Agent& agent, const std::vector<Move>& moves) {
+  double cost = 0.0;
+  for (const Move& move : moves)
+    if (move.end != forever) cost += move.waits() ? agent.wait_cost() : agent.evaluate(move.from, move.to);
+  return cost;
+}
 
 /// Two moves that collide while both last, so that only one of them may be made.
 struct Conflict {
@@ -71,6 +83,14 @@ struct Constraint {
   int side{};
   std::size_t agent() const { return conflict.agents[side]; }
 };
+
+/// The step from which on the constraint forbids nothing.
+inline int end_of(const Constraint& constraint) {
+  int end = 0;
+  for (const Move& move : constraint.conflict.moves)
+    end = std::max(end, move.end == forever ? move.start + 1 : move.end);
+  return end;
+}
 
 /// All agents, and which of their moves conflict.
 class World {

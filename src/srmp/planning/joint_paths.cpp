@@ -58,8 +58,10 @@ class IndependenceDetection {
     std::vector<WorldTask> tasks;
     for (std::size_t i = 0; i < count_; ++i) {
       RobotEndpoints& endpoints = alone[i].endpoints;
-      tasks.push_back({std::move(endpoints.start), std::move(endpoints.targets), unstack_waypoints(alone[i].waypoints),
-                       problem_.robots[i].may_end_anywhere()});
+      tasks.push_back({.start = std::move(endpoints.start),
+                       .targets = std::move(endpoints.targets),
+                       .backbone = unstack_waypoints(alone[i].waypoints),
+                       .anywhere = problem_.robots[i].may_end_anywhere()});
       const std::string file = common_options(problem_.options, problem_.robots[i].robot).mprim_path;
       if (file.empty()) continue;
       tasks.back().primitives = io::read_primitives(file, problem_.checkers.planning.alone(i).robot().joints());

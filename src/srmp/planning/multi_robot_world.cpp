@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <mutex>
 #include <unordered_map>
@@ -41,18 +42,43 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
         workspace_(checker.make_workspace()),
         limits_(default_limits(robot_)),
         wait_cost_(0.1 * options.resolution),
+        sparse_(options.sparse),
         task_(std::move(task)),
-        lattice_(robot_, {task_.start}, task_.targets,
-                 {.primitives = primitives(options), .waypoints = inner(task_.backbone)},
+        lattice_(robot_, {task_.start}, task_.targets, {.primitives = primitives(options), .waypoints = waypoints()},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
-    double left = 0.0;
-    rest_.assign(task_.backbone.size(), 0.0);
-    for (std::size_t k = task_.backbone.size(); k-- > 1;)
-      rest_[k - 1] = left += lattice_.distance(task_.backbone[k - 1], task_.backbone[k]);
+    add_rest(task_.backbone);
+    for (const auto& path : task_.alternatives) add_rest(path);
   }
 
   StateId start() override { return 0; }
-  void successors(StateId state, std::vector<search::Successor>& out) override { lattice_.successors(state, out); }
+  void successors(StateId state, std::vector<search::Successor>& out) override {
+    const auto first = static_cast<std::ptrdiff_t>(out.size());
+    lattice_.successors(state, out);
+    if (sparse_) drop_far_waypoints(state, out, first);
+  }
+  bool known_missing(StateId from, StateId to) const override {
+    if (!sparse_) return false;
+    const auto known = costs_.find(std::uint64_t{from} << 32 | to);
+    return known != costs_.end() && known->second == search::infinity;
+  }
+  std::vector<std::vector<StateId>> known_paths() override {
+    std::vector<std::vector<StateId>> paths;
+    auto next = static_cast<StateId>(1 + task_.targets.size());  // of waypoints
+    const auto add = [&](const std::vector<Eigen::VectorXd>& path) {
+      if (path.size() < 2) return;
+      std::vector<StateId> states{0};
+      for (std::size_t k = 1; k + 1 < path.size(); ++k) states.push_back(next++);
+      for (StateId goal = 1; goal <= task_.targets.size(); ++goal)
+        if (lattice_.distance(lattice_.configuration(goal), path.back()) < 1e-9) {
+          states.push_back(goal);
+          break;
+        }
+      paths.push_back(std::move(states));
+    };
+    add(task_.backbone);
+    for (const auto& path : task_.alternatives) add(path);
+    return paths;
+  }
   bool is_goal(StateId state) override { return task_.anywhere || lattice_.is_goal(state); }
   double heuristic(StateId state) override { return task_.anywhere ? 0.0 : lattice_.distance_to_targets(state); }
   double wait_cost() override { return wait_cost_; }
@@ -61,14 +87,13 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
     return std::max(1, static_cast<int>(std::ceil(time / step_time - 1e-9)));
   }
 
-  /// Along the backbone, from where one gets onto it.
+  /// Along a known path, from where one gets onto it.
   double inadmissible_heuristic(StateId state) override {
     double least = heuristic(state);
-    if (task_.backbone.size() < 3 || least == 0.0) return least;
+    if (known_.empty() || least == 0.0) return least;
     const Eigen::VectorXd q = lattice_.configuration(state);
     least = search::infinity;
-    for (std::size_t k = 0; k < rest_.size(); ++k)
-      least = std::min(least, lattice_.distance(q, task_.backbone[k]) + rest_[k]);
+    for (const auto& [waypoint, rest] : known_) least = std::min(least, lattice_.distance(q, waypoint) + rest);
     return least;
   }
 
@@ -95,7 +120,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
     return (robot_.difference(a, b).array().abs() / limits_.velocity.array()).maxCoeff();
   }
   const WorldTask& task() const { return task_; }
-  double length_alone() const { return rest_.empty() ? 0.0 : rest_.front(); }
+  double length_alone() const { return length_alone_; }
   const MotionLimits& limits() const { return limits_; }
   Eigen::VectorXd configuration(StateId state) const { return lattice_.configuration(state); }
   const RobotModel& robot() const { return robot_; }
@@ -105,15 +130,52 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   double step_time{};  // [s]
 
  private:
+  /// Leaves the edges to the nearest waypoint of the backbone, and to those 1, 2, 4, … waypoints from there.
+  void drop_far_waypoints(StateId state, std::vector<search::Successor>& out, std::ptrdiff_t first) const {
+    const auto begin = static_cast<StateId>(1 + task_.targets.size());
+    const auto end = static_cast<StateId>(begin + waypoints().size());
+    StateId nearest = state;
+    double least = search::infinity;
+    if (state < begin || state >= end)
+      for (auto edge = out.begin() + first; edge != out.end(); ++edge)
+        if (begin <= edge->state && edge->state < end && edge->cost < least) {
+          least = edge->cost;
+          nearest = edge->state;
+        }
+    out.erase(std::remove_if(out.begin() + first, out.end(),
+                             [&](const search::Successor& edge) {
+                               if (edge.state < begin || edge.state >= end) return false;
+                               return !std::has_single_bit(edge.state > nearest ? edge.state - nearest
+                                                                                : nearest - edge.state) &&
+                                      edge.state != nearest;
+                             }),
+              out.end());
+  }
+
   PrimitiveSet primitives(const Options& options) const {
     if (task_.primitives) return *task_.primitives;
     const std::vector<Joint>& joints = robot_.joints();
-    return rich_primitives(joints, lattice_step(joints, options.resolution, options.prismatic_resolution),
-                           parallel_pairs(robot_));
+    const Eigen::VectorXd step =
+        lattice_step(joints, options.scale * options.resolution, options.scale * options.prismatic_resolution);
+    return rich_primitives(joints, step, parallel_pairs(robot_));
   }
-  static std::vector<Eigen::VectorXd> inner(const std::vector<Eigen::VectorXd>& path) {
-    if (path.size() < 3) return {};
-    return {path.begin() + 1, path.end() - 1};
+  std::vector<Eigen::VectorXd> waypoints() const {
+    std::vector<Eigen::VectorXd> inner;
+    const auto add = [&](const std::vector<Eigen::VectorXd>& path) {
+      if (path.size() > 2) inner.insert(inner.end(), path.begin() + 1, path.end() - 1);
+    };
+    add(task_.backbone);
+    for (const auto& path : task_.alternatives) add(path);
+    return inner;
+  }
+
+  void add_rest(const std::vector<Eigen::VectorXd>& path) {
+    double left = 0.0;
+    for (std::size_t k = path.size(); k-- > 0;) {
+      if (k + 1 < path.size()) left += lattice_.distance(path[k], path[k + 1]);
+      if (path.size() > 2) known_.emplace_back(path[k], left);
+    }
+    if (length_alone_ == 0.0) length_alone_ = left;
   }
 
   const Checker& checker_;
@@ -121,8 +183,10 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   Checker::WorkspacePtr workspace_;
   MotionLimits limits_;
   double wait_cost_;
+  bool sparse_;
   WorldTask task_;
-  std::vector<double> rest_;  // of the backbone, from each waypoint on
+  std::vector<std::pair<Eigen::VectorXd, double>> known_;  // waypoints of known paths, and what is left from there
+  double length_alone_{};
   Lattice lattice_;
   std::unordered_map<std::uint64_t, double> costs_;  // of edges
 };
@@ -162,7 +226,7 @@ class MultiRobotWorld::Pair {
 
   /// `ends` of the moves where both are under way: of a, then of b, each from and to.
   template <class Ends>
-  bool in_conflict(const Move& move_a, const Move& move_b, int first, int last, Ends&& ends) {
+  bool in_conflict(const Move& move_a, const Move& move_b, int first, int last, bool by_spheres, Ends&& ends) {
     // Of a wait only the place counts, and the time as far as the other one moves.
     const auto since = [first](const Move& move, int step) {
       return move.waits() ? 0u : static_cast<std::uint32_t>(step - first);
@@ -174,7 +238,7 @@ class MultiRobotWorld::Pair {
     const std::lock_guard lock(mutex_);
     if (const auto known = conflicts_.find(key); known != conflicts_.end()) return known->second;
     const std::array<Eigen::VectorXd, 4> q = ends();
-    const bool collide = !check(q[0], q[1], q[2], q[3], {});
+    const bool collide = !check(q[0], q[1], q[2], q[3], {.spheres_only = by_spheres});
     if (!may_be_cut_off(*exact_.workspace)) conflicts_.emplace(key, collide);
     return collide;
   }
@@ -286,7 +350,12 @@ bool MultiRobotWorld::in_conflict(std::size_t a, const Move& move_a, std::size_t
   const auto [first, last] = multi::overlap(move_a, move_b);
   Pair* both = pair(a, b);
   if (first >= last || !both) return false;
-  return both->in_conflict(move_a, move_b, first, last, [&, first = first, last = last] {
+  const auto touches_end = [](const Move& move, const RobotAgent& robot) {
+    return std::min(move.from, move.to) <= robot.task().targets.size();  // 0 is the start, then come the targets
+  };
+  const bool by_spheres =
+      options_.by_spheres && !(touches_end(move_a, *agents_[a]) && touches_end(move_b, *agents_[b]));
+  return both->in_conflict(move_a, move_b, first, last, by_spheres, [&, first = first, last = last] {
     return std::array{at(a, move_a, first), at(a, move_a, last), at(b, move_b, first), at(b, move_b, last)};
   });
 }

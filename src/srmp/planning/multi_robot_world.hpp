@@ -17,7 +17,8 @@ struct WorldTask {
   Eigen::VectorXd start;                  ///< free
   std::vector<Eigen::VectorXd> targets;   ///< free
   std::vector<Eigen::VectorXd> backbone;  ///< a free path from start to a target that leads the search; may be empty
-  bool anywhere{};                        ///< every configuration is a goal
+  std::vector<std::vector<Eigen::VectorXd>> alternatives{};  ///< other such paths
+  bool anywhere{};                                           ///< every configuration is a goal
   /// Of its lattice; none: rich_primitives at the world's resolution.
   std::optional<PrimitiveSet> primitives{};
 };
@@ -31,6 +32,12 @@ class MultiRobotWorld : public multi::World {
   struct Options {
     double resolution{};            ///< lattice step of revolute joints [rad]
     double prismatic_resolution{};  ///< [m]
+    double scale{1.0};              ///< the lattices' own primitives have steps of so many times the resolution
+    /// Edges lead to a few waypoints of the backbone from each state, not to all.
+    bool sparse{};
+    /// Robots conflict wherever spheres do not prove them apart, but for moves from a start or to a goal: where the
+    /// robots must be, it matters how near they are exactly; elsewhere spheres are quicker.
+    bool by_spheres{};
   };
 
   /// References outlive this. One task a robot, in the order of the checkers' names.
@@ -60,6 +67,7 @@ class MultiRobotWorld : public multi::World {
   double alone(std::size_t robot) const;   ///< length of its way as if it were alone [rad, prismatic joints m]
   double direct(std::size_t robot) const;  ///< straight from its start to its nearest goal: no way is shorter
   const Options& options() const { return options_; }
+  const GroupCheckers& checkers() const { return checkers_; }
 
   /// Are two straight motions at the same time free of collisions with each other?
   bool are_collision_free(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,

@@ -26,7 +26,6 @@ std::optional<double> bfs_cell(const std::string& heuristic) {
 
 Improvement improvement(const PlannerOptions& options) {
   if (const auto* any = std::get_if<Auto>(&options)) return {any->improve_rounds, any->improve_time, any->final_weight};
-  if (const auto* xecbs = std::get_if<XECBS>(&options)) return {.rounds = xecbs->improve_rounds};
   return {};
 }
 

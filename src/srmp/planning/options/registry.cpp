@@ -87,13 +87,6 @@ OptionSpec low_level_weight() {
 }
 
 template <class Planner>
-OptionSpec improve_rounds() {
-  return option("improve_rounds", &Planner::improve_rounds, at_least(0.0),
-                "After the first path, this many rounds search for better ones; the result is the same on every "
-                "machine.");
-}
-
-template <class Planner>
 std::vector<OptionSpec> conflict_options() {
   return {
       low_level_weight<Planner>(),
@@ -138,7 +131,9 @@ RegisteredPlanner automatic() {
        .many_robots = true},
       {option("weight", &Auto::weight, at_least(1.0),
               "The first path costs at most this factor times the optimum of its lattice, or the straight line."),
-       improve_rounds<Auto>(),
+       option("improve_rounds", &Auto::improve_rounds, at_least(0.0),
+              "After the first path, this many rounds search for better ones; the result is the same on every "
+              "machine."),
        option("improve_time", &Auto::improve_time, at_least(0.0, "s"),
               "After the first path, the search for better ones takes this time within `time_limit`; 0 gives it the "
               "time that `improve_rounds` take."),
@@ -270,15 +265,13 @@ RegisteredPlanner enhanced_cbs() {
 }
 
 RegisteredPlanner experience_accelerated_ecbs() {
-  std::vector<OptionSpec> own = conflict_options<XECBS>();
-  own.push_back(improve_rounds<XECBS>());
   return planner<XECBS>({.id = "xECBS",
                          .class_name = "XECBS",
                          .summary = "many robots: ECBS that reuses its previous searches; quick",
                          .papers = "xECBS: Shaoul, Mishani, Likhachev, Li 2024",
                          .guarantee = "sum of costs <= product of its three factors * optimum",
                          .many_robots = true},
-                        std::move(own));
+                        conflict_options<XECBS>());
 }
 
 RegisteredPlanner prioritised() {

@@ -8,8 +8,8 @@ namespace {
 constexpr std::size_t max_targets = 16;
 }
 
-CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots)
-    : world_(world), robots_(std::move(robots)) {
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others)
+    : world_(world), robots_(std::move(robots)), others_(std::move(others)) {
   for (const std::size_t robot : robots_) {
     const std::vector<Joint>& joints = world.model(robot).joints();
     first_.push_back(std::ssize(joints_));
@@ -56,6 +56,18 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
       if ((moves[i] || moves[k]) && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k],
                                                                part(a, k), part(b, k), {true, by_spheres}))
         return false;
+  for (std::size_t i = 0; i < size(); ++i)
+    for (const Standing& other : others_)
+      if (moves[i] && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), other.robot, other.q, other.q,
+                                                 {.start_is_free = true}))
+        return false;
+  return true;
+}
+
+bool CompositeSpace::is_apart(const Eigen::VectorXd& q) const {
+  for (std::size_t i = 0; i < size(); ++i)
+    for (const Standing& other : others_)
+      if (!world_.are_collision_free(robots_[i], part(q, i), part(q, i), other.robot, other.q, other.q)) return false;
   return true;
 }
 

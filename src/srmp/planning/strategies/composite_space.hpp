@@ -10,8 +10,14 @@ namespace srmp {
 /// Robots whose goal is anywhere end where they start.
 class CompositeSpace {
  public:
+  /// Another robot, which stands still.
+  struct Standing {
+    std::size_t robot{};
+    Eigen::VectorXd q;
+  };
+  using Others = std::vector<Standing>;
   /// The world outlives this.
-  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots);
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {});
 
   std::size_t size() const { return robots_.size(); }
   const MultiRobotWorld& world() const { return world_; }
@@ -32,6 +38,9 @@ class CompositeSpace {
   /// `a` is free. Where the robots must be, it matters how near they are exactly; elsewhere spheres are quicker.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
 
+  /// Is the configuration collision-free with the others, which stand still?
+  bool is_apart(const Eigen::VectorXd& q) const;
+
   JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
 
  private:
@@ -40,6 +49,7 @@ class CompositeSpace {
 
   MultiRobotWorld& world_;
   std::vector<std::size_t> robots_;
+  Others others_;
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;

@@ -6,6 +6,7 @@
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/smoothing/large_neighbourhood_search.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
+#include "srmp/planning/strategies/experience_conflict_search.hpp"
 #include "srmp/planning/strategies/group_strategies.hpp"
 
 namespace srmp {
@@ -13,7 +14,7 @@ namespace srmp {
 FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadline& deadline,
                              PlanStatistics& statistics) {
   const PhaseTimer timer(deadline, statistics.search_time_s);
-  const bool portfolio = std::holds_alternative<Auto>(options_) || std::holds_alternative<XECBS>(options_);
+  const bool portfolio = std::holds_alternative<Auto>(options_);
   std::optional<CompositeSpace> space;
   Strategies strategies;
   if (portfolio) {
@@ -22,7 +23,10 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadl
     strategies.push_back(
         std::make_unique<CompositeRrtStrategy>(world_, *space, common_options(options_).shortcut, statistics));
   }
-  strategies.push_back(std::make_unique<ConflictSearchStrategy>(world_, robots, options_, !portfolio, statistics));
+  if (std::holds_alternative<XECBS>(options_))
+    strategies.push_back(std::make_unique<ExperienceConflictSearch>(world_, robots, options_, statistics));
+  else
+    strategies.push_back(std::make_unique<ConflictSearchStrategy>(world_, robots, options_, !portfolio, statistics));
   if (portfolio) strategies.push_back(std::make_unique<CompositeLatticeStrategy>(*space, statistics));
   return attempt_in_rounds(strategies, direct(robots), conflict_search_options(options_).bound(), deadline);
 }

@@ -94,6 +94,43 @@ Attempt CompositeRrtStrategy::attempt(const AttemptBudget& budget, const Deadlin
 
 // --- conflict-based search
 
+namespace {
+
+std::string no_paths_reason(const MultiRobotWorld& world, const PlannerOptions& options,
+                            const multi::ConflictSearchResult& found) {
+  const std::string work = std::to_string(found.statistics.tree_nodes) + " nodes of the constraint tree, " +
+                           std::to_string(found.statistics.low.expansions) + " states expanded";
+  switch (found.status) {
+    case Status::cancelled: return "the plan was cancelled during the search (" + work + ")";
+    case Status::exhausted:
+      return "the robots' " + describe_lattices(world, options) + " hold no paths without collisions (" + work +
+             "); a finer resolution, or other primitives, may hold some";
+    default:
+      return "no paths within the time limit of " + to_text(common_options(options).time_limit) + " s (" + work + ")";
+  }
+}
+
+}  // namespace
+
+Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                                const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
+                                const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics) {
+  WorldSubset subset(world, robots);
+  const multi::ConflictSearchResult found = multi::conflict_search(subset, search_options, deadline);
+  statistics.expansions += found.statistics.low.expansions;
+  statistics.generated += found.statistics.low.generated;
+  statistics.tree_nodes += found.statistics.tree_nodes;
+  statistics.edge_checks += found.statistics.low.evaluations;
+  note_memory(statistics, found.statistics.memory);
+  Attempt attempt{.status = found.status};
+  if (found.status == Status::solved)
+    attempt = accepted(joint_path(world, robots, found.paths), found_by);
+  else
+    attempt.reason = no_paths_reason(world, options, found);
+  attempt.lower = found.lower;
+  return attempt;
+}
+
 ConflictSearchStrategy::ConflictSearchStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
                                                const PlannerOptions& options, bool alone, PlanStatistics& statistics)
     : world_(world),
@@ -105,33 +142,8 @@ ConflictSearchStrategy::ConflictSearchStrategy(MultiRobotWorld& world, const std
 
 Attempt ConflictSearchStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
   if (!alone_) search_options_.max_evaluations = budgets.conflict_evaluations * growth(budget);
-  WorldSubset subset(world_, robots_);
-  const multi::ConflictSearchResult found = multi::conflict_search(subset, search_options_, deadline);
-  statistics_.expansions += found.statistics.low.expansions;
-  statistics_.generated += found.statistics.low.generated;
-  statistics_.tree_nodes += found.statistics.tree_nodes;
-  statistics_.edge_checks += found.statistics.low.evaluations;
-  note_memory(statistics_, found.statistics.memory);
-  Attempt attempt{.status = found.status};
-  if (found.status == Status::solved)
-    attempt = accepted(joint_path(world_, robots_, found.paths), "conflict-based search");
-  else
-    attempt.reason = reason(found);
-  attempt.lower = found.lower;
-  return attempt;
-}
-
-std::string ConflictSearchStrategy::reason(const multi::ConflictSearchResult& found) const {
-  const std::string work = std::to_string(found.statistics.tree_nodes) + " nodes of the constraint tree, " +
-                           std::to_string(found.statistics.low.expansions) + " states expanded";
-  switch (found.status) {
-    case Status::cancelled: return "the plan was cancelled during the search (" + work + ")";
-    case Status::exhausted:
-      return "the robots' " + describe_lattices(world_, options_) + " hold no paths without collisions (" + work +
-             "); a finer resolution, or other primitives, may hold some";
-    default:
-      return "no paths within the time limit of " + to_text(common_options(options_).time_limit) + " s (" + work + ")";
-  }
+  return conflict_search_attempt(world_, robots_, options_, search_options_, "conflict-based search", deadline,
+                                 statistics_);
 }
 
 multi::ConflictSearchOptions conflict_search_options(const PlannerOptions& options) {

@@ -54,8 +54,7 @@ class CompositeRrtStrategy : public Strategy {
   PlanStatistics& statistics_;
 };
 
-/// Conflict-based search on the robots' lattices in discrete time (multi/conflict_search.hpp): CBS, ECBS, xECBS,
-/// prioritised.
+/// Conflict-based search on the robots' lattices in discrete time (multi/conflict_search.hpp): CBS, ECBS, prioritised.
 class ConflictSearchStrategy : public Strategy {
  public:
   /// `alone`: nothing else searches, so a round has no limit but the deadline.
@@ -66,8 +65,6 @@ class ConflictSearchStrategy : public Strategy {
   bool can_exhaust() const override { return true; }
 
  private:
-  std::string reason(const multi::ConflictSearchResult& found) const;
-
   MultiRobotWorld& world_;
   const std::vector<std::size_t>& robots_;
   const PlannerOptions& options_;
@@ -92,6 +89,11 @@ class CompositeLatticeStrategy : public Strategy {
 
 /// Of conflict-based search, as the planner's options have them.
 multi::ConflictSearchOptions conflict_search_options(const PlannerOptions& options);
+
+/// A conflict-based search of these robots of a world, with its work added to the statistics.
+Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                                const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
+                                const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics);
 
 /// "lattices of 15 degrees".
 std::string describe_lattices(const MultiRobotWorld& world, const PlannerOptions& options);

@@ -6,9 +6,11 @@ namespace srmp {
 
 RobotPath find_path_alone(const PlanProblem& problem, const RobotProblem& task, const Checker& checker,
                           const Deadline& deadline, PlanStatistics& statistics) {
-  Auto alone{.common = common_options(problem.options, task.robot)};
-  alone.common.recover_start = false;
-  const PlannerOptions options = alone;
+  CommonOptions common = common_options(problem.options, task.robot);
+  common.recover_start = false;
+  const PlannerOptions options = std::holds_alternative<Auto>(problem.options)
+                                     ? PlannerOptions(Auto{.common = common})
+                                     : PlannerOptions(WAStar{.common = common});
   PlanStatistics own;
   RobotContext context(problem, task, options, checker, deadline, own);
   const auto add = [&] {
