@@ -125,8 +125,9 @@ struct WPASE {
   CommonOptions common{};
   /// This weight inflates the heuristic [>= 1].
   double weight{50.0};
-  /// This many threads evaluate edges; the path does not depend on it [> 0 and <= 1024].
-  int num_threads{4};
+  /// This many threads evaluate edges; the path does not depend on it. More pay where a check takes much longer than
+  /// waking a thread, some 50 us [> 0 and <= 1024].
+  int num_threads{1};
   /// This many edges are evaluated together; another size may find another path [> 0].
   int batch_size{4};
   /// Lattices of 3, 1.5, 0.75 and 0.4 times `resolution`, from the start and from the goals, are searched side by side,
@@ -292,7 +293,7 @@ struct Improvement {
   /// The time for better paths [s], within the time limit; infinity: as long as that allows.
   double max_time() const { return time > 0.0 ? time : std::numeric_limits<double>::infinity(); }
 };
-/// No rounds and no time for planners without such options.
+/// Of ARA* and AMRA* nine tenths of the time limit; no rounds and no time for other planners without such options.
 Improvement improvement(const PlannerOptions& options);
 
 /// 1 for planners without that option.

@@ -26,6 +26,11 @@ std::optional<double> bfs_cell(const std::string& heuristic) {
 
 Improvement improvement(const PlannerOptions& options) {
   if (const auto* any = std::get_if<Auto>(&options)) return {any->improve_rounds, any->improve_time, any->final_weight};
+  constexpr double fraction = 0.9;  // the rest is for timing and certificate
+  if (const auto* ara = std::get_if<ARAStar>(&options))
+    return {.time = fraction * ara->common.time_limit, .final_weight = ara->final_weight};
+  if (const auto* amra = std::get_if<AMRAStar>(&options))
+    return {.time = fraction * amra->common.time_limit, .final_weight = amra->final_weight};
   return {};
 }
 

@@ -234,7 +234,9 @@ RegisteredPlanner parallel_weighted_astar() {
                       .one_robot = true},
                      {search_weight<WPASE>(), multi_resolution<WPASE>(),
                       option("num_threads", &WPASE::num_threads, thread_count(),
-                             "This many threads evaluate edges; the path does not depend on it."),
+                             "This many threads evaluate edges; the path does not depend on it. More pay where a check "
+                             "takes much longer than "
+                             "waking a thread, some 50 us."),
                       option("batch_size", &WPASE::batch_size, above(0.0),
                              "This many edges are evaluated together; another size may find another path.")},
                      {"wpa*se", "wpastarse", "epa*se", "epase"});

@@ -77,9 +77,11 @@ Attempt LatticeSearch::attempt(const AttemptBudget&, const Deadline& deadline) {
   return found;
 }
 
-/// Rounds until there is a path, for an anytime planner until it can be no better.
+/// Rounds until there is a path, for an anytime planner until it can be no better or the time for better ones is over.
 Attempt LatticeSearch::run(LatticePortfolio& searches, const Deadline& deadline) {
+  const Deadline improve_until = deadline.within(improvement(context_.options).max_time());
   while (true) {
+    if (!best_.empty() && improve_until.expired()) return {.status = Status::solved};
     Attempt result = searches.attempt({}, deadline);
     if (good_enough_) return {.status = Status::solved};  // it has been handed in
     if (result.status != Status::timed_out || !result.reason.empty()) return result;
@@ -111,7 +113,7 @@ LatticePortfolioOptions LatticeSearch::portfolio_options() {
   }
   options.scales = {1.0};
   if (options.directions.size() > 1) options.directions = {narrower_at_goals()};
-  options.slices = {search::unlimited};
+  options.slices = {anytime() ? std::uint64_t{64} : search::unlimited};
   return options;
 }
 
