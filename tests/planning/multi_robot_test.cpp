@@ -165,6 +165,25 @@ BOOST_AUTO_TEST_CASE(an_interrupt_cancels_and_the_time_limit_is_kept) {
   BOOST_CHECK(planner.get_planning_stats().total_time_s < 10);
 }
 
+BOOST_AUTO_TEST_CASE(a_robot_that_is_at_its_goal_gets_out_of_the_way_and_returns) {
+  const srmp::CommonOptions common{.time_limit = 20};
+  const Starts from{{"left", Vector2d(0.0, 0.0)}, {"right", Vector2d(1.2, 0.0)}};
+  const Goals to{{"left", GoalConstraint::joints(Vector2d(0.0, 0.0))},
+                 {"right", GoalConstraint::joints(Vector2d(-1.2, 0.0))}};
+  for (const srmp::PlannerOptions& options :
+       {srmp::PlannerOptions(srmp::Auto{common}), srmp::PlannerOptions(srmp::XECBS{common}),
+        srmp::PlannerOptions(srmp::Prioritised{common})}) {
+    BOOST_TEST_CONTEXT(srmp::planner_id(options)) {
+      auto planner = planar_pair(options);
+      const srmp::MultiTrajectory motion = planner.plan_multi(from, to);
+      check_apart(planner, motion);
+      for (const auto& [name, one] : motion.robots)
+        BOOST_TEST((one.positions.bottomRows(1).transpose() - Vector2d(name == "left" ? 0.0 : -1.2, 0.0)).norm() <
+                   1e-12);
+    }
+  }
+}
+
 /// No random trees, no roadmaps, no composite space: the constraint tree finds the paths wherever robots interact.
 BOOST_AUTO_TEST_CASE(planners_by_conflicts_search_by_conflicts_alone) {
   const srmp::CommonOptions common{.time_limit = 20};

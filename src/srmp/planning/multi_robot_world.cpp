@@ -19,6 +19,8 @@ using search::StateId;
 
 namespace {
 
+constexpr double min_cost = 1e-12;  // of edges, whose costs must be more than 0: a start may be a goal
+
 /// The result of a check; false where the deadline of its workspace cuts it off.
 template <class Check>
 bool unless_stopped(Check&& check) {
@@ -100,7 +102,8 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   double evaluate(StateId from, StateId to) override {
     const std::uint64_t key = std::uint64_t{from} << 32 | to;
     if (const auto known = costs_.find(key); known != costs_.end()) return known->second;
-    const search::Edge edge{from, to, lattice_.distance(configuration(from), configuration(to))};
+    const double length = lattice_.distance(configuration(from), configuration(to));
+    const search::Edge edge{from, to, std::max(length, min_cost)};
     double cost = 0.0;
     lattice_.evaluate({&edge, 1}, {&cost, 1});
     if (!may_be_cut_off(*workspace_)) costs_.emplace(key, cost);
