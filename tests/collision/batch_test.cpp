@@ -6,6 +6,7 @@
 
 #include "srmp/collision/batch/batch_checker.hpp"
 #include "srmp/core/error.hpp"
+#include "support/amount.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -171,7 +172,7 @@ BOOST_AUTO_TEST_CASE(kernel_kinematics_equal_double_precision) {
     const BatchChecker checker(world, backend);
     const auto workspace = checker.make_workspace();
     double worst = 0;
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < amount(500); ++i) {
       const auto q = random_q(random, 7, i % 2 ? 3.1 : 20.0);  // continuous joints may be turns away
       auto bounded = q;
       bounded[3] = std::clamp(q[3], -3.0, 3.0);
@@ -195,7 +196,7 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
     for (SimdBackend backend : available_simd_backends()) checkers.emplace_back(world, backend);
     std::vector<BatchChecker::WorkspacePtr> workspaces;
     for (const auto& checker : checkers) workspaces.push_back(checker.make_workspace());
-    for (int i = 0; i < 120; ++i) {
+    for (int i = 0; i < amount(120); ++i) {
       const auto q = random_q(random, 7 * 16, 2.0);
       const auto a = random_q(random, 7, 3.0), d = random_q(random, 7, i % 3 ? 0.1 : 1.0);
       const auto block = checkers[0].check_block(q, *workspaces[0]);
@@ -228,7 +229,7 @@ BOOST_AUTO_TEST_CASE(with_proofs_only_a_checker_proves_as_much) {
       const auto workspace = checker.make_workspace();
       std::mt19937 same_for_each = random;
       const std::vector<double> turns{0, 0, 0, 0, 0, 0, 200.0};
-      for (int i = 0; i < 120; ++i) {
+      for (int i = 0; i < amount(120); ++i) {
         const auto q = random_q(same_for_each, 7 * 16, 2.0);
         const auto lanes = checker.check_block(q, *workspace), proofs = checker.check_block(q, *workspace, true);
         BOOST_REQUIRE((lanes.colliding | lanes.undecided) == (proofs.colliding | proofs.undecided));
@@ -263,7 +264,7 @@ BOOST_AUTO_TEST_CASE(what_a_block_calls_free_is_free_and_what_it_calls_colliding
     const BatchWorld world = random_world(seed, 1.8);
     const BatchChecker checker(world);
     const auto workspace = checker.make_workspace();
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < amount(100); ++i) {
       const auto q = random_q(random, 7 * 16, 2.0);
       const auto lanes = checker.check_block(q, *workspace);
       const auto undecided = checker.undecided(*workspace);

@@ -4,6 +4,7 @@
 
 #include "collision/worlds.hpp"
 #include "srmp/core/error.hpp"
+#include "support/amount.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -293,7 +294,7 @@ BOOST_AUTO_TEST_CASE(nearest_agrees_with_is_free_everywhere) {
   const SceneChecker checker(scene, "arm7");
   const auto workspace = checker.make_workspace();
   Dice dice(9);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < amount(300); ++i) {
     const Eigen::VectorXd q = dice.configuration(*robot);
     BOOST_TEST(checker.is_free(q, *workspace) == (checker.nearest(q, *workspace)->distance > 1e-9));
   }
@@ -368,7 +369,7 @@ void expect_to_bound(const RobotModel& robot, double used) {
   alone.add_robot(std::shared_ptr<const RobotModel>(&robot, [](const RobotModel*) {}));
   const Eigen::VectorXd reach = SceneChecker(alone, robot.name()).reach();
   Eigen::VectorXd most = Eigen::VectorXd::Zero(reach.size());
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < amount(300); ++i) {
     const Eigen::VectorXd q = dice.configuration(robot);
     for (Eigen::Index j = 0; j < reach.size(); ++j) most[j] = std::max(most[j], moved(robot, q, j, dice));
   }

@@ -4,6 +4,7 @@
 #include "srmp/collision/motion_proof.hpp"
 #include "srmp/collision/timed_checker.hpp"
 #include "srmp/cover/cover_store.hpp"
+#include "support/amount.hpp"
 
 using namespace srmp;
 using namespace worlds;
@@ -118,7 +119,7 @@ BOOST_AUTO_TEST_CASE(two_backends_give_the_same_results) {
   const auto own = make_checker(scene, "planar"), other = make_disc_checker(scene, "planar", {});
   const auto a = own->make_workspace(), b = other->make_workspace();
   int free = 0;
-  for (const auto& [from, to] : conformance::random_motions(*own, 10, 300, 0.4)) {
+  for (const auto& [from, to] : conformance::random_motions(*own, 10, amount(300), 0.4)) {
     const auto nearest = own->nearest(from, *a), by_formula = other->nearest(from, *b);
     BOOST_TEST(std::abs(nearest->distance - by_formula->distance) < conformance::distance_tolerance);
     BOOST_TEST((nearest->body_a == by_formula->body_a && nearest->body_b == by_formula->body_b));

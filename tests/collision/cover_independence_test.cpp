@@ -8,6 +8,7 @@
 #include "srmp/cover/geometry_content.hpp"
 #include "srmp/cover/quick_cover.hpp"
 #include "srmp/robot/robot_cover.hpp"
+#include "support/amount.hpp"
 
 using namespace srmp;
 using namespace worlds;
@@ -94,8 +95,8 @@ void compare(const Scene& scene, const std::string& robot, int count) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(no_result_depends_on_covers_or_tables) {
-  compare(crowd(arm7(), 3, 5, "arm7_hand"), "arm7", 60);
-  compare(crowd(slide(), 7, 2, "tip"), "slide", 60);
+  compare(crowd(arm7(), 3, 5, "arm7_hand"), "arm7", amount(60));
+  compare(crowd(slide(), 7, 2, "tip"), "slide", amount(60));
 }
 
 BOOST_AUTO_TEST_CASE(no_result_of_a_robot_of_meshes_depends_on_covers_or_tables) {
@@ -104,7 +105,7 @@ BOOST_AUTO_TEST_CASE(no_result_of_a_robot_of_meshes_depends_on_covers_or_tables)
     BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
     return;
   }
-  compare(crowd(robot, 5, 3, "panda_hand", {"panda_leftfinger", "panda_rightfinger"}), robot->name(), 60);
+  compare(crowd(robot, 5, 3, "panda_hand", {"panda_leftfinger", "panda_rightfinger"}), robot->name(), amount(60));
 }
 
 BOOST_AUTO_TEST_CASE(quick_covers_contain_their_geometries) {

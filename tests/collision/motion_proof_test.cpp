@@ -6,6 +6,7 @@
 #include "collision/worlds.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/trajectory/trajectory.hpp"
+#include "support/amount.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -165,9 +166,9 @@ BOOST_AUTO_TEST_CASE(what_is_proved_holds_at_samples_of_a_tenth_of_a_millimetre)
   int near = 0;
   for (unsigned world = 0; world < 3; ++world) {
     const std::size_t held = world == 0 ? 99 : 3 * world - 1;  // nothing, a cylinder, a mesh
-    near += compare_many(crowd(robot, world, held, "arm7_hand"), "arm7", {}, 40, 0.5, 50 + world).near;
+    near += compare_many(crowd(robot, world, held, "arm7_hand"), "arm7", {}, amount(40), 0.5, 50 + world).near;
   }
-  BOOST_TEST(near > 10);
+  BOOST_TEST(near > amount(10));
 }
 
 BOOST_AUTO_TEST_CASE(mimic_and_prismatic_joints_are_proved) {
@@ -177,7 +178,7 @@ BOOST_AUTO_TEST_CASE(mimic_and_prismatic_joints_are_proved) {
   for (int i = 0; i < 6; ++i) scene.add_object("x" + std::to_string(i), Box{{0.2, 0.3, 0.2}}, dice.pose(0.6, 2.5));
   scene.add_object("held", Sphere{0.1}, {});
   scene.attach_object("held", "slide", "tip", {"fore"});
-  compare_many(scene, "slide", {}, 60, 0.5, 6);
+  compare_many(scene, "slide", {}, amount(60), 0.5, 6);
 }
 
 BOOST_AUTO_TEST_CASE(robots_that_move_together_are_proved) {
@@ -185,7 +186,7 @@ BOOST_AUTO_TEST_CASE(robots_that_move_together_are_proved) {
   scene.add_robot(arm7("left"), at(0, 0.35, 0));
   scene.add_robot(arm7("right"), at(0, -0.35, 0, 0, 0, 1.0));
   scene.add_object("post", Cylinder{0.05, 0.8}, at(0.5, 0, 0.4));
-  compare_many(scene, "left", {"right"}, 60, 0.7, 8);
+  compare_many(scene, "left", {"right"}, amount(60), 0.7, 8);
 }
 
 BOOST_AUTO_TEST_CASE(robots_of_spheres_are_proved) {
@@ -194,7 +195,7 @@ BOOST_AUTO_TEST_CASE(robots_of_spheres_are_proved) {
   Dice dice(3);
   for (int i = 0; i < 5; ++i)
     scene.add_object("x" + std::to_string(i), Sphere{0.1}, at(dice.in(-2, 2), dice.in(-2, 2), 0.1));
-  compare_many(scene, "planar", {}, 100, 0.5, 2);
+  compare_many(scene, "planar", {}, amount(100), 0.5, 2);
 }
 
 BOOST_AUTO_TEST_CASE(a_robot_of_meshes_is_proved) {
@@ -213,7 +214,7 @@ BOOST_AUTO_TEST_CASE(straight_motions_are_proved_where_the_checker_calls_them_fr
   const auto workspace = checker.make_workspace(), other = coal.make_workspace();
   Dice dice(17);
   int free = 0;
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < amount(1000); ++i) {
     const Eigen::VectorXd a = dice.configuration(*robot);
     const Eigen::VectorXd b = a + (dice.below(2) ? 0.1 : 0.5) * (dice.configuration(*robot) - a);
     const bool expected = checker.is_motion_free(a, b, *workspace);
@@ -233,7 +234,7 @@ BOOST_AUTO_TEST_CASE(velocities_that_jump_at_every_row_make_straight_motions_too
   const auto workspace = checker.make_workspace();
   Dice dice(23);
   int free = 0;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < amount(200); ++i) {
     Trajectory t = random_walk(dice, checker, 8, 0.05);
     t.velocities.resize(0, 7);
     RowMatrix departures = RowMatrix::Zero(8, 7), arrivals = departures;
@@ -540,7 +541,7 @@ BOOST_AUTO_TEST_CASE(capsules_about_any_axis_are_proved) {
   for (int i = 0; i < 10; ++i) scene.add_object("x" + std::to_string(i), Box{{0.1, 0.2, 0.1}}, dice.pose(0.4, 0.8));
   scene.add_object("held", Capsule{0.03, 0.2}, at(0.1, 0, 0.1, 0.5));
   scene.attach_object("held", "whip", "l2", {"l1"});
-  compare_many(scene, "whip", {}, 100, 0.5, 6);
+  compare_many(scene, "whip", {}, amount(100), 0.5, 6);
 }
 
 BOOST_AUTO_TEST_CASE(motions_are_checked_at_the_door) {

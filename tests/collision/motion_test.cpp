@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "collision/worlds.hpp"
+#include "support/amount.hpp"
 
 using namespace srmp;
 using namespace worlds;
@@ -257,7 +258,7 @@ BOOST_AUTO_TEST_CASE(a_thousand_certified_motions_hit_nothing_at_steps_of_a_tent
   const auto workspace = checker.make_workspace();
   Dice dice(12);
   int proved = 0, hits = 0, clear = 0, clear_proved = 0;
-  while (proved < 1000) {
+  while (proved < amount(1000)) {
     const Motion motion = random_motion(dice, *robot, 0.2);
     if (!checker.is_free(motion.a, *workspace)) continue;
     const bool certified = checker.certify_motion(motion.a, motion.b, *workspace).proved;
@@ -271,7 +272,7 @@ BOOST_AUTO_TEST_CASE(a_thousand_certified_motions_hit_nothing_at_steps_of_a_tent
     }
   }
   BOOST_TEST(hits == 0);
-  BOOST_TEST(clear > 500);
+  BOOST_TEST(clear > amount(500));
   BOOST_TEST(clear_proved >= 0.95 * clear);
   BOOST_TEST_MESSAGE(clear_proved << " of " << clear << " motions with more than 5 mm of clearance are proved");
 }
@@ -282,7 +283,7 @@ BOOST_AUTO_TEST_CASE(results_do_not_depend_on_earlier_queries) {
   const SceneChecker checker(scene, "arm7");
   const auto used = checker.make_workspace();
   Dice dice(1);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < amount(300); ++i) {
     const Motion motion = random_motion(dice, *robot, 1.0);
     const auto fresh = checker.make_workspace();
     BOOST_TEST(checker.is_free(motion.a, *used) == checker.is_free(motion.a, *fresh));
@@ -300,7 +301,7 @@ BOOST_AUTO_TEST_CASE(two_threads_share_a_checker) {
   const SceneChecker checker(scene, "arm7");
   std::vector<Motion> motions;
   Dice dice(8);
-  for (int i = 0; i < 400; ++i) motions.push_back(random_motion(dice, *robot, 0.8));
+  for (int i = 0; i < amount(400); ++i) motions.push_back(random_motion(dice, *robot, 0.8));
   const auto results = [&](std::string& out) {
     const auto workspace = checker.make_workspace();
     for (const Motion& m : motions) {
@@ -324,7 +325,7 @@ BOOST_AUTO_TEST_CASE(nothing_is_allocated_once_the_workspace_is_warm) {
   const auto workspace = checker.make_workspace();
   std::vector<Motion> motions;
   Dice dice(5);
-  for (int i = 0; i < 300; ++i) motions.push_back(random_motion(dice, *robot, 0.5));
+  for (int i = 0; i < amount(300); ++i) motions.push_back(random_motion(dice, *robot, 0.5));
   int free = 0;
   const auto check_all = [&] {
     for (const Motion& m : motions)

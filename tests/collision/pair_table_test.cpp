@@ -3,6 +3,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "collision/worlds.hpp"
+#include "support/amount.hpp"
 #include "support/files.hpp"
 
 using namespace srmp;
@@ -76,7 +77,7 @@ BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
     BOOST_TEST(!table.never_collide());
     Dice dice(1);
     int proved = 0;
-    for (int i = 0; i < 4000; ++i) {  // far beyond the limits, too
+    for (int i = 0; i < amount(4000); ++i) {  // far beyond the limits, too
       Eigen::Vector2d q(dice.in(-7, 7), dice.in(-7, 7));
       const std::array<double, 2> at{q[table.joints[0]], table.joints[1] < 0 ? 0 : q[table.joints[1]]};
       bool contact = false;
@@ -108,7 +109,7 @@ BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_results) {
   const auto w = tables.make_workspace(), v = plain.make_workspace();
   Dice dice(2);
   int free = 0;
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < amount(1000); ++i) {
     const Eigen::Vector2d a(dice.in(-4, 4), dice.in(-4, 4)), b = a + Eigen::Vector2d(dice.in(-1, 1), dice.in(-1, 1));
     BOOST_TEST(tables.is_free(a, *w) == plain.is_free(a, *v));
     const bool is_free = tables.is_motion_free(a, b, *w);

@@ -8,6 +8,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/geometry/mesh_file.hpp"
+#include "support/amount.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -45,7 +46,7 @@ void check_solid(const CoverSolid& solid, double inflation, const std::function<
   BOOST_TEST(cover.max_inflation <= inflation * 1.0001);
   const PlacedSphere around = solid.bounding_sphere();
   int tried = 0, missed = 0, outside_bound = 0;
-  for (int i = 0; i < 200'000; ++i) {
+  for (int i = 0; i < amount(200'000); ++i) {
     const Eigen::Vector3d p =
         around.center +
         around.radius * Eigen::Vector3d(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1);

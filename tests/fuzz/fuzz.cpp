@@ -20,6 +20,7 @@
 
 #include "fuzz/doors.hpp"
 #include "srmp/core/error.hpp"
+#include "support/amount.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool limits_memory = false;  // it reserves terabytes itself
@@ -31,7 +32,7 @@ namespace {
 
 using fuzz::Door;
 
-constexpr unsigned max_seconds = 5;
+constexpr unsigned max_seconds = limits_memory ? 5 : 60;  // a sanitizer makes everything slower
 constexpr rlim_t max_memory = rlim_t{3} << 30;  // addresses: 2 GB of data, and the program with its libraries
 
 struct Arguments {
@@ -109,7 +110,7 @@ Counts run_door(const Door& door, const Arguments& arguments, double seconds) {
   const auto seeds = seeds_of(door, arguments.seeds);
   const auto start = std::chrono::steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  const std::size_t end = arguments.cases ? arguments.from + arguments.cases : door.cases;
+  const std::size_t end = arguments.cases ? arguments.from + arguments.cases : amount(door.cases);
   Counts counts;
   current_door = door.name;
   for (current_case = arguments.from; seconds > 0 ? elapsed() < seconds : current_case < end; ++current_case)

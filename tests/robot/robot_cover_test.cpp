@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <boost/test/unit_test.hpp>
 #include <cstring>
 #include <fstream>
@@ -14,6 +15,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/cover/quick_cover.hpp"
 #include "srmp/geometry/mesh_geometry.hpp"
+#include "support/amount.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/throws.hpp"
@@ -127,7 +129,7 @@ std::vector<Eigen::Vector3d> points_on(const TriangleSoup& mesh) {
 }
 
 BOOST_AUTO_TEST_CASE(quick_covers_contain_meshes_and_stick_out_little) {
-  for (unsigned seed = 0; seed < 20; ++seed)
+  for (unsigned seed = 0; seed < amount(20u); ++seed)
     for (const bool open : {false, true}) {
       const TriangleSoup mesh = lumpy(seed, open);
       const GeometryCover cover = quick_cover(*make_mesh_geometry(mesh, MeshModel::surface));
@@ -373,8 +375,10 @@ BOOST_AUTO_TEST_CASE(covers_reject_unsupported_geometry_and_invalid_options) {
 }
 
 BOOST_AUTO_TEST_CASE(covers_of_real_robots_contain_them) {
-  for (const auto& [name, end_effector] :
-       {std::pair<std::string, std::string>("panda", "panda_hand"), {"ur5", "tool0"}, {"fetch", "gripper_link"}}) {
+  const std::array<std::pair<const char*, const char*>, 3> robots{
+      {{"ur5", "tool0"}, {"panda", "panda_hand"}, {"fetch", "gripper_link"}}};
+  for (std::size_t k = 0; k < amount(robots.size()); ++k) {
+    const auto& [name, end_effector] = robots[k];
     const RobotDescription description = mbm_robot(name, end_effector);
     if (description.urdf_path.empty()) return;
     const auto robot = RobotModel::load(description);
@@ -387,8 +391,8 @@ BOOST_AUTO_TEST_CASE(covers_of_real_robots_contain_them) {
       const auto* mesh = dynamic_cast<const coal::BVHModelBase*>(robot->geometries()[i].shape.get());
       if (!mesh) continue;
       CoverSolid::Triangles triangles;
-      for (std::size_t k = 0; k < mesh->num_tris; ++k) {
-        const auto& t = (*mesh->tri_indices)[k];
+      for (std::size_t n = 0; n < mesh->num_tris; ++n) {
+        const auto& t = (*mesh->tri_indices)[n];
         triangles.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
       }
       const CoverSolid solid =
