@@ -278,6 +278,26 @@ class PlannerInterface {
                   const OnSolution& on_solution = {});
   Trajectory plan(ConstVector start, const Goal& goal, const Interrupt& interrupt = {},
                   const OnSolution& on_solution = {});
+  /// A timed, collision-free trajectory on which a link (CartesianOptions: default the end effector) moves in a
+  /// straight line from where it is at `start` (dof,) [rad or m] to `goal`, a pose in the world frame, turning evenly
+  /// (slerp). The same as `follow` with one pose.
+  Trajectory plan_linear(const std::string& robot, ConstVector start, const Pose& goal,
+                         const CartesianOptions& options = {}, const Interrupt& interrupt = {});
+  /// A timed, collision-free trajectory on which a link passes `poses` (world frame, at least one) in order, straight
+  /// from each to the next, beginning where it is at `start` (dof,) [rad or m]; other robots stand still. The joints
+  /// that are not needed for this avoid obstacles and limits: configurations along the path are searched by weighted
+  /// A* (Pohl 1970) in a graph of poses times redundancy, from the configuration at the start on, without jumps. The
+  /// link leaves the path by no more than max_deviation and max_rotation, at every instant of the timed motion; this is
+  /// proved, and Certificate::cartesian_deviation has the proved values. Where the path has a corner, the motion slows
+  /// down, or stops if the tolerance is too small to round it.
+  ///
+  /// Time limit, timing, limits and certificate are those of make_planner; its search options do not apply. Throws
+  /// PlanningError: start_invalid; timed_out; cancelled; or exhausted, with how far the link came and what stopped it
+  /// (a contact, the joint limits, a singularity). Throws InvalidArgument for an unknown robot or link (with the
+  /// nearest name), a link that no planned joint moves, a wrong size, NaN, no poses, and tolerances that are not above
+  /// 0 and at most 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
+  Trajectory follow(const std::string& robot, ConstVector start, const std::vector<Pose>& poses,
+                    const CartesianOptions& options = {}, const Interrupt& interrupt = {});
   /// Called by plan_many in the caller's thread, with the number of requests done and of all.
   using Progress = PlanProgress;
 

@@ -125,6 +125,20 @@ void bind_parts(nb::module_& m) {
       use, [](const LimitUse& u) { return nb::make_tuple(plain(u.fraction), u.joint, plain(u.time)); },
       [](const State& s) { return LimitUse{number(s[0]), nb::cast<std::string>(s[1]), number(s[2])}; });
 
+  nb::class_<CartesianDeviation> deviation(m, "CartesianDeviation",
+                                           "How far a link leaves the poses that it follows, at most: proved over the "
+                                           "whole motion, not at samples.");
+  deviation.def_ro("position", &CartesianDeviation::position, "Of the link's origin [m].")
+      .def_ro("rotation", &CartesianDeviation::rotation, "Of its rotation [rad].")
+      .def_ro("time", &CartesianDeviation::time, "About when it is farthest away, as fractions of the tolerance [s].")
+      .def("__repr__", [](const CartesianDeviation& d) {
+        return "CartesianDeviation(" + to_text(d.position) + " m, " + to_text(d.rotation) + " rad)";
+      });
+  make_value(
+      deviation,
+      [](const CartesianDeviation& d) { return nb::make_tuple(plain(d.position), plain(d.rotation), plain(d.time)); },
+      [](const State& s) { return CartesianDeviation{number(s[0]), number(s[1]), number(s[2])}; });
+
   nb::class_<SampledInterval> sampled(m, "SampledInterval",
                                       "A part of a motion over which two bodies could not be proved to stay apart; "
                                       "they are apart at every sample in it.");
@@ -156,7 +170,7 @@ nb::tuple state(const Certificate& c) {
   return nb::make_tuple(c.faults, c.limits, c.position, c.velocity, c.acceleration, c.jerk, c.collisions_checked,
                         plain(c.checked_from), plain(c.clearance), plain(c.clearance_time), c.body_a, c.body_b,
                         plain(c.clearance_proved), c.sampled, plain(c.deviation), plain(c.deviation_time),
-                        plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s));
+                        plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s), c.cartesian_deviation);
 }
 
 Certificate from_state(const State& s) {
@@ -178,6 +192,7 @@ Certificate from_state(const State& s) {
           .sampled = nb::cast<std::vector<SampledInterval>>(s[13]),
           .deviation = number(s[14]),
           .deviation_time = number(s[15]),
+          .cartesian_deviation = nb::cast<std::optional<CartesianDeviation>>(s[20]),
           .goal_error = number(s[16]),
           .bound = number(s[17]),
           .bound_graph = text(18),
@@ -230,6 +245,8 @@ void bind_certificate(nb::module_& m) {
       .def_ro("deviation", &Certificate::deviation,
               "[m]: no point of the robot leaves its path along the waypoints by more; NaN: not known.")
       .def_ro("deviation_time", &Certificate::deviation_time, "The time of the largest deviation [s].")
+      .def_ro("cartesian_deviation", &Certificate::cartesian_deviation,
+              "CartesianDeviation from the poses that were to be followed; None: there were none.")
       .def_ro("goal_error", &Certificate::goal_error,
               "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")
       .def_ro("bound", &Certificate::bound,

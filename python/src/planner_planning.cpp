@@ -98,6 +98,38 @@ Trajectory plan(PyPlannerInterface& self, const std::optional<std::string>& robo
   });
 }
 
+/// The trajectory of one robot along poses.
+Trajectory follow(PyPlannerInterface& self, const std::optional<std::string>& robot, const ArrayLike& start,
+                  const std::vector<Pose>& poses, const CartesianOptions& options) {
+  return self.use([&](PlannerInterface& p) {
+    const std::string name = robot ? *robot : p.only_robot();
+    const Eigen::VectorXd q = start.vector("start of '" + name + "'");
+    return run_plan(p, [&] { return p.follow(name, q, poses, options, python_interrupted); });
+  });
+}
+
+constexpr const char* follow_doc =
+    R"(A timed, collision-free trajectory on which a link (default: the end effector) passes `poses` (world frame, at least
+one) in order, straight from each to the next and turning evenly (slerp), beginning where it is at `start` (dof,) [rad
+or m]; other robots stand still. The robot's name may be left out where there is one robot.
+
+The joints that are not needed for this avoid obstacles and limits: configurations along the path are searched by
+weighted A* (Pohl 1970) in a graph of poses times redundancy, from the configuration at the start on, without jumps.
+The link leaves the path by no more than max_deviation [m] and max_rotation [rad], at every instant of the timed
+motion; this is proved, and Certificate.cartesian_deviation has the proved values. Where the path has a corner, the
+motion slows down, or stops if the tolerance is too small to round it. The GIL is released; Ctrl-C stops the plan.
+
+Time limit, timing, limits and certificate are those of make_planner; its search options do not apply. Raises
+PlanningError: start_invalid, timed_out, cancelled, or exhausted, with how far the link came and what stopped it (a
+contact, the joint limits, a singularity). Raises InvalidArgument for an unknown robot or link (with the nearest
+name), a link that no planned joint moves, a wrong size, NaN, no poses, and tolerances that are not above 0 and at
+most 0.1 m and 0.5 rad. last_request and last_result are None afterwards.)";
+
+constexpr const char* linear_doc =
+    R"(A timed, collision-free trajectory on which a link (default: the end effector) moves in a straight line from where it
+is at `start` (dof,) [rad or m] to `goal`, a pose in the world frame, turning evenly (slerp). The same as `follow` with
+one pose: see there for arguments, and for what is raised.)";
+
 }  // namespace
 
 void bind_planning(PlannerClass& cls) {
@@ -193,6 +225,40 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
                   "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
           plan_doc)
+      .def(
+          "plan_linear",
+          [](Self& self, const std::string& robot, const ArrayLike& start, const Pose& goal, const std::string& link,
+             double max_deviation,
+             double max_rotation) { return follow(self, robot, start, {goal}, {link, max_deviation, max_rotation}); },
+          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("link") = "",
+          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
+          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, linear_doc)
+      .def(
+          "plan_linear",
+          [](Self& self, const ArrayLike& start, const Pose& goal, const std::string& link, double max_deviation,
+             double max_rotation) {
+            return follow(self, std::nullopt, start, {goal}, {link, max_deviation, max_rotation});
+          },
+          nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("link") = "",
+          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
+          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, linear_doc)
+      .def(
+          "follow",
+          [](Self& self, const std::string& robot, const ArrayLike& start, const std::vector<Pose>& poses,
+             const std::string& link, double max_deviation,
+             double max_rotation) { return follow(self, robot, start, poses, {link, max_deviation, max_rotation}); },
+          nb::arg("name"), nb::arg("start"), nb::arg("poses"), nb::kw_only(), nb::arg("link") = "",
+          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
+          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, follow_doc)
+      .def(
+          "follow",
+          [](Self& self, const ArrayLike& start, const std::vector<Pose>& poses, const std::string& link,
+             double max_deviation, double max_rotation) {
+            return follow(self, std::nullopt, start, poses, {link, max_deviation, max_rotation});
+          },
+          nb::arg("start"), nb::arg("poses"), nb::kw_only(), nb::arg("link") = "",
+          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
+          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, follow_doc)
       .def(
           "prepare",
           [](Self& self, const std::optional<nb::callable>& progress) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -18,6 +19,13 @@ struct PlanRequest {
   Eigen::VectorXd start;                    ///< (dof,) [rad or m]
   std::vector<GoalConstraint> goals;        ///< any one of them is enough
   std::optional<PlannerOptions> options{};  ///< none: those of make_planner
+};
+
+/// How a link is to pass poses: PlannerInterface::follow.
+struct CartesianOptions {
+  std::string link{};                 ///< that moves; "" = the end effector
+  double max_deviation{1e-3};         ///< [m], > 0: that its origin may leave the path by
+  double max_rotation{M_PI / 360.0};  ///< [rad], > 0: that its rotation may differ by; half a degree
 };
 
 /// Called by plan_many in the caller's thread, with the number of requests done and of all.

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +56,21 @@ struct SampledInterval {
   bool operator==(const SampledInterval&) const = default;
 };
 
+/// How far a link may leave the poses that it is to follow.
+struct CartesianTolerance {
+  double position{1e-3};          ///< of the link's origin [m], > 0
+  double rotation{M_PI / 360.0};  ///< [rad], > 0; half a degree
+  bool operator==(const CartesianTolerance&) const = default;
+};
+
+/// How far a link leaves the poses that it follows, at most: proved over the whole motion, not at samples.
+struct CartesianDeviation {
+  double position{};  ///< of the link's origin [m]
+  double rotation{};  ///< [rad]
+  double time{};      ///< [s] about when it is farthest away, as fractions of the tolerance
+  bool operator==(const CartesianDeviation&) const = default;
+};
+
 /// What is known of a trajectory, found by code that is independent of the code that made it.
 struct Certificate {
   std::vector<Fault> faults;  ///< empty: every claim below holds
@@ -71,6 +88,8 @@ struct Certificate {
 
   double deviation{};       ///< [m]: no point of the robot leaves its path along `waypoints` by more; NaN: not known
   double deviation_time{};  ///< [s]
+  /// From the poses that were to be followed (PlannerInterface::follow); none: there were none.
+  std::optional<CartesianDeviation> cartesian_deviation{};
   double goal_error{std::numeric_limits<double>::quiet_NaN()};  ///< joints: rad or m, the worst joint; poses: m, rad
                                                                 ///< over tolerance; NaN: no goal was given
   double bound{std::numeric_limits<double>::infinity()};        ///< PlanStatistics::bound of the search

@@ -38,6 +38,13 @@ void describe(Archive& archive, Ref<Archive, SampledInterval> interval) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, CartesianDeviation> deviation) {
+  archive("position", deviation.position);
+  archive("rotation", deviation.rotation);
+  archive("time", deviation.time);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("faults", certificate.faults);
   archive("limits", certificate.limits);
@@ -55,6 +62,7 @@ void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("sampled", certificate.sampled);
   archive("deviation", certificate.deviation);
   archive("deviation_time", certificate.deviation_time);
+  archive("cartesian_deviation", certificate.cartesian_deviation);
   archive("goal_error", certificate.goal_error);
   archive("bound", certificate.bound);
   archive("bound_graph", certificate.bound_graph);

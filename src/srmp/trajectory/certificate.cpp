@@ -76,6 +76,9 @@ std::string Certificate::report() const {
   text += "proved free    " + free_text(*this) + "\n";
   text += "deviation      " +
           (std::isnan(deviation) ? "not known" : number(deviation, 1e3) + " mm from the checked path") + "\n";
+  if (cartesian_deviation)
+    text += "poses followed " + number(cartesian_deviation->position, 1e3) + " mm, " +
+            number(cartesian_deviation->rotation, 180.0 / M_PI) + " degrees away at most\n";
   return text;
 }
 

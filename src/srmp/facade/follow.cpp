@@ -1,0 +1,61 @@
+// Motions along poses: PlannerInterface::plan_linear and follow.
+#include "srmp/core/error.hpp"
+#include "srmp/facade/planner_impl.hpp"
+#include "srmp/planning/cartesian/follow_poses.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double most_deviation = 0.1, most_rotation = 0.5;  // [m, rad]: what is planned are lines, not tubes
+
+void require_tolerance(const char* name, double value, double most, const char* unit) {
+  if (value > 0.0 && value <= most) return;
+  throw InvalidArgument(std::string(name) + " is " + to_text(value) + "; it must be above 0 and at most " +
+                        to_text(most) + " " + unit);
+}
+
+/// From where the link is at the start. Throws InvalidArgument as PlannerInterface::follow says.
+PosesToFollow poses_to_follow(const PlacedRobot& robot, ConstVector start, const std::vector<Pose>& poses,
+                              const CartesianOptions& options) {
+  require_tolerance("max_deviation", options.max_deviation, most_deviation, "m");
+  require_tolerance("max_rotation", options.max_rotation, most_rotation, "rad");
+  const RobotModel& model = *robot.model;
+  const std::string& link = options.link.empty() ? model.end_effector() : options.link;
+  if (model.link_support(model.link_index(link)) == 0)
+    throw InvalidArgument("link '" + link + "' of robot '" + model.name() +
+                          "' cannot follow poses: no planned joint moves it");
+  if (poses.empty()) throw InvalidArgument("there are no poses to follow; give at least one");
+  std::vector<Pose> path{robot.base * model.compute_fk(start, link, robot.other_positions)};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!poses[i].p.allFinite() || !poses[i].q.coeffs().allFinite() || poses[i].q.norm() < 1e-9)
+      throw InvalidArgument("pose " + std::to_string(i) + " to follow is not finite, or its quaternion is zero");
+    path.push_back({poses[i].p, poses[i].q.normalized()});
+  }
+  return {link, CartesianPath(std::move(path)), {options.max_deviation, options.max_rotation}};
+}
+
+}  // namespace
+
+Trajectory PlannerInterface::plan_linear(const std::string& robot, ConstVector start, const Pose& goal,
+                                         const CartesianOptions& options, const Interrupt& interrupt) {
+  return follow(robot, start, {goal}, options, interrupt);
+}
+
+Trajectory PlannerInterface::follow(const std::string& robot, ConstVector start, const std::vector<Pose>& poses,
+                                    const CartesianOptions& options, const Interrupt& interrupt) {
+  Impl& impl = *impl_;
+  const PlannerOptions& planner = planner_options({robot});
+  const Deadline deadline(common_options(planner).time_limit, interrupt);
+  require_planner_for_one(planner);
+  impl.require_state(robot, start);
+  const PosesToFollow wanted = poses_to_follow(*impl.placed(robot), start, poses, options);
+  const PlanRequest request{robot, start, {GoalConstraint::any()}};
+  impl.request.reset();
+  impl.result.reset();
+  impl.statistics = {};
+  const OwnedProblem owned = impl.make_checkers(deadline, [&] { return impl.problem_of(request, planner); });
+  return follow_poses(*owned.problem, wanted, deadline, impl.statistics);
+}
+
+}  // namespace srmp

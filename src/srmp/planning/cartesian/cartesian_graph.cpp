@@ -1,0 +1,169 @@
+#include "srmp/planning/cartesian/cartesian_graph.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "srmp/core/error.hpp"
+#include "srmp/planning/validity.hpp"
+#include "srmp/robot/inverse_kinematics.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr int iterations = 20;    // of inverse kinematics from the layer before
+constexpr int global_seeds = 64;  // of inverse kinematics that asks whether there is any configuration at all
+
+}  // namespace
+
+CartesianGraph::CartesianGraph(RobotContext& context, const Eigen::VectorXd& start, const CartesianPath& path,
+                               const CartesianGraphOptions& options)
+    : context_(context),
+      path_(path),
+      options_(options),
+      deviation_(context.robot, context.checks.checker().other_positions(), options.link, path, options.tolerance),
+      data_(context.robot.make_data(context.checks.checker().other_positions())),
+      table_(context.robot.dof() + 1) {
+  std::uint64_t moving = 0;  // planned joints that move the link
+  for (std::size_t k = 0; k < context.robot.actuated_joints().size(); ++k)
+    if (context.robot.link_support(options.link) >> k & 1)
+      moving |= std::uint64_t{1} << context.robot.actuated_joints()[k].joint;
+  for (std::size_t j = 0; j < context.robot.dof(); ++j)
+    if (moving >> j & 1) moving_joints_.push_back(static_cast<Eigen::Index>(j));
+  add_layers(options);
+  insert(0, start);
+}
+
+void CartesianGraph::add_layers(const CartesianGraphOptions& options) {
+  layers_.push_back({path_.pose(0, 0.0), 0, 0.0});
+  for (std::size_t i = 0; i < path_.segments(); ++i) {
+    const double finest = std::max(path_.length(i) / options.step, path_.angle(i) / options.turn);
+    const auto steps = static_cast<int>(std::ceil(std::max(finest, 1.0) - 1e-9));
+    for (int k = 1; k <= steps; ++k) {
+      const double fraction = static_cast<double>(k) / steps;
+      layers_.push_back({path_.pose(i, fraction), i, layers_.front().passed});
+      layers_.back().passed = layers_[layers_.size() - 2].passed + path_.length(i) / steps;
+    }
+  }
+  to_end_.assign(layers_.size(), 0.0);
+  for (std::size_t k = layers_.size() - 1; k-- > 0;) {
+    const Pose step = layers_[k].pose.inverse() * layers_[k + 1].pose;
+    const double turn = 2.0 * std::atan2(step.q.vec().norm(), std::abs(step.q.w()));
+    const double length = std::max(step.p.norm() - 4e-5, 0.0);  // both ends miss their poses
+    const double angle = std::max(turn - 4e-4, 0.0);
+    to_end_[k] = to_end_[k + 1] + std::max(length / deviation_.most_travel(), angle / deviation_.most_turn());
+  }
+}
+
+std::vector<Eigen::VectorXd> CartesianGraph::at_layer(std::size_t layer, const Eigen::VectorXd& reference,
+                                                      int seeds) const {
+  IkOptions options{.max_solutions = seeds, .seeds = seeds, .max_iterations = seeds > 1 ? 100 : iterations};
+  options.other_positions = context_.checks.checker().other_positions();
+  return inverse_kinematics(context_.robot, layers_[layer].pose, reference, options,
+                            context_.robot.link_names()[options_.link], context_.deadline);
+}
+
+search::StateId CartesianGraph::insert(std::size_t layer, Eigen::VectorXd q) {
+  std::vector<std::int32_t> key{static_cast<std::int32_t>(layer)};
+  const double cell = options_.redundancy_step / 2.0;
+  for (std::size_t j = 0; j < context_.robot.dof(); ++j) {
+    double value = q[static_cast<Eigen::Index>(j)];
+    if (context_.robot.joints()[j].kind == JointKind::continuous) value = std::remainder(value, 2.0 * M_PI);
+    key.push_back(static_cast<std::int32_t>(std::lround(value / cell)));
+  }
+  const search::StateId id = table_.insert(key);
+  if (id == states_.size()) states_.push_back({layer, std::move(q)});
+  return id;
+}
+
+Eigen::MatrixXd CartesianGraph::redundancy(const Eigen::VectorXd& q) {
+  const auto moving = static_cast<Eigen::Index>(moving_joints_.size());
+  if (moving <= 6) return Eigen::MatrixXd(q.size(), 0);
+  Eigen::MatrixXd jacobian(6, q.size()), transposed(moving, 6);
+  context_.robot.forward(*data_, q);
+  context_.robot.jacobian(*data_, options_.link, jacobian);
+  for (Eigen::Index i = 0; i < moving; ++i)
+    transposed.row(i) = jacobian.col(moving_joints_[static_cast<std::size_t>(i)]).transpose();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(transposed);
+  const Eigen::MatrixXd orthogonal =
+      qr.householderQ() * Eigen::MatrixXd::Identity(moving, moving).rightCols(moving - 6);
+  Eigen::MatrixXd directions = Eigen::MatrixXd::Zero(q.size(), moving - 6);
+  for (Eigen::Index i = 0; i < moving; ++i)
+    directions.row(moving_joints_[static_cast<std::size_t>(i)]) = orthogonal.row(i);
+  return directions;
+}
+
+void CartesianGraph::successors(search::StateId state, std::vector<search::Successor>& out) {
+  const State from = states_[state];  // a copy: states are added
+  farthest_ = std::max(farthest_, from.layer);
+  const std::size_t first = out.size();
+  const auto add = [&](std::size_t layer, const Eigen::VectorXd& reference) {
+    const auto found = at_layer(layer, reference, 1);
+    if (found.empty()) return;
+    const search::StateId to = insert(layer, found.front());
+    const double cost = context_.robot.difference(from.q, states_[to].q).norm();
+    const bool known = to == state || std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                                                  [&](const search::Successor& s) { return s.state == to; });
+    if (!known && cost > 0.0) out.push_back({to, cost});
+  };
+  const bool last = from.layer + 1 == layers_.size();
+  if (last) return;
+  add(from.layer + 1, from.q);
+  const Eigen::MatrixXd directions = redundancy(from.q);
+  for (Eigen::Index i = 0; i < directions.cols(); ++i)
+    for (const double side : {options_.redundancy_step, -options_.redundancy_step}) {
+      const Eigen::VectorXd beside = from.q + side * directions.col(i);
+      add(from.layer + 1, beside);
+      add(from.layer, beside);
+    }
+}
+
+void CartesianGraph::evaluate(std::span<const search::Edge> edges, std::span<double> costs) {
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const State &from = states_[edges[i].from], &to = states_[edges[i].to];
+    const CartesianDeviation deviation = deviation_.over(from.q, to.q, layers_[to.layer].segment);
+    const bool keeps =
+        deviation.position <= options_.tolerance.position && deviation.rotation <= options_.tolerance.rotation;
+    costs[i] = keeps && context_.checks.is_motion_free(from.q, to.q) ? edges[i].cost : search::infinity;
+  }
+}
+
+std::size_t CartesianGraph::memory() const {
+  const std::size_t configuration = context_.robot.dof() * sizeof(double);
+  return table_.memory() + states_.capacity() * sizeof(State) + states_.size() * configuration;
+}
+
+CartesianGraph::Obstruction CartesianGraph::obstruction() {
+  const auto state = std::find_if(states_.begin(), states_.end(), [&](const State& s) { return s.layer == farthest_; });
+  const std::string how_far = path_.length() > 0.0
+                                  ? to_text(layers_[farthest_].passed) + " m of " + to_text(path_.length()) + " m"
+                                  : std::to_string(farthest_) + " of " + std::to_string(layers_.size() - 1) + " steps";
+  Obstruction found = obstruction_behind(*state);
+  found.sentence = "'" + context_.robot.link_names()[options_.link] + "' came " + how_far + " along its path; there, " +
+                   found.sentence;
+  return found;
+}
+
+CartesianGraph::Obstruction CartesianGraph::obstruction_behind(const State& state) {
+  const std::size_t next = state.layer + 1;
+  const auto invalid = [&](const Eigen::VectorXd& q) {
+    return invalidity(context_.checks.checker(), q, context_.checks.workspace());
+  };
+  std::vector<Eigen::VectorXd> near = at_layer(next, state.q, 1), all = at_layer(next, state.q, global_seeds);
+  if (near.empty() && all.empty()) return {"no configuration within the joint limits puts it at the next pose", true};
+  const std::string why = near.empty() ? "" : invalid(near.front());
+  const bool certain = std::none_of(all.begin(), all.end(), [&](const auto& q) { return invalid(q).empty(); });
+  if (!why.empty()) return {why, certain};
+  if (near.empty())
+    return {
+        "no configuration near the one before puts it at the next pose: a joint limit or a singularity is in the way",
+        certain};
+  if (!context_.checks.is_motion_free(state.q, near.front()))
+    return {"the motion to the next pose is in collision", certain};
+  return {"the joints would have to move by " + to_text(context_.robot.difference(state.q, near.front()).norm()) +
+              " rad (m) in one step: a singularity is in the way",
+          certain};
+}
+
+}  // namespace srmp

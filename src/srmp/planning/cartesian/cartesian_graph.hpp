@@ -1,0 +1,88 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "srmp/lattice/state_table.hpp"
+#include "srmp/planning/robot_context.hpp"
+#include "srmp/search/graph.hpp"
+#include "srmp/trajectory/cartesian_deviation.hpp"
+
+namespace srmp {
+
+/// Along which path a link moves in a CartesianGraph, and how finely.
+struct CartesianGraphOptions {
+  std::size_t link{};
+  CartesianTolerance tolerance{};  ///< that every motion keeps, between its ends too
+  double step{0.02};               ///< [m] between layers, at most
+  double turn{0.07};               ///< [rad] between layers, at most
+  /// [rad, prismatic joints m]: how far the joints move, in sum, in one step of the redundancy.
+  double redundancy_step{0.06};
+};
+
+/// The graph of a robot's configurations along a Cartesian path: layer k holds configurations that put the link at the
+/// k-th of close poses on the path. From each, edges lead to the configuration of the next layer that is nearest, to
+/// those beside it along each direction in which the joints can move while the link stays (the null space of its
+/// Jacobian), and to neighbours along these directions in the same layer. An edge is a straight joint-space motion that
+/// is free and on which the link keeps to the path. Configurations of a layer that are closer than half a step of the
+/// redundancy are one state. Models search::Graph.
+class CartesianGraph {
+ public:
+  /// `start` is free and puts the link at the first pose of the path, which is in the robot's base frame. Context and
+  /// path outlive this.
+  CartesianGraph(RobotContext& context, const Eigen::VectorXd& start, const CartesianPath& path,
+                 const CartesianGraphOptions& options);
+
+  // --- search::Graph
+  void successors(search::StateId state, std::vector<search::Successor>& out);
+  void evaluate(std::span<const search::Edge> edges, std::span<double> costs);
+  bool is_goal(search::StateId state) const { return states_[state].layer + 1 == layers_.size(); }
+
+  /// No path from the state to the last layer is shorter: a consistent heuristic.
+  double distance_to_end(search::StateId state) const { return to_end_[states_[state].layer]; }
+  const Eigen::VectorXd& configuration(search::StateId state) const { return states_[state].q; }
+  std::size_t size() const { return states_.size(); }
+  std::size_t memory() const;
+
+  /// Of a search without a path: how far along the path it came, and why no farther.
+  struct Obstruction {
+    std::string sentence;
+    bool certain{};  ///< no configuration that inverse kinematics finds at the next pose is valid: no step helps
+  };
+  Obstruction obstruction();
+
+ private:
+  struct Layer {
+    Pose pose;
+    std::size_t segment;  // that ends there, or on which it is
+    double passed;        // [m] of the path up to there
+  };
+  struct State {
+    std::size_t layer;
+    Eigen::VectorXd q;
+  };
+
+  void add_layers(const CartesianGraphOptions& options);
+  /// Configurations that put the link at the layer's pose: from one seed the one nearest to `reference`.
+  std::vector<Eigen::VectorXd> at_layer(std::size_t layer, const Eigen::VectorXd& reference, int seeds) const;
+  search::StateId insert(std::size_t layer, Eigen::VectorXd q);
+  /// Directions of unit length in which joints that move the link can move while it stays (dof, n).
+  Eigen::MatrixXd redundancy(const Eigen::VectorXd& q);
+  Obstruction obstruction_behind(const State& state);
+
+  RobotContext& context_;
+  const CartesianPath& path_;
+  const CartesianGraphOptions options_;
+  CartesianDeviationProof deviation_;
+  RobotDataPtr data_;
+  std::vector<Layer> layers_;
+  std::vector<double> to_end_;  // of each layer
+  std::vector<Eigen::Index> moving_joints_;
+  StateTable table_;
+  std::vector<State> states_;
+  std::size_t farthest_{0};  // of the states that were expanded, which can be reached
+};
+
+}  // namespace srmp

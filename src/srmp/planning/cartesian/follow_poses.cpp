@@ -1,0 +1,162 @@
+#include "srmp/planning/cartesian/follow_poses.hpp"
+
+#include "srmp/core/error.hpp"
+#include "srmp/planning/cartesian/cartesian_graph.hpp"
+#include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/certified_timing.hpp"
+#include "srmp/planning/endpoints/endpoints.hpp"
+#include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/solution_record.hpp"
+#include "srmp/search/astar.hpp"
+
+namespace srmp {
+
+namespace {
+
+/// What finding a path along poses trades.
+struct FollowTuning {
+  std::vector<double> steps{0.02, 0.01, 0.005};  ///< [m] between poses, one search each: coarse ones are quicker
+  double turn_of_step{3.5};                      ///< [rad/m]: poses are no farther apart in rotation
+  double weight{5.0};                            ///< of the heuristic: much of it follows the nearest configurations
+  double share{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
+  /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
+  std::vector<double> corners{0.5, 0.1, 0.02, 0.0};
+};
+const FollowTuning tuning;
+
+class FollowPoses {
+ public:
+  FollowPoses(const PlanProblem& problem, const PosesToFollow& poses, const Deadline& deadline,
+              PlanStatistics& statistics)
+      : problem_(problem),
+        poses_(poses),
+        deadline_(deadline),
+        statistics_(statistics),
+        context_(problem, problem.robots.front(), problem.options, problem.checkers.planning.alone(0), deadline,
+                 statistics),
+        in_base_(poses.path.seen_from(problem.robots.front().placed->base)) {}
+
+  Trajectory run() {
+    RowMatrix waypoints = path();
+    statistics_.plan_time_s = deadline_.elapsed();
+    for (const double share : tuning.corners) {
+      Trajectory motion = in_time(waypoints, share * poses_.tolerance.position);
+      const CartesianDeviation deviation = deviation_of(motion);
+      if (!keeps(deviation)) continue;
+      if (motion.certificate) {
+        Certificate certificate = *motion.certificate;
+        certificate.cartesian_deviation = deviation;
+        motion.certificate = std::make_shared<const Certificate>(std::move(certificate));
+      }
+      return motion;
+    }
+    throw Error("internal error: the motion along the poses leaves them; nothing is returned. Please report this");
+  }
+
+ private:
+  RowMatrix path() {
+    const RobotEndpoints endpoints = find_endpoints(context_);
+    if (endpoints.recovery_segments() > 0)
+      throw PlanningError(Status::start_invalid,
+                          "the start is in collision; a motion along poses does not begin with a way out of it");
+    std::string reason;
+    for (const double step : tuning.steps) {
+      CartesianGraph graph(context_, endpoints.start, in_base_, graph_options(step));
+      const search::Result result = search_in(graph);
+      if (result.status == Status::solved) return waypoints(graph, result, step);
+      context_.stop_if_late("the search along the poses (" + std::to_string(statistics_.expansions) +
+                            " states expanded)");
+      const CartesianGraph::Obstruction obstruction = graph.obstruction();
+      reason = obstruction.sentence;
+      if (obstruction.certain) break;
+    }
+    throw PlanningError(Status::exhausted, reason);
+  }
+
+  CartesianGraphOptions graph_options(double step) const {
+    return {.link = context_.robot.link_index(poses_.link.empty() ? context_.robot.end_effector() : poses_.link),
+            .tolerance = {tuning.share * poses_.tolerance.position, tuning.share * poses_.tolerance.rotation},
+            .step = step,
+            .turn = tuning.turn_of_step * step};
+  }
+
+  search::Result search_in(CartesianGraph& graph) {
+    const PhaseTimer timer(deadline_, statistics_.search_time_s);
+    const auto heuristic = [&](search::StateId state) { return graph.distance_to_end(state); };
+    const std::vector<search::StateId> starts{0};
+    search::Result result;
+    try {
+      result = search::weighted_astar(graph, starts, heuristic, {.weight = tuning.weight}, deadline_);
+    } catch (const MotionCheckStopped&) {
+      result.status = Status::timed_out;
+    }
+    context_.count(result.statistics);
+    context_.checks.write(statistics_);
+    statistics_.states += graph.size();
+    statistics_.memory_bytes =
+        std::max<std::uint64_t>(statistics_.memory_bytes, graph.memory() + result.statistics.memory);
+    return result;
+  }
+
+  RowMatrix waypoints(const CartesianGraph& graph, const search::Result& result, double step) {
+    RowMatrix rows(static_cast<Eigen::Index>(result.path.size()), static_cast<Eigen::Index>(context_.robot.dof()));
+    rows.row(0) = graph.configuration(result.path.front()).transpose();
+    for (Eigen::Index i = 1; i < rows.rows(); ++i)
+      rows.row(i) = rows.row(i - 1) + context_.robot
+                                          .difference(rows.row(i - 1).transpose(),
+                                                      graph.configuration(result.path[static_cast<std::size_t>(i)]))
+                                          .transpose();
+    statistics_.path_cost_rad = statistics_.search_cost_rad = result.cost;
+    statistics_.bound_graph = "configurations every " + to_text(1e3 * step) + " mm along the poses";
+    statistics_.found_by = "search along the poses";
+    record_solution(statistics_, result.cost / result.bound, deadline_);
+    return rows;
+  }
+
+  Trajectory in_time(const RowMatrix& waypoints, double corner) {
+    PlannerOptions options = problem_.options;
+    std::visit([&](auto& typed) { typed.common.blend_deviation = std::min(typed.common.blend_deviation, corner); },
+               options);
+    const PlanProblem problem{problem_.scene, problem_.robots, problem_.checkers, options, problem_.heuristics};
+    JointPaths paths;
+    paths.smoothed.push_back(path_of_one(waypoints));
+    ParallelWork work(1, statistics_);
+    MultiTrajectory motions = certified_timing(problem, std::move(paths), 0, work, deadline_, statistics_);
+    return std::move(motions.robots.begin()->second);
+  }
+
+  CartesianDeviation deviation_of(const Trajectory& motion) {
+    const PhaseTimer timer(deadline_, statistics_.verification_time_s);
+    const Deadline until = with_grace_period(deadline_);
+    return prove_cartesian_deviation(motion.timed() ? motion : with_times(motion), *problem_.robots.front().placed,
+                                     poses_.link, poses_.path, poses_.tolerance, until);
+  }
+
+  bool keeps(const CartesianDeviation& deviation) const {
+    return deviation.position <= poses_.tolerance.position && deviation.rotation <= poses_.tolerance.rotation;
+  }
+
+  const PlanProblem& problem_;
+  const PosesToFollow& poses_;
+  const Deadline& deadline_;
+  PlanStatistics& statistics_;
+  RobotContext context_;
+  const CartesianPath in_base_;
+};
+
+}  // namespace
+
+Trajectory follow_poses(const PlanProblem& problem, const PosesToFollow& poses, const Deadline& deadline,
+                        PlanStatistics& statistics) {
+  try {
+    Trajectory motion = FollowPoses(problem, poses, deadline, statistics).run();
+    statistics.status = Status::solved;
+    statistics.total_time_s = deadline.elapsed();
+    return motion;
+  } catch (const PlanningError& error) {
+    record_failure(error, deadline, statistics);
+    throw;
+  }
+}
+
+}  // namespace srmp

@@ -1,0 +1,162 @@
+#include "srmp/trajectory/cartesian_deviation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "srmp/core/stopping.hpp"
+
+namespace srmp {
+
+namespace {
+
+constexpr double fineness = 0.1;        // of the tolerance: what bounds between ends may add
+constexpr double longest_turn = 0.4;    // [rad] of a part, for the constants of the rotation
+constexpr double shortest_part = 1e-7;  // of the time: below, motion from the nearer end is added instead
+
+void take_larger(CartesianDeviation& sum, double position, double rotation, const CartesianTolerance& tolerance,
+                 double time) {
+  const double worst = std::max(sum.position / tolerance.position, sum.rotation / tolerance.rotation);
+  if (std::max(position / tolerance.position, rotation / tolerance.rotation) > worst) sum.time = time;
+  sum.position = std::max(sum.position, position);
+  sum.rotation = std::max(sum.rotation, rotation);
+}
+
+}  // namespace
+
+CartesianDeviationProof::CartesianDeviationProof(const RobotModel& robot, const Eigen::VectorXd& other_positions,
+                                                 std::size_t link, const CartesianPath& path,
+                                                 const CartesianTolerance& tolerance)
+    : robot_(robot),
+      link_(link),
+      path_(path),
+      tolerance_(tolerance),
+      data_(robot.make_data(other_positions)),
+      travel_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()))),
+      turn_(travel_),
+      q_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()))),
+      straight_(robot.dof()) {
+  // The origins of two joints of a chain keep their distance, but for the travel of prismatic joints.
+  robot.forward(*data_, q_);
+  const std::vector<ActuatedJoint>& joints = robot.actuated_joints();
+  for (std::size_t k = 0; k < joints.size(); ++k)
+    if (robot.link_support(link) >> k & 1) chain_.push_back(k);
+  reach_.resize(chain_.size());
+  Eigen::Vector3d next = robot.link_pose(*data_, link).translation();
+  double reach = 0.0;
+  for (std::size_t i = chain_.size(); i-- > 0;) {
+    const ActuatedJoint& actuated = joints[chain_[i]];
+    const Joint& planned = robot.joints()[actuated.joint];
+    const Eigen::Vector3d origin = robot.actuated_joint_axis(*data_, chain_[i]).first;
+    reach += (next - origin).norm();
+    if (actuated.prismatic)
+      reach += std::abs(actuated.ratio) * std::max(std::abs(planned.lower), std::abs(planned.upper));
+    reach_[i] = reach;
+    next = origin;
+    const auto joint = static_cast<Eigen::Index>(actuated.joint);
+    travel_[joint] += std::abs(actuated.ratio) * (actuated.prismatic ? 1.0 : reach);
+    turn_[joint] += actuated.prismatic ? 0.0 : std::abs(actuated.ratio);
+  }
+}
+
+CartesianDeviationProof::End CartesianDeviationProof::end_at(std::span<const detail::Cubic> joints, double time,
+                                                             std::size_t first, double ahead) {
+  for (std::size_t j = 0; j < joints.size(); ++j) q_[static_cast<Eigen::Index>(j)] = joints[j].position(time);
+  robot_.forward(*data_, q_);
+  const Pose pose = Pose::from_isometry(robot_.link_pose(*data_, link_));
+  return {time, pose, path_.miss(pose, first, ahead, tolerance_)};
+}
+
+CartesianDeviationProof::Motion CartesianDeviationProof::bounds(std::span<const detail::Cubic> joints, double from,
+                                                                double to) {
+  Motion motion;
+  double turning = 0.0;  // of the joints before
+  for (std::size_t i = 0; i < chain_.size(); ++i) {
+    const ActuatedJoint& actuated = robot_.actuated_joints()[chain_[i]];
+    const detail::Cubic& cubic = joints[actuated.joint];
+    const double ratio = std::abs(actuated.ratio), middle = (from + to) / 2.0;
+    const double acceleration = ratio * std::max(std::abs(cubic.acceleration(from)), std::abs(cubic.acceleration(to)));
+    const double speed = ratio * std::abs(cubic.velocity(middle)) + acceleration * (to - from) / 2.0;
+    const double arm = actuated.prismatic ? 1.0 : reach_[i];
+    motion.speed += arm * speed;
+    motion.acceleration += arm * (acceleration + speed * ((actuated.prismatic ? 0.0 : speed) + 2.0 * turning));
+    if (actuated.prismatic) continue;
+    motion.turning_acceleration += acceleration + turning * speed;
+    turning += speed;
+  }
+  motion.turning = turning;
+  return motion;
+}
+
+void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, const End& from, const End& to,
+                                       CartesianDeviation& sum) {
+  const double time = to.time - from.time;
+  const Motion motion = bounds(joints, from.time, to.time);
+  const double position = motion.acceleration * time * time / 8.0;
+  const double rotation = 0.38 * motion.turning_acceleration * time * time;
+  if (from.miss.segment == to.miss.segment && position <= fineness * tolerance_.position &&
+      rotation <= fineness * tolerance_.rotation && motion.turning * time <= longest_turn)
+    return take_larger(sum, std::max(from.miss.position, to.miss.position) + position,
+                       1.01 * std::max(from.miss.rotation, to.miss.rotation) + rotation, tolerance_, to.time);
+  const double moved = motion.speed * time / 2.0, turned = motion.turning * time / 2.0;  // from the nearer end
+  if ((moved <= fineness * tolerance_.position && turned <= fineness * tolerance_.rotation) || time <= shortest_part)
+    return take_larger(sum, std::max(from.miss.position, to.miss.position) + moved,
+                       std::max(from.miss.rotation, to.miss.rotation) + turned, tolerance_, to.time);
+  const double ahead =
+      1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
+  const End middle = end_at(joints, (from.time + to.time) / 2.0, from.miss.segment, ahead);
+  add_part(joints, from, middle, sum);
+  add_part(joints, middle, to, sum);
+}
+
+CartesianDeviation CartesianDeviationProof::over(std::span<const detail::Cubic> joints, std::size_t& segment) {
+  const double time = joints.front().h;
+  const Motion motion = bounds(joints, 0.0, time);
+  const double ahead =
+      1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
+  const End from = end_at(joints, 0.0, segment, 1.0), to = end_at(joints, time, from.miss.segment, ahead);
+  CartesianDeviation deviation;
+  take_larger(deviation, from.miss.position, from.miss.rotation, tolerance_, 0.0);
+  add_part(joints, from, to, deviation);
+  segment = to.miss.segment;
+  return deviation;
+}
+
+CartesianDeviation CartesianDeviationProof::over(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
+                                                 std::size_t segment) {
+  const Eigen::VectorXd change = robot_.difference(a, b);
+  for (std::size_t j = 0; j < straight_.size(); ++j) {
+    const auto joint = static_cast<Eigen::Index>(j);
+    straight_[j] = detail::line(a[joint], a[joint] + change[joint], 1.0);
+  }
+  return over(straight_, segment);
+}
+
+CartesianDeviation prove_cartesian_deviation(const Trajectory& trajectory, const PlacedRobot& robot,
+                                             const std::string& link, const CartesianPath& path,
+                                             const CartesianTolerance& tolerance, const Deadline& deadline) {
+  const CartesianPath in_base = path.seen_from(robot.base);
+  const std::size_t number = robot.model->link_index(link.empty() ? robot.model->end_effector() : link);
+  CartesianDeviationProof proof(*robot.model, robot.other_positions, number, in_base, tolerance);
+  CartesianDeviation worst;
+  std::vector<detail::Cubic> cubics(trajectory.dof());
+  std::size_t segment = 0;
+  for (Eigen::Index row = 0; row + 1 < trajectory.positions.rows(); ++row) {
+    stop_if_late(deadline, "the deviation from the Cartesian path was proved");
+    for (std::size_t j = 0; j < cubics.size(); ++j)
+      cubics[j] = detail::segment_of(trajectory, row, static_cast<Eigen::Index>(j));
+    const CartesianDeviation part = proof.over(cubics, segment);
+    take_larger(worst, part.position, part.rotation, tolerance, trajectory.times[row] + part.time);
+  }
+  // It is to begin and to end where the path does.
+  const auto add_end = [&](Eigen::Index row, std::size_t end_segment, double fraction) {
+    const Pose at = robot.model->compute_fk(trajectory.positions.row(row).transpose(), link, robot.other_positions);
+    const Pose off = in_base.pose(end_segment, fraction).inverse() * at;
+    take_larger(worst, off.p.norm(), 2.0 * std::atan2(off.q.vec().norm(), std::abs(off.q.w())), tolerance,
+                trajectory.times[row]);
+  };
+  add_end(0, 0, 0.0);
+  add_end(trajectory.positions.rows() - 1, in_base.segments() - 1, 1.0);
+  return worst;
+}
+
+}  // namespace srmp

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "srmp/core/deadline.hpp"
+#include "srmp/trajectory/cartesian_path.hpp"
+#include "srmp/trajectory/cubic.hpp"
+#include "srmp/trajectory/trajectory.hpp"
+
+namespace srmp {
+
+/// Proves how far a link leaves a Cartesian path, between rows too.
+///
+/// A part of a motion that takes the time d is compared with the chord between its ends: with linear acceleration of
+/// the link below A it leaves the chord by no more than A d^2 / 8, with angular acceleration below W by no more than
+/// 0.38 W d^2; and a chord leaves a straight segment no more than its ends do (its rotation by 1 % more). Parts are
+/// halved until these bounds are a small fraction of the tolerance. The accelerations are bounded by the joints'
+/// velocities and accelerations and the farthest that the link can be from each joint's axis.
+class CartesianDeviationProof {
+ public:
+  /// The path is in the robot's base frame; model and path outlive this.
+  CartesianDeviationProof(const RobotModel& robot, const Eigen::VectorXd& other_positions, std::size_t link,
+                          const CartesianPath& path, const CartesianTolerance& tolerance);
+
+  /// Of the motion of all joints, each along its cubic, which take the same time. `segment` is where on the path it
+  /// begins, and afterwards where it ends. The time is from the beginning of the cubics.
+  CartesianDeviation over(std::span<const detail::Cubic> joints, std::size_t& segment);
+  /// Of the straight joint-space motion from a to b.
+  CartesianDeviation over(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t segment);
+  /// How far a joint-space motion of length 1 moves the link, at most [m].
+  double most_travel() const { return travel_.norm(); }
+  /// How far it turns the link, at most [rad].
+  double most_turn() const { return turn_.norm(); }
+
+ private:
+  struct End {
+    double time;
+    Pose pose;
+    CartesianPath::Miss miss;
+  };
+  /// Bounds over a part of a motion.
+  struct Motion {
+    double speed{}, turning{};                      // of the link [m/s, rad/s]
+    double acceleration{}, turning_acceleration{};  // [m/s^2, rad/s^2]
+  };
+
+  End end_at(std::span<const detail::Cubic> joints, double time, std::size_t first, double ahead);
+  Motion bounds(std::span<const detail::Cubic> joints, double from, double to);
+  void add_part(std::span<const detail::Cubic> joints, const End& from, const End& to, CartesianDeviation& sum);
+
+  const RobotModel& robot_;
+  const std::size_t link_;
+  const CartesianPath& path_;
+  const CartesianTolerance tolerance_;
+  RobotDataPtr data_;
+  std::vector<std::size_t> chain_;  // numbers of the actuated joints that move the link, parents before children
+  std::vector<double> reach_;       // of each: the link's origin is never farther from its axis [m]
+  Eigen::VectorXd travel_, turn_;   // of each planned joint: what a unit of it moves and turns the link, at most
+  Eigen::VectorXd q_;
+  std::vector<detail::Cubic> straight_;
+};
+
+/// Over a whole trajectory, in the frame of the world. Throws PlanningError (timed_out, cancelled) at the deadline.
+CartesianDeviation prove_cartesian_deviation(const Trajectory& trajectory, const PlacedRobot& robot,
+                                             const std::string& link, const CartesianPath& path,
+                                             const CartesianTolerance& tolerance, const Deadline& deadline);
+
+}  // namespace srmp

@@ -1,0 +1,86 @@
+#include "srmp/trajectory/cartesian_deviation.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+#include "support/amount.hpp"
+#include "support/data.hpp"
+#include "support/numbers.hpp"
+
+using namespace srmp;
+
+namespace {
+
+Pose moved(const Pose& pose, const Eigen::Vector3d& by, double turn) {
+  return {pose.p + by, pose.q * Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitX()))};
+}
+
+/// A motion of the arm between two configurations, with velocities at both ends.
+Trajectory random_motion(const RobotModel& robot, std::size_t seed) {
+  Trajectory motion;
+  motion.joint_names = robot.joint_names();
+  motion.times = Eigen::Vector2d(0.0, 0.1 + 0.05 * static_cast<double>(seed % 7));
+  motion.positions.resize(2, static_cast<Eigen::Index>(robot.dof()));
+  motion.positions.row(0) = 0.5 * sample_configuration(robot, seed).transpose();
+  motion.positions.row(1) = motion.positions.row(0) + 0.05 * sample_configuration(robot, seed + 1000).transpose();
+  motion.velocities.resize(2, motion.positions.cols());
+  motion.velocities.row(0) = 0.3 * sample_configuration(robot, seed + 2000).transpose();
+  motion.velocities.row(1) = 0.3 * sample_configuration(robot, seed + 3000).transpose();
+  return motion;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(cartesian_deviation)
+
+BOOST_AUTO_TEST_CASE(a_pose_on_the_path_misses_nothing) {
+  const Pose a = Pose::from_rpy({0.3, 0.0, 0.5}, {0.1, 0.2, 0.3});
+  const CartesianPath path({a, moved(a, {0.1, 0.0, 0.0}, 0.2), moved(a, {0.1, 0.0, 0.0}, 1.0)});
+  BOOST_TEST(path.length() == 0.1, boost::test_tools::tolerance(1e-12));
+  for (std::size_t segment = 0; segment < path.segments(); ++segment)
+    for (const double fraction : {0.0, 0.3, 1.0}) {
+      const auto miss = path.miss(path.pose(segment, fraction), segment, CartesianTolerance{});
+      BOOST_TEST(miss.position < 1e-12);
+      BOOST_TEST(miss.rotation < 1e-7);
+    }
+  const auto beside = path.miss(moved(path.pose(0, 0.5), {0.0, 0.02, 0.0}, 0.0), 0, CartesianTolerance{});
+  BOOST_TEST(beside.position == 0.02, boost::test_tools::tolerance(1e-9));
+  const auto turned = path.miss(moved(path.pose(1, 0.5), {}, 0.0), 0, 1e9, CartesianTolerance{});
+  BOOST_TEST(turned.segment == 1u);
+}
+
+BOOST_AUTO_TEST_CASE(what_is_proved_holds_at_all_samples_and_is_little_more) {
+  const auto robot = RobotModel::load(arm7());
+  const CartesianTolerance tolerance;
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(amount(300)); ++seed)
+    BOOST_TEST_CONTEXT("seed " << seed) {
+      const Trajectory motion = random_motion(*robot, seed);
+      const PlacedRobot placed{robot, Pose::from_rpy({0.2, -0.1, 0.4}, {0.0, 0.3, 1.0}), {}};
+      const Pose from = placed.base * robot->compute_fk(motion.positions.row(0).transpose());
+      const Pose to = placed.base * robot->compute_fk(motion.positions.row(1).transpose());
+      const CartesianPath path({from, to});
+      const CartesianDeviation proved = prove_cartesian_deviation(motion, placed, "", path, tolerance, Deadline());
+      CartesianPath::Miss worst;
+      for (int i = 0; i <= 1000; ++i) {
+        const Eigen::VectorXd q = motion.sample(motion.duration() * i / 1000.0);
+        const auto miss = path.miss(placed.base * robot->compute_fk(q), 0, tolerance);
+        worst.position = std::max(worst.position, miss.position);
+        worst.rotation = std::max(worst.rotation, miss.rotation);
+      }
+      BOOST_TEST(worst.position <= proved.position + 1e-9);
+      BOOST_TEST(worst.rotation <= proved.rotation + 1e-7);
+      BOOST_TEST(proved.position <= worst.position + 0.11 * tolerance.position);
+      BOOST_TEST(proved.rotation <= 1.011 * worst.rotation + 0.11 * tolerance.rotation);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_motion_that_ends_before_the_path_does_is_away_from_its_end) {
+  const auto robot = RobotModel::load(arm7());
+  const Trajectory motion = random_motion(*robot, 5);
+  const PlacedRobot placed{robot, {}, {}};
+  const Pose from = robot->compute_fk(motion.positions.row(0).transpose());
+  const Pose to = robot->compute_fk(motion.positions.row(1).transpose());
+  const CartesianPath farther({from, to, {to.p + Eigen::Vector3d(0.1, 0.0, 0.0), to.q}});
+  BOOST_TEST(prove_cartesian_deviation(motion, placed, "", farther, {}, Deadline()).position >= 0.1 - 1e-9);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
