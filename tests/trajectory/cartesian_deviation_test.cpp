@@ -51,8 +51,7 @@ BOOST_AUTO_TEST_CASE(a_pose_on_the_path_misses_nothing) {
 BOOST_AUTO_TEST_CASE(what_is_proved_holds_at_all_samples_and_is_little_more) {
   const auto robot = RobotModel::load(arm7());
   const CartesianTolerance tolerance;
-  for (std::size_t seed = 0; seed < static_cast<std::size_t>(amount(300)); ++seed)
-    BOOST_TEST_CONTEXT("seed " << seed) {
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(amount(300)); ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
       const Trajectory motion = random_motion(*robot, seed);
       const PlacedRobot placed{robot, Pose::from_rpy({0.2, -0.1, 0.4}, {0.0, 0.3, 1.0}), {}};
       const Pose from = placed.base * robot->compute_fk(motion.positions.row(0).transpose());

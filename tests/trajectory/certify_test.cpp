@@ -114,6 +114,28 @@ BOOST_AUTO_TEST_CASE(random_timed_paths_have_no_faults) {
   }
 }
 
+BOOST_AUTO_TEST_CASE(long_paths_of_many_small_corners_have_no_faults) {
+  const auto robot = worlds::arm7();
+  Scene scene;
+  scene.add_robot(robot);
+  const SceneChecker checker(scene, "arm7", {.mode = CheckMode::coal});
+  const MotionLimits limits = default_limits(*robot);
+  Dice dice(9);
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::VectorXd from = 0.9 * dice.configuration(*robot), to = 0.9 * dice.configuration(*robot);
+    RowMatrix path(120, 7);
+    for (Eigen::Index row = 0; row < path.rows(); ++row) {
+      const double u = static_cast<double>(row) / static_cast<double>(path.rows() - 1);
+      path.row(row) = (from + u * (to - from)).transpose().array() + 0.1 * std::sin(7.0 * u);
+    }
+    TimingOptions options{.blend_deviation = dice.below(2) ? 5e-4 : 1e-4};
+    options.reach = checker.reach();
+    const Certificate c =
+        certify(time_parameterize(path, robot->joint_names(), limits, options), checker, limits, {.collisions = false});
+    BOOST_TEST(c.holds(), c.report());
+  }
+}
+
 BOOST_AUTO_TEST_CASE(straight_segments_without_velocities_are_checked_against_limits_too) {
   const World world;
   Trajectory t{{"a", "b"}, rows({{0.2, 0.5}, {1.2, 0.5}}), RowMatrix(0, 2), {}, Eigen::Vector2d(0, 0.6), {}};

@@ -93,13 +93,13 @@ class LimitCheck {
             worst.time);
   }
 
-  /// Positions are rounded, so a difference of order k is known to about this over h^k.
-  static double rounding_of(const detail::Cubic& p) {
-    return std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]));
+  /// Positions and times are rounded, so a difference of order k is known to about this over h^k.
+  static double rounding_of(const detail::Cubic& p, double end) {
+    return std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]) + std::abs(p.c[1]) * std::abs(end));
   }
 
   void update_derivatives(const detail::Cubic& p, Eigen::Index j, Eigen::Index row, Use& use) const {
-    const double begin = t_.times[row], h = p.h, rounding = rounding_of(p);
+    const double begin = t_.times[row], h = p.h, rounding = rounding_of(p, t_.times[row + 1]);
     const auto update = [&](Worst& worst, double value, double u, double unknown, double limit) {
       worst.update(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
     };
@@ -133,7 +133,8 @@ class LimitCheck {
     const Eigen::Index last = t_.positions.rows() - 1;
     for (Eigen::Index row = 0; row <= last && last > 0; ++row) {
       const detail::Cubic p = detail::segment_of(t_, std::min(row, last - 1), j);
-      const double unknown = 12 * rounding_of(p) / p.h / p.h, after = row < last ? p.acceleration(0.0) : 0.0;
+      const double end = t_.times[std::min(row + 1, last)];
+      const double unknown = 12 * rounding_of(p, end) / p.h / p.h, after = row < last ? p.acceleration(0.0) : 0.0;
       const bool inside = row > 0 && row < last;
       const double jump = std::max(0.0, std::abs(after - before) - unknown - unknown_before);
       if ((inside || options_.at_rest) && jump > allowed_jump(j))

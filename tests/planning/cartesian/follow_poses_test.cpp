@@ -86,7 +86,8 @@ BOOST_AUTO_TEST_CASE(tolerances_are_kept_whatever_they_are) {
 BOOST_AUTO_TEST_CASE(several_poses_are_passed_in_order) {
   PlannerInterface planner = arm();
   const Pose start = planner.compute_fk("arm7", home);
-  const std::vector<Pose> square{beside(start, 0, 0.1, 0), beside(start, 0, 0.1, -0.1), beside(start, 0, 0, -0.1), start};
+  const std::vector<Pose> square{beside(start, 0, 0.1, 0), beside(start, 0, 0.1, -0.1), beside(start, 0, 0, -0.1),
+                                 start};
   const Trajectory motion = planner.follow("arm7", home, square);
   BOOST_TEST(motion.certificate->cartesian_deviation->position <= 1e-3);
   std::size_t next = 0;

@@ -13,6 +13,9 @@ namespace srmp {
 namespace {
 
 constexpr int iterations = 20;    // of inverse kinematics from the layer before
+/// [m] to tenths of a millimetre.
+std::string rounded(double length) { return to_text(std::round(1e4 * length) / 1e4); }
+
 constexpr int global_seeds = 64;  // of inverse kinematics that asks whether there is any configuration at all
 
 }  // namespace
@@ -137,7 +140,7 @@ std::size_t CartesianGraph::memory() const {
 CartesianGraph::Obstruction CartesianGraph::obstruction() {
   const auto state = std::find_if(states_.begin(), states_.end(), [&](const State& s) { return s.layer == farthest_; });
   const std::string how_far = path_.length() > 0.0
-                                  ? to_text(layers_[farthest_].passed) + " m of " + to_text(path_.length()) + " m"
+                                  ? rounded(layers_[farthest_].passed) + " m of " + rounded(path_.length()) + " m"
                                   : std::to_string(farthest_) + " of " + std::to_string(layers_.size() - 1) + " steps";
   Obstruction found = obstruction_behind(*state);
   found.sentence = "'" + context_.robot.link_names()[options_.link] + "' came " + how_far + " along its path; there, " +
@@ -161,7 +164,7 @@ CartesianGraph::Obstruction CartesianGraph::obstruction_behind(const State& stat
         certain};
   if (!context_.checks.is_motion_free(state.q, near.front()))
     return {"the motion to the next pose is in collision", certain};
-  return {"the joints would have to move by " + to_text(context_.robot.difference(state.q, near.front()).norm()) +
+  return {"the joints would have to move by " + rounded(context_.robot.difference(state.q, near.front()).norm()) +
               " rad (m) in one step: a singularity is in the way",
           certain};
 }

@@ -17,7 +17,7 @@ namespace {
 struct FollowTuning {
   std::vector<double> steps{0.02, 0.01, 0.005};  ///< [m] between poses, one search each: coarse ones are quicker
   double turn_of_step{3.5};                      ///< [rad/m]: poses are no farther apart in rotation
-  double weight{5.0};                            ///< of the heuristic: much of it follows the nearest configurations
+  double weight{15.0};                            ///< of the heuristic: much of it follows the nearest configurations
   double share{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
   /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
   std::vector<double> corners{0.5, 0.1, 0.02, 0.0};
