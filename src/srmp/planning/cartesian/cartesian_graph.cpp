@@ -12,11 +12,11 @@ namespace srmp {
 
 namespace {
 
-constexpr int iterations = 20;    // of inverse kinematics from the layer before
+constexpr int iterations = 20;  // of inverse kinematics from the layer before
 /// [m] to tenths of a millimetre.
 std::string rounded(double length) { return to_text(std::round(1e4 * length) / 1e4); }
 
-constexpr int global_seeds = 64;  // of inverse kinematics that asks whether there is any configuration at all
+constexpr int few_seeds = 4, many_seeds = 64;  // of inverse kinematics that asks whether there is any configuration
 
 }  // namespace
 
@@ -137,36 +137,50 @@ std::size_t CartesianGraph::memory() const {
   return table_.memory() + states_.capacity() * sizeof(State) + states_.size() * configuration;
 }
 
-CartesianGraph::Obstruction CartesianGraph::obstruction() {
+std::string CartesianGraph::obstruction() {
   const auto state = std::find_if(states_.begin(), states_.end(), [&](const State& s) { return s.layer == farthest_; });
-  const std::string how_far = path_.length() > 0.0
-                                  ? rounded(layers_[farthest_].passed) + " m of " + rounded(path_.length()) + " m"
-                                  : std::to_string(farthest_) + " of " + std::to_string(layers_.size() - 1) + " steps";
-  Obstruction found = obstruction_behind(*state);
-  found.sentence = "'" + context_.robot.link_names()[options_.link] + "' came " + how_far + " along its path; there, " +
-                   found.sentence;
-  return found;
+  return place_of(farthest_, "came ") + "; there, " + obstruction_behind(*state);
 }
 
-CartesianGraph::Obstruction CartesianGraph::obstruction_behind(const State& state) {
+std::string CartesianGraph::place_of(std::size_t layer, const std::string& verb) const {
+  const std::string how_far = path_.length() > 0.0
+                                  ? rounded(layers_[layer].passed) + " m of " + rounded(path_.length()) + " m"
+                                  : std::to_string(layer) + " of " + std::to_string(layers_.size() - 1) + " steps";
+  return "'" + context_.robot.link_names()[options_.link] + "' " + verb + how_far + " along its path";
+}
+
+std::string CartesianGraph::obstruction_behind(const State& state) {
   const std::size_t next = state.layer + 1;
-  const auto invalid = [&](const Eigen::VectorXd& q) {
-    return invalidity(context_.checks.checker(), q, context_.checks.workspace());
-  };
-  std::vector<Eigen::VectorXd> near = at_layer(next, state.q, 1), all = at_layer(next, state.q, global_seeds);
-  if (near.empty() && all.empty()) return {"no configuration within the joint limits puts it at the next pose", true};
-  const std::string why = near.empty() ? "" : invalid(near.front());
-  const bool certain = std::none_of(all.begin(), all.end(), [&](const auto& q) { return invalid(q).empty(); });
-  if (!why.empty()) return {why, certain};
+  const std::vector<Eigen::VectorXd> near = at_layer(next, state.q, 1);
   if (near.empty())
-    return {
-        "no configuration near the one before puts it at the next pose: a joint limit or a singularity is in the way",
-        certain};
-  if (!context_.checks.is_motion_free(state.q, near.front()))
-    return {"the motion to the next pose is in collision", certain};
-  return {"the joints would have to move by " + rounded(context_.robot.difference(state.q, near.front()).norm()) +
-              " rad (m) in one step: a singularity is in the way",
-          certain};
+    return at_layer(next, state.q, many_seeds).empty()
+               ? "no configuration within the joint limits puts it at the next pose"
+               : "no configuration near the one before puts it at the next pose: a joint limit or a singularity is in "
+                 "the way";
+  const std::string why = invalidity(context_.checks.checker(), near.front(), context_.checks.workspace());
+  if (!why.empty()) return why;
+  if (!context_.checks.is_motion_free(state.q, near.front())) return "the motion to the next pose is in collision";
+  return "the joints would have to move by " + rounded(context_.robot.difference(state.q, near.front()).norm()) +
+         " rad (m) in one step: a singularity is in the way";
+}
+
+std::string CartesianGraph::unreachable_pose() {
+  for (std::size_t layer = farthest_ + 1; layer < layers_.size(); ++layer) {
+    context_.stop_if_late("the search along the poses");
+    if (invalidity_at(layer, few_seeds).empty()) continue;
+    const std::string why = invalidity_at(layer, many_seeds);
+    if (!why.empty()) return place_of(layer, "cannot be ") + ": " + why;
+  }
+  return "";
+}
+
+std::string CartesianGraph::invalidity_at(std::size_t layer, int seeds) {
+  std::string why = "no configuration within the joint limits puts it there";
+  for (const Eigen::VectorXd& q : at_layer(layer, states_.front().q, seeds)) {
+    why = invalidity(context_.checks.checker(), q, context_.checks.workspace());
+    if (why.empty()) break;
+  }
+  return why;
 }
 
 }  // namespace srmp

@@ -46,12 +46,13 @@ class CartesianGraph {
   std::size_t size() const { return states_.size(); }
   std::size_t memory() const;
 
-  /// Of a search without a path: how far along the path it came, and why no farther.
-  struct Obstruction {
-    std::string sentence;
-    bool certain{};  ///< no configuration that inverse kinematics finds at the next pose is valid: no step helps
-  };
-  Obstruction obstruction();
+  /// How far along the path the search came, as a sentence without a full stop.
+  std::string reached() const { return place_of(farthest_, "came "); }
+  /// Of a search without a path: how far along the path it came, and why no farther, as a sentence.
+  std::string obstruction();
+  /// Why no path can lead to the end, as a sentence: the first pose, behind those that the search reached, at which no
+  /// configuration that inverse kinematics finds from many seeds is valid; "": there is none.
+  std::string unreachable_pose();
 
  private:
   struct Layer {
@@ -70,7 +71,11 @@ class CartesianGraph {
   search::StateId insert(std::size_t layer, Eigen::VectorXd q);
   /// Directions of unit length in which joints that move the link can move while it stays (dof, n).
   Eigen::MatrixXd redundancy(const Eigen::VectorXd& q);
-  Obstruction obstruction_behind(const State& state);
+  std::string obstruction_behind(const State& state);
+  /// "'hand' came 0.1 m of 0.4 m along its path"
+  std::string place_of(std::size_t layer, const std::string& verb) const;
+  /// Why none of some configurations at the layer is valid; "": one is.
+  std::string invalidity_at(std::size_t layer, int seeds);
 
   RobotContext& context_;
   const CartesianPath& path_;

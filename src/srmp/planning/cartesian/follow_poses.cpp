@@ -17,8 +17,10 @@ namespace {
 struct FollowTuning {
   std::vector<double> steps{0.02, 0.01, 0.005};  ///< [m] between poses, one search each: coarse ones are quicker
   double turn_of_step{3.5};                      ///< [rad/m]: poses are no farther apart in rotation
-  double weight{15.0};                            ///< of the heuristic: much of it follows the nearest configurations
-  double share{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
+  /// Before it is asked whether every pose can be reached at all: most paths are found within fewer.
+  std::uint64_t first_expansions{500};
+  double weight{15.0};  ///< of the heuristic: much of it follows the nearest configurations
+  double share{0.5};    ///< of the tolerance that the straight segments may use; rounded corners have the rest
   /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
   std::vector<double> corners{0.5, 0.1, 0.02, 0.0};
 };
@@ -64,13 +66,20 @@ class FollowPoses {
       CartesianGraph graph(context_, endpoints.start, in_base_, graph_options(step));
       const search::Result result = search_in(graph);
       if (result.status == Status::solved) return waypoints(graph, result, step);
-      context_.stop_if_late("the search along the poses (" + std::to_string(statistics_.expansions) +
-                            " states expanded)");
-      const CartesianGraph::Obstruction obstruction = graph.obstruction();
-      reason = obstruction.sentence;
-      if (obstruction.certain) break;
+      if (deadline_.stop_requested()) fail_late(graph);
+      reason = graph.unreachable_pose();
+      if (!reason.empty()) break;
+      reason = graph.obstruction();
     }
     throw PlanningError(Status::exhausted, reason);
+  }
+
+  [[noreturn]] void fail_late(CartesianGraph& graph) const {
+    const std::string states = " (" + std::to_string(statistics_.expansions) + " states expanded)";
+    if (deadline_.cancelled())
+      throw PlanningError(Status::cancelled, "the plan was cancelled during the search along the poses" + states);
+    throw PlanningError(Status::timed_out, "no path within the time limit of " + to_text(context_.common.time_limit) +
+                                               " s" + states + ": " + graph.reached());
   }
 
   CartesianGraphOptions graph_options(double step) const {
@@ -84,12 +93,16 @@ class FollowPoses {
     const PhaseTimer timer(deadline_, statistics_.search_time_s);
     const auto heuristic = [&](search::StateId state) { return graph.distance_to_end(state); };
     const std::vector<search::StateId> starts{0};
-    search::Result result;
+    search::WeightedAstar search(graph, starts, heuristic, {.weight = tuning.weight});
+    std::optional<Status> stop;
     try {
-      result = search::weighted_astar(graph, starts, heuristic, {.weight = tuning.weight}, deadline_);
+      stop = search.improve(deadline_, tuning.first_expansions);
+      if (!stop && !search.finished() && graph.unreachable_pose().empty())
+        stop = search.improve(deadline_, search::unlimited);
     } catch (const MotionCheckStopped&) {
-      result.status = Status::timed_out;
+      stop = Status::timed_out;
     }
+    search::Result result = search.result(stop);
     context_.count(result.statistics);
     context_.checks.write(statistics_);
     statistics_.states += graph.size();
