@@ -124,6 +124,7 @@ PLANNING_MODULES = {"planning", "search", "multi", "lattice", "heuristic", "coll
 # These write times into statistics and certificates, for users.
 CLOCK_READERS = {
     "srmp/core/deadline.hpp",
+    "srmp/planning/cartesian/follow_poses.cpp",
     "srmp/planning/obstacles/moving_obstacles.cpp",
     "srmp/planning/parallel_work.cpp",
     "srmp/planning/phase_timer.hpp",

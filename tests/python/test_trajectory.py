@@ -82,6 +82,7 @@ def certificate(**changes):
         "bound": math.inf,
         "bound_graph": "lattice",
         "time_s": 0.002,
+        "cartesian_deviation": None,
     }
     assert set(changes) <= set(fields)
     return copy_with(srmp.Certificate, tuple({**fields, **changes}.values()))
