@@ -74,7 +74,7 @@ class Panel:
     def show_motion(self, motion: Motion | None, plots: Sequence[Plot], notes: Sequence[str]) -> None:
         """The clock and the plots of a motion; None: there is none."""
         self._play.disabled = self._slider.disabled = motion is None
-        self._slider.max = max(motion.duration, 0.01) if motion else 1.0
+        self._slider.max = max(round(motion.duration, 2), 0.01) if motion else 1.0
         self._shown_time = -1.0
         self.show_time(0.0)
         self.notes = list(notes)
@@ -87,9 +87,9 @@ class Panel:
 
     def show_time(self, moment: float) -> None:
         """Moves the slider, not more often than one can see."""
-        if moment in (0.0, self._slider.max) or abs(moment - self._shown_time) >= _CLOCK_PERIOD:
+        if moment == 0.0 or moment >= self._slider.max or abs(moment - self._shown_time) >= _CLOCK_PERIOD:
             self._shown_time = moment
-            self._slider.value = round(moment, 2)
+            self._slider.value = min(round(moment, 2), self._slider.max)
 
 
 def _added(gui: Any, plot: Plot) -> Any:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import queue
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +56,8 @@ class Viewer:
         drawing = make_drawing(planner, chosen, kinds=kinds)
         self._watched, self._world = planner, _copy(planner)
         self._kinds = tuple(kinds or dict.fromkeys(b.kind for b in drawing.scene.bodies if b.kind in ROBOT_KINDS))
-        self._server = viser.ViserServer(host=host, port=port, label="srmp", verbose=False)
+        with _quiet():
+            self._server = viser.ViserServer(host=host, port=port, label="srmp", verbose=False)
         self._host = host
         self._jobs: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._closed = threading.Event()
@@ -82,9 +84,8 @@ class Viewer:
     @property
     def url(self) -> str:
         """Where the page is."""
-        return (
-            f"http://{'localhost' if self._host in ('0.0.0.0', '127.0.0.1') else self._host}:{self._server.get_port()}"
-        )
+        host = "localhost" if self._host in ("0.0.0.0", "127.0.0.1") else self._host
+        return f"http://{host}:{self._server.get_port()}"
 
     @property
     def status(self) -> str:
@@ -118,7 +119,7 @@ class Viewer:
         self._run(self._take_goals, wait=True)
 
     def plan(self) -> None:
-        """Plans from where the robots stand to the goals of the handles, as the button does, and waits for the result."""
+        """Plans from where the robots stand to the goals of the handles, as the button does; returns when it has."""
         self._run(self._plan, wait=True)
 
     def wait(self) -> None:
@@ -134,7 +135,8 @@ class Viewer:
             self._jobs.put(None)
             for thread in self._threads:
                 thread.join()
-            self._server.stop()
+            with _quiet():
+                self._server.stop()
 
     def __enter__(self) -> Viewer:
         return self
@@ -194,8 +196,10 @@ class Viewer:
 
     def _draw(self, drawing: Drawing) -> None:
         self._stage.show(drawing.scene)
-        self._show_handles()
         self._motion, self.trajectory = drawing.motion, drawing.motion.trajectories if drawing.motion else {}
+        for robot, rows in drawing.motion.configurations.items() if drawing.motion else ():
+            self._world.set_qpos(robot, rows[0])  # plans begin where the motion does, until "Stand here"
+        self._show_handles()
         self._time = 0.0
         self._panel.show_motion(drawing.motion, drawing.plots, drawing.notes)
         self._show_paths(drawing)
@@ -229,7 +233,8 @@ class Viewer:
                 handle.on_update(lambda event, robot=robot: self._on_drag(robot, event.target))
                 self._handles[robot] = handle
             if robot not in self.goals:
-                pose = self._world.compute_fk(robot, self._world.get_qpos(robot))
+                rows = self._motion.configurations.get(robot) if self._motion else None
+                pose = self._world.compute_fk(robot, self._world.get_qpos(robot) if rows is None else rows[-1])
                 self._handles[robot].position = pose.p
                 self._handles[robot].wxyz = np.asarray(pose.q)[[3, 0, 1, 2]]
 
@@ -370,6 +375,13 @@ def _import_viser() -> Any:
     except ImportError as error:
         raise srmp.NotSupported("the viewer needs viser: pip install '.[viewer]' in the checkout") from error
     return viser
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Without viser's banner: a library prints nothing."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield
 
 
 def _require_address(host: object, port: object) -> None:

@@ -15,6 +15,8 @@ from srmp.viewer._failure import Touch
 from srmp.viewer._scene import CONTACT, Body, Scene
 from srmp.viewer._shapes import Colour
 
+_MAX_TEXTS = 4  # of points in the scene; the panel has all
+
 
 class Stage:
     """The nodes below `root`, of all bodies that `chosen` accepts; translucent below 1 `opacity`.
@@ -133,7 +135,9 @@ class Marks:
                         f"/marks/point{k}", ball.vertices, ball.triangles, color=_rgb(CONTACT), position=touch.point
                     )
                 )
-                self._handles.append(self._server.scene.add_label(f"/marks/text{k}", touch.text, position=touch.point))
+                if k < _MAX_TEXTS:
+                    place = touch.point + [0, 0, 0.04 * k]  # beside each other where the points are near
+                    self._handles.append(self._server.scene.add_label(f"/marks/text{k}", touch.text, position=place))
             self.texts = [touch.text for touch in touches]
 
 
