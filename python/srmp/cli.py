@@ -399,12 +399,8 @@ def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[
 
 @main.command()
 @click.argument("file", type=EXISTING_FILE)
-@click.option(
-    "--scene", type=EXISTING_FILE, help="Of a trajectory: scene or problem file. Of a URDF: MoveIt scene YAML."
-)
-@click.option(
-    "--urdf", type=EXISTING_FILE, help="The robot of a trajectory or of a MoveIt scene, where no file has it."
-)
+@click.option("--scene", type=EXISTING_FILE, help="Of a trajectory: scene or problem file; of a URDF: MoveIt YAML.")
+@click.option("--urdf", type=EXISTING_FILE, help="The robot of a trajectory or a MoveIt scene.")
 @_robot_details
 @click.option("--as", "kinds", multiple=True, help="Draw robots as visual, collision or spheres; may be repeated.")
 @click.option("--html", type=click.Path(dir_okay=False), help="Write a page that plays without a server, and end.")

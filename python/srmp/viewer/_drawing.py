@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from srmp import MultiTrajectory, PlannerInterface, Trajectory
 
 
+CAMERA = {"yaw": float(np.radians(-148)), "pitch": float(np.radians(24))}
+"""Where one looks from at first: from behind and from the right of a robot that faces x."""
+
+
 @dataclass(frozen=True, eq=False)
 class Drawing:
     """What is drawn; poses are those of Scene.frames."""

@@ -13,16 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp.viewer import _shapes
-from srmp.viewer._drawing import Drawing, bounds
+from srmp.viewer._drawing import CAMERA, Drawing, bounds
 from srmp.viewer._plots import Plot
 from srmp.viewer._scene import CONTACT, ROBOT_KINDS, Body
-from srmp.viewer._shapes import Mesh
+from srmp.viewer._shapes import Mesh, spheres
 
 _GRID = 65535  # corners are 16 bit numbers: to 1/65535 of a mesh's size
 _PATH_COLOUR = [0.04, 0.48, 0.46, 1.0]
 _SEE_THROUGH = 0.45
-CAMERA = {"yaw": np.radians(-148), "pitch": np.radians(24)}
 
 
 def page(drawing: Drawing, title: str, *, shown: Sequence[str] = (), autoplay: bool = False) -> str:
@@ -40,7 +38,7 @@ def _data(drawing: Drawing, title: str, shown: Sequence[str], autoplay: bool) ->
     faulty = {label for touch in touches for label in touch.bodies}
     bodies = [_body(body, scene.frames, meshes, body.label in faulty, failure is not None) for body in scene.bodies]
     if touches:
-        marks = _shapes.spheres([[*touch.point, 0.012] for touch in touches])
+        marks = spheres([[*touch.point, 0.012] for touch in touches])
         bodies.append(_placed(_number(meshes, marks), -1, np.eye(4), [*CONTACT, 1.0], "contacts"))
     kinds = [kind for kind in ROBOT_KINDS if any(body.kind == kind for body in scene.bodies)]
     notes = [(note, False) for note in drawing.notes]

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 import srmp
 from srmp._names import did_you_mean
-from srmp.viewer import _shapes
-from srmp.viewer._shapes import Colour, Mesh, MeshesUnreadable
+from srmp.viewer._shapes import Colour, Mesh, MeshesUnreadable, of_object, spheres
 from srmp.viewer._urdf_bodies import UrdfBody, read_bodies
 
 if TYPE_CHECKING:
@@ -187,7 +186,7 @@ def _sphere_parts(urdf: str, urdf_directory: str, package_dirs: tuple[str, ...])
         parents = [str(parent) for parent in (Path(urdf_directory), *Path(urdf_directory).parents)]
         cover = srmp.cover(str(path), package_dirs=[*(parents if urdf_directory else ()), *package_dirs])
     return tuple(
-        UrdfBody(link.link, _shapes.spheres(link.coarse), np.eye(4), None)
+        UrdfBody(link.link, spheres(link.coarse), np.eye(4), None)
         for link in cover.links
         if len(np.asarray(link.coarse))
     )
@@ -209,7 +208,7 @@ def _object_body(item: Mapping[str, Any]) -> Body:
 @functools.lru_cache(maxsize=1024)
 def _object_mesh(shape: str) -> Mesh:
     """The same Mesh for the same shape, so that drawings can keep what has not changed."""
-    return _shapes.of_object(json.loads(shape))
+    return of_object(json.loads(shape))
 
 
 def coloured(body: Body, colour: Colour) -> Body:

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import srmp
-from srmp.viewer import _shapes
 from srmp.viewer._failure import Touch
 from srmp.viewer._scene import CONTACT, Body, Scene
-from srmp.viewer._shapes import Colour
+from srmp.viewer._shapes import Colour, sphere
 
 _MAX_TEXTS = 4  # of points in the scene; the panel has all
 
@@ -129,14 +128,14 @@ class Marks:
                 handle.remove()
             self._handles = []
             for k, touch in enumerate(touches):
-                ball = _shapes.sphere(0.012, 16)
+                ball = sphere(0.012, 16)
                 self._handles.append(
                     self._server.scene.add_mesh_simple(
                         f"/marks/point{k}", ball.vertices, ball.triangles, color=_rgb(CONTACT), position=touch.point
                     )
                 )
                 if k < _MAX_TEXTS:
-                    place = touch.point + [0, 0, 0.04 * k]  # beside each other where the points are near
+                    place = touch.point + 0.04 * k * np.array([0, 0, 1])  # beside each other where the points are near
                     self._handles.append(self._server.scene.add_label(f"/marks/text{k}", touch.text, position=place))
             self.texts = [touch.text for touch in touches]
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 import srmp
 from srmp._urdf import origin_matrix
-from srmp.viewer import _shapes
-from srmp.viewer._shapes import Colour, Mesh
+from srmp.viewer._shapes import Colour, Mesh, box, capsule, cylinder, load_mesh_file, sphere
 
 
 @dataclass(frozen=True)
@@ -57,17 +56,17 @@ def _parts(
 
     match shape.tag:
         case "box":
-            yield _shapes.box(_numbers(shape.get("size", "0 0 0"))), None
+            yield box(_numbers(shape.get("size", "0 0 0"))), None
         case "cylinder":
-            yield _shapes.cylinder(number("radius"), number("length")), None
+            yield cylinder(number("radius"), number("length")), None
         case "capsule":
-            yield _shapes.capsule(number("radius"), number("length")), None
+            yield capsule(number("radius"), number("length")), None
         case "sphere":
-            yield _shapes.sphere(number("radius")), None
+            yield sphere(number("radius")), None
         case "mesh":
             path = find_mesh(shape.get("filename", ""), urdf_directory, package_dirs)
             scale = np.diag([*_numbers(shape.get("scale", "1 1 1")), 1.0])
-            for mesh, colour in _shapes.load_mesh_file(path):
+            for mesh, colour in load_mesh_file(path):
                 yield (mesh if np.array_equal(scale, np.eye(4)) else mesh.moved(scale)), colour
 
 
