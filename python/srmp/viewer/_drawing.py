@@ -48,8 +48,11 @@ def make_drawing(
     *,
     kinds: Sequence[str] | None = None,
     plots: bool = True,
+    clearances: bool = True,
 ) -> Drawing:
     """The planner's scene with a motion (default: that of its last plan) or with the reason why that plan failed.
+
+    plots, clearances: with what changes along the motion, and with how near it comes to anything, which takes longest.
 
     Raises InvalidArgument for a trajectory that is none of the robots', and as read_scene does.
     """
@@ -61,7 +64,7 @@ def make_drawing(
     paths = {
         robot: motion.poses[:, scene.frames.index(f"{robot}/{planner.get_end_effector(robot)}"), :3] for robot in chosen
     }
-    return Drawing(scene, motion, None, paths, plots_of(planner, motion) if plots else [], _notes(chosen))
+    return Drawing(scene, motion, None, paths, plots_of(planner, motion, clearances) if plots else [], _notes(chosen))
 
 
 def _notes(trajectories: Mapping[str, Trajectory]) -> list[str]:

@@ -36,12 +36,13 @@ class Plot:
     limit: float | None = None  # drawn dashed
 
 
-def plots_of(planner: PlannerInterface, motion: Motion) -> list[Plot]:
+def plots_of(planner: PlannerInterface, motion: Motion, clearances: bool = True) -> list[Plot]:
     """Used fractions of the velocity and acceleration limits, and clearances, of all robots that move."""
     if motion.duration <= 0:
         return []
     plots = [_limits(planner, motion, "velocity"), _limits(planner, motion, "acceleration")]
-    return [plot for plot in [*plots, _clearances(planner, motion)] if plot.series]
+    plots += [_clearances(planner, motion)] if clearances else []
+    return [plot for plot in plots if plot.series]
 
 
 def _limits(planner: PlannerInterface, motion: Motion, quantity: str) -> Plot:
@@ -52,7 +53,8 @@ def _limits(planner: PlannerInterface, motion: Motion, quantity: str) -> Plot:
         if not len(trajectory.velocities):
             continue
         _, velocity, acceleration, _ = trajectory.state(times)
-        limits = getattr(planner.motion_limits(robot), quantity)
+        own = trajectory.certificate.limits if trajectory.certificate else planner.motion_limits(robot)
+        limits = getattr(own, quantity)
         used = np.abs(velocity if quantity == "velocity" else acceleration) / limits
         used[times > trajectory.times[-1] + 1e-9] = 0.0
         if len(motion.trajectories) == 1:
