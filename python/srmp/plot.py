@@ -15,12 +15,13 @@ from srmp._painter import Camera, Solid, paint
 from srmp.viewer._drawing import CAMERA, Drawing, bounds, is_floor
 from srmp.viewer._motion import Motion
 from srmp.viewer._scene import CONTACT, Body, Scene, matrix
-from srmp.viewer._shapes import Mesh
+from srmp.viewer._shapes import Mesh, simplified
 
 _LINE_COLOUR = "#0b7a75"
 _LIMIT_COLOUR = "#b3402e"
 _INSTANTS = 6  # at which the robots of a motion are drawn
 _PASSING = 0.2  # opacity of robots between the start and the end
+_MAX_TRIANGLES = 4000  # of a body: more take long and cannot be seen
 _NEAR = 0.03  # [m] between the places of one body, at least
 _SEE_THROUGH = 0.5
 
@@ -173,6 +174,7 @@ def _places(scene: Scene, motion: Motion | None, body: Body, instants: int) -> l
 
 
 def _corners(mesh: Mesh) -> np.ndarray:
+    mesh = simplified(mesh, _MAX_TRIANGLES)
     return mesh.vertices[mesh.triangles].astype(float)
 
 

@@ -54,7 +54,7 @@ def to_html(
     """Writes a page that plays without a server: PlannerInterface.to_html, which explains the arguments."""
     _require_planner(planner)
     _require_text(title)
-    text = page(make_drawing(planner, trajectory, kinds=kinds), title or "srmp", shown=kinds or ())
+    text = page(make_drawing(planner, trajectory, kinds=kinds), title or "srmp")
     if path is None:
         return text
     write_text(path, text)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import srmp
-from srmp.viewer._scene import frame_poses
+from srmp.viewer._scene import copied, frame_poses
 
 if TYPE_CHECKING:
     from srmp import Contact, GoalConstraint, PlannerInterface
@@ -50,29 +50,34 @@ def find_failure(planner: PlannerInterface) -> Failure | None:
     shown = {robot: np.asarray(q) for robot, q in starts.items()}
     if result.status == srmp.Status.goal_invalid:
         shown |= {robot: _at_goal(planner, robot, shown[robot], targets) for robot, targets in goals.items()}
-    touches = touches_at(planner, shown)
+    touches = touches_at(planner, shown) if len(shown) == 1 else touches_together(copied(planner), shown)
     return Failure(result.status.name, result.reason, shown, frame_poses(planner, shown), touches)
 
 
 def touches_at(planner: PlannerInterface, configurations: Mapping[str, NDArray[np.float64]]) -> list[Touch]:
-    """What touches and which limits are left with the robots at `configurations`, others where they stand."""
-    before = {robot: planner.get_qpos(robot) for robot in configurations}
+    """What touches, and which limits are left, with robots at `configurations` among others where they stand."""
     touches: dict[tuple[str, ...], Touch] = {}
+    for robot, q in configurations.items():
+        for contact in planner.contacts(robot, q):
+            touch = _touch(planner, robot, contact)
+            touches.setdefault(tuple(sorted(touch.bodies)), touch)
+        for joint, text in violations(planner, robot, q).items():
+            touch = _limit(planner, robot, q, joint, text)
+            touches.setdefault((joint, *touch.bodies), touch)
+    return list(touches.values())
+
+
+def touches_together(world: PlannerInterface, configurations: Mapping[str, NDArray[np.float64]]) -> list[Touch]:
+    """touches_at with all of them there at the same time; the robots of this world are moved, and moved back."""
+    before = {robot: world.get_qpos(robot) for robot in configurations}
     try:
         for robot, q in configurations.items():
-            if not violations(planner, robot, q):  # outside its limits it cannot stand while others are checked
-                planner.set_qpos(robot, q)
-        for robot, q in configurations.items():
-            for contact in planner.contacts(robot, q):
-                touch = _touch(planner, robot, contact)
-                touches.setdefault(tuple(sorted(touch.bodies)), touch)
-            for joint, text in violations(planner, robot, q).items():
-                touch = _limit(planner, robot, q, joint, text)
-                touches.setdefault((joint, *touch.bodies), touch)
+            if not violations(world, robot, q):  # outside its limits it cannot stand while others are checked
+                world.set_qpos(robot, q)
+        return touches_at(world, configurations)
     finally:
         for robot, q in before.items():
-            planner.set_qpos(robot, q)
-    return list(touches.values())
+            world.set_qpos(robot, q)
 
 
 def violations(planner: PlannerInterface, robot: str, q: Iterable[float]) -> dict[str, str]:

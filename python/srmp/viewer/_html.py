@@ -6,7 +6,6 @@ import base64
 import html
 import json
 import zlib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,15 +22,15 @@ _PATH_COLOUR = [0.04, 0.48, 0.46, 1.0]
 _SEE_THROUGH = 0.45
 
 
-def page(drawing: Drawing, title: str, *, shown: Sequence[str] = (), autoplay: bool = False) -> str:
-    """The text of the page. shown: the kinds of ROBOT_KINDS that are switched on at first, default the first one."""
-    data = json.dumps(_data(drawing, title, shown, autoplay), separators=(",", ":"))
+def page(drawing: Drawing, title: str) -> str:
+    """The text of the page. Where robots can be seen in several ways, the first is switched on at first."""
+    data = json.dumps(_data(drawing, title), separators=(",", ":"))
     text = (Path(__file__).parent / "player.html").read_text(encoding="utf-8")
     packed = base64.b64encode(zlib.compress(data.encode(), 9)).decode()
     return text.replace("@TITLE@", html.escape(title)).replace("@DATA@", packed)
 
 
-def _data(drawing: Drawing, title: str, shown: Sequence[str], autoplay: bool) -> dict[str, Any]:
+def _data(drawing: Drawing, title: str) -> dict[str, Any]:
     scene, motion, failure = drawing.scene, drawing.motion, drawing.failure
     meshes: dict[int, tuple[int, Mesh]] = {}  # by identity: bodies share them
     touches = failure.touches if failure else []
@@ -40,7 +39,7 @@ def _data(drawing: Drawing, title: str, shown: Sequence[str], autoplay: bool) ->
     if touches:
         marks = spheres([[*touch.point, 0.012] for touch in touches])
         bodies.append(_placed(_number(meshes, marks), -1, np.eye(4), [*CONTACT, 1.0], "contacts"))
-    kinds = [kind for kind in ROBOT_KINDS if any(body.kind == kind for body in scene.bodies)]
+    kinds = list(dict.fromkeys(body.kind for body in scene.bodies if body.kind in ROBOT_KINDS))
     notes = [(note, False) for note in drawing.notes]
     if failure:
         notes = [(f"{failure.status}: {failure.reason}", True)]
@@ -59,9 +58,8 @@ def _data(drawing: Drawing, title: str, shown: Sequence[str], autoplay: bool) ->
         "times": _rounded(motion.times if motion else np.zeros(1)).tolist(),
         "poses": _packed(drawing.poses.astype("<f4")),
         "plots": [_plot(plot) for plot in drawing.plots],
-        "switches": [(kind, kind in (shown or kinds[:1])) for kind in kinds] if len(kinds) > 1 else [],
+        "switches": [(kind, kind in kinds[:1]) for kind in kinds] if len(kinds) > 1 else [],
         "view": view(drawing),
-        "autoplay": autoplay,
     }
 
 

@@ -53,7 +53,7 @@ class Panel:
             self._speed = gui.add_dropdown("speed", _SPEEDS, initial_value="1×")
         with gui.add_folder("Robots as"):
             for kind in ROBOT_KINDS:
-                box = gui.add_checkbox(kind, kind in kinds)
+                box = gui.add_checkbox(kind, kind in kinds[:1])
                 box.on_update(lambda event, kind=kind: actions.on_switch(kind, event.target.value))
         self._plots = gui.add_folder("Limits and clearance", visible=False)
         self._plot_handles: list[Any] = []

@@ -116,6 +116,17 @@ def scene_content(planner: PlannerInterface) -> dict[str, Any]:
     return content
 
 
+def copied(planner: PlannerInterface) -> PlannerInterface:
+    """With the same scene, planners and last result; without planners where these have heuristics in Python."""
+    with tempfile.TemporaryDirectory() as directory:
+        path = Path(directory) / "problem.srmp.json"
+        try:
+            planner.save(path)
+        except srmp.InvalidArgument:
+            planner.save_scene(path)
+        return srmp.PlannerInterface.load(path)
+
+
 def frame_poses(
     planner: PlannerInterface, configurations: Mapping[str, NDArray[np.float64]] | None = None
 ) -> NDArray[np.float64]:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import contextlib
 import io
 import queue
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,11 +15,11 @@ from numpy.typing import NDArray
 
 import srmp
 from srmp.viewer._drawing import Drawing, make_drawing
-from srmp.viewer._failure import Failure, touches_at
+from srmp.viewer._failure import Failure, touches_together
 from srmp.viewer._html import view
 from srmp.viewer._motion import Motion, trajectories_of
 from srmp.viewer._panel import Panel
-from srmp.viewer._scene import ROBOT_KINDS, frame_poses, read_scene
+from srmp.viewer._scene import ROBOT_KINDS, copied, frame_poses, read_scene
 from srmp.viewer._stage import Marks, Stage
 
 if TYPE_CHECKING:
@@ -54,7 +52,7 @@ class Viewer:
         _require_address(host, port)
         chosen = trajectories_of(planner, trajectory) if trajectory is not None else None
         drawing = make_drawing(planner, chosen, kinds=kinds)
-        self._watched, self._world = planner, _copy(planner)
+        self._watched, self._world = planner, copied(planner)
         self._kinds = tuple(kinds or dict.fromkeys(b.kind for b in drawing.scene.bodies if b.kind in ROBOT_KINDS))
         with _quiet():
             self._server = viser.ViserServer(host=host, port=port, label="srmp", verbose=False)
@@ -74,6 +72,9 @@ class Viewer:
         self._panel = Panel(self._server, self._kinds, self)
         self._set_camera(drawing)
         self._draw(drawing)
+        for kind in self._kinds[1:]:
+            self._stage.switch(kind, False)
+            self._ghost.switch(kind, False)
         self._seen = _signature(planner)
         self._threads = [threading.Thread(target=run, daemon=True) for run in (self._work, self._follow, self._animate)]
         for thread in self._threads:
@@ -94,7 +95,7 @@ class Viewer:
 
     def update(self) -> None:
         """Takes over the planner's scene and last result now, rather than within some tenths of a second."""
-        self._adopt(_copy(self._watched), wait=True)
+        self._adopt(copied(self._watched), wait=True)
 
     def play(self, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory] | None = None) -> None:
         """Plays a trajectory of the scene's robots from its start; None: the one that is there.
@@ -264,7 +265,7 @@ class Viewer:
         """The robots at their goals, translucent, with what touches there."""
         self._ghost.show(self._stage.scene)
         self._ghost.place(frame_poses(self._world, self._goals))
-        touches = touches_at(self._world, self._goals)
+        touches = touches_together(self._world, self._goals)
         self._marks.show(touches)
         faulty = {label for touch in touches for label in touch.bodies}
         self._ghost.paint(faulty)
@@ -337,7 +338,7 @@ class Viewer:
             with contextlib.suppress(srmp.Error):
                 seen = _signature(self._watched)
                 if seen != self._seen:
-                    world, self._seen = _copy(self._watched), seen
+                    world, self._seen = copied(self._watched), seen
                     self._adopt(world)
 
     def _animate(self) -> None:
@@ -389,17 +390,6 @@ def _require_address(host: object, port: object) -> None:
         raise srmp.InvalidArgument(f"host must be the name of this machine or one of its addresses, but is {host!r}")
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
         raise srmp.InvalidArgument(f"port must be a whole number from 0 to 65535, but is {port!r}")
-
-
-def _copy(planner: PlannerInterface) -> PlannerInterface:
-    """With the same scene, planners and last result; without planners where these have heuristics in Python."""
-    with tempfile.TemporaryDirectory() as directory:
-        path = Path(directory) / "problem.srmp.json"
-        try:
-            planner.save(path)
-        except srmp.InvalidArgument:
-            planner.save_scene(path)
-        return srmp.PlannerInterface.load(path)
 
 
 def _signature(planner: PlannerInterface) -> tuple[Any, ...]:
