@@ -20,6 +20,7 @@ from srmp.viewer._shapes import Mesh, spheres
 _GRID = 65535  # corners are 16 bit numbers: to 1/65535 of a mesh's size
 _PATH_COLOUR = [0.04, 0.48, 0.46, 1.0]
 _SEE_THROUGH = 0.45
+FIELD_OF_VIEW = 2 * float(np.arctan(1 / 2.4))  # [rad], as in player.html
 
 
 def page(drawing: Drawing, title: str) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import srmp
 from srmp.viewer._drawing import Drawing, make_drawing
 from srmp.viewer._failure import Failure, touches_together
-from srmp.viewer._html import view
+from srmp.viewer._html import FIELD_OF_VIEW, view
 from srmp.viewer._motion import Motion, trajectories_of
 from srmp.viewer._panel import Panel
 from srmp.viewer._scene import ROBOT_KINDS, copied, frame_poses, read_scene
@@ -368,6 +368,7 @@ class Viewer:
         self._server.scene.set_up_direction("+z")
         self._server.initial_camera.position = target + place["distance"] * back
         self._server.initial_camera.look_at = target
+        self._server.initial_camera.fov = FIELD_OF_VIEW
 
 
 def _import_viser() -> Any:
