@@ -9,7 +9,7 @@ import pytest
 
 import srmp
 
-webdriver = pytest.importorskip("selenium.webdriver", reason="browsers are driven by selenium: pip install selenium")
+webdriver = pytest.importorskip("selenium.webdriver", reason="browsers are driven by the package selenium")
 ActionBuilder = pytest.importorskip("selenium.webdriver.common.actions.action_builder").ActionBuilder
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 if not (CHROMIUM and DRIVER):
