@@ -111,6 +111,15 @@ def test_goals_are_dragged_and_planned_to(planner, viewer):
     eventually(lambda: not viewer.goals)
 
 
+def test_worse_paths_of_an_anytime_planner_are_drawn(planner):
+    planner.make_planner("arm", srmp.ARAStar(weight=50, time_limit=2))
+    with Viewer(planner, port=0) as viewer:
+        viewer.set_goal("arm", moved(planner, by=(0.05, -0.6, 0.2)))
+        viewer.plan()
+        found = len(viewer._found)
+        assert found >= 1 and len(viewer._path_nodes) == found  # all but the best, and what plays
+
+
 def test_touches_at_a_goal_are_shown_with_names_and_depths(planner, viewer):
     viewer.set_goal("arm", srmp.Pose(p=[0.35, 0.35, 0.4], q=[0, 1, 0, 0]))
     assert any("post" in text and "mm deep" in text for text in viewer._marks.texts)

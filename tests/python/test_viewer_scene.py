@@ -88,6 +88,13 @@ def test_fine_meshes_are_simplified():
     assert _shapes.simplified(coarse, 5000) is coarse
 
 
+def test_dense_clouds_are_drawn_as_larger_cubes():
+    points = np.random.default_rng(1).uniform(0, 1, (200_000, 3))
+    mesh = _shapes.voxels(points, 0.01)
+    assert len(mesh.vertices) <= 8 * 10_000
+    assert np.allclose([mesh.vertices.min(), mesh.vertices.max()], [0, 1], atol=0.1)
+
+
 def test_an_unknown_shape_is_refused():
     refuses(lambda: _shapes.of_object({"kind": "torus"}), "'torus' cannot be drawn", srmp.NotSupported)
 

@@ -14,6 +14,7 @@ from srmp.viewer._scene import ROBOT_KINDS
 
 _SPEEDS = ("0.1×", "0.25×", "0.5×", "1×", "2×")
 _CLOCK_PERIOD = 0.1  # [s] of the motion, between two moves of the slider
+_CURSOR_PERIOD = 0.25  # and between two moves of the plots' cursors, each of which sends the plot again
 
 
 class Actions(Protocol):
@@ -56,6 +57,7 @@ class Panel:
                 box = gui.add_checkbox(kind, kind in kinds[:1])
                 box.on_update(lambda event, kind=kind: actions.on_switch(kind, event.target.value))
         self._plots = gui.add_folder("Limits and clearance", visible=False)
+        self._shown_cursor = -1.0
         self._plot_handles: list[Any] = []
 
     @property
@@ -75,21 +77,26 @@ class Panel:
         """The clock and the plots of a motion; None: there is none."""
         self._play.disabled = self._slider.disabled = motion is None
         self._slider.max = max(round(motion.duration, 2), 0.01) if motion else 1.0
-        self._shown_time = -1.0
-        self.show_time(0.0)
         self.notes = list(notes)
         self.say("; ".join(notes))
-        for handle in self._plot_handles:
+        before, self._plot_handles = self._plot_handles, []
+        for handle in before:
             handle.remove()
         with self._plots:
             self._plot_handles = [_added(self._gui, plot) for plot in plots]
         self._plots.visible = bool(plots)
+        self._shown_time = self._shown_cursor = -1.0
+        self.show_time(0.0)
 
     def show_time(self, moment: float) -> None:
         """Moves the slider, not more often than one can see."""
         if moment == 0.0 or moment >= self._slider.max or abs(moment - self._shown_time) >= _CLOCK_PERIOD:
             self._shown_time = moment
             self._slider.value = min(round(moment, 2), self._slider.max)
+        if moment == 0.0 or moment >= self._slider.max or abs(moment - self._shown_cursor) >= _CURSOR_PERIOD:
+            self._shown_cursor = moment
+            for handle in self._plot_handles:
+                handle.data = _with_cursor(handle.data[:-1], moment)
 
 
 def _added(gui: Any, plot: Plot) -> Any:
@@ -100,11 +107,19 @@ def _added(gui: Any, plot: Plot) -> Any:
     if plot.limit is not None:
         lines.append(uplot.Series(label="limit", stroke="#b3402e", width=1, dash=(4, 4)))
         values.append(np.full(len(plot.times), plot.limit))
+    lines.append(uplot.Series(label="now", stroke="#26303a", width=0, points=uplot.Series_Points(show=True, size=9)))
     return gui.add_uplot(
-        (plot.times, *values),
+        _with_cursor((plot.times, *values), 0.0),
         (uplot.Series(label="time [s]"), *lines),
         scales={"x": uplot.Scale(time=False, auto=True)},
         title=plot.title,
         legend=uplot.Legend(show=False),
         height=150,
     )
+
+
+def _with_cursor(data: tuple[np.ndarray, ...], moment: float) -> tuple[np.ndarray, ...]:
+    """The times and lines of a plot, and a line that has but one point: the highest value, now."""
+    cursor = np.full(len(data[0]), np.nan)
+    cursor[np.argmin(np.abs(data[0] - moment))] = np.nanmax(data[1:])
+    return (*data, cursor)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 _FOLLOW_PERIOD = 0.2  # [s] between two looks at the planner that is watched
 _FRAME_PERIOD = 1 / 30  # [s] of a motion that plays
 _GOAL_OPACITY = 0.4
+_PATH_COLOUR, _WORSE_COLOUR = (11, 122, 117), (170, 175, 182)
 _MAX_CANDIDATES = 8  # configurations of a goal, of which the first without contacts is shown
 
 
@@ -68,6 +69,9 @@ class Viewer:
         self._stage = Stage(self._server, "/scene")
         self._ghost = Stage(self._server, "/goals", _GOAL_OPACITY, lambda body: body.robot in self._goals)
         self._marks = Marks(self._server)
+        self._path_nodes: list[str] = []
+        self._found: list[NDArray[np.float64]] = []  # paths (n, dof) of the plan that runs, each better than the last
+        self._worse: list[NDArray[np.float64]] = []  # (n, 3) [m] the ways of end effectors along all but the best
         self._handles: dict[str, Any] = {}
         self._panel = Panel(self._server, self._kinds, self)
         self._set_camera(drawing)
@@ -216,12 +220,16 @@ class Viewer:
             self._panel.say(f"{failure.status}: {failure.reason}", failed=True)
 
     def _show_paths(self, drawing: Drawing) -> None:
-        for robot in self._world.robot_names:
-            self._server.scene.remove_by_name(f"/paths/{robot.replace('/', '|')}")
-        for robot, path in drawing.paths.items():
+        """The ways of end effectors, and those of worse paths that the planner found before."""
+        for name in self._path_nodes:
+            self._server.scene.remove_by_name(name)
+        worse = [(f"/paths/worse{k}", path, _WORSE_COLOUR) for k, path in enumerate(self._worse)]
+        best = [(f"/paths/of {robot.replace('/', '|')}", path, _PATH_COLOUR) for robot, path in drawing.paths.items()]
+        for name, path, colour in worse + best:
             segments = np.stack([path[:-1], path[1:]], axis=1).astype(np.float32)
-            name = f"/paths/{robot.replace('/', '|')}"
-            self._server.scene.add_line_segments(name, segments, colors=(11, 122, 117), thickness=0.004)
+            self._server.scene.add_line_segments(name, segments, colors=colour, thickness=0.004)
+        self._path_nodes = [name for name, *_ in worse + best]
+        self._worse = []
 
     def _show_handles(self) -> None:
         """A handle at the end effector of each robot; handles that were moved stay."""
@@ -291,19 +299,30 @@ class Viewer:
         if not self.goals:
             return self._panel.say("drag the handle of an end effector first, which sets its goal", failed=True)
         self._panel.say("planning …")
+        self._found = []
         self._marks.show([])
-        starts = {robot: self._world.get_qpos(robot) for robot in self._world.robot_names}
+        starts = {name: self._world.get_qpos(name) for name in self._world.robot_names}
+        robot = next(iter(self.goals))
         trajectory: Any = None
         with contextlib.suppress(srmp.PlanningError):  # the drawing shows why
             if len(starts) == 1:
-                ((robot, goal),) = self.goals.items()
-                trajectory = self._world.plan(robot, starts[robot], goal)
+                trajectory = self._world.plan(robot, starts[robot], self.goals[robot], self._show_better)
             else:
                 trajectory = self._world.plan_multi(starts, dict(self.goals))
+        for waypoints in self._found[:-1]:
+            path = srmp.Trajectory(self._world.get_joint_names(robot), waypoints, np.arange(len(waypoints)))
+            rows = path.sample(np.linspace(0, len(waypoints) - 1, 20 * len(waypoints)))
+            self._worse.append(np.array([self._world.compute_fk(robot, q).p for q in rows]))
         self._draw(make_drawing(self._world, trajectory, kinds=self._kinds))
         if trajectory is not None:
             seconds = self._world.get_planning_stats()["plan_time_s"]
             self._panel.say(f"solved in {1e3 * seconds:.1f} ms; " + "; ".join(self._panel.notes))
+
+    def _show_better(self, solution: dict[str, Any], waypoints: NDArray[np.float64]) -> None:
+        """A path that is better than those before, while the planner still improves it."""
+        self._found.append(np.array(waypoints))
+        bound = f", at most {solution['bound']:.3g} times the optimum" if np.isfinite(solution["bound"]) else ""
+        self._panel.say(f"planning … {solution['cost_rad']:.3f} rad after {solution['time_s']:.2f} s{bound}")
 
     def _switch(self, kind: str, visible: bool) -> None:
         if visible and kind not in self._kinds:

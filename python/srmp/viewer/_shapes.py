@@ -16,6 +16,8 @@ import srmp
 _SECTORS = 40  # of round shapes
 _MAX_TRIANGLES = 20_000  # of one mesh file; finer ones are simplified, because they are only looked at
 
+_MAX_VOXELS = 10_000  # of a cloud, as it is drawn
+
 Colour = tuple[float, float, float]  # red, green, blue, 0 to 1
 
 
@@ -105,9 +107,12 @@ def spheres(rows: ArrayLike) -> Mesh:
 
 
 def voxels(points: ArrayLike, edge: float) -> Mesh:
-    """A cube with this edge around each point."""
-    unit = box([edge] * 3)
+    """A cube with this edge around each point; of many points, larger cubes that hold several of them."""
     points = np.asarray(points, dtype=float).reshape(-1, 3)
+    while len(points) > _MAX_VOXELS:
+        edge *= 2
+        points = (np.unique(np.floor(points / edge), axis=0) + 0.5) * edge
+    unit = box([edge] * 3)
     triangles = unit.triangles + len(unit.vertices) * np.arange(len(points))[:, None, None]
     return make_mesh(points[:, None] + unit.vertices, triangles)
 
