@@ -70,11 +70,12 @@ def plot(
     kinds: Sequence[str] | None = None,
 ) -> Any:
     """Draws a picture: PlannerInterface.plot, which explains the arguments."""
-    from srmp.plot import draw_drawing, write_figure
+    from srmp.plot import write_figure
+    from srmp.viewer._picture import draw
 
     _require_planner(planner)
     _require_text(title)
-    figure = draw_drawing(make_drawing(planner, trajectory, kinds=kinds, plots=False), title)
+    figure = draw(make_drawing(planner, trajectory, kinds=kinds, plots=False), title)
     if path is not None:
         write_figure(figure, Path(path))
     return figure
