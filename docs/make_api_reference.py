@@ -265,6 +265,7 @@ MODULES = {
         ("compat/_world.py", None),
         ("compat/_pose.py", ("Pose",)),
     ),
+    "srmp.viewer": (("viewer/__init__.py", None), ("viewer/_server.py", ("Viewer",))),
     "srmp.plot": (("plot.py", None),),
 }
 

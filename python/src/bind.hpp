@@ -159,6 +159,14 @@ void make_value(nb::class_<T>& cls, Get get, Set set) {
   make_comparable(cls, [get](const T& a, const T& b) { return get(a).equal(get(b)); });
 }
 
+/// Objects of the class show themselves in notebooks: by srmp/_notebook.py.
+template <class Class>
+void make_html(Class& cls) {
+  cls.def(
+      "_repr_html_", [](nb::handle self) { return nb::module_::import_("srmp._notebook").attr("html_of")(self); },
+      nb::sig("def _repr_html_(self) -> str"));
+}
+
 /// A robot of a PlannerInterface with its base pose; None: its only one.
 PlacedRobot placed_robot(nb::handle planner, nb::handle robot);
 

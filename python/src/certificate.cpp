@@ -254,6 +254,7 @@ void bind_certificate(nb::module_& m) {
       .def_ro("bound_graph", &Certificate::bound_graph, "The graph that the bound is about.")
       .def_ro("time_s", &Certificate::time_s, "Computing time [s].")
       .def("__repr__", &repr);
+  make_html(cls);
   make_value(cls, &state, &from_state);
 }
 

@@ -92,6 +92,7 @@ velocities) and others have not.)")
       .def("__repr__", [](const MultiTrajectory& self) {
         return "MultiTrajectory(" + std::to_string(self.robots.size()) + " robots, " + to_text(self.duration()) + " s)";
       });
+  make_html(cls);
   make_value(
       cls, [](const MultiTrajectory& self) { return nb::make_tuple(self.robots); },
       [](const State& state) { return MultiTrajectory{nb::cast<std::map<std::string, Trajectory>>(state[0])}; });

@@ -60,6 +60,7 @@ void bind_result(nb::module_& m, const char* name, const char* what, const char*
       .def("__repr__", [name = std::string(name)](const Result& r) {
         return name + (r.solved() ? "(solved)" : "(" + std::string(to_string(r.status())) + ": " + r.reason() + ")");
       });
+  make_html(result);
   make_value(
       result,
       [](const Result& r) {
@@ -127,6 +128,7 @@ Raises InvalidArgument for what is not numbers, goals or planner options.)")
         return "PlanRequest('" + r.robot + "', " + std::to_string(r.goals.size()) +
                (r.goals.size() == 1 ? " goal)" : " goals)");
       });
+  make_html(request);
   make_value(
       request,
       [](const PlanRequest& r) {
@@ -173,6 +175,7 @@ void bind_multi_plan_request(nb::module_& m) {
         return "MultiPlanRequest(" + std::to_string(r.starts.size()) + (r.starts.size() == 1 ? " robot" : " robots") +
                (r.obstacles.empty() ? ")" : " among " + std::to_string(r.obstacles.size()) + " that are committed)");
       });
+  make_html(multi);
   make_value(
       multi,
       [](const MultiPlanRequest& r) {

@@ -17,7 +17,9 @@ FileError when it cannot be written, and InvalidArgument when a planner names a 
       .def_static(
           "load",
           [](const nb::object& path, const std::vector<std::string>& package_dirs) {
-            return new Self(PlannerInterface::load(to_path(path), package_dirs));
+            const auto file = to_path(path);
+            const nb::gil_scoped_release no_gil;  // meshes take long to read, and other threads go on
+            return new Self(PlannerInterface::load(file, package_dirs));
           },
           nb::arg("path"), nb::arg("package_dirs") = std::vector<std::string>{}, nb::rv_policy::take_ownership,
           nb::sig("def load(path: str | os.PathLike[str], package_dirs: collections.abc.Sequence[str] = []) -> "

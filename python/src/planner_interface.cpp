@@ -38,6 +38,7 @@ nearest known name), wrong sizes, NaN and infinity. One thread at a time; a seco
   bind_verification(cls);
   bind_planning(cls);
   bind_files(cls);
+  bind_drawing(cls);
 }
 
 }  // namespace srmp::python

@@ -89,6 +89,7 @@ void bind_simulators(PlannerClass& cls);
 void bind_verification(PlannerClass& cls);
 void bind_planning(PlannerClass& cls);
 void bind_files(PlannerClass& cls);
+void bind_drawing(PlannerClass& cls);
 
 void bind_contact(nb::module_& m);
 void bind_moveit_problem(nb::module_& m);

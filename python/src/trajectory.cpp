@@ -1,6 +1,6 @@
 #include "srmp/trajectory/trajectory.hpp"
 
-#include "bind.hpp"
+#include "planner_interface.hpp"
 #include "srmp/io/trajectory_file.hpp"
 
 namespace srmp::python {
@@ -197,6 +197,17 @@ Raises FileError, with the line, for anything missing, misspelt or wrong, and a 
       &from_state);
 }
 
+std::string add_robot(const Trajectory& trajectory, PlannerInterface& planner) {
+  if (!trajectory.robot) return "";
+  const auto& [model, base, positions] = *trajectory.robot;
+  planner.add_articulation(model->self_contained_description(), base);
+  std::map<std::string, double> others;
+  for (Eigen::Index i = 0; i < positions.size(); ++i)
+    others[model->other_joints()[static_cast<std::size_t>(i)].name] = positions[i];
+  planner.set_joint_positions(model->name(), others);
+  return model->name();
+}
+
 /// Calls `compute` with the robot that the planner knows, or without one, for the trajectory's own.
 template <class Compute>
 auto of_robot(nb::handle planner, nb::handle robot, Compute&& compute) {
@@ -353,16 +364,24 @@ have velocities or accelerations, and as the constructor does.)")
       .def(
           "plot",
           [](nb::handle_t<Trajectory> self, nb::handle path, nb::handle limits, const std::string& title) {
-            in_python("plot")(self, path, limits, title);
+            return in_python("plot")(self, path, limits, title);
           },
-          nb::arg("path"), nb::arg("limits") = nb::none(), nb::arg("title") = "",
-          nb::sig("def plot(self, path: str | os.PathLike[str], limits: MotionLimits | None = None, title: str = '') "
-                  "-> None"),
-          R"(Draws position, velocity, acceleration and jerk of every joint over time (PNG, PDF or SVG, by the suffix of the
-path). Dashed: `limits`, default those of the certificate.
+          nb::arg("path") = nb::none(), nb::arg("limits") = nb::none(), nb::arg("title") = "",
+          nb::sig("def plot(self, path: str | os.PathLike[str] | None = None, limits: MotionLimits | None = None, "
+                  "title: str = '') -> typing.Any"),
+          R"(Draws position, velocity, acceleration and jerk of every joint over time, as a matplotlib Figure, which is
+returned, and written where there is a path (PNG, PDF or SVG, by its suffix). Dashed: `limits`, default those of the
+certificate.
 
 Raises InvalidArgument without times, for limits of another number of joints and for a suffix of no figure format;
-FileError when it cannot be written; ModuleNotFoundError where matplotlib is not installed.)");
+FileError when it cannot be written; ModuleNotFoundError where matplotlib is not installed.)")
+      .def(
+          "_add_robot_to",
+          [](const Trajectory& self, PyPlannerInterface& planner) {
+            return planner.use([&](PlannerInterface& p) { return add_robot(self, p); });
+          },
+          "Adds the robot that this was planned for, and returns its name; '': the robot is not known.");
+  make_html(cls);
 }
 
 }  // namespace

@@ -244,9 +244,9 @@ def _length(point: Mapping[str, Any], key: str, what: str) -> int:
 
 
 def plot(
-    trajectory: srmp.Trajectory, path: str | os.PathLike[str], limits: srmp.MotionLimits | None, title: str
-) -> None:
-    from srmp.plot import Profile, draw_profiles
+    trajectory: srmp.Trajectory, path: str | os.PathLike[str] | None, limits: srmp.MotionLimits | None, title: str
+) -> Any:
+    from srmp.plot import Profile, draw_profiles, write_figure
 
     if not len(trajectory.times):
         raise srmp.InvalidArgument("a path without times has no profiles to draw.")
@@ -267,12 +267,10 @@ def plot(
         Profile("acceleration", "rad/s², m/s²", acceleration, limits.acceleration if limits else None),
         Profile("jerk", "rad/s³, m/s³", jerk, limits.jerk if limits else None),
     ]
-    try:
-        draw_profiles(Path(path), names, times, profiles, title)
-    except OSError as error:
-        raise srmp.FileError(f"{path} cannot be written: {error.strerror or error}.") from error
-    except ValueError as error:  # a format that matplotlib does not know
-        raise srmp.InvalidArgument(f"{path}: {error}.") from error
+    figure = draw_profiles(names, times, profiles, title)
+    if path is not None:
+        write_figure(figure, Path(path))
+    return figure
 
 
 def _drawn_times(rows: np.ndarray) -> np.ndarray:

@@ -66,7 +66,7 @@ def link_poses_at_zero(urdf_path: str | Path) -> dict[str, np.ndarray]:
     for joint in root.findall("joint"):
         parent, child, origin = joint.find("parent"), joint.find("child"), joint.find("origin")
         if parent is not None and child is not None:
-            origins[child.get("link", "")] = (parent.get("link", ""), _transform(origin))
+            origins[child.get("link", "")] = (parent.get("link", ""), origin_matrix(origin))
     poses: dict[str, np.ndarray] = {}
 
     def pose_of(link: str) -> np.ndarray:
@@ -80,7 +80,8 @@ def link_poses_at_zero(urdf_path: str | Path) -> dict[str, np.ndarray]:
     return poses
 
 
-def _transform(origin: ElementTree.Element | None) -> np.ndarray:
+def origin_matrix(origin: ElementTree.Element | None) -> np.ndarray:
+    """The homogeneous (4, 4) matrix of an <origin>; the identity where there is none."""
     pose = np.eye(4)
     if origin is None:
         return pose

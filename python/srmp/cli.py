@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm, multi, paper | cmake-dir."""
+"""The command line: srmp demo | plan | replay | verify | check | view | cover | bench mbm, multi, paper | cmake-dir."""
 
 from __future__ import annotations
 
@@ -395,6 +395,51 @@ def _limit_violations(world: srmp.PlannerInterface, q: Sequence[float]) -> list[
         for name, value, (lower, upper, _) in zip(names, q, limits, strict=True)
         if not lower - 1e-9 <= value <= upper + 1e-9
     ]
+
+
+@main.command()
+@click.argument("file", type=EXISTING_FILE)
+@click.option("--scene", type=EXISTING_FILE, help="Of a trajectory: scene or problem file; of a URDF: MoveIt YAML.")
+@click.option("--urdf", type=EXISTING_FILE, help="The robot of a trajectory or a MoveIt scene.")
+@_robot_details
+@click.option("--as", "kinds", multiple=True, help="Draw robots as visual, collision or spheres; may be repeated.")
+@click.option("--html", type=click.Path(dir_okay=False), help="Write a page that plays without a server, and end.")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Where the viewer is served.")
+@click.option("--port", type=click.IntRange(0, 65535), default=8080, show_default=True, help="0: any that is free.")
+@click.option("--no-browser", is_flag=True, help="Do not open a browser.")
+def view(
+    file: str,
+    scene: str | None,
+    urdf: str | None,
+    srdf: str | None,
+    end_effector: str,
+    group: str,
+    package_dirs: tuple[str, ...],
+    kinds: tuple[str, ...],
+    html: str | None,
+    host: str,
+    port: int,
+    no_browser: bool,
+) -> None:
+    """See a robot, a scene, a motion, or why a plan failed, in the browser.
+
+    FILE is a problem or scene file, a trajectory file or what srmp plan writes (with --scene or --urdf), a URDF, or a
+    MoveIt scene (with --urdf). Ctrl-C ends the viewer.
+    """
+    from srmp import viewer
+    from srmp._view_file import open_file
+
+    def robot_world(path: str, moveit_scene: str | None) -> srmp.PlannerInterface:
+        return _make_world(path, srdf, end_effector, group, package_dirs, moveit_scene)
+
+    world, trajectory = open_file(file, scene, urdf, package_dirs, robot_world)
+    if html:
+        viewer.to_html(world, html, trajectory, title=Path(file).name, kinds=kinds or None)
+        click.echo(f"wrote {html}")
+        return
+    with viewer.show(world, trajectory, kinds=kinds or None, host=host, port=port, open_browser=not no_browser) as page:
+        click.echo(f"{page.url} (Ctrl-C ends)")
+        page.wait()
 
 
 @main.command()

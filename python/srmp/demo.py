@@ -15,7 +15,6 @@ import numpy as np
 import srmp
 from srmp._files import write_json
 from srmp._table import format_seconds
-from srmp._urdf import chain_links, read_joints
 from srmp.result import plan_result
 
 # name: (edge lengths, centre) [m]; the shelf is open towards the arm
@@ -91,22 +90,9 @@ class DemoResult:
         }
         write_json(path, result)
 
-    def draw(self, path: str | Path, poses: int = 9) -> None:
-        """Draws the motion: the arm at `poses` instants. Needs matplotlib."""
-        from srmp.plot import MotionDrawing, SceneDrawing, draw_motion
-
-        links = chain_links(read_joints(srmp.data_path("arm7.urdf")), "arm7_hand")
-        times = np.linspace(0.0, self.trajectory.times[-1], poses)
-        arms = [self._link_origins(links, self.trajectory.sample(time)) for time in times]
-        path_of_hand = self.trajectory.end_effector_path()
-        scene = SceneDrawing(
-            boxes=[(size, srmp.Pose(p=centre).matrix()) for name, (size, centre) in BOXES.items() if name != "floor"],
-            cylinders=[(radius, length, srmp.Pose(p=centre).matrix()) for radius, length, centre in CYLINDERS.values()],
-        )
-        draw_motion(path, scene, MotionDrawing(arms, times, path_of_hand), title=f"srmp demo: {self.summary()}")
-
-    def _link_origins(self, links: list[str], q: np.ndarray) -> np.ndarray:
-        return np.array([self.planner.compute_fk(ROBOT, q, link).p for link in links])
+    def draw(self, path: str | Path) -> None:
+        """Draws the motion. Needs matplotlib."""
+        self.planner.plot(path, self.trajectory, title=f"srmp demo: {self.summary()}")
 
 
 def run(options: Mapping[str, Any] | None = None) -> DemoResult:

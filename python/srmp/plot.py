@@ -1,43 +1,19 @@
-"""Figures of motions, drawn with matplotlib from plain numbers: nothing here knows a planner."""
+"""Figures drawn with matplotlib from plain numbers: nothing here knows a planner (that is PlannerInterface.plot)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-if TYPE_CHECKING:
-    from mpl_toolkits.mplot3d import Axes3D
+import srmp
 
 _LINE_COLOUR = "#0b7a75"
 _LIMIT_COLOUR = "#b3402e"
-_CUBE_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
-_CUBE_FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5))
-_OBJECT_COLOUR = "#c2955d"
-_EDGE_COLOUR = "#6b4f35"
-_FLOOR_COLOUR = "#e9e6e1"
-
-
-@dataclass
-class SceneDrawing:
-    """Solids in the world frame; poses are homogeneous (4, 4) matrices of their centres, sizes in metres."""
-
-    boxes: list[tuple[ArrayLike, ArrayLike]] = field(default_factory=list)  #: (edge lengths (3,), pose)
-    cylinders: list[tuple[float, float, ArrayLike]] = field(default_factory=list)  #: (radius, length along z, pose)
-    spheres: list[tuple[float, ArrayLike]] = field(default_factory=list)  #: (radius, centre (3,))
-
-
-@dataclass
-class MotionDrawing:
-    """A robot at m instants: polylines through its link origins."""
-
-    link_origins: Sequence[ArrayLike]  #: m times (links, 3) [m], base first
-    times: ArrayLike  #: (m,) [s]
-    end_effector_path: ArrayLike  #: (n, 3) [m], as fine as it shall look
 
 
 @dataclass
@@ -50,10 +26,8 @@ class Profile:
     limits: np.ndarray | None = None  #: (joints,), of the absolute value
 
 
-def draw_profiles(
-    path: Path, joint_names: Sequence[str], times: np.ndarray, profiles: Sequence[Profile], title: str = ""
-) -> None:
-    """Writes a figure with a row of panels for each joint, one for each profile; limits dashed, with the fraction used.
+def draw_profiles(joint_names: Sequence[str], times: np.ndarray, profiles: Sequence[Profile], title: str = "") -> Any:
+    """A Figure with a row of panels for each joint, one for each profile; limits dashed, with the fraction used.
 
     Raises ModuleNotFoundError when matplotlib is not installed.
     """
@@ -75,7 +49,7 @@ def draw_profiles(
         figure.suptitle(title, fontsize=12)
     figure.align_ylabels(grid[:, 0])
     figure.tight_layout(h_pad=0.4, w_pad=0.8)
-    figure.savefig(path)
+    return figure
 
 
 def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) -> None:
@@ -106,50 +80,14 @@ def _draw_profile(axes: Any, times: np.ndarray, profile: Profile, joint: int) ->
         axes.margins(y=0.22)
 
 
-def draw_motion(
-    path: str | Path, scene: SceneDrawing, motion: MotionDrawing | Sequence[MotionDrawing], title: str = ""
-) -> None:
-    """Writes a figure of the scene and the motions, early robots dark, late ones bright; the suffix says the format.
-
-    Several motions have one clock.
-
-    Raises ModuleNotFoundError when matplotlib is not installed.
-    """
-    from matplotlib import colormaps
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9, 8), dpi=150, facecolor="white")
-    FigureCanvasAgg(figure)  # no window, no global state
-    axes: Any = figure.add_axes((-0.02, -0.03, 0.96, 0.98), projection="3d", computed_zorder=False)
-    motions = [motion] if isinstance(motion, MotionDrawing) else list(motion)
-    lower, upper = _bounds(scene, motions)
-    every_time = np.concatenate([np.asarray(one.times, dtype=float) for one in motions])
-    scale = Normalize(every_time.min(), max(every_time.max(), every_time.min() + 1e-9))
-    colours = colormaps["plasma"]
-
-    _draw_floor(axes, lower, upper)
-    for size, pose in scene.boxes:
-        _draw_box(axes, np.asarray(size, dtype=float), np.asarray(pose, dtype=float))
-    for radius, length, pose in scene.cylinders:
-        _draw_cylinder(axes, radius, length, np.asarray(pose, dtype=float))
-    for radius, centre in scene.spheres:
-        _draw_sphere(axes, radius, np.asarray(centre, dtype=float))
-    for one in motions:
-        times = np.asarray(one.times, dtype=float)
-        for k, (origins, time) in enumerate(zip(one.link_origins, times, strict=True)):
-            last = k in (0, len(times) - 1)
-            _draw_robot(axes, np.asarray(origins, dtype=float), colours(0.9 * scale(time)), 1.0 if last else 0.45)
-        traced = np.asarray(one.end_effector_path, dtype=float)
-        axes.plot(*traced.T, color="#0b7a75", linewidth=1.8, linestyle=(0, (4, 1.5)), zorder=30)
-
-    _frame(axes, lower, upper)
-    _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))
-    if title:
-        figure.text(0.5, 0.955, title, ha="center", va="top", fontsize=12)
-    figure.savefig(path)
+def write_figure(figure: Any, path: str | Path) -> None:
+    """Writes a Figure; raises FileError when it cannot be written, InvalidArgument for a suffix of no figure format."""
+    try:
+        figure.savefig(path)
+    except OSError as error:
+        raise srmp.FileError(f"{path} cannot be written: {error.strerror or error}.") from error
+    except ValueError as error:  # a format that matplotlib does not know
+        raise srmp.InvalidArgument(f"{path}: {error}.") from error
 
 
 def draw_spheres(path: str | Path, panels: Sequence[tuple[str, Sequence[ArrayLike]]]) -> None:
@@ -193,94 +131,8 @@ def _sphere_faces(sectors: int) -> np.ndarray:
     return np.stack(corners, axis=2).reshape(-1, 4, 3)
 
 
-def _truncated(colours: Any) -> Any:
-    """The part of the colour map that the robots use."""
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(colours(np.linspace(0.0, 0.9, 256)))
-
-
-def _bounds(scene: SceneDrawing, motions: Sequence[MotionDrawing]) -> tuple[np.ndarray, np.ndarray]:
-    points = [np.zeros((1, 3))]
-    for motion in motions:
-        points.append(np.asarray(motion.end_effector_path, dtype=float).reshape(-1, 3))
-        points += [np.asarray(origins, dtype=float) for origins in motion.link_origins]
-    for size, pose in scene.boxes:
-        points.append(_transform(np.asarray(pose, dtype=float), _CUBE_CORNERS * np.asarray(size, dtype=float)))
-    for radius, length, pose in scene.cylinders:
-        points.append(_transform(np.asarray(pose, dtype=float), 2 * _CUBE_CORNERS * [radius, radius, length / 2]))
-    for radius, centre in scene.spheres:
-        points.append(np.asarray(centre, dtype=float) + 2 * radius * _CUBE_CORNERS)
-    every = np.vstack(points)
-    return every.min(axis=0), every.max(axis=0)
-
-
-def _transform(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
-    return points @ pose[:3, :3].T + pose[:3, 3]
-
-
-def _draw_floor(axes: Axes3D, lower: np.ndarray, upper: np.ndarray) -> None:
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
-    (x0, y0, z), (x1, y1, _) = lower - 0.02, upper + 0.02
-    z = lower[2] - 1e-3
-    floor = Poly3DCollection([[(x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)]], facecolor=_FLOOR_COLOUR, zorder=0)
-    axes.add_collection3d(floor)
-
-
-def _draw_box(axes: Axes3D, size: np.ndarray, pose: np.ndarray) -> None:
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
-    corners = _transform(pose, _CUBE_CORNERS * size)
-    faces = Poly3DCollection(
-        [corners[list(face)] for face in _CUBE_FACES],
-        facecolors=_OBJECT_COLOUR,
-        edgecolors=_EDGE_COLOUR,
-        linewidths=0.6,
-        alpha=0.16,
-        shade=True,
-        zorder=5,
-    )
-    axes.add_collection3d(faces)
-
-
-def _draw_cylinder(axes: Any, radius: float, length: float, pose: np.ndarray) -> None:
-    angle, height = np.meshgrid(np.linspace(0, 2 * np.pi, 33), [-length / 2, length / 2])
-    side = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
-    points = _transform(pose, side.reshape(-1, 3)).reshape(side.shape)
-    axes.plot_surface(*np.moveaxis(points, -1, 0), color=_OBJECT_COLOUR, alpha=0.35, linewidth=0, zorder=5)
-    for rim in points:
-        axes.plot(*rim.T, color=_EDGE_COLOUR, linewidth=0.6, zorder=6)
-
-
-def _draw_sphere(axes: Any, radius: float, centre: np.ndarray) -> None:
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
-    x, y, z = np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)
-    axes.plot_surface(
-        centre[0] + radius * x,
-        centre[1] + radius * y,
-        centre[2] + radius * z,
-        color=_OBJECT_COLOUR,
-        alpha=0.35,
-        zorder=5,
-    )
-
-
-def _draw_robot(axes: Any, origins: np.ndarray, colour: Any, alpha: float) -> None:
-    axes.plot(
-        *origins.T, color=colour, alpha=alpha, linewidth=6, solid_capstyle="round", solid_joinstyle="round", zorder=20
-    )
-    axes.plot(*origins.T, color="white", alpha=alpha, linewidth=0, marker="o", markersize=2.5, zorder=21)
-
-
 def _frame(axes: Any, lower: np.ndarray, upper: np.ndarray, zoom: float = 1.08) -> None:
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
     axes.set_box_aspect(np.maximum(upper - lower, 1e-3), zoom=zoom)
     axes.view_init(elev=24, azim=-148)
     axes.set_axis_off()
-
-
-def _draw_time_scale(figure: Any, mappable: Any) -> None:
-    bar = figure.colorbar(mappable, cax=figure.add_axes((0.915, 0.27, 0.014, 0.42)))
-    bar.set_label("time [s]")
-    bar.outline.set_visible(False)

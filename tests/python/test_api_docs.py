@@ -41,6 +41,9 @@ ONLY_PYTHON = {
     "get_joint_limits": "C++: RobotModel::joints",
     "get_all_joint_limits": "C++: RobotModel::joints and other_joints",
     "print_available_planners": "C++: available_planners, which prints nothing",
+    "plot": "figures are in the Python package",
+    "show": "the viewer is in the Python package",
+    "to_html": "pages are in the Python package",
     "read_sim": "simulators have Python packages only",
     "simulated_world": "simulators have Python packages only",
 }

@@ -1,0 +1,231 @@
+"""The viewer without a browser: what it serves, refreshes, plans and says."""
+
+import threading
+import time
+import urllib.request
+
+import numpy as np
+import pytest
+
+import srmp
+
+pytest.importorskip("viser", reason="the viewer needs viser: pip install '.[viewer]'")
+from srmp.viewer import Viewer
+
+ARM = srmp.data_path("arm7.urdf")
+
+
+def arm_world(names=("arm",)):
+    planner = srmp.PlannerInterface()
+    for k, name in enumerate(names):
+        planner.add_articulation(
+            ARM,
+            srmp.data_path("arm7.srdf"),
+            name=name,
+            end_effector="arm7_hand",
+            base_pose=srmp.Pose(p=[0, 1.1 * k, 0]),
+        )
+        planner.set_qpos(name, planner.get_group_states(name)["ready"])
+    planner.add_box("post", [0.1, 0.1, 0.8], srmp.Pose(p=[0.35, 0.35, 0.4]))
+    return planner
+
+
+def moved(planner, robot="arm", by=(0, -0.1, 0.1)):
+    pose = planner.compute_fk(robot, planner.get_qpos(robot))
+    return srmp.Pose(np.add(pose.p, by), pose.q)
+
+
+def eventually(condition, seconds=10):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def planner():
+    return arm_world()
+
+
+@pytest.fixture
+def viewer(planner):
+    with Viewer(planner, port=0) as viewer:
+        yield viewer
+
+
+def test_it_serves_a_page_and_ends(planner, capfd):
+    with planner.show(port=0, open_browser=False) as viewer:
+        assert urllib.request.urlopen(viewer.url).status == 200
+        assert repr(viewer) == f"Viewer({viewer.url})"
+    assert repr(viewer).endswith(", closed)")
+    viewer.wait()
+    viewer.close()
+    assert capfd.readouterr().out == ""
+
+
+def test_it_follows_the_planner_and_sends_only_what_is_new(planner, viewer):
+    bodies = viewer._stage._bodies
+    before = viewer._stage.sent
+    planner.add_sphere("ball", 0.05, srmp.Pose(p=[0.3, -0.3, 0.3]))
+    eventually(lambda: "ball" in bodies)
+    planner.set_object_pose("post", srmp.Pose(p=[0.4, 0.4, 0.4]))
+    eventually(lambda: bodies["post"][1].position[0] == pytest.approx(0.4))
+    planner.set_qpos("arm", np.zeros(7))
+    hand = viewer._stage._frames["arm/arm7_hand"]
+    eventually(lambda: np.allclose(hand.position, planner.compute_fk("arm", np.zeros(7)).p))
+    planner.remove_object("ball")
+    eventually(lambda: "ball" not in bodies)
+    assert viewer._stage.sent == before + 1
+    planner.remove_object("post")
+    planner.add_sphere("post", 0.05, srmp.Pose(p=[0.4, 0.4, 0.4]))  # the same name and pose
+    viewer.update()
+    assert viewer._stage.sent == before + 2
+
+
+def test_a_plan_of_the_program_is_played(planner, viewer):
+    q = planner.get_qpos("arm")
+    trajectory = planner.plan("arm", q, q - [0.5, 0, 0, 0, 0, 0, 0])
+    eventually(lambda: "arm" in viewer.trajectory)
+    assert viewer.trajectory["arm"] == trajectory
+    hand = viewer._stage._frames["arm/arm7_hand"]
+    eventually(lambda: np.allclose(hand.position, trajectory.end_effector_path()[-1], atol=1e-6))
+    viewer.on_seek(0.0)
+    assert np.allclose(hand.position, trajectory.end_effector_path()[0], atol=1e-6)
+
+
+def test_goals_are_dragged_and_planned_to(planner, viewer):
+    goal = moved(planner)
+    viewer.set_goal("arm", goal)
+    assert list(viewer.goals) == ["arm"] and viewer.status.startswith("goal of 'arm'")
+    assert {body.robot for body, _ in viewer._ghost._bodies.values()} == {"arm"}
+    viewer.plan()
+    assert viewer.status.startswith("solved in")
+    end = viewer.trajectory["arm"].positions[-1]
+    assert np.allclose(planner.compute_fk("arm", end).p, goal.p, atol=1e-3)
+    assert planner.last_request is None  # nothing reaches the program's planner
+    viewer.on_seek(viewer._motion.duration)
+    viewer.on_stand_here()
+    eventually(lambda: not viewer.trajectory)
+    assert np.allclose(viewer._world.get_qpos("arm"), end, atol=1e-6)
+    viewer.on_reset_goals()
+    eventually(lambda: not viewer.goals)
+
+
+def test_worse_paths_of_an_anytime_planner_are_drawn(planner):
+    planner.make_planner("arm", srmp.ARAStar(weight=50, time_limit=2))
+    with Viewer(planner, port=0) as viewer:
+        viewer.set_goal("arm", moved(planner, by=(0.05, -0.6, 0.2)))
+        viewer.plan()
+        found = len(viewer._found)
+        assert found >= 1 and len(viewer._path_nodes) == found  # all but the best, and what plays
+
+
+def test_touches_at_a_goal_are_shown_with_names_and_depths(planner, viewer):
+    viewer.set_goal("arm", srmp.Pose(p=[0.35, 0.35, 0.4], q=[0, 1, 0, 0]))
+    assert any("post" in text and "mm deep" in text for text in viewer._marks.texts)
+    assert tuple(viewer._stage._bodies["post"][1].color) == (219, 31, 31)
+    viewer.plan()
+    assert viewer.status.startswith("goal_invalid")
+    assert any("post" in text for text in viewer._marks.texts)
+    viewer.set_goal("arm", moved(planner))
+    assert not viewer._marks.texts
+    assert tuple(viewer._stage._bodies["post"][1].color) != (219, 31, 31)
+
+
+def test_a_goal_out_of_reach_is_said(planner, viewer):
+    viewer.set_goal("arm", srmp.Pose(p=[5, 0, 0]))
+    assert viewer.status == "'arm' does not reach this goal"
+
+
+def test_without_a_goal_there_is_nothing_to_plan(viewer):
+    viewer.plan()
+    assert viewer.status.startswith("drag the handle")
+
+
+def test_a_failure_of_the_program_is_drawn(planner, viewer):
+    q = planner.get_qpos("arm")
+    with pytest.raises(srmp.PlanningError):
+        planner.plan("arm", q, srmp.Pose(p=[0.35, 0.35, 0.4], q=[0, 1, 0, 0]))
+    eventually(lambda: viewer.status.startswith("goal_invalid"))
+    assert any("post" in text for text in viewer._marks.texts)
+
+
+def test_several_robots_have_handles_and_one_clock():
+    planner = arm_world(("left", "right"))
+    with Viewer(planner, port=0) as viewer:
+        for robot in ("left", "right"):
+            viewer.set_goal(robot, moved(planner, robot))
+        viewer.plan()
+        assert viewer.status.startswith("solved in") and sorted(viewer.trajectory) == ["left", "right"]
+        planner.remove_articulation("right")
+        eventually(lambda: list(viewer._handles) == ["left"] and list(viewer.goals) == ["left"])
+
+
+def test_robots_are_switched_to_spheres_and_back(viewer):
+    viewer.on_switch("spheres", True)
+    kinds = lambda: {body.kind for body, handle in viewer._stage._bodies.values() if handle.visible}  # noqa: E731
+    eventually(lambda: kinds() == {"collision", "spheres", "object"}, 60)
+    viewer.on_switch("collision", False)
+    eventually(lambda: kinds() == {"spheres", "object"})
+    viewer.on_switch("visual", True)
+    eventually(lambda: viewer.status == "the robots have no visual geometry")
+
+
+def test_planning_does_not_know_that_it_is_watched(planner, viewer):
+    """No call of the program is refused because the viewer looks at its planner, and results stay as they are."""
+    q = planner.get_qpos("arm")
+    goal = q - [0.5, 0, 0, 0, 0, 0, 0]
+    alone = arm_world().plan("arm", q, goal)
+    for _ in range(200):
+        planner.set_object_pose("post", srmp.Pose(p=[0.35, 0.35, 0.4]))
+        assert planner.plan("arm", q, goal) == alone
+
+
+def test_a_planner_that_plans_in_another_thread_is_left_alone(planner, viewer):
+    planner.make_planner("arm", srmp.ARAStar(time_limit=1.5, final_weight=1.0))
+    q = planner.get_qpos("arm")
+    thread = threading.Thread(target=planner.plan, args=("arm", q, q - [1, 0, 0, 0.3, 0, 0, 0]))
+    thread.start()
+    time.sleep(0.6)
+    assert thread.is_alive() and repr(planner) == "PlannerInterface(planning)"
+    viewer.set_goal("arm", moved(arm_world()))  # the viewer goes on meanwhile
+    thread.join()
+    eventually(lambda: "arm" in viewer.trajectory)
+
+
+def test_four_arms_are_updated_20_times_a_second():
+    planner = arm_world(("a", "b", "c", "d"))
+    paths = {}
+    for name in planner.robot_names:
+        q = planner.get_qpos(name)
+        paths[name] = srmp.Trajectory(planner.get_joint_names(name), [q, q - 0.3], [0, 2])
+    with Viewer(planner, paths, port=0) as viewer:
+        begin, updates = time.perf_counter(), 0
+        while time.perf_counter() - begin < 1:
+            viewer.on_seek(2 * (updates % 60) / 60)
+            updates += 1
+    assert updates >= 20
+
+
+def test_bad_input_is_refused(planner, viewer):
+    one = srmp.Trajectory(["a"], [[0], [1]])
+    for call, words in [
+        (lambda: planner.show(port=-1), "port must be a whole number from 0 to 65535, but is -1"),
+        (lambda: planner.show(port="8080"), "port must be .* but is '8080'"),
+        (lambda: planner.show(host=""), "host must be"),
+        (lambda: planner.show(5), "trajectory must be"),
+        (lambda: planner.show({"arn": one}), "no robot 'arn', did you mean 'arm'"),
+        (lambda: planner.show(kinds=["wire"]), "not 'wire'"),
+        (lambda: srmp.viewer.show(3), "planner must be a PlannerInterface, but is 3"),
+        (lambda: viewer.set_goal("arn", srmp.Pose()), "arn"),
+        (lambda: viewer.set_goal("arm", [0, 0, 0]), r"pose must be a Pose, but is \[0, 0, 0\]"),
+        (lambda: viewer.play({"arm": one}), "moves a, but the robot's joints are"),
+    ]:
+        with pytest.raises(srmp.InvalidArgument, match=words):
+            call()
+
+
+def test_without_viser_one_sentence_says_so(planner, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "viser", None)
+    with pytest.raises(srmp.NotSupported, match=r"the viewer needs viser: pip install '\.\[viewer\]'"):
+        planner.show()
