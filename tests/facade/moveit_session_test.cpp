@@ -10,6 +10,7 @@
 #include "support/data.hpp"
 #include "support/files.hpp"
 #include "support/robots.hpp"
+#include "support/throws.hpp"
 
 using namespace srmp;
 
@@ -453,11 +454,14 @@ BOOST_AUTO_TEST_CASE(attached_objects_and_padding_count) {
   Case held;
   held.add_box("floor of the goal", {0.28, 0.28, 0.37}, {0.2, 0.2, 0.02});
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "SUCCESS");
-  held.attach("rod", "arm7_hand").object.shapes[0].shape = Box{{0.02, 0.02, 0.3}};
-  BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "GOAL_IN_COLLISION");
+  io::CollisionObject& rod = held.attach("rod", "arm7_hand").object;
+  rod.shapes[0].shape = Box{{0.02, 0.02, 0.3}};
+  rod.pose.p = {0, 0, 0.2};
+  const MoveItResponse with_rod = session.solve(held.scene, held.request);
+  BOOST_TEST(to_string(with_rod.code) == "GOAL_IN_COLLISION", with_rod.message);
   held.request.start_state.attached.clear();
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "SUCCESS");
-  for (const auto& geometry : RobotModel::load(arm7())->geometries()) held.scene.link_padding[geometry.link] = 0.15;
+  for (const auto& geometry : RobotModel::load(arm7())->geometries()) held.scene.link_padding[geometry.link] = 0.09;
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "GOAL_IN_COLLISION");
   held.scene.link_padding.clear();
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "SUCCESS");
@@ -466,7 +470,7 @@ BOOST_AUTO_TEST_CASE(attached_objects_and_padding_count) {
 BOOST_AUTO_TEST_CASE(limits_of_the_robot_model_and_scaling_hold) {
   MoveItRobot robot = arm_robot();
   MoveItSession as_in_urdf(robot);
-  robot.bounds["arm7_joint1"] = {.lower = -1.0, .upper = 0.5, .velocity = 0.2, .acceleration = 0.4};
+  robot.bounds["arm7_joint1"] = {.lower = -1.0, .upper = 0.5, .velocity = 0.2, .acceleration = 0.4, .jerk = {}};
   MoveItSession narrow(robot);
   Case question;
   const double duration = as_in_urdf.solve(question.scene, question.request).trajectory.duration();

@@ -66,6 +66,13 @@ io::SceneFile with_start(io::SceneFile scene, const io::RobotState& start) {
   const bool whole = !start.is_diff && !(start.joints.empty() && start.multi_dof_joints.empty());
   if (whole) scene.robot_state.attached.clear();
   for (const io::AttachedObject& attached : start.attached) attach(attached, scene);
+  for (const io::AttachedObject& attached : scene.robot_state.attached) {
+    const std::string& id = attached.object.id;
+    if (attached.object.shapes.empty() &&
+        std::none_of(scene.objects.begin(), scene.objects.end(), [&](const auto& object) { return object.id == id; }))
+      throw MoveItRefusal(Code::invalid_object_name,
+                          "object '" + id + "' is attached without shapes and is not in the world");
+  }
   return scene;
 }
 
