@@ -13,19 +13,23 @@ namespace {
 
 using srmp::Pose;
 
-Eigen::Vector3d vector_of(const auto& v) { return {v.x, v.y, v.z}; }
+template <class Vector>
+Eigen::Vector3d vector_of(const Vector& v) {
+  return {v.x, v.y, v.z};
+}
 
 /// A quaternion of four zeros, as in an unset ROS 1 message, is the identity.
-Pose pose_of(const Eigen::Vector3d& p, const auto& q) {
+template <class Quaternion>
+Pose pose_of(const Eigen::Vector3d& p, const Quaternion& q) {
   if (q.x == 0.0 && q.y == 0.0 && q.z == 0.0 && q.w == 0.0) return Pose{p};
-  return Pose::from_xyzw(p, {q.x, q.y, q.z, q.w});
+  return Pose{p, Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized()};
 }
 Pose pose_of(const geometry_messages::Pose& pose) { return pose_of(vector_of(pose.position), pose.orientation); }
 Pose pose_of(const geometry_messages::Transform& t) { return pose_of(vector_of(t.translation), t.rotation); }
 
-srmp::Shape shape_of(const shape_messages::SolidPrimitive& primitive, const std::string& what) {
+srmp::Shape shape_of(const Library& library, const shape_messages::SolidPrimitive& primitive, const std::string& what) {
   try {
-    return srmp::io::solid_primitive(primitive.type, {primitive.dimensions.begin(), primitive.dimensions.end()});
+    return library.solid_primitive(primitive.type, {primitive.dimensions.begin(), primitive.dimensions.end()});
   } catch (const srmp::InvalidArgument& error) {
     throw srmp::InvalidArgument(what + " " + error.what());
   } catch (const srmp::NotSupported& error) {
@@ -48,9 +52,12 @@ srmp::Shape shape_of(const shape_messages::Mesh& message) {
 }
 
 /// MoveIt places a shape without a pose at the object's.
-Pose nth(const auto& poses, std::size_t i) { return i < poses.size() ? pose_of(poses[i]) : Pose{}; }
+template <class Poses>
+Pose nth(const Poses& poses, std::size_t i) {
+  return i < poses.size() ? pose_of(poses[i]) : Pose{};
+}
 
-srmp::io::CollisionObject object_of(const moveit_messages::CollisionObject& message) {
+srmp::io::CollisionObject object_of(const Library& library, const moveit_messages::CollisionObject& message) {
   srmp::io::CollisionObject object;
   object.id = message.id;
   object.frame = message.header.frame_id;
@@ -59,7 +66,7 @@ srmp::io::CollisionObject object_of(const moveit_messages::CollisionObject& mess
   object.operation = static_cast<srmp::io::ObjectOperation>(message.operation);  // the same numbers
   for (std::size_t i = 0; i < message.primitives.size(); ++i)
     object.shapes.push_back(
-        {shape_of(message.primitives[i], "object '" + message.id + "'"), nth(message.primitive_poses, i)});
+        {shape_of(library, message.primitives[i], "object '" + message.id + "'"), nth(message.primitive_poses, i)});
   for (std::size_t i = 0; i < message.meshes.size(); ++i)
     object.shapes.push_back({shape_of(message.meshes[i]), nth(message.mesh_poses, i)});
   for (std::size_t i = 0; i < message.subframe_names.size(); ++i)
@@ -67,9 +74,12 @@ srmp::io::CollisionObject object_of(const moveit_messages::CollisionObject& mess
   return object;
 }
 
-double speed_of(const auto& twist) { return std::max(vector_of(twist.linear).norm(), vector_of(twist.angular).norm()); }
+template <class Twist>
+double speed_of(const Twist& twist) {
+  return std::max(vector_of(twist.linear).norm(), vector_of(twist.angular).norm());
+}
 
-srmp::io::RobotState state_of(const moveit_messages::RobotState& message) {
+srmp::io::RobotState state_of(const Library& library, const moveit_messages::RobotState& message) {
   srmp::io::RobotState state;
   state.is_diff = message.is_diff;
   const auto& joints = message.joint_state;
@@ -84,8 +94,9 @@ srmp::io::RobotState state_of(const moveit_messages::RobotState& message) {
     state.multi_dof_joints[others.joint_names[i]] = pose_of(others.transforms[i]);
   for (const auto& twist : others.twist) state.speed = std::max(state.speed, speed_of(twist));
   for (const auto& attached : message.attached_collision_objects)
-    state.attached.push_back(
-        {attached.link_name, object_of(attached.object), {attached.touch_links.begin(), attached.touch_links.end()}});
+    state.attached.push_back({attached.link_name,
+                              object_of(library, attached.object),
+                              {attached.touch_links.begin(), attached.touch_links.end()}});
   return state;
 }
 
@@ -118,27 +129,30 @@ void add_octomap(const planning_scene::PlanningScene& scene, srmp::io::SceneFile
             cloud.points.push_back(corner + tree.getResolution() * Eigen::Vector3d(x, y, z));
     }
     if (cloud.points.empty()) continue;
+    const Eigen::Isometry3d& place = object->global_shape_poses_[i];
     srmp::io::CollisionObject cells;
     cells.id = planning_scene::PlanningScene::OCTOMAP_NS;
-    cells.shapes.push_back({std::move(cloud), Pose::from_isometry(object->global_shape_poses_[i])});
+    cells.shapes.push_back({std::move(cloud), Pose{place.translation(), Eigen::Quaterniond(place.rotation())}});
     result.objects.push_back(std::move(cells));
   }
 }
 
-srmp::io::GoalAlternative goal_of(const moveit_messages::Constraints& message) {
+srmp::io::GoalAlternative goal_of(const Library& library, const moveit_messages::Constraints& message) {
   srmp::io::GoalAlternative goal;
   goal.name = message.name;
   goal.visibilities = message.visibility_constraints.size();
   for (const auto& joint : message.joint_constraints)
     goal.joints.push_back({joint.joint_name, joint.position, joint.tolerance_above, joint.tolerance_below});
   for (const auto& position : message.position_constraints) {
-    srmp::io::PositionConstraint constraint{.link = position.link_name, .frame = position.header.frame_id};
+    srmp::io::PositionConstraint constraint;
+    constraint.link = position.link_name;
+    constraint.frame = position.header.frame_id;
     constraint.offset = vector_of(position.target_point_offset);
     const auto& region = position.constraint_region;
     constraint.mesh_regions = region.meshes.size();
     for (std::size_t i = 0; i < region.primitives.size(); ++i)
       constraint.regions.push_back(
-          {shape_of(region.primitives[i], "a constraint region"), nth(region.primitive_poses, i)});
+          {shape_of(library, region.primitives[i], "a constraint region"), nth(region.primitive_poses, i)});
     goal.positions.push_back(std::move(constraint));
   }
   for (const auto& orientation : message.orientation_constraints) {
@@ -186,7 +200,7 @@ srmp::MoveItRobot robot_of(const moveit::core::RobotModel& model, const std::str
   return robot;
 }
 
-srmp::io::SceneFile scene_of(const planning_scene::PlanningScene& scene) {
+srmp::io::SceneFile scene_of(const Library& library, const planning_scene::PlanningScene& scene) {
   using Components = moveit_messages::PlanningSceneComponents;
   Components parts;
   parts.components = Components::ROBOT_STATE | Components::ROBOT_STATE_ATTACHED_OBJECTS |
@@ -196,7 +210,7 @@ srmp::io::SceneFile scene_of(const planning_scene::PlanningScene& scene) {
   scene.getPlanningSceneMsg(message, parts);
   srmp::io::SceneFile result;
   result.name = scene.getName();
-  for (const auto& object : message.world.collision_objects) result.objects.push_back(object_of(object));
+  for (const auto& object : message.world.collision_objects) result.objects.push_back(object_of(library, object));
   add_octomap(scene, result);
   // A frame that the scene knows from outside (tf) is given in the planning frame.
   for (const auto& frame : message.fixed_frame_transforms)
@@ -204,11 +218,11 @@ srmp::io::SceneFile scene_of(const planning_scene::PlanningScene& scene) {
   result.allowed_collisions = matrix_of(message.allowed_collision_matrix);
   for (const auto& padding : message.link_padding) result.link_padding[padding.link_name] = padding.padding;
   for (const auto& scale : message.link_scale) result.link_scale[scale.link_name] = scale.scale;
-  result.robot_state = state_of(message.robot_state);
+  result.robot_state = state_of(library, message.robot_state);
   return result;
 }
 
-srmp::io::RequestFile request_of(const moveit_messages::MotionPlanRequest& message,
+srmp::io::RequestFile request_of(const Library& library, const moveit_messages::MotionPlanRequest& message,
                                  const planning_scene::PlanningScene& scene) {
   srmp::io::RequestFile request;
   request.group_name = message.group_name;
@@ -220,11 +234,11 @@ srmp::io::RequestFile request_of(const moveit_messages::MotionPlanRequest& messa
   moveit_messages::RobotState start;
   moveit::core::robotStateToRobotStateMsg(*scene.getCurrentStateUpdated(message.start_state), start);
   start.is_diff = false;
-  request.start_state = state_of(start);
+  request.start_state = state_of(library, start);
   const auto& box = message.workspace_parameters;
   request.workspace = {box.header.frame_id, vector_of(box.min_corner), vector_of(box.max_corner)};
-  for (const auto& goal : message.goal_constraints) request.goals.push_back(goal_of(goal));
-  request.path_constraints = goal_of(message.path_constraints);
+  for (const auto& goal : message.goal_constraints) request.goals.push_back(goal_of(library, goal));
+  request.path_constraints = goal_of(library, message.path_constraints);
   request.trajectory_constraints = message.trajectory_constraints.constraints.size();
   request.reference_trajectories = message.reference_trajectories.size();
   request.max_cartesian_speed = message.max_cartesian_speed;

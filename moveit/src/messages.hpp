@@ -1,7 +1,6 @@
 #pragma once
 
-#include <srmp/moveit_session.hpp>
-
+#include "library.hpp"
 #include "ros_version.hpp"
 
 namespace srmp_moveit {
@@ -13,9 +12,9 @@ namespace srmp_moveit {
 srmp::MoveItRobot robot_of(const moveit::core::RobotModel& model, const std::string& urdf_text,
                            const std::string& srdf_text);
 /// The whole scene.
-srmp::io::SceneFile scene_of(const planning_scene::PlanningScene& scene);
+srmp::io::SceneFile scene_of(const Library& library, const planning_scene::PlanningScene& scene);
 /// The request, whose start state is completed by the scene's as MoveIt does it.
-srmp::io::RequestFile request_of(const moveit_messages::MotionPlanRequest& request,
+srmp::io::RequestFile request_of(const Library& library, const moveit_messages::MotionPlanRequest& request,
                                  const planning_scene::PlanningScene& scene);
 /// The trajectory, from a state that says where the other joints are. `rows` only: a path without times.
 robot_trajectory::RobotTrajectoryPtr trajectory_of(const srmp::Trajectory& trajectory,

@@ -2,7 +2,6 @@
 #include <atomic>
 #include <memory>
 #include <srmp/core/error.hpp>
-#include <srmp/moveit_session.hpp>
 
 #include "messages.hpp"
 
@@ -13,8 +12,8 @@ namespace {
 /// One request. terminate() may be called by another thread; all else is called by one thread.
 class PlanningContext : public planning_interface::PlanningContext {
  public:
-  PlanningContext(const std::string& group, std::shared_ptr<srmp::MoveItSession> session)
-      : planning_interface::PlanningContext("srmp", group), session_(std::move(session)) {}
+  PlanningContext(const std::string& group, std::shared_ptr<Library> library)
+      : planning_interface::PlanningContext("srmp", group), library_(std::move(library)) {}
 
   SolveResult solve(planning_interface::MotionPlanResponse& response) override {
     const srmp::MoveItResponse result = answer();
@@ -55,8 +54,8 @@ class PlanningContext : public planning_interface::PlanningContext {
     srmp::MoveItResponse response;
     try {
       start_ = getPlanningScene()->getCurrentStateUpdated(getMotionPlanRequest().start_state);
-      response = session_->solve(scene_of(*getPlanningScene()), request_of(getMotionPlanRequest(), *getPlanningScene()),
-                                 &stop_);
+      response = library_->solve(scene_of(*library_, *getPlanningScene()),
+                                 request_of(*library_, getMotionPlanRequest(), *getPlanningScene()), stop_);
     } catch (const srmp::NotSupported& error) {
       response.code = srmp::MoveItErrorCode::collision_checking_unavailable;
       response.message = error.what();
@@ -65,12 +64,12 @@ class PlanningContext : public planning_interface::PlanningContext {
       response.message = error.what();
     }
     if (response.code != srmp::MoveItErrorCode::success)
-      log_warning(std::string(to_string(response.code)) + ": " + response.message);
+      log_warning(library_->name_of(response.code) + ": " + response.message);
     for (const std::string& note : response.notes) log_debug(note);
     return response;
   }
 
-  std::shared_ptr<srmp::MoveItSession> session_;
+  std::shared_ptr<Library> library_;
   moveit::core::RobotStatePtr start_;
   std::atomic<bool> stop_{false};
 };
@@ -113,7 +112,7 @@ class PlannerManager : public planning_interface::PlannerManager {
 
   std::string getDescription() const override { return "SRMP"; }
 
-  void getPlanningAlgorithms(std::vector<std::string>& ids) const override { ids = session_->planner_ids(); }
+  void getPlanningAlgorithms(std::vector<std::string>& ids) const override { ids = library_->planner_ids(); }
 
   bool canServiceRequest(const planning_interface::MotionPlanRequest& request) const override {
     const auto& path = request.path_constraints;
@@ -129,7 +128,7 @@ class PlannerManager : public planning_interface::PlannerManager {
       for (const auto& [option, value] : settings.config) options[name][option] = value;
     }
     try {
-      session_->set_configurations(options);
+      library_->set_configurations(options);
       config_settings_ = configurations;
     } catch (const srmp::Error& error) {
       log_error(error.what());
@@ -139,7 +138,7 @@ class PlannerManager : public planning_interface::PlannerManager {
   planning_interface::PlanningContextPtr getPlanningContext(const planning_scene::PlanningSceneConstPtr& scene,
                                                             const planning_interface::MotionPlanRequest& request,
                                                             moveit_messages::MoveItErrorCodes& code) const override {
-    auto context = std::make_shared<PlanningContext>(request.group_name, session_);
+    auto context = std::make_shared<PlanningContext>(request.group_name, library_);
     context->setPlanningScene(scene);
     context->setMotionPlanRequest(request);
     code.val = moveit_messages::MoveItErrorCodes::SUCCESS;
@@ -157,9 +156,10 @@ class PlannerManager : public planning_interface::PlannerManager {
       return false;
     }
     try {
-      session_ = std::make_shared<srmp::MoveItSession>(robot_of(*model, urdf, srdf));
+      library_ = open_library();
+      library_->start(robot_of(*model, urdf, srdf));
       setPlannerConfigurations(configurations_of(parameters, *model));
-    } catch (const srmp::Error& error) {
+    } catch (const std::runtime_error& error) {  // srmp::Error too
       log_error(error.what());
       return false;
     }
@@ -167,7 +167,7 @@ class PlannerManager : public planning_interface::PlannerManager {
   }
 
   moveit::core::RobotModelConstPtr model_;
-  std::shared_ptr<srmp::MoveItSession> session_;
+  std::shared_ptr<Library> library_;
 };
 
 }  // namespace srmp_moveit

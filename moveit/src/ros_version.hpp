@@ -25,8 +25,6 @@ namespace shape_messages = shape_msgs;
 namespace geometry_messages = geometry_msgs;
 namespace sensor_messages = sensor_msgs;
 
-using InitializeArguments = std::string;  // what PlannerManager::initialize is given besides the model
-
 #else
 
 #if __has_include(<moveit/planning_interface/planning_interface.hpp>)
@@ -57,19 +55,49 @@ namespace sensor_messages = sensor_msgs::msg;
 #ifdef SRMP_MOVEIT_RESPONSE_WITHOUT_UNDERSCORES
 using SolveResult = void;
 inline void result_of_solve(bool) {}
-inline auto& trajectory_of(auto& response) { return response.trajectory; }
-inline auto& planning_time_of(auto& response) { return response.planning_time; }
-inline auto& error_code_of(auto& response) { return response.error_code; }
-inline auto& descriptions_of(auto& response) { return response.description; }
-inline auto& processing_times_of(auto& response) { return response.processing_time; }
+template <class Response>
+auto& trajectory_of(Response& response) {
+  return response.trajectory;
+}
+template <class Response>
+auto& planning_time_of(Response& response) {
+  return response.planning_time;
+}
+template <class Response>
+auto& error_code_of(Response& response) {
+  return response.error_code;
+}
+template <class Response>
+auto& descriptions_of(Response& response) {
+  return response.description;
+}
+template <class Response>
+auto& processing_times_of(Response& response) {
+  return response.processing_time;
+}
 #else
 using SolveResult = bool;
 inline bool result_of_solve(bool solved) { return solved; }
-inline auto& trajectory_of(auto& response) { return response.trajectory_; }
-inline auto& planning_time_of(auto& response) { return response.planning_time_; }
-inline auto& error_code_of(auto& response) { return response.error_code_; }
-inline auto& descriptions_of(auto& response) { return response.description_; }
-inline auto& processing_times_of(auto& response) { return response.processing_time_; }
+template <class Response>
+auto& trajectory_of(Response& response) {
+  return response.trajectory_;
+}
+template <class Response>
+auto& planning_time_of(Response& response) {
+  return response.planning_time_;
+}
+template <class Response>
+auto& error_code_of(Response& response) {
+  return response.error_code_;
+}
+template <class Response>
+auto& descriptions_of(Response& response) {
+  return response.description_;
+}
+template <class Response>
+auto& processing_times_of(Response& response) {
+  return response.processing_time_;
+}
 #endif
 
 /// Planner configurations by name, with their options as text.

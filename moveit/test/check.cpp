@@ -62,16 +62,16 @@ struct Question {
   moveit_msgs::MotionPlanRequest request;
 };
 
-MotionPlanResponse ask(const planning_pipeline::PlanningPipeline& pipeline, const Question& question) {
+MotionPlanResponse ask(planning_pipeline::PlanningPipeline& pipeline, const Question& question) {
   MotionPlanResponse response;
   pipeline.generatePlan(question.scene, question.request, response);
   return response;
 }
 
-int solve_problems(const planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model,
+int solve_problems(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model,
                    const std::string& problems, bool pose_goals, const std::string& planner_id) {
-  const char* const scenarios[] = {"bookshelf_small", "bookshelf_tall", "bookshelf_thin",  "box",
-                                   "cage",            "table_pick",     "table_under_pick"};
+  const char* const scenarios[] = {"bookshelf_small", "bookshelf_tall",  "bookshelf_thin", "box", "cage",
+                                   "table_pick",      "table_under_pick"};
   int asked = 0, solved = 0, valid = 0;
   std::vector<double> times, lengths;
   for (int number = 1; asked < 50; ++number)
@@ -162,7 +162,7 @@ Question turn(const moveit::core::RobotModelPtr& model) {
   return question;
 }
 
-void check_scenes(const planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+void check_scenes(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
   using Codes = moveit_msgs::MoveItErrorCodes;
   Question question = turn(model);
   const auto free = ask(pipeline, question);
@@ -175,7 +175,8 @@ void check_scenes(const planning_pipeline::PlanningPipeline& pipeline, const mov
          "a box in the way: another path, free by MoveIt's check");
   question.scene->getWorldNonConst()->clearObjects();
   add_box(*question.scene, "box around the goal", goal, {0.2, 0.2, 0.2});
-  expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION, "a box around the goal: GOAL_IN_COLLISION");
+  expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION,
+         "a box around the goal: GOAL_IN_COLLISION");
   question.scene->getWorldNonConst()->clearObjects();
   expect(bool(ask(pipeline, question).error_code_), "without it again: a path");
 
@@ -196,7 +197,7 @@ void check_scenes(const planning_pipeline::PlanningPipeline& pipeline, const mov
   expect(bool(ask(pipeline, question).error_code_), "without rod and padding: a path");
 }
 
-void check_planners(const planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+void check_planners(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
   std::vector<std::string> ids;
   pipeline.getPlannerManager()->getPlanningAlgorithms(ids);
   for (const std::string& id : ids) {
@@ -213,7 +214,7 @@ void check_planners(const planning_pipeline::PlanningPipeline& pipeline, const m
   }
 }
 
-void check_termination(const planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+void check_termination(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
   Question question = turn(model);
   add_box(*question.scene, "box", {0.55, 0, 0.3}, {0.05, 0.05, 0.6});
   question.request.planner_id = "slow";
@@ -235,10 +236,11 @@ void check_termination(const planning_pipeline::PlanningPipeline& pipeline, cons
     }
     latency = std::max(latency, own);
   }
-  expect(latency < 0.02, "terminated 10 times from another thread: ended within " + std::to_string(1e3 * latency) + " ms");
+  expect(latency < 0.02,
+         "terminated 10 times from another thread: ended within " + std::to_string(1e3 * latency) + " ms");
 }
 
-void check_stages(const planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
   Question question = turn(model);
   moveit_msgs::MoveItErrorCodes code;
   const auto context = pipeline.getPlannerManager()->getPlanningContext(question.scene, question.request, code);
@@ -246,12 +248,13 @@ void check_stages(const planning_pipeline::PlanningPipeline& pipeline, const mov
   const bool solved = context->solve(response);
   std::string stages;
   for (std::size_t i = 0; i < response.description_.size(); ++i)
-    stages += (i ? "; " : "") + response.description_[i] + " " + std::to_string(1e3 * response.processing_time_[i]) + " ms";
+    stages +=
+        (i ? "; " : "") + response.description_[i] + " " + std::to_string(1e3 * response.processing_time_[i]) + " ms";
   expect(solved && response.trajectory_.size() == 2, "the detailed answer has the stages: " + stages);
 }
 
 /// What the plugin costs beside plan: the same request in an unchanged scene.
-void time_unchanged(const planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model,
+void time_unchanged(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model,
                     const std::string& problems) {
   Question question{read_scene(problems + "/bookshelf_small_panda/scene0001.yaml", model),
                     read_request(problems + "/bookshelf_small_panda/request0001.yaml")};

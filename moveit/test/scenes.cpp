@@ -10,7 +10,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include <srmp/io/moveit.hpp>
+#include "library.hpp"
 
 namespace {
 
@@ -20,7 +20,14 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-geometry_msgs::Pose message_of(const srmp::Pose& pose) { return tf2::toMsg(pose.isometry()); }
+const srmp_moveit::Library& library() {
+  static const auto opened = srmp_moveit::open_library();
+  return *opened;
+}
+
+Eigen::Isometry3d isometry_of(const srmp::Pose& pose) { return Eigen::Translation3d(pose.p) * pose.q; }
+
+geometry_msgs::Pose message_of(const srmp::Pose& pose) { return tf2::toMsg(isometry_of(pose)); }
 
 shape_msgs::SolidPrimitive primitive_of(const srmp::Shape& shape) {
   shape_msgs::SolidPrimitive message;
@@ -34,7 +41,7 @@ shape_msgs::SolidPrimitive primitive_of(const srmp::Shape& shape) {
     message.type = message.CYLINDER;
     message.dimensions = {cylinder->length, cylinder->radius};
   } else {
-    throw std::runtime_error("a shape that these problems do not have: " + srmp::shape_kind(shape));
+    throw std::runtime_error("a shape that these problems do not have");
   }
   return message;
 }
@@ -55,7 +62,7 @@ moveit::core::RobotModelPtr load_panda(const std::string& directory) {
 }
 
 planning_scene::PlanningScenePtr read_scene(const std::string& path, const moveit::core::RobotModelPtr& model) {
-  const srmp::io::SceneFile file = srmp::io::read_moveit_scene(path);
+  const srmp::io::SceneFile file = library().read_scene(path);
   auto scene = std::make_shared<planning_scene::PlanningScene>(model);
   Eigen::Isometry3d camera(Eigen::Translation3d(0.3, -0.2, 1.1) *
                            Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -65,7 +72,7 @@ planning_scene::PlanningScenePtr read_scene(const std::string& path, const movei
     message.header.frame_id = "camera";
     message.id = object.id;
     message.operation = message.ADD;
-    message.pose = tf2::toMsg(Eigen::Isometry3d(camera.inverse() * object.pose.isometry()));
+    message.pose = tf2::toMsg(Eigen::Isometry3d(camera.inverse() * isometry_of(object.pose)));
     for (const srmp::io::PlacedShape& shape : object.shapes) {
       message.primitives.push_back(primitive_of(shape.shape));
       message.primitive_poses.push_back(message_of(shape.pose));
@@ -76,7 +83,7 @@ planning_scene::PlanningScenePtr read_scene(const std::string& path, const movei
 }
 
 moveit_msgs::MotionPlanRequest read_request(const std::string& path) {
-  const srmp::io::RequestFile file = srmp::io::read_moveit_request(path);
+  const srmp::io::RequestFile file = library().read_request(path);
   moveit_msgs::MotionPlanRequest request;
   request.group_name = file.group_name;
   request.num_planning_attempts = 1;
