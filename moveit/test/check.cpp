@@ -26,10 +26,9 @@ using planning_interface::MotionPlanResponse;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Of MoveIt's own check: every row, and the motion between rows in steps of 10 ms.
-bool is_valid(const planning_scene::PlanningScene& scene, const robot_trajectory::RobotTrajectory& trajectory,
-              const std::string& group) {
-  if (!scene.isPathValid(trajectory, group)) return false;
+/// MoveIt's own check of the motion between rows too, in steps of 10 ms.
+bool is_free_between_rows(const planning_scene::PlanningScene& scene,
+                          const robot_trajectory::RobotTrajectory& trajectory, const std::string& group) {
   auto state = std::make_shared<moveit::core::RobotState>(trajectory.getFirstWayPoint());
   for (double t = 0.0; t < trajectory.getDuration(); t += 0.01) {
     trajectory.getStateAtDurationFromStart(t, state);
@@ -37,6 +36,11 @@ bool is_valid(const planning_scene::PlanningScene& scene, const robot_trajectory
     if (scene.isStateColliding(*state, group)) return false;
   }
   return true;
+}
+
+bool is_valid(const planning_scene::PlanningScene& scene, const robot_trajectory::RobotTrajectory& trajectory,
+              const std::string& group) {
+  return scene.isPathValid(trajectory, group) && is_free_between_rows(scene, trajectory, group);
 }
 
 double length(const robot_trajectory::RobotTrajectory& trajectory, const std::string& group) {
@@ -57,6 +61,12 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+std::string in_ms(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f ms", 1e3 * seconds);
+  return text;
+}
+
 struct Question {
   planning_scene::PlanningScenePtr scene;
   moveit_msgs::MotionPlanRequest request;
@@ -72,7 +82,7 @@ int solve_problems(planning_pipeline::PlanningPipeline& pipeline, const moveit::
                    const std::string& problems, bool pose_goals, const std::string& planner_id) {
   const char* const scenarios[] = {"bookshelf_small", "bookshelf_tall",  "bookshelf_thin", "box", "cage",
                                    "table_pick",      "table_under_pick"};
-  int asked = 0, solved = 0, valid = 0;
+  int asked = 0, solved = 0, valid_rows = 0, valid = 0;
   std::vector<double> times, lengths;
   for (int number = 1; asked < 50; ++number)
     for (const char* scenario : scenarios) {
@@ -95,15 +105,14 @@ int solve_problems(planning_pipeline::PlanningPipeline& pipeline, const moveit::
       ++solved;
       times.push_back(time);
       lengths.push_back(length(*response.trajectory_, group));
-      if (is_valid(*question.scene, *response.trajectory_, group))
-        ++valid;
-      else
-        std::cout << scenario << ' ' << number << ": MoveIt finds a collision\n";
+      valid_rows += question.scene->isPathValid(*response.trajectory_, group);
+      valid += is_valid(*question.scene, *response.trajectory_, group);
     }
-  std::cout << "solved " << solved << " of " << asked << ", free by MoveIt's check " << valid << ", median "
-            << 1e3 * median(times) << " ms, slowest " << 1e3 * *std::max_element(times.begin(), times.end())
-            << " ms, mean length "
-            << std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size()) << " rad\n";
+  const double mean_length = std::accumulate(lengths.begin(), lengths.end(), 0.0) / std::max<double>(1, lengths.size());
+  std::cout << "solved " << solved << " of " << asked << "; PlanningScene::isPathValid accepts " << valid_rows
+            << ", free every 10 ms too " << valid << "; median " << in_ms(median(times)) << ", slowest "
+            << in_ms(times.empty() ? 0.0 : *std::max_element(times.begin(), times.end())) << ", mean length "
+            << mean_length << " rad\n";
   return valid == solved ? 0 : 1;
 }
 
@@ -190,9 +199,9 @@ void check_scenes(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
     question.scene->getCollisionEnvNonConst()->setPadding(padding);
     question.scene->propogateRobotPadding();
   };
-  set_padding(0.25);
+  set_padding(0.3);
   expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION,
-         "links padded by 25 cm: GOAL_IN_COLLISION");
+         "links padded by 30 cm: GOAL_IN_COLLISION");
   set_padding(0.0);
   expect(bool(ask(pipeline, question).error_code_), "without rod and padding: a path");
 }
@@ -201,6 +210,7 @@ void check_planners(planning_pipeline::PlanningPipeline& pipeline, const moveit:
   std::vector<std::string> ids;
   pipeline.getPlannerManager()->getPlanningAlgorithms(ids);
   for (const std::string& id : ids) {
+    if (id.find('[') != std::string::npos) continue;  // configurations of these planners
     Question question = turn(model);
     add_box(*question.scene, "box", {0.55, 0, 0.3}, {0.05, 0.05, 0.6});
     question.request.planner_id = id;
@@ -219,25 +229,24 @@ void check_termination(planning_pipeline::PlanningPipeline& pipeline, const move
   add_box(*question.scene, "box", {0.55, 0, 0.3}, {0.05, 0.05, 0.6});
   question.request.planner_id = "slow";
   question.request.allowed_planning_time = 60.0;
-  double latency = 0.0;
-  for (int i = 0; i < 10; ++i) {
+  std::vector<double> latencies;
+  for (int i = 0; i < 20; ++i) {
     Clock::time_point stopped;
     std::thread other([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(200 + 30 * i));
+      std::this_thread::sleep_for(std::chrono::milliseconds(200 + 10 * i));
       stopped = Clock::now();
       pipeline.terminate();
     });
     const auto response = ask(pipeline, question);
-    const double own = seconds_since(stopped);
+    const Clock::time_point ended = Clock::now();
     other.join();
-    if (response.error_code_.val != moveit_msgs::MoveItErrorCodes::PREEMPTED) {
-      expect(false, "terminated: error code " + std::to_string(response.error_code_.val));
-      return;
-    }
-    latency = std::max(latency, own);
+    if (response.error_code_.val != moveit_msgs::MoveItErrorCodes::PREEMPTED)
+      return expect(false, "terminated: error code " + std::to_string(response.error_code_.val));
+    latencies.push_back(std::chrono::duration<double>(ended - stopped).count());
   }
-  expect(latency < 0.02,
-         "terminated 10 times from another thread: ended within " + std::to_string(1e3 * latency) + " ms");
+  const double slowest = *std::max_element(latencies.begin(), latencies.end());
+  expect(slowest < 0.02, "terminated 20 times from another thread: ended after " + in_ms(median(latencies)) +
+                             " (median), " + in_ms(slowest) + " (slowest)");
 }
 
 void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
@@ -248,8 +257,7 @@ void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
   const bool solved = context->solve(response);
   std::string stages;
   for (std::size_t i = 0; i < response.description_.size(); ++i)
-    stages +=
-        (i ? "; " : "") + response.description_[i] + " " + std::to_string(1e3 * response.processing_time_[i]) + " ms";
+    stages += (i ? "; " : "") + response.description_[i] + " " + in_ms(response.processing_time_[i]);
   expect(solved && response.trajectory_.size() == 2, "the detailed answer has the stages: " + stages);
 }
 
@@ -258,17 +266,17 @@ void time_unchanged(planning_pipeline::PlanningPipeline& pipeline, const moveit:
                     const std::string& problems) {
   Question question{read_scene(problems + "/bookshelf_small_panda/scene0001.yaml", model),
                     read_request(problems + "/bookshelf_small_panda/request0001.yaml")};
-  std::vector<double> total, planner;
+  std::vector<double> total, plan;
   for (int i = 0; i < 50; ++i) {
     const auto context = pipeline.getPlannerManager()->getPlanningContext(question.scene, question.request);
-    MotionPlanResponse response;
+    planning_interface::MotionPlanDetailedResponse response;
     const auto start = Clock::now();
     context->solve(response);
     total.push_back(seconds_since(start));
-    planner.push_back(response.planning_time_);
+    plan.push_back(std::accumulate(response.processing_time_.begin(), response.processing_time_.end(), 0.0));
   }
-  std::cout << "the same request 50 times: median " << 1e3 * median(total) << " ms in the plugin, of it "
-            << 1e3 * median(planner) << " ms in the session\n";
+  std::cout << "the same request 50 times, bookshelf_small 1: median " << in_ms(median(total))
+            << " in the plugin, of it " << in_ms(median(plan)) << " in plan\n";
 }
 
 }  // namespace

@@ -1,10 +1,9 @@
 #include "scenes.hpp"
 
+#include <moveit/robot_model_loader/robot_model_loader.h>
 #include <moveit/robot_state/conversions.h>
 #include <ros/ros.h>
-#include <srdfdom/model.h>
 #include <tf2_eigen/tf2_eigen.h>
-#include <urdf_parser/urdf_parser.h>
 
 #include <fstream>
 #include <iterator>
@@ -55,10 +54,8 @@ moveit::core::RobotModelPtr load_panda(const std::string& directory) {
     urdf.replace(at, package.size(), "file://" + directory + "/meshes/");
   ros::param::set("robot_description", urdf);
   ros::param::set("robot_description_semantic", srdf);
-  const auto urdf_model = urdf::parseURDF(urdf);
-  const auto srdf_model = std::make_shared<srdf::Model>();
-  srdf_model->initString(*urdf_model, srdf);
-  return std::make_shared<moveit::core::RobotModel>(urdf_model, srdf_model);
+  static robot_model_loader::RobotModelLoader loader("robot_description");  // kinematics solvers of its parameters too
+  return loader.getModel();
 }
 
 planning_scene::PlanningScenePtr read_scene(const std::string& path, const moveit::core::RobotModelPtr& model) {
