@@ -114,6 +114,9 @@ class PlannerInterface {
   /// allowed collisions, padding; io::apply says how. The planning frame of the file is the world. Returns what was not
   /// used, as sentences. Throws FileError with the line, and as io::apply.
   std::vector<std::string> load_moveit_scene(const std::string& path);
+  /// Replaces this scene. Planners and motion limits of robots that both have stay; limits only if the joints are the
+  /// same.
+  void set_scene(Scene scene);
   /// Converts a MoveIt motion plan request (moveit_request.hpp) to a problem of `robot`. Its start state is set in this
   /// world: the base (by the virtual joint), movable joints that are not planned (a gripper's), and attached objects.
   ///

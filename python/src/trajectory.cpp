@@ -352,6 +352,18 @@ Accelerations are left out by default: with positions and velocities alone a joi
 cubics that this motion is; given accelerations too, it follows quintics, another motion, which nobody has checked.
 
 Raises InvalidArgument without times, and for rows less than a nanosecond apart.)")
+      .def(
+          "to_ros",
+          [](nb::handle_t<Trajectory> self, const std::string& message, bool accelerations) {
+            return in_python("to_ros")(self, message, accelerations);
+          },
+          nb::arg("message") = "JointTrajectory", nb::kw_only(), nb::arg("accelerations") = false,
+          nb::sig("def to_ros(self, message: str = 'JointTrajectory', *, accelerations: bool = False) -> typing.Any"),
+          R"(A ROS message of the trajectory: a trajectory_msgs/JointTrajectory, or with message="RobotTrajectory" a
+moveit_msgs/RobotTrajectory that holds it. Where that package cannot be imported: the dictionary laid out like the
+message. No node is needed, and ROS 1 and ROS 2 will do. Times and accelerations are as in to_joint_trajectory.
+
+Raises InvalidArgument for another message, without times, and for rows less than a nanosecond apart.)")
       .def_static(
           "from_joint_trajectory", [](nb::handle message) { return in_python("from_joint_trajectory")(message); },
           nb::arg("message").none(),

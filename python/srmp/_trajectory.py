@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import io
 import itertools
 import math
@@ -192,6 +193,38 @@ def to_joint_trajectory(trajectory: srmp.Trajectory, accelerations: bool) -> dic
         "joint_names": list(trajectory.joint_names),
         "points": points,
     }
+
+
+_ROS_MESSAGES = {"JointTrajectory": "trajectory_msgs", "RobotTrajectory": "moveit_msgs"}
+
+
+def to_ros(trajectory: srmp.Trajectory, message: str, accelerations: bool) -> Any:
+    if message not in _ROS_MESSAGES:
+        hint = did_you_mean(message, _ROS_MESSAGES) or "; known are 'JointTrajectory' and 'RobotTrajectory'."
+        raise srmp.InvalidArgument(f"message: there is no trajectory message '{message}'{hint}")
+    content = to_joint_trajectory(trajectory, accelerations)
+    if message == "RobotTrajectory":
+        content = {"joint_trajectory": content}
+    try:
+        filled = getattr(importlib.import_module(f"{_ROS_MESSAGES[message]}.msg"), message)()
+        points = importlib.import_module("trajectory_msgs.msg")
+    except ImportError:
+        return content
+    target = filled if message == "JointTrajectory" else filled.joint_trajectory
+    target.joint_names = content.get("joint_trajectory", content)["joint_names"]
+    target.points = [
+        _ros_point(points.JointTrajectoryPoint(), point) for point in content.get("joint_trajectory", content)["points"]
+    ]
+    return filled
+
+
+def _ros_point(point: Any, content: Mapping[str, Any]) -> Any:
+    """Filled; a duration has the fields sec and nanosec in ROS 2, and secs and nsecs in ROS 1."""
+    for name in ("positions", "velocities", "accelerations"):
+        setattr(point, name, content[name])
+    for value, names in zip(content["time_from_start"].values(), (("sec", "secs"), ("nanosec", "nsecs")), strict=True):
+        setattr(point.time_from_start, next(name for name in names if hasattr(point.time_from_start, name)), value)
+    return point
 
 
 def _nanoseconds(time: float) -> int:

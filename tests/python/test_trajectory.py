@@ -4,6 +4,8 @@ import copy
 import json
 import math
 import pickle
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -585,6 +587,64 @@ def test_joint_trajectories_are_laid_out_as_in_ros(cubic):
     # By default controllers do not follow quintics.
     points = cubic.to_joint_trajectory()["points"]
     assert [point["accelerations"] for point in points] == [[]] * 5
+
+
+class RosTime:
+    """A duration of ROS 2, or of ROS 1."""
+
+    def __init__(self, *names):
+        for name in names:
+            setattr(self, name, 0)
+
+
+def stand_in_for_ros(monkeypatch, *time_names):
+    """Modules with the messages that a ROS installation has."""
+
+    class JointTrajectoryPoint:
+        def __init__(self):
+            self.positions, self.velocities, self.accelerations, self.effort = [], [], [], []
+            self.time_from_start = RosTime(*time_names)
+
+    class JointTrajectory:
+        def __init__(self):
+            self.joint_names, self.points = [], []
+
+    class RobotTrajectory:
+        def __init__(self):
+            self.joint_trajectory = JointTrajectory()
+
+    for package, messages in {
+        "trajectory_msgs": (JointTrajectory, JointTrajectoryPoint),
+        "moveit_msgs": (RobotTrajectory,),
+    }.items():
+        module = types.ModuleType(f"{package}.msg")
+        for message in messages:
+            setattr(module, message.__name__, message)
+        monkeypatch.setitem(sys.modules, package, types.ModuleType(package))
+        monkeypatch.setitem(sys.modules, f"{package}.msg", module)
+
+
+@pytest.mark.parametrize("time_names", [("sec", "nanosec"), ("secs", "nsecs")])
+def test_ros_messages_are_filled(cubic, monkeypatch, time_names):
+    stand_in_for_ros(monkeypatch, *time_names)
+    message = cubic.to_ros()
+    assert type(message).__name__ == "JointTrajectory"
+    assert message.joint_names == NAMES
+    assert message.points[2].positions == cubic.positions[2].tolist()
+    assert message.points[2].velocities == cubic.velocities[2].tolist()
+    assert message.points[2].accelerations == []
+    assert [getattr(message.points[4].time_from_start, name) for name in time_names] == [2, 500_000_000]
+    robot = cubic.to_ros("RobotTrajectory", accelerations=True)
+    assert type(robot).__name__ == "RobotTrajectory"
+    assert robot.joint_trajectory.points[2].accelerations == cubic.accelerations[2].tolist()
+
+
+def test_without_ros_there_is_a_dictionary(cubic, monkeypatch):
+    for package in ("trajectory_msgs", "moveit_msgs"):
+        monkeypatch.setitem(sys.modules, f"{package}.msg", None)  # an import of it fails
+    assert cubic.to_ros() == cubic.to_joint_trajectory()
+    assert cubic.to_ros("RobotTrajectory") == {"joint_trajectory": cubic.to_joint_trajectory()}
+    refuses(lambda: cubic.to_ros("RobotTrajectroy"), "did you mean 'RobotTrajectory'?")
 
 
 def test_joint_trajectories_read_back(any_trajectory):

@@ -9,8 +9,9 @@
 #include "srmp/scene/scene.hpp"
 #include "srmp/scene/shape.hpp"
 
-/// Readers of MoveIt's YAML files (moveit_msgs/PlanningScene, moveit_msgs/MotionPlanRequest; MotionBenchMaker's
-/// scene*.yaml and request*.yaml). Results are plain names and numbers: no robot is needed to read a file.
+/// MoveIt's messages moveit_msgs/PlanningScene and moveit_msgs/MotionPlanRequest as plain names and numbers, and
+/// readers of their YAML files (MotionBenchMaker's scene*.yaml and request*.yaml). No robot is needed to read a file.
+/// The plugin for MoveIt fills the same structures from ROS messages, and MoveItSession plans with them.
 namespace srmp::io {
 
 /// A shape of a collision object.
@@ -35,6 +36,7 @@ struct CollisionObject {
   std::vector<PlacedShape> shapes;        ///< none where an object is removed, moved, or attached as it is
   std::vector<Pose> shape_poses;          ///< with move: new poses of all shapes in the object's frame, or none
   std::map<std::string, Pose> subframes;  ///< by name, in the object's frame
+  std::size_t planes{};                   ///< number of infinite planes, which are not supported
   ObjectOperation operation{ObjectOperation::add};  ///< what it does to the scene
 };
 
@@ -48,6 +50,7 @@ struct AttachedObject {
 /// A state of the robot: joints, and the objects attached to it.
 struct RobotState {
   std::map<std::string, double> joints;          ///< joint → [rad or m]
+  double speed{};                                ///< largest of its velocities and twists [rad/s or m/s]
   std::map<std::string, Pose> multi_dof_joints;  ///< floating and planar joints, such as SRDF virtual joints
   std::string multi_dof_frame;                   ///< of multi_dof_joints; "" = the planning frame
   std::vector<AttachedObject> attached;          ///< attached objects
@@ -80,6 +83,7 @@ struct SceneFile {
   std::vector<FixedFrame> fixed_frames;        ///< frames that objects may refer to
   AllowedCollisionMatrix allowed_collisions;   ///< empty if the file has none
   std::map<std::string, double> link_padding;  ///< link → [m], >= 0
+  std::map<std::string, double> link_scale;    ///< link → factor; only 1 is supported
   RobotState robot_state;                      ///< state of the robot
   bool is_diff{false};                         ///< objects of earlier files stay
 };
@@ -97,7 +101,8 @@ struct PositionConstraint {
   std::string link;                                 ///< name of a link, an attached object or a subframe of one
   std::string frame;                                ///< of the regions' poses; "" = the planning frame
   Eigen::Vector3d offset{Eigen::Vector3d::Zero()};  ///< the point, in the link's frame [m]
-  std::vector<PlacedShape> regions;                 ///< at least one; Box, Sphere or Cylinder
+  std::vector<PlacedShape> regions{};               ///< at least one; Box, Sphere or Cylinder
+  std::size_t mesh_regions{};                       ///< number of meshes among the regions: not supported
 };
 
 /// The orientation of a link must be near one.
@@ -113,10 +118,11 @@ struct OrientationConstraint {
 
 /// One of the alternative goals: all of its constraints must hold.
 struct GoalAlternative {
-  std::string name;                                 ///< as the file has it
-  std::vector<JointConstraint> joints;              ///< constraints of joints
-  std::vector<PositionConstraint> positions;        ///< constraints of link positions
-  std::vector<OrientationConstraint> orientations;  ///< constraints of link orientations
+  std::string name{};                                 ///< as the file has it
+  std::vector<JointConstraint> joints{};              ///< constraints of joints
+  std::vector<PositionConstraint> positions{};        ///< constraints of link positions
+  std::vector<OrientationConstraint> orientations{};  ///< constraints of link orientations
+  std::size_t visibilities{};                         ///< number of visibility constraints, which are not supported
 };
 
 /// An axis-aligned box.
@@ -138,7 +144,18 @@ struct RequestFile {
   double velocity_scaling{1.0};                 ///< in (0, 1]; MoveIt's 0 means 1
   double acceleration_scaling{1.0};             ///< in (0, 1]; MoveIt's 0 means 1
   std::optional<WorkspaceBounds> workspace;     ///< bounds of the workspace, if the file has them
+  int attempts{};                               ///< num_planning_attempts, >= 0; planners are deterministic: no effect
+  // What follows is not supported; the readers refuse files that hold it.
+  GoalAlternative path_constraints{};    ///< must hold all the way
+  std::size_t trajectory_constraints{};  ///< their number
+  std::size_t reference_trajectories{};  ///< their number
+  double max_cartesian_speed{};          ///< [m/s]; 0 = not limited
 };
+
+/// A shape_msgs/SolidPrimitive: type 1 = box, 2 = sphere, 3 = cylinder (height, radius), 4 = cone (height, radius),
+/// with its dimensions [m]. Throws NotSupported for a prism (5), and InvalidArgument for other types, another number of
+/// dimensions and those that are not above 0; the sentence begins with a verb ("is …", "has …").
+Shape solid_primitive(int type, const std::vector<double>& dimensions);
 
 /// Both throw FileError, with file and line, for anything missing, misspelt (with the nearest known key), NaN, zero
 /// quaternions (they are [x, y, z, w], or a map), sizes not above 0, or numbers that do not match; and NotSupported for

@@ -108,6 +108,8 @@ class Scene {
   /// for the corresponding pair of link and robot, contact is not allowed. The name of a robot twice stands for all
   /// pairs of its links. Throws InvalidArgument for an object or link twice.
   void set_allowed_collision(const std::string& a, const std::string& b, bool allowed = true);
+  /// Forgets all settings of set_allowed_collision.
+  void clear_allowed_collisions() { allowed_.clear(); }
   /// Is contact between the two bodies ignored? Decided by set_allowed_collision, otherwise by the robot's
   /// self-collision rules and the touch links. For the name of a robot: is it ignored for all links?
   bool allowed_collision(const std::string& a, const std::string& b) const;

@@ -6,6 +6,9 @@ namespace srmp {
 
 namespace {
 constexpr auto poll_period = std::chrono::milliseconds(10);
+// The next poll of a deadline whose callback asks another deadline, which keeps to the period itself: were both to wait,
+// a request to stop could pass unnoticed for two periods.
+constexpr auto at_every_call = Deadline::Clock::time_point::max();
 }
 
 Deadline::Deadline(double seconds, Interrupt interrupted) : limit_(seconds), interrupted_(std::move(interrupted)) {}
@@ -13,11 +16,15 @@ Deadline::Deadline(double seconds, Interrupt interrupted) : limit_(seconds), int
 double Deadline::elapsed() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
 Deadline Deadline::within(double seconds) const {
-  return with_limit(std::min(limit_, elapsed() + seconds), [this] { return cancelled(); });
+  Deadline other = with_limit(std::min(limit_, elapsed() + seconds), [this] { return cancelled(); });
+  other.next_poll_ = at_every_call;
+  return other;
 }
 
 Deadline Deadline::extended(double seconds) const {
-  return with_limit(limit_ + seconds, [this] { return cancelled(); });
+  Deadline other = with_limit(limit_ + seconds, [this] { return cancelled(); });
+  other.next_poll_ = at_every_call;
+  return other;
 }
 
 Deadline Deadline::interrupted_by(Interrupt interrupted) const { return with_limit(limit_, std::move(interrupted)); }
@@ -30,6 +37,7 @@ Deadline Deadline::with_limit(double limit, Interrupt interrupted) const {
 
 bool Deadline::cancelled() const {
   if (cancelled_ || !interrupted_) return cancelled_;
+  if (next_poll_ == at_every_call) return cancelled_ = interrupted_();
   const auto now = Clock::now();
   if (now < next_poll_) return false;
   next_poll_ = now + poll_period;

@@ -167,7 +167,10 @@ PlannerInterface PlannerInterface::load(const std::string& path, const std::vect
 void PlannerInterface::save_scene(const std::string& path) const { io::save_scene(impl_->scene, path); }
 
 void PlannerInterface::load_scene(const std::string& path, const std::vector<std::string>& package_dirs) {
-  Scene loaded = io::load_scene(path, package_dirs);
+  set_scene(io::load_scene(path, package_dirs));
+}
+
+void PlannerInterface::set_scene(Scene loaded) {
   std::erase_if(impl_->motion_limits, [&](const auto& entry) {
     const auto same = loaded.robots().find(entry.first);
     return same == loaded.robots().end() ||

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/io/moveit_rules.h"
 
 namespace srmp::io {
 
@@ -29,7 +30,7 @@ PrimitiveType primitive_type(const YamlFile& file, const Node& node, const std::
   static const Names names{"box", "sphere", "cylinder", "cone"};
   std::string type = file.text(node, what + "'s type");
   for (char& c : type) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (type == "prism" || type == "5") file.unsupported(node, what + " is a prism, which is not supported; use a mesh");
+  if (type == "prism" || type == "5") file.unsupported(node, what + " " + prism_fault);
   for (std::size_t i = 0; i < names.size(); ++i)
     if (type == names[i] || type == std::to_string(i + 1)) return static_cast<PrimitiveType>(i + 1);
   file.fail(node, what + " has the unknown type '" + type + "'; known are " + quoted_list(names));
@@ -121,16 +122,11 @@ Shape MessageReader::primitive(const Node& node, const std::string& what) const 
   const PrimitiveType type = primitive_type(file_, file_.require(node, "type", what), what);
   const Node list = file_.require(node, "dimensions", what);
   const std::size_t count = type == PrimitiveType::box ? 3 : type == PrimitiveType::sphere ? 1 : 2;
-  const std::vector<double> d = file_.numbers(list, what + "'s dimensions", count);
-  for (const double value : d)
-    if (!(value > 0.0)) file_.fail(list, what + " has the dimension " + to_text(value) + "; all must be above 0");
-  switch (type) {
-    case PrimitiveType::box: return Box{{d[0], d[1], d[2]}};
-    case PrimitiveType::sphere: return Sphere{d[0]};
-    case PrimitiveType::cylinder: return Cylinder{.radius = d[1], .length = d[0]};  // the message has the height first
-    case PrimitiveType::cone: return Cone{.radius = d[1], .length = d[0]};
+  try {
+    return solid_primitive(static_cast<int>(type), file_.numbers(list, what + "'s dimensions", count));
+  } catch (const InvalidArgument& error) {
+    file_.fail(list, what + " " + error.what());
   }
-  file_.fail(node, what + " has an unknown type");
 }
 
 Shape MessageReader::mesh(const Node& node, const std::string& what) const {
@@ -240,8 +236,7 @@ CollisionObject MessageReader::collision_object(const Node& node, bool shapes_ma
   const std::string what = "object '" + object.id + "'";
   object.frame = frame_of(node);
   for (const char* key : {"planes", "plane_poses"})
-    if (!is_empty(node[key]))
-      file_.unsupported(node[key], what + " has " + key + ", which are not supported; use a large box");
+    if (!is_empty(node[key])) file_.unsupported(node[key], what + " has " + key + plane_fault);
   if (node["pose"].IsDefined() && !node["pose"].IsNull()) object.pose = object_pose(node["pose"], what + "'s pose");
   object.subframes = subframes_of(node, what);
   if (remove) {

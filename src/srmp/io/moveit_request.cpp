@@ -3,6 +3,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/io/moveit_messages.h"
+#include "srmp/io/moveit_rules.h"
 
 namespace srmp::io {
 
@@ -66,20 +67,23 @@ class RequestReader : public MessageReader {
   }
 
  private:
+  /// Fails with the line where a rule is broken (moveit_rules.h).
+  void fail_if(const std::string& fault, const Node& node) const {
+    if (!fault.empty()) file_.fail(node, fault);
+  }
+
   double scaling(const Node& root, const std::string& key) const {
     const double value = optional_number(root, key, 1.0);
-    if (!(value >= 0.0 && value <= 1.0))
-      file_.fail(root[key], key + " is " + to_text(value) + "; it must be in 0 … 1 (0 means 1)");
+    fail_if(scaling_fault(key, value), root[key]);
     return value == 0.0 ? 1.0 : value;
   }
 
   /// A plan starts at rest. Sensors of a robot that stands report a little velocity.
   void require_at_rest(const Node& state) const {
-    constexpr double sensor_noise = 0.01;  // [rad/s or m/s]
     const auto fast = [&](const Node& list, const std::string& what) {
       if (is_empty(list)) return;
       for (const double velocity : file_.numbers(list, what))
-        if (std::abs(velocity) > sensor_noise)
+        if (std::abs(velocity) > rest_speed)
           file_.unsupported(list, what + " holds " + to_text(velocity) + "; only starts at rest are supported");
     };
     if (is_empty(state)) return;
@@ -88,21 +92,18 @@ class RequestReader : public MessageReader {
     for (const Node& twist : state["multi_dof_joint_state"]["twist"])
       for (const char* part : {"linear", "angular"}) {
         if (!twist.IsMap() || is_empty(twist[part])) continue;
-        if (vector(twist[part], "a twist").norm() > sensor_noise)
+        if (vector(twist[part], "a twist").norm() > rest_speed)
           file_.unsupported(twist, "the start state's twist is not zero; only starts at rest are supported");
       }
   }
 
   void read_planning_time(const Node& root, RequestFile& request) const {
     const double time = optional_number(root, "allowed_planning_time", 0.0);
-    if (time < 0.0)
-      file_.fail(root["allowed_planning_time"],
-                 "allowed_planning_time is " + to_text(time) + "; it must be 0 (not said) or above");
+    fail_if(time_fault(time), root["allowed_planning_time"]);
     if (time > 0.0) request.allowed_planning_time = time;
     const double attempts = optional_number(root, "num_planning_attempts", 0.0);
-    if (attempts < 0.0 || attempts != std::floor(attempts))
-      file_.fail(root["num_planning_attempts"],
-                 "num_planning_attempts is " + to_text(attempts) + "; it must be a whole number, 0 or above");
+    fail_if(attempts_fault(attempts), root["num_planning_attempts"]);
+    request.attempts = static_cast<int>(attempts);
   }
 
   void read_workspace(const Node& node, RequestFile& request) const {
@@ -111,10 +112,7 @@ class RequestReader : public MessageReader {
     file_.require_map(node, what, workspace_keys);
     const WorkspaceBounds bounds{frame_of(node), vector(file_.require(node, "min_corner", what), "min_corner"),
                                  vector(file_.require(node, "max_corner", what), "max_corner")};
-    for (int i = 0; i < 3; ++i)
-      if (bounds.min_corner[i] > bounds.max_corner[i])
-        file_.fail(node, "the workspace's min_corner " + to_text(bounds.min_corner[i]) + " is above its max_corner " +
-                             to_text(bounds.max_corner[i]) + " along " + vector_keys[static_cast<std::size_t>(i)]);
+    fail_if(workspace_fault(bounds), node);
     request.workspace = bounds;
   }
 
@@ -127,17 +125,16 @@ class RequestReader : public MessageReader {
 
   void refuse_unsupported(const Node& root) const {
     if (holds_constraints(root["path_constraints"]))
-      file_.unsupported(root["path_constraints"], "path_constraints are not supported");
+      file_.unsupported(root["path_constraints"], unsupported("path_constraints"));
     const Node trajectory = root["trajectory_constraints"];
     if (!is_empty(trajectory)) {
       file_.require_map(trajectory, "trajectory_constraints", Names{"constraints"});
-      if (!is_empty(trajectory["constraints"]))
-        file_.unsupported(trajectory, "trajectory_constraints are not supported");
+      if (!is_empty(trajectory["constraints"])) file_.unsupported(trajectory, unsupported("trajectory_constraints"));
     }
     if (!is_empty(root["reference_trajectories"]))
-      file_.unsupported(root["reference_trajectories"], "reference_trajectories are not supported");
+      file_.unsupported(root["reference_trajectories"], unsupported("reference_trajectories"));
     if (optional_number(root, "max_cartesian_speed", 0.0) > 0.0)
-      file_.unsupported(root["max_cartesian_speed"], "max_cartesian_speed is not supported");
+      file_.unsupported(root["max_cartesian_speed"], unsupported("max_cartesian_speed"));
   }
 
   void read_goals(const Node& root, RequestFile& request) const {
@@ -150,7 +147,7 @@ class RequestReader : public MessageReader {
   GoalAlternative read_goal(const Node& node) const {
     file_.require_map(node, "a goal", constraints_keys);
     if (!is_empty(node["visibility_constraints"]))
-      file_.unsupported(node["visibility_constraints"], "visibility_constraints are not supported");
+      file_.unsupported(node["visibility_constraints"], unsupported("visibility_constraints"));
     GoalAlternative goal;
     goal.name = optional_text(node, "name");
     for_each(node["joint_constraints"], "joint_constraints",
@@ -173,7 +170,7 @@ class RequestReader : public MessageReader {
 
   double tolerance(const Node& node, const std::string& key) const {
     const double value = optional_number(node, key, 0.0);
-    if (value < 0.0) file_.fail(node[key], key + " is " + to_text(value) + "; it must be 0 or above");
+    fail_if(tolerance_fault(key, value), node[key]);
     return value;
   }
 
@@ -187,8 +184,7 @@ class RequestReader : public MessageReader {
     constraint.tolerance_below = tolerance(node, "tolerance_below");
     optional_number(node, "weight", 1.0);
     for (const JointConstraint& other : goal.joints)
-      if (other.joint == constraint.joint)
-        file_.fail(node, "joint '" + constraint.joint + "' is constrained twice in one goal");
+      if (other.joint == constraint.joint) file_.fail(node, twice_fault(constraint.joint));
     return constraint;
   }
 
@@ -196,7 +192,7 @@ class RequestReader : public MessageReader {
     const std::string what = "a position constraint";
     file_.require_map(node, what, position_constraint_keys);
     const std::string link = file_.text(file_.require(node, "link_name", what), "link_name");
-    PositionConstraint constraint{link, frame_of(node), Eigen::Vector3d::Zero(), {}};
+    PositionConstraint constraint{.link = link, .frame = frame_of(node)};
     if (const Node offset = node["target_point_offset"]; !is_empty(offset))
       constraint.offset = vector(offset, "target_point_offset");
     const Node region = file_.require(node, "constraint_region", what);
@@ -222,9 +218,7 @@ class RequestReader : public MessageReader {
   /// MoveIt takes a quaternion that is not of unit length for a mistake, and the identity in its place.
   Eigen::Quaterniond unit_quaternion(const Node& node) const {
     const std::array<double, 4> numbers = xyzw(node, "orientation");
-    const double norm = Eigen::Map<const Eigen::Vector4d>(numbers.data()).norm();
-    if (std::abs(norm - 1.0) > 1e-3)
-      file_.fail(node, "an orientation constraint's quaternion has the length " + to_text(norm) + "; it must be 1");
+    fail_if(length_fault(Eigen::Map<const Eigen::Vector4d>(numbers.data()).norm()), node);
     return quaternion(node, "orientation");
   }
 

@@ -2,6 +2,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/io/moveit_messages.h"
+#include "srmp/io/moveit_rules.h"
 
 namespace srmp::io {
 
@@ -132,8 +133,7 @@ class SceneReader : public MessageReader {
       file_.require_map(entry, "a link padding", Names{"link_name", "padding"});
       const std::string link = file_.text(file_.require(entry, "link_name", "a link padding"), "link_name");
       const double value = optional_number(entry, "padding", 0.0);
-      if (value < 0.0)
-        file_.fail(entry, "the padding of link '" + link + "' is " + to_text(value) + "; it must be 0 or above");
+      if (const std::string fault = padding_fault(link, value); !fault.empty()) file_.fail(entry, fault);
       if (!padding.emplace(link, value).second) file_.fail(entry, "link '" + link + "' has two paddings");
     }
   }
@@ -144,8 +144,7 @@ class SceneReader : public MessageReader {
     for (const Node& entry : list) {
       file_.require_map(entry, "a link scale", Names{"link_name", "scale"});
       if (optional_number(entry, "scale", 1.0) != 1.0)
-        file_.unsupported(entry, "the scene sets the scale of link '" + optional_text(entry, "link_name") +
-                                     "', which is not supported; set a padding");
+        file_.unsupported(entry, scale_fault(optional_text(entry, "link_name")));
     }
   }
 };

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "library.hpp"
+#include "ros_version.hpp"
+
+namespace srmp_moveit {
+
+// ROS messages as the library's plain structures. What a message says and the structure cannot hold is refused with
+// srmp::NotSupported, what is wrong with srmp::InvalidArgument; the session checks all else.
+
+/// MoveIt's robot model, with its limits, and the texts that it was made of.
+srmp::MoveItRobot robot_of(const moveit::core::RobotModel& model, const std::string& urdf_text,
+                           const std::string& srdf_text);
+/// The whole scene.
+srmp::io::SceneFile scene_of(const Library& library, const planning_scene::PlanningScene& scene);
+/// The request, whose start state is completed by the scene's as MoveIt does it.
+srmp::io::RequestFile request_of(const Library& library, const moveit_messages::MotionPlanRequest& request,
+                                 const planning_scene::PlanningScene& scene);
+/// The trajectory, from a state that says where the other joints are. `rows` only: a path without times.
+robot_trajectory::RobotTrajectoryPtr trajectory_of(const srmp::Trajectory& trajectory,
+                                                   const moveit::core::RobotState& start, const std::string& group);
+robot_trajectory::RobotTrajectoryPtr path_of(const srmp::Trajectory& trajectory, const moveit::core::RobotState& start,
+                                             const std::string& group);
+
+}  // namespace srmp_moveit

@@ -1,0 +1,25 @@
+#pragma once
+
+// Problems of MotionBenchMaker as MoveIt's scenes and requests.
+
+#include <moveit/planning_scene/planning_scene.h>
+#include <moveit_msgs/MotionPlanRequest.h>
+
+#include <string>
+
+/// The Panda of the data; sets robot_description and robot_description_semantic, where the plugin reads them.
+moveit::core::RobotModelPtr load_panda(const std::string& directory);
+
+/// A scene of a file, its objects given in the frame "camera", which the scene knows.
+planning_scene::PlanningScenePtr read_scene(const std::string& path, const moveit::core::RobotModelPtr& model);
+
+/// The joint goal of a request file, with its start state.
+moveit_msgs::MotionPlanRequest read_request(const std::string& path);
+
+/// The same goal as a pose of the last link, in the frame of an object of the scene.
+moveit_msgs::MotionPlanRequest with_pose_goal(moveit_msgs::MotionPlanRequest request,
+                                              const planning_scene::PlanningScene& scene);
+
+/// Adds a box [m] at a position in the model's frame.
+void add_box(planning_scene::PlanningScene& scene, const std::string& id, const Eigen::Vector3d& position,
+             const Eigen::Vector3d& size);

@@ -1,0 +1,43 @@
+#pragma once
+
+// Internal: the rules that MoveIt's messages keep to, wherever they come from. The readers of files apply them where
+// they read a value, so that errors have a line; require_valid applies them to messages that were filled by a program.
+
+#include <string>
+
+#include "srmp/io/moveit.hpp"
+
+namespace srmp::io {
+
+inline constexpr double rest_speed = 0.01;  // [rad/s or m/s]: sensors of a robot that stands report a little velocity
+
+inline const std::string prism_fault = "is a prism, which is not supported; use a mesh";
+inline const std::string plane_fault = ", which are not supported; use a large box";
+
+// What is wrong, as a sentence; "" = nothing.
+
+std::string scaling_fault(const std::string& field, double value);
+std::string tolerance_fault(const std::string& field, double value);
+std::string time_fault(double allowed_planning_time);
+std::string attempts_fault(double attempts);
+std::string workspace_fault(const WorkspaceBounds& bounds);
+std::string length_fault(double quaternion_length);
+std::string padding_fault(const std::string& link, double padding);
+
+/// The sentences about what is never right.
+std::string unsupported(const std::string& field);
+std::string twice_fault(const std::string& joint);
+std::string scale_fault(const std::string& link);
+
+// Throw InvalidArgument for what is wrong and NotSupported for what is not supported.
+
+/// A start state: finite, and at rest.
+void require_valid(const RobotState& start);
+/// A goal: at least one constraint, tolerances, unit quaternions, sizes.
+void require_valid(const GoalAlternative& goal);
+/// A request but for its start and its goals.
+void require_valid(const RequestFile& request);
+/// A scene but for its robot state's joints.
+void require_valid(const SceneFile& scene);
+
+}  // namespace srmp::io
