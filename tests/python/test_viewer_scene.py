@@ -339,13 +339,11 @@ def test_a_limit_that_is_left_is_drawn_at_its_link():
 
 def test_plot_returns_a_figure_and_needs_no_path(planned, tmp_path):
     figures = pytest.importorskip("matplotlib.figure")
-    assert isinstance(planned.plot(), figures.Figure)
     assert isinstance(planned.last_result.trajectory.plot(), figures.Figure)
-    planned.plot(tmp_path / "p.png", title="a title")
-    arm_world().plot(tmp_path / "p.svg", kinds=["collision"])
+    assert isinstance(planned.plot(title="a title"), figures.Figure)
+    assert isinstance(srmp.PlannerInterface().plot(tmp_path / "p.svg"), figures.Figure)
+    failed("start").plot(tmp_path / "p.png", kinds=["collision"])
     assert (tmp_path / "p.png").stat().st_size > 20_000 and (tmp_path / "p.svg").exists()
-    failed("start").plot(tmp_path / "failed.png")
-    srmp.PlannerInterface().plot()
 
 
 def test_pictures_have_the_colours_of_their_bodies(tmp_path):
