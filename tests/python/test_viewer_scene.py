@@ -401,9 +401,28 @@ def test_notebooks_show_failures_and_escape_names():
     assert "velocity_limit" in planner.verify("arm", bad)._repr_html_()
 
 
+def test_everything_has_a_repr():
+    """Python's own says an address."""
+    bare = [
+        name
+        for name, cls in vars(srmp._srmp).items()
+        if isinstance(cls, type) and not issubclass(cls, BaseException) and "__repr__" not in vars(cls)
+    ]
+    assert not bare
+
+
 def test_reprs_say_what_there_is(planned):
     assert repr(planned) == "PlannerInterface(1 robot, 2 objects)"
     assert repr(srmp.PlannerInterface()) == "PlannerInterface(0 robots, 0 objects)"
+    q = planned.get_qpos("arm")
+    checker = planned.collision_checker("arm", "coal")
+    assert repr(checker) == "CollisionChecker(7 joints)"
+    assert repr(planned.timed_collision_checker("arm", {}, "coal")) == "TimedCollisionChecker(7 joints)"
+    assert repr(checker.certify_motion(q, q)) == "MotionCertificate(proved)"
+    (into,) = planned.compute_ik("arm", srmp.Pose(p=[0.35, 0.2, 0.3], q=[0, 1, 0, 0]), max_solutions=1)
+    assert repr(checker.certify_motion(q, into)).startswith("MotionCertificate(not proved: arm7_")
+    example = Path(__file__).parents[2] / "examples" / "moveit" / "request.yaml"
+    assert repr(srmp.load_moveit_request(str(example))) == f"MoveItRequest('{example}', group 'arm')"
 
 
 # --- srmp view
