@@ -240,7 +240,12 @@ void bind_collision_checker(nb::module_& m) {
           "proved.")
       .def_ro("body_a", &MotionCertificate::body_a, "The pair there: link or attached object of the robot; '' if none.")
       .def_ro("body_b", &MotionCertificate::body_b, "The pair there: object or link; '' if none.")
-      .def("__bool__", [](const MotionCertificate& c) { return c.proved; });
+      .def("__bool__", [](const MotionCertificate& c) { return c.proved; })
+      .def("__repr__", [](const MotionCertificate& c) {
+        return c.proved ? std::string("MotionCertificate(proved)")
+                        : "MotionCertificate(not proved: " + c.body_a + " and " + c.body_b + ", from " +
+                              to_text(c.from) + " to " + to_text(c.to) + " of the motion)";
+      });
   make_value(
       certificate,
       [](const MotionCertificate& c) { return nb::make_tuple(c.proved, c.from, c.to, c.body_a, c.body_b); },
@@ -297,7 +302,9 @@ void bind_collision_checker(nb::module_& m) {
           "(dof,) [m/rad, prismatic joints 1]: how far a unit of each joint moves any point of the robot, or of what "
           "it "
           "holds, at most.")
-      .def_prop_ro("dof", [](const Self& self) { return self.dof(); }, "Number of planned joints.");
+      .def_prop_ro(
+          "dof", [](const Self& self) { return self.dof(); }, "Number of planned joints.")
+      .def("__repr__", [](const Self& self) { return "CollisionChecker(" + std::to_string(self.dof()) + " joints)"; });
   nb::class_<Timed>(m, "TimedCollisionChecker",
                     "Collision checks of one robot among others whose motions are known, in the scene as it was when\n"
                     "planner.timed_collision_checker made this. Arrays as for CollisionChecker; times are one [s], or "
@@ -329,7 +336,10 @@ void bind_collision_checker(nb::module_& m) {
           nb::arg("a"), nb::arg("b"), nb::arg("from_time"), nb::arg("to_time"),
           "Proves the motion free by Coal's distances alone, as CollisionChecker.certify_motion does.")
       .def("stats", &stats<TimedChecker>, "What this checker's checks did so far.")
-      .def_prop_ro("dof", [](const Timed& self) { return self.dof(); }, "Planned joints of the one robot.");
+      .def_prop_ro(
+          "dof", [](const Timed& self) { return self.dof(); }, "Planned joints of the one robot.")
+      .def("__repr__",
+           [](const Timed& self) { return "TimedCollisionChecker(" + std::to_string(self.dof()) + " joints)"; });
 }
 
 }  // namespace srmp::python

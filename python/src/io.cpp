@@ -15,7 +15,10 @@ void bind_io(nb::module_& m) {
           "start_joints", [](const io::RequestFile& r) { return r.start_state.joints; },
           "The start state: joint name to position [rad or m].")
       .def_ro("allowed_planning_time", &io::RequestFile::allowed_planning_time,
-              "The allowed planning time [s]; None if the file does not say it.");
+              "The allowed planning time [s]; None if the file does not say it.")
+      .def("__repr__", [](const io::RequestFile& request) {
+        return "MoveItRequest('" + request.path + "', group '" + request.group_name + "')";
+      });
   m.def("load_moveit_request", &io::read_moveit_request, nb::arg("path"),
         R"(Reads a MoveIt motion request (YAML), such as MotionBenchMaker's request*.yaml.
 

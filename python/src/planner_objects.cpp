@@ -232,7 +232,11 @@ void bind_moveit_problem(nb::module_& m) {
           R"(What the request says, for make_planner: time_limit, velocity_scaling and acceleration_scaling where they are
 given, and planner_id where it is an id of this library.)")
       .def_ro("ignored_joints", &MoveItProblem::ignored_joints,
-              "Joints named by the start state, but not movable joints of this robot.");
+              "Joints named by the start state, but not movable joints of this robot.")
+      .def("__repr__", [](const MoveItProblem& problem) {
+        const std::size_t goals = problem.goals.size();
+        return "MoveItProblem(" + std::to_string(goals) + (goals == 1 ? " goal)" : " goals)");
+      });
 }
 
 }  // namespace srmp::python

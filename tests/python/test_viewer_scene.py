@@ -339,13 +339,11 @@ def test_a_limit_that_is_left_is_drawn_at_its_link():
 
 def test_plot_returns_a_figure_and_needs_no_path(planned, tmp_path):
     figures = pytest.importorskip("matplotlib.figure")
-    assert isinstance(planned.plot(), figures.Figure)
     assert isinstance(planned.last_result.trajectory.plot(), figures.Figure)
-    planned.plot(tmp_path / "p.png", title="a title")
-    arm_world().plot(tmp_path / "p.svg", kinds=["collision"])
+    assert isinstance(planned.plot(title="a title"), figures.Figure)
+    assert isinstance(srmp.PlannerInterface().plot(tmp_path / "p.svg"), figures.Figure)
+    failed("start").plot(tmp_path / "p.png", kinds=["collision"])
     assert (tmp_path / "p.png").stat().st_size > 20_000 and (tmp_path / "p.svg").exists()
-    failed("start").plot(tmp_path / "failed.png")
-    srmp.PlannerInterface().plot()
 
 
 def test_pictures_have_the_colours_of_their_bodies(tmp_path):
@@ -403,9 +401,28 @@ def test_notebooks_show_failures_and_escape_names():
     assert "velocity_limit" in planner.verify("arm", bad)._repr_html_()
 
 
+def test_everything_has_a_repr():
+    """Python's own says an address."""
+    bare = [
+        name
+        for name, cls in vars(srmp._srmp).items()
+        if isinstance(cls, type) and not issubclass(cls, BaseException) and "__repr__" not in vars(cls)
+    ]
+    assert not bare
+
+
 def test_reprs_say_what_there_is(planned):
     assert repr(planned) == "PlannerInterface(1 robot, 2 objects)"
     assert repr(srmp.PlannerInterface()) == "PlannerInterface(0 robots, 0 objects)"
+    q = planned.get_qpos("arm")
+    checker = planned.collision_checker("arm", "coal")
+    assert repr(checker) == "CollisionChecker(7 joints)"
+    assert repr(planned.timed_collision_checker("arm", {}, "coal")) == "TimedCollisionChecker(7 joints)"
+    assert repr(checker.certify_motion(q, q)) == "MotionCertificate(proved)"
+    (into,) = planned.compute_ik("arm", srmp.Pose(p=[0.35, 0.2, 0.3], q=[0, 1, 0, 0]), max_solutions=1)
+    assert repr(checker.certify_motion(q, into)).startswith("MotionCertificate(not proved: arm7_")
+    example = Path(__file__).parents[2] / "examples" / "moveit" / "request.yaml"
+    assert repr(srmp.load_moveit_request(str(example))) == f"MoveItRequest('{example}', group 'arm')"
 
 
 # --- srmp view

@@ -13,7 +13,8 @@ from srmp._verify import summary
 from srmp.viewer._failure import Failure, find_failure
 from srmp.viewer._motion import Motion, sample_motion, trajectories_of
 from srmp.viewer._plots import Plot, plots_of
-from srmp.viewer._scene import Scene, read_scene
+from srmp.viewer._scene import CONTACT, Body, Scene, read_scene
+from srmp.viewer._shapes import Colour
 
 if TYPE_CHECKING:
     from srmp import MultiTrajectory, PlannerInterface, Trajectory
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 CAMERA = {"yaw": float(np.radians(-148)), "pitch": float(np.radians(24))}
 """Where one looks from at first: from behind and from the right of a robot that faces x."""
+_SEE_THROUGH = 0.4  # opacity
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,15 @@ def make_drawing(
         robot: motion.poses[:, scene.frames.index(f"{robot}/{planner.get_end_effector(robot)}"), :3] for robot in chosen
     }
     return Drawing(scene, motion, None, paths, plots_of(planner, motion, clearances) if plots else [], _notes(chosen))
+
+
+def appearance(drawing: Drawing, body: Body) -> tuple[Colour, float]:
+    """The colour and the opacity of a body: where a plan failed, one looks through all but the links at fault."""
+    if drawing.failure is None:
+        return body.colour, 1.0
+    if any(body.label in touch.bodies for touch in drawing.failure.touches):
+        return CONTACT, 1.0 if body.frame else _SEE_THROUGH
+    return body.colour, _SEE_THROUGH
 
 
 def _notes(trajectories: Mapping[str, Trajectory]) -> list[str]:

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp.viewer._drawing import CAMERA, Drawing, bounds
+from srmp.viewer._drawing import CAMERA, Drawing, appearance, bounds
 from srmp.viewer._plots import Plot
 from srmp.viewer._scene import CONTACT, ROBOT_KINDS, Body
 from srmp.viewer._shapes import Mesh, spheres
 
 _GRID = 65535  # corners are 16 bit numbers: to 1/65535 of a mesh's size
 _PATH_COLOUR = [0.04, 0.48, 0.46, 1.0]
-_SEE_THROUGH = 0.45
 FIELD_OF_VIEW = 2 * float(np.arctan(1 / 2.4))  # [rad], as in player.html
 
 
@@ -35,8 +34,7 @@ def _data(drawing: Drawing, title: str) -> dict[str, Any]:
     scene, motion, failure = drawing.scene, drawing.motion, drawing.failure
     meshes: dict[int, tuple[int, Mesh]] = {}  # by identity: bodies share them
     touches = failure.touches if failure else []
-    faulty = {label for touch in touches for label in touch.bodies}
-    bodies = [_body(body, scene.frames, meshes, body.label in faulty, failure is not None) for body in scene.bodies]
+    bodies = [_body(drawing, body, meshes) for body in scene.bodies]
     if touches:
         marks = spheres([[*touch.point, 0.012] for touch in touches])
         bodies.append(_placed(_number(meshes, marks), -1, np.eye(4), [*CONTACT, 1.0], "contacts"))
@@ -77,12 +75,10 @@ def view(drawing: Drawing) -> dict[str, Any]:
     }
 
 
-def _body(
-    body: Body, frames: list[str], meshes: dict[int, tuple[int, Mesh]], faulty: bool, failed: bool
-) -> dict[str, Any]:
-    frame = frames.index(body.frame) if body.frame else -1
-    colour = [*(CONTACT if faulty else body.colour), _SEE_THROUGH if failed and (faulty or not body.frame) else 1.0]
-    return _placed(_number(meshes, body.mesh), frame, body.pose, colour, body.kind)
+def _body(drawing: Drawing, body: Body, meshes: dict[int, tuple[int, Mesh]]) -> dict[str, Any]:
+    frame = drawing.scene.frames.index(body.frame) if body.frame else -1
+    colour, opacity = appearance(drawing, body)
+    return _placed(_number(meshes, body.mesh), frame, body.pose, [*colour, opacity], body.kind)
 
 
 def _placed(mesh: int, frame: int, pose: NDArray[np.float64], colour: list[float], kind: str) -> dict[str, Any]:

@@ -56,10 +56,10 @@ def paint(axes: Any, camera: Camera, solids: list[Solid], floor: float, reach: N
     pieces = [(_cut(solid.corners, camera.size / _PIECES), solid) for solid in solids if len(solid.corners)]
     if not pieces:
         return
-    opaque = [corners for corners, solid in pieces if solid.opacity >= 1]
+    opaque = [_cut(solid.corners, camera.size / 12) for _, solid in pieces if solid.opacity >= 1]
     if opaque:
         shadows = _shadows(np.concatenate(opaque), floor, reach)
-        axes.add_collection(PolyCollection(camera.project(shadows), facecolors=_SHADOW, edgecolors=_SHADOW, lw=0.3))
+        _add(axes, PolyCollection(camera.project(shadows), facecolors=_SHADOW, edgecolors=_SHADOW, lw=0.3))
     corners, counts = np.concatenate([part for part, _ in pieces]), [len(part) for part, _ in pieces]
     colours = np.concatenate([_shaded(part, solid, camera) for part, solid in pieces])
     nearer = np.repeat([camera.size / _PIECES / 2 if solid.later else 0.0 for _, solid in pieces], counts)
@@ -68,7 +68,13 @@ def paint(axes: Any, camera: Camera, solids: list[Solid], floor: float, reach: N
     order = np.argsort(nearer - camera.depth(corners.mean(axis=1)), kind="stable")
     corners, colours = corners[order], colours[order]
     seams = np.where(colours[:, 3:] >= 1, colours, 0.0)  # thin edges close the seams; they would show on what is clear
-    axes.add_collection(PolyCollection(camera.project(corners), facecolors=colours, edgecolors=seams, lw=0.3))
+    _add(axes, PolyCollection(camera.project(corners), facecolors=colours, edgecolors=seams, lw=0.3))
+
+
+def _add(axes: Any, triangles: Any) -> None:
+    """As pixels, also in SVG and PDF: there are too many for other programs."""
+    triangles.set_rasterized(True)
+    axes.add_collection(triangles)
 
 
 def _shaded(corners: NDArray[np.float64], solid: Solid, camera: Camera) -> NDArray[np.float64]:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from srmp.viewer._drawing import CAMERA, Drawing, bounds, is_floor
+from srmp.viewer._drawing import CAMERA, Drawing, appearance, bounds, is_floor
 from srmp.viewer._motion import Motion
 from srmp.viewer._painter import Camera, Solid, paint
-from srmp.viewer._scene import CONTACT, Body, Scene, matrix
+from srmp.viewer._scene import Body, Scene, matrix
 from srmp.viewer._shapes import Mesh, simplified
 
 _LINE_COLOUR = "#0b7a75"
@@ -19,7 +19,6 @@ _INSTANTS = 6  # at which the robots of a motion are drawn
 _PASSING = 0.2  # opacity of robots between the start and the end
 _MAX_TRIANGLES = 4000  # of a body: more take long and cannot be seen
 _NEAR = 0.03  # [m] between the places of one body, at least
-_SEE_THROUGH = 0.5
 
 
 def draw(drawing: Drawing, title: str = "", instants: int = _INSTANTS) -> Any:
@@ -54,7 +53,8 @@ def draw(drawing: Drawing, title: str = "", instants: int = _INSTANTS) -> Any:
     for touch in drawing.failure.touches if drawing.failure else ():
         place = camera.project(touch.point)
         axes.plot(*place, "o", color=_FAULT_COLOUR, markersize=6)
-        axes.annotate(touch.text, place, (8, 0), textcoords="offset points", va="center", color=_FAULT_COLOUR)
+        box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5}
+        axes.annotate(touch.text, place, (9, 0), textcoords="offset points", va="center", color=_FAULT_COLOUR, bbox=box)
     axes.autoscale_view()
     if drawing.motion is not None and drawing.motion.duration > 0 and len(drawing.paths) == 1:
         _draw_time_scale(figure, ScalarMappable(scale, _truncated(colours)))
@@ -66,8 +66,7 @@ def draw(drawing: Drawing, title: str = "", instants: int = _INSTANTS) -> Any:
 
 
 def _solids(drawing: Drawing, colour_at: Callable[[float], Any], instants: int) -> list[Solid]:
-    scene, motion, failure = drawing.scene, drawing.motion, drawing.failure
-    faulty = {label for touch in (failure.touches if failure else ()) for label in touch.bodies}
+    scene, motion = drawing.scene, drawing.motion
     several = motion is not None and len(motion.trajectories) > 1
     solids = []
     for body in scene.bodies:
@@ -75,9 +74,7 @@ def _solids(drawing: Drawing, colour_at: Callable[[float], Any], instants: int) 
         if not places:
             mesh = scene.placed(body, drawing.poses[0])
             if not is_floor(mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)):
-                colour = CONTACT if body.label in faulty else body.colour
-                see_through = failure is not None and not body.frame  # what is at fault is often inside
-                solids.append(Solid(_corners(mesh), colour, _SEE_THROUGH if see_through else 1.0))
+                solids.append(Solid(_corners(mesh), *appearance(drawing, body)))
         for k in places:
             assert motion is not None
             last, first = k == len(motion.times) - 1, k == 0

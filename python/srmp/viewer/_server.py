@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from srmp import MultiTrajectory, PlannerInterface, Pose, Trajectory
 
 _FOLLOW_PERIOD = 0.2  # [s] between two looks at the planner that is watched
+_MAX_DELAY = 1.0  # [s] between two changes that are taken over while others follow
 _FRAME_PERIOD = 1 / 30  # [s] of a motion that plays
 _GOAL_OPACITY = 0.4
 _PATH_COLOUR, _WORSE_COLOUR = (11, 122, 117), (170, 175, 182)
@@ -98,7 +99,11 @@ class Viewer:
         return self._panel.status
 
     def update(self) -> None:
-        """Takes over the planner's scene and last result now, rather than within some tenths of a second."""
+        """Takes over the planner's scene and last result now, rather than within some tenths of a second.
+
+        Raises Error while another thread plans with the planner.
+        """
+        self._seen = _signature(self._watched)
         self._adopt(copied(self._watched), wait=True)
 
     def play(self, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory] | None = None) -> None:
@@ -352,12 +357,18 @@ class Viewer:
     # --- threads
 
     def _follow(self) -> None:
-        """Looks whether the planner's scene or result has changed; while it plans, it refuses, and is left alone."""
+        """Looks whether the planner's scene or result has changed; while it plans, it refuses, and is left alone.
+
+        Changes that come one after the other are taken over together, or once a second.
+        """
+        before, adopted = self._seen, 0.0
         while not self._closed.wait(_FOLLOW_PERIOD):
             with contextlib.suppress(srmp.Error):
                 seen = _signature(self._watched)
-                if seen != self._seen:
+                at_rest, before = seen == before, seen
+                if seen != self._seen and (at_rest or time.monotonic() > adopted + _MAX_DELAY):
                     world, self._seen = copied(self._watched), seen
+                    adopted = time.monotonic()
                     self._adopt(world)
 
     def _animate(self) -> None:
