@@ -260,7 +260,7 @@ class PlannerInterface {
   /// The options that make_planner was given for these robots; the defaults of `auto` when it was not called.
   const PlannerOptions& planner_options(const std::vector<std::string>& robots) const;
 
-  /// Called during a plan, at most every 10 ms; when it returns true, the plan stops with Status::cancelled.
+  /// Called during a plan, at most every 5 ms; when it returns true, the plan stops with Status::cancelled.
   using Interrupt = Deadline::Interrupt;
 
   /// A goal in any form as a GoalConstraint for this robot. Joints that a goal by joint names leaves out are as in
