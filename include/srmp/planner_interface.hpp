@@ -28,6 +28,7 @@ namespace io {
 struct RequestFile;
 }
 struct MoveItProblem;
+class MoveItGroup;
 
 /// A world of robots and objects, and the planners for them: the entry point of the library. The Python class has the
 /// same methods.
@@ -114,9 +115,6 @@ class PlannerInterface {
   /// allowed collisions, padding; io::apply says how. The planning frame of the file is the world. Returns what was not
   /// used, as sentences. Throws FileError with the line, and as io::apply.
   std::vector<std::string> load_moveit_scene(const std::string& path);
-  /// Replaces this scene. Planners and motion limits of robots that both have stay; limits only if the joints are the
-  /// same.
-  void set_scene(Scene scene);
   /// Converts a MoveIt motion plan request (moveit_request.hpp) to a problem of `robot`. Its start state is set in this
   /// world: the base (by the virtual joint), movable joints that are not planned (a gripper's), and attached objects.
   ///
@@ -326,6 +324,10 @@ class PlannerInterface {
   const std::optional<LastResult>& last_result() const;
 
  private:
+  friend class MoveItGroup;
+  // As load_scene.
+  void set_scene(Scene scene);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -1,7 +1,7 @@
 """MoveIt 2: the parameters of move_group for the pipeline "srmp", for a launch file.
 
-    from srmp_pipeline_parameters import srmp_pipeline
-    parameters = moveit_config.to_dict() | srmp_pipeline("panda")
+from srmp_pipeline_parameters import srmp_pipeline
+parameters = moveit_config.to_dict() | srmp_pipeline("panda")
 """
 
 from pathlib import Path
