@@ -28,6 +28,7 @@ namespace io {
 struct RequestFile;
 }
 struct MoveItProblem;
+class MoveItGroup;
 
 /// A world of robots and objects, and the planners for them: the entry point of the library. The Python class has the
 /// same methods.
@@ -114,9 +115,6 @@ class PlannerInterface {
   /// allowed collisions, padding; io::apply says how. The planning frame of the file is the world. Returns what was not
   /// used, as sentences. Throws FileError with the line, and as io::apply.
   std::vector<std::string> load_moveit_scene(const std::string& path);
-  /// Replaces this scene. Planners and motion limits of robots that both have stay; limits only if the joints are the
-  /// same.
-  void set_scene(Scene scene);
   /// Converts a MoveIt motion plan request (moveit_request.hpp) to a problem of `robot`. Its start state is set in this
   /// world: the base (by the virtual joint), movable joints that are not planned (a gripper's), and attached objects.
   ///
@@ -260,7 +258,7 @@ class PlannerInterface {
   /// The options that make_planner was given for these robots; the defaults of `auto` when it was not called.
   const PlannerOptions& planner_options(const std::vector<std::string>& robots) const;
 
-  /// Called during a plan, at most every 10 ms; when it returns true, the plan stops with Status::cancelled.
+  /// Called during a plan, at most every 5 ms; when it returns true, the plan stops with Status::cancelled.
   using Interrupt = Deadline::Interrupt;
 
   /// A goal in any form as a GoalConstraint for this robot. Joints that a goal by joint names leaves out are as in
@@ -346,6 +344,10 @@ class PlannerInterface {
   const std::optional<LastResult>& last_result() const;
 
  private:
+  friend class MoveItGroup;
+  // As load_scene.
+  void set_scene(Scene scene);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -11,7 +11,7 @@ namespace srmp {
 ///
 /// The clock decides when to stop and nothing else: nobody is told how much time is left, so that nothing can be given
 /// a fraction of it, and a request has one answer for all limits that it does not reach. The callback `interrupted`
-/// (may be empty) returns whether the caller wants to stop. It is called at most every 10 ms, always from the thread
+/// (may be empty) returns whether the caller wants to stop. It is called at most every 5 ms, always from the thread
 /// that calls cancelled() or stop_requested(); Python uses it for Ctrl-C. What it throws passes through. Not
 /// thread-safe.
 class Deadline {

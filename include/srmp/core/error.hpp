@@ -47,6 +47,7 @@ class PlanningError : public Error {
   Status status_;
 };
 
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
 /// ", did you mean 'x'?" for the known name nearest to `name` (Levenshtein distance, ignoring case), or "" when none is
 /// near.
 std::string did_you_mean(std::string_view name, std::span<const std::string> known);
@@ -57,6 +58,7 @@ std::string quoted_list(std::span<const std::string> names);
 /// Throws InvalidArgument unless every value is finite. `what` names the argument, `names` its components; where there
 /// is no name, the message gives the index.
 void require_finite(std::span<const double> values, std::string_view what, std::span<const std::string> names = {});
+#endif
 
 /// Throws InvalidArgument unless `value` is finite and > 0; `what` names the argument.
 void require_positive(double value, std::string_view what);

@@ -23,8 +23,10 @@ struct Pose {
   static Pose from_rpy(const Eigen::Vector3d& p, const Eigen::Vector3d& rpy);
   /// A homogeneous matrix. Throws InvalidArgument unless the rotation is orthonormal to 1e-6 and right-handed.
   static Pose from_matrix(const Eigen::Matrix4d& matrix);
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
   /// Seven numbers: x, y, z [m], qx, qy, qz, qw. Throws InvalidArgument for another count.
   static Pose from_list(std::span<const double> xyz_xyzw);
+#endif
 
   std::array<double, 7> to_list() const;  ///< the numbers of from_list
   Eigen::Matrix4d matrix() const;         ///< homogeneous

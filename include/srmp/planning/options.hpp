@@ -269,8 +269,10 @@ const std::vector<std::string>& built_in_heuristics();
 std::optional<double> bfs_cell(const std::string& heuristic);
 /// The names of all heuristics that the options refer to, those of single robots included.
 std::vector<std::string> named_heuristics(const PlannerOptions& options);
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
 /// Throws InvalidArgument unless each heuristic that the options refer to is built in or one of `user_heuristics`.
 void require_heuristics(const PlannerOptions& options, std::span<const std::string> user_heuristics);
+#endif
 
 /// The options that every planner has, with the values that hold for all robots.
 const CommonOptions& common_options(const PlannerOptions& options);

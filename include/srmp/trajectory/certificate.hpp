@@ -34,7 +34,9 @@ struct Fault {
   FaultKind kind{};  ///< what is wrong
   std::string text;  ///< a sentence
   double time{};     ///< [s] when it is worst; NaN: at no particular time
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const Fault&) const = default;
+#endif
 };
 
 /// The largest fraction of a limit that is used over the whole motion: from extrema of the polynomials, not of samples.
@@ -45,7 +47,9 @@ struct LimitUse {
   double fraction{};
   std::string joint;  ///< by which joint; "" = nothing moves, or there is no limit
   double time{};      ///< [s]
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const LimitUse&) const = default;
+#endif
 };
 
 /// A part of a motion over which two bodies could not be proved to stay apart. They do not touch at the samples in it,
@@ -53,7 +57,9 @@ struct LimitUse {
 struct SampledInterval {
   double from{}, to{};         ///< [s]
   std::string body_a, body_b;  ///< named as in Contact
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const SampledInterval&) const = default;
+#endif
 };
 
 /// How far a link may leave the poses that it is to follow.

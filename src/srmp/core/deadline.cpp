@@ -5,7 +5,7 @@
 namespace srmp {
 
 namespace {
-constexpr auto poll_period = std::chrono::milliseconds(10);
+constexpr auto poll_period = std::chrono::milliseconds(5);
 // The next poll of a deadline whose callback asks another deadline, which keeps to the period itself: were both to wait,
 // a request to stop could pass unnoticed for two periods.
 constexpr auto at_every_call = Deadline::Clock::time_point::max();
