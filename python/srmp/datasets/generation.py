@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import srmp
-from srmp.datasets import workers as by
 from srmp.datasets.recorder import MadeShard
 from srmp.datasets.schema import need_pyarrow
 from srmp.datasets.spec import Spec, read_spec
 from srmp.datasets.store import Store, hash_of
+from srmp.datasets.workers import made_by_processes, made_by_ray, made_here
 
 _INDEX_PERIOD = 10.0  # [s]; the index is also written at the end
 
@@ -52,8 +52,8 @@ def generate(
     process alone. ray: address of a Ray cluster, whose workers need no common file system. progress is called with the
     records that are there and all. order: the order in which shards are made, which does not matter to their content.
 
-    Raises InvalidArgument for a spec that is wrong, naming the field; FileError where the directory cannot be written, is
-    full, in use, or holds another data set; Error where a package is missing, or workers die without end.
+    Raises InvalidArgument for a spec that is wrong, naming the field; FileError where the directory cannot be written,
+    is full, in use, or holds another data set; Error where a package is missing, or workers die without end.
     """
     need_pyarrow()
     if workers is not None and workers < 1:
@@ -72,11 +72,11 @@ def _makers(
     spec: Spec, directory: Path, numbers: Sequence[int], workers: int | None, ray: str | None
 ) -> Iterator[MadeShard]:
     if ray is not None:
-        return by.made_by_ray(spec, numbers, ray, workers)
+        return made_by_ray(spec, numbers, ray, workers)
     count = min(workers or os.cpu_count() or 1, len(numbers))
     if count == 1:
-        return by.made_here(spec, directory, numbers)
-    return by.made_by_processes(spec, directory, numbers, count)
+        return made_here(spec, directory, numbers)
+    return made_by_processes(spec, directory, numbers, count)
 
 
 class _Run:

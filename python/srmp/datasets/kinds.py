@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import fnmatch
 import importlib
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -32,7 +33,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scenes: the function that draws one, its parameters, and where starts and goals come from by default."""
+    """A kind of scenes: the function that draws one, its parameters, where starts and goals come from by default."""
 
     make: Callable[..., Scene]
     parameters: Mapping[str, Parameter]
@@ -42,7 +43,8 @@ class Kind:
 
 # --- parts ------------------------------------------------------------------------------------------------------------
 
-SHAPES = ("box", "sphere", "cylinder", "capsule", "cone", "convex", "bracket")
+PRIMITIVES = ("box", "sphere", "cylinder", "capsule", "cone")
+MESHES = ("convex", "bracket")
 
 
 def _between(random: Generator, low: float, high: float) -> float:
@@ -55,9 +57,24 @@ def _turned(random: Generator, position: Sequence[float], *, upright: bool = Tru
     return srmp.Pose.from_rpy(position, [*tilt, yaw])
 
 
-def _add_random(scene: Scene, random: Generator, name: str, size: float, position: Sequence[float], upright: bool) -> None:
-    """An object of a random shape, at most `size` wide and high [m], centred at the position."""
-    shape = SHAPES[int(random.integers(len(SHAPES)))]
+def _names(objects: int, meshes: int, *, end: str = "") -> list[tuple[str, tuple[str, ...]]]:
+    """Names of objects, and the shapes that they may have."""
+    primitives = [(f"object_{k}{end}", PRIMITIVES) for k in range(objects)]
+    return primitives + [(f"mesh_{k}{end}", MESHES) for k in range(meshes)]
+
+
+def _add_random(
+    scene: Scene,
+    random: Generator,
+    name: str,
+    shapes: Sequence[str],
+    size: float,
+    position: Sequence[float],
+    *,
+    upright: bool = True,
+) -> None:
+    """An object of one of the shapes, at most `size` wide and high [m], centred at the position."""
+    shape = shapes[int(random.integers(len(shapes)))]
     half = size / 2
     pose = _turned(random, position, upright=upright)
     edges = random.uniform(0.4, 1.0, 3) * size
@@ -94,23 +111,23 @@ def _floor(scene: Scene, scale: float) -> None:
 # --- kinds ------------------------------------------------------------------------------------------------------------
 
 
-def table(random: Generator, scale: float, objects: int) -> Scene:
+def table(random: Generator, scale: float, objects: int, meshes: int) -> Scene:
     """A table of random height in front of the robot, with clutter of primitives and meshes on it."""
     scene, s = Scene(), scale
     _floor(scene, s)
     height, depth, width = (_between(random, *interval) * s for interval in ((0.0, 0.25), (0.4, 0.6), (0.8, 1.4)))
     near = 0.28 * s
     scene.box("table", [depth, width, 0.04], [near + depth / 2, 0, height - 0.02])
-    for k in range(objects):
+    for name, shapes in _names(objects, meshes):
         size = _between(random, 0.06, 0.2) * s
         x = near + _between(random, 0.1, 0.9) * depth
         y = _between(random, -0.45, 0.45) * width
-        _add_random(scene, random, f"object_{k}", size, [x, y, height + size / 2], upright=True)
+        _add_random(scene, random, name, shapes, size, [x, y, height + size / 2])
     scene.region("above_table", [depth, 0.8 * width, 0.3 * s], [near + depth / 2, 0, height + 0.17 * s], "down")
     return scene
 
 
-def shelf(random: Generator, scale: float, levels: int, objects: int) -> Scene:
+def shelf(random: Generator, scale: float, levels: int, objects: int, meshes: int) -> Scene:
     """A shelf with boards at random heights; tools reach into its compartments from the front."""
     scene, s = Scene(), scale
     _floor(scene, s)
@@ -126,18 +143,18 @@ def shelf(random: Generator, scale: float, levels: int, objects: int) -> Scene:
     scene.box("back", [t, width, whole], [near + depth + t / 2, 0, middle])
     for side, y in (("left", width / 2), ("right", -width / 2)):
         scene.box(f"side_{side}", [depth, t, whole], [centre, y, middle])
-    for k in range(objects):
+    for name, shapes in _names(objects, meshes):
         size = _between(random, 0.05, 0.12) * s
         board = heights[int(random.integers(levels))] + t / 2
         y = _between(random, -0.4, 0.4) * width
-        _add_random(scene, random, f"object_{k}", size, [near + 0.75 * depth, y, board + size / 2], upright=True)
-    for k, (low, high) in enumerate(zip(heights, heights[1:], strict=False)):
+        _add_random(scene, random, name, shapes, size, [near + 0.75 * depth, y, board + size / 2])
+    for k, (low, high) in enumerate(itertools.pairwise(heights)):
         size = [0.5 * depth, 0.7 * width, max(0.0, high - low - 0.2 * s)]
         scene.region(f"compartment_{k}", size, [near + 0.25 * depth, 0, (low + high) / 2], "forward")
     return scene
 
 
-def bin(random: Generator, scale: float, bins: int, objects: int) -> Scene:
+def bin(random: Generator, scale: float, bins: int, objects: int, meshes: int) -> Scene:
     """Bins that are open above, turned a little, with objects inside; tools reach into them from above."""
     scene, s = Scene(), scale
     _floor(scene, s)
@@ -148,10 +165,14 @@ def bin(random: Generator, scale: float, bins: int, objects: int) -> Scene:
         )
         length, width, height = (_between(random, *i) * s for i in ((0.28, 0.4), (0.28, 0.36), (0.1, 0.2)))
         _add_bin(scene, f"bin_{k}", place, length, width, height)
-        for j in range(objects):
+        for name, shapes in _names(objects, meshes, end=f"_in_bin_{k}"):
             size = _between(random, 0.03, 0.07) * s
-            at = place @ [_between(random, -0.35, 0.35) * length, _between(random, -0.35, 0.35) * width, 0.012 + size / 2]
-            _add_random(scene, random, f"object_{k}_{j}", size, at, upright=True)
+            at = place @ [
+                _between(random, -0.35, 0.35) * length,
+                _between(random, -0.35, 0.35) * width,
+                0.012 + size / 2,
+            ]
+            _add_random(scene, random, name, shapes, size, at)
         inside = place @ srmp.Pose(p=[0, 0, 0.08 * s + height / 2])
         scene.region(f"in_bin_{k}", [length - 0.12 * s, width - 0.12 * s, height], inside, "down")
     return scene
@@ -177,7 +198,9 @@ def cage(random: Generator, scale: float, bars: int) -> Scene:
     def bar(name: str, size: Sequence[float], centre: Sequence[float]) -> None:
         scene.box(name, size, place @ srmp.Pose(p=centre))
 
-    scene.box("stand", [0.1 * s, 0.1 * s, position[2] - half], [position[0], position[1], (position[2] - half) / 2 - 0.01])
+    scene.box(
+        "stand", [0.1 * s, 0.1 * s, position[2] - half], [position[0], position[1], (position[2] - half) / 2 - 0.01]
+    )
     for level, z in (("bottom", -half), ("top", half)):
         bar(f"{level}_plate", [edge, edge, t], [0, 0, z])
     for k in range(bars):
@@ -190,17 +213,17 @@ def cage(random: Generator, scale: float, bars: int) -> Scene:
     return scene
 
 
-def clutter(random: Generator, scale: float, objects: int) -> Scene:
+def clutter(random: Generator, scale: float, objects: int, meshes: int) -> Scene:
     """Primitives and meshes that hang around the robot; starts and goals are collision-free configurations."""
     scene, s = Scene(), scale
     _floor(scene, s)
-    for k in range(objects):
+    for name, shapes in _names(objects, meshes):
         size = _between(random, 0.08, 0.3) * s
         while True:  # not where the robot's base and its first links always are
             position = np.array([_between(random, *i) * s for i in ((-0.8, 0.9), (-0.9, 0.9), (0.1, 1.1))])
             if position[0] ** 2 + position[1] ** 2 > (0.25 * s + size) ** 2:
                 break
-        _add_random(scene, random, f"object_{k}", size, position, upright=False)
+        _add_random(scene, random, name, shapes, size, position, upright=False)
     scene.region("around", [1.2 * s, 1.4 * s, 0.7 * s], [0.1 * s, 0, 0.55 * s], "any")
     return scene
 
@@ -217,9 +240,9 @@ def variations(
 ) -> Scene:
     """The objects of a given scene, moved together, and some of them on their own, as in MotionBenchMaker.
 
-    base: objects as dictionaries. poses: of tools, by name, that move with the scene: regions of one point. shift, turn:
-    the most that all objects move along x and y [m] and turn about z [rad]; moved: patterns of names of those that also
-    move on their own, by object_shift [m] and object_turn [rad] at most.
+    base: objects as dictionaries. poses: of tools, by name, that move with the scene: regions of one point. shift,
+    turn: the most that all objects move along x and y [m] and turn about z [rad]; moved: patterns of names of those
+    that also move on their own, by object_shift [m] and object_turn [rad] at most.
     """
     scene = Scene()
     centre = np.mean([item["pose"][:3] for item in base], axis=0) if base else np.zeros(3)
@@ -231,7 +254,11 @@ def variations(
         pose = whole @ pose_of(item.pose)
         if any(fnmatch.fnmatchcase(item.name, pattern) for pattern in moved):
             step = [_between(random, -object_shift, object_shift) for _ in range(2)]
-            pose = srmp.Pose(p=[*step, 0]) @ pose @ srmp.Pose.from_rpy([0, 0, 0], [0, 0, _between(random, -object_turn, object_turn)])
+            pose = (
+                srmp.Pose(p=[*step, 0])
+                @ pose
+                @ srmp.Pose.from_rpy([0, 0, 0], [0, 0, _between(random, -object_turn, object_turn)])
+            )
         scene.objects.append(SceneObject(item.name, item.type, item.size, tuple(pose), item.vertices, item.triangles))
     for name, pose in poses.items():
         scene.region(name, [0, 0, 0], whole @ pose_of(pose), "exact")
@@ -248,16 +275,18 @@ def function(random: Generator, function: str, parameters: Mapping[str, Any]) ->
 
 
 _SCALE = Parameter(1.0, 0.01, 100.0)
+
+
+def _parameters(objects: int, meshes: int, **more: Parameter) -> dict[str, Parameter]:
+    return {"scale": _SCALE, "objects": Parameter(objects, 0, 500), "meshes": Parameter(meshes, 0, 50), **more}
+
+
 KINDS = {
-    "table": Kind(table, {"scale": _SCALE, "objects": Parameter(8, 0, 200)}),
-    "shelf": Kind(
-        shelf, {"scale": _SCALE, "levels": Parameter(2, 1, 10), "objects": Parameter(3, 0, 200)}, "configuration"
-    ),
-    "bin": Kind(bin, {"scale": _SCALE, "bins": Parameter(2, 1, 8), "objects": Parameter(3, 0, 50)}),
+    "table": Kind(table, _parameters(7, 1)),
+    "shelf": Kind(shelf, _parameters(3, 0, levels=Parameter(2, 1, 10)), "configuration"),
+    "bin": Kind(bin, _parameters(3, 0, bins=Parameter(2, 1, 8))),
     "cage": Kind(cage, {"scale": _SCALE, "bars": Parameter(3, 1, 20)}, "configuration"),
-    "clutter": Kind(
-        clutter, {"scale": _SCALE, "objects": Parameter(12, 0, 500)}, "configuration", "configuration"
-    ),
-    "variations": Kind(variations, {}, "region"),
-    "function": Kind(function, {}, "region"),
+    "clutter": Kind(clutter, _parameters(10, 1), "configuration", "configuration"),
+    "variations": Kind(variations, {}),
+    "function": Kind(function, {}),
 }

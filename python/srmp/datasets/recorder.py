@@ -6,7 +6,6 @@ import importlib
 import resource
 import sys
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -60,6 +59,7 @@ class Recorder:
         self._names = [robot.name for robot in spec.robots]
         self._world.prepare()
         self._world.make_planner(self._names, dict(spec.planner))
+        self._period = float(srmp.planner_options(dict(spec.planner))["sample_period"])
         self._ends = EndSampler(self._world, spec.robots, spec.clearance)
         weights = np.array([scene.weight for scene in spec.scenes])
         self._chances = np.cumsum(weights) / np.sum(weights)
@@ -109,28 +109,38 @@ class Recorder:
         self, index: int, spec: SceneSpec, scene: Scene, starts: dict[str, End], goals: dict[str, End], attempt: int
     ) -> dict[str, Any]:
         constraints = {name: _goal(end, spec.goal.pose) for name, end in goals.items()}
-        trajectories: Mapping[str, srmp.Trajectory] = {}
+        configurations = {name: end.configuration for name, end in starts.items()}
+        motions: dict[str, srmp.Trajectory] = {}
+        proofs: dict[str, srmp.Certificate] = {}
         status, reason = "solved", ""
         try:
-            if len(self._names) == 1:
-                name = self._names[0]
-                trajectories = {name: self._world.plan(name, starts[name].configuration, constraints[name])}
-            else:
-                planned = self._world.plan_multi({n: end.configuration for n, end in starts.items()}, constraints)
-                trajectories = {name: planned[name] for name in self._names}
+            motions = self._plan(configurations, constraints)
         except srmp.PlanningError as error:
             if error.status == srmp.Status.cancelled:
                 raise
             status, reason = error.status.name, str(error)
-        for name, trajectory in trajectories.items():
-            proof = trajectory.certificate
-            if proof is None or not (proof.holds and proof.proved_free):
-                status = NOT_CERTIFIED
-                reason = f"the trajectory of '{name}' has no proof: {summary(proof) if proof else 'no certificate'}"
-        kept = trajectories if status == "solved" else {}
-        rows = [_robot_row(name, starts[name], goals[name], constraints[name], kept.get(name)) for name in self._names]
         counts = self._world.get_planning_stats()
+        if motions:
+            proofs = self._world.verify_multi(motions, starts=configurations, goals=constraints)
+        for name, proof in proofs.items():
+            if not (proof.holds and proof.proved_free):
+                status, reason = NOT_CERTIFIED, f"the trajectory of '{name}' has no proof: {summary(proof)}"
+        if status != "solved":
+            motions = {}
+        rows = [
+            _robot_row(name, starts[name], goals[name], constraints[name], motions.get(name), proofs.get(name))
+            for name in self._names
+        ]
         return self._record(index, spec, scene, status, reason, attempt, rows, {key: counts[key] for key in STATISTICS})
+
+    def _plan(self, starts: dict[str, np.ndarray], goals: dict[str, srmp.GoalConstraint]) -> dict[str, srmp.Trajectory]:
+        """Motions on one clock, all rows one period apart, within the limits that are the robots' own."""
+        if len(self._names) == 1:
+            name = self._names[0]
+            planned = self._world.plan(name, starts[name], goals[name])
+            return {name: planned.resample(self._period, self._world.motion_limits(name))}
+        together = self._world.plan_multi(starts, goals)
+        return even_rows(self._world, together, self._period)
 
     def _record(
         self,
@@ -157,6 +167,28 @@ class Recorder:
         }
 
 
+def even_rows(
+    planner: srmp.PlannerInterface, together: srmp.MultiTrajectory, period: float
+) -> dict[str, srmp.Trajectory]:
+    """The robots' motions with rows a period [s] apart: as much slower, all of them, as their limits demand."""
+    joined = together.merged()
+    limits = [planner.motion_limits(name) for name in together]
+    all_limits = srmp.MotionLimits(
+        *(np.concatenate([getattr(own, key) for own in limits]) for key in ("velocity", "acceleration", "jerk")),
+        [flag for own in limits for flag in (own.continuous or [False] * len(own.velocity))],
+    )
+    even = joined.resample(period, all_limits)
+    motions, first = {}, 0
+    for name in together:
+        names = together[name].joint_names
+        own = slice(first, first + len(names))
+        motions[name] = srmp.Trajectory(
+            names, even.positions[:, own], even.times, even.velocities[:, own], waypoints=even.waypoints[:, own]
+        )
+        first += len(names)
+    return motions
+
+
 def _goal(end: End, as_pose: bool) -> srmp.GoalConstraint:
     if as_pose and end.pose is not None:
         return srmp.GoalConstraint(srmp.GoalType.POSE, end.pose)
@@ -164,7 +196,12 @@ def _goal(end: End, as_pose: bool) -> srmp.GoalConstraint:
 
 
 def _robot_row(
-    name: str, start: End, goal: End, constraint: srmp.GoalConstraint, trajectory: srmp.Trajectory | None
+    name: str,
+    start: End,
+    goal: End,
+    constraint: srmp.GoalConstraint,
+    trajectory: srmp.Trajectory | None,
+    certificate: srmp.Certificate | None,
 ) -> dict[str, Any]:
     row: dict[str, Any] = {
         "name": name,
@@ -181,5 +218,5 @@ def _robot_row(
     if trajectory is not None:
         for key in ("times", "positions", "velocities", "waypoints"):
             row[key] = np.ravel(getattr(trajectory, key))
-        row["certificate"] = certificate_row(trajectory.certificate)
+        row["certificate"] = certificate_row(certificate)
     return row

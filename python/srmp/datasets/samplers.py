@@ -57,18 +57,14 @@ class EndSampler:
             return "the robots were not clear of each other"
         return ends
 
-    def _draw_one(
-        self, robot: RobotSpec, sampler: Sampler, scene: Scene, random: np.random.Generator
-    ) -> End | None:
+    def _draw_one(self, robot: RobotSpec, sampler: Sampler, scene: Scene, random: np.random.Generator) -> End | None:
         for _ in range(DRAWS):
             for end in self._candidates(robot, sampler, scene, random):
                 if self._is_clear(robot.name, end.configuration):
                     return end
         return None
 
-    def _candidates(
-        self, robot: RobotSpec, sampler: Sampler, scene: Scene, random: np.random.Generator
-    ) -> list[End]:
+    def _candidates(self, robot: RobotSpec, sampler: Sampler, scene: Scene, random: np.random.Generator) -> list[End]:
         if sampler.source == "configuration":
             limits = self._limits[robot.name]
             low = np.where(np.isinf(limits[:, 0]), -np.pi, limits[:, 0])

@@ -39,9 +39,7 @@ class SceneObject:
         pose = pose_of(self.pose)
         if self.type in ("mesh", "convex"):
             vertices, triangles = np.reshape(self.vertices, (-1, 3)), np.reshape(self.triangles, (-1, 3))
-            planner.add_mesh(
-                self.name, pose=pose, convex=self.type == "convex", vertices=vertices, triangles=triangles
-            )
+            planner.add_mesh(self.name, pose=pose, convex=self.type == "convex", vertices=vertices, triangles=triangles)
         elif self.type == "box":
             planner.add_box(self.name, self.size, pose)
         else:
@@ -120,7 +118,9 @@ class Scene:
         faces = np.asarray(triangles, dtype=int).reshape(-1, 3)
         self._add(name, "convex" if convex else "mesh", [], pose, corners, faces)
 
-    def region(self, name: str, size: Sequence[float], pose: srmp.Pose | Sequence[float], approach: str = "down") -> None:
+    def region(
+        self, name: str, size: Sequence[float], pose: srmp.Pose | Sequence[float], approach: str = "down"
+    ) -> None:
         """Adds a region of edge lengths `size` (3,) about the centre `pose`. Raises InvalidArgument."""
         if approach not in APPROACHES:
             hint = did_you_mean(approach, APPROACHES) or f"; known: {', '.join(APPROACHES)}."

@@ -19,7 +19,10 @@ STATISTICS = (
     *("search_cost_rad", "path_cost_rad", "bound", "goal_index", "found_by", "bound_graph"),
 )
 """Those of get_planning_stats that are the same in every run: no times, nothing that depends on caches."""
-CERTIFICATE = ("holds", "proved_free", "clearance", "clearance_proved", "body_a", "body_b", "deviation", "goal_error")
+CERTIFICATE = (
+    *("holds", "proved_free", "clearance", "clearance_time", "body_a", "body_b", "clearance_proved", "deviation"),
+    "goal_error",
+)
 LIMIT_USES = ("position", "velocity", "acceleration")
 
 
@@ -27,6 +30,7 @@ def need_pyarrow() -> Any:
     """The module pyarrow. Raises Error where it is not installed."""
     try:
         import pyarrow
+        import pyarrow.compute
         import pyarrow.parquet
     except ModuleNotFoundError as error:
         raise srmp.Error(
@@ -58,7 +62,7 @@ def schema() -> Any:
             **{f"{key}_fraction": pa.float64() for key in LIMIT_USES},
         }
     )
-    arrays = {key: numbers for key in ("times", "positions", "velocities", "waypoints")}
+    arrays = dict.fromkeys(("times", "positions", "velocities", "waypoints"), numbers)
     robot = pa.struct(
         {
             "name": pa.string(),
@@ -136,7 +140,7 @@ def table_to_bytes(table: Any) -> bytes:
         compression="zstd",
         compression_level=3,
         use_dictionary=repeated,
-        column_encoding={name: "BYTE_STREAM_SPLIT" for name in smooth},
+        column_encoding=dict.fromkeys(smooth, "BYTE_STREAM_SPLIT"),
         write_statistics=["index"],
         store_schema=True,
     )

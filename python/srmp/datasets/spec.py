@@ -53,7 +53,7 @@ class SceneSpec:
 
 @dataclass(frozen=True)
 class Spec:
-    """What a data set holds. A record is a function of the spec without `count` and `records_per_shard`, and its index."""
+    """What a data set holds. A record is a function of its index and of the spec without its count and shard size."""
 
     count: int
     records_per_shard: int
@@ -115,7 +115,7 @@ def identity_of(content: Mapping[str, Any]) -> str:
 
 
 def read_spec(source: str | Path | Mapping[str, Any]) -> Spec:
-    """The spec of a YAML file, or of a dictionary that is laid out like one (relative paths: from the current directory).
+    """The spec of a YAML file, or of a dictionary laid out like one (relative paths: from the current directory).
 
     docs/datasets.md lists the fields. Raises FileError for a file that cannot be read, InvalidArgument with the name of
     the field for anything missing, unknown or out of range.
@@ -134,7 +134,9 @@ def _load_yaml(path: Path) -> Any:
     try:
         import yaml
     except ModuleNotFoundError as error:
-        raise srmp.Error('specs need PyYAML: pip install ".[datasets]" in a checkout (or pip install pyyaml).') from error
+        raise srmp.Error(
+            'specs need PyYAML: pip install ".[datasets]" in a checkout (or pip install pyyaml).'
+        ) from error
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -281,9 +283,7 @@ class _Reader:
         }
         own = {key: Sampler("configuration") for key in ("start", "goal")}
         if fields.has("request"):
-            start, goal = read_request(
-                self._world, self._robots_read[0].name, self._directory / fields.text("request")
-            )
+            start, goal = read_request(self._world, self._robots_read[0].name, self._directory / fields.text("request"))
             tool = srmp.Pose(p=[0, 0, self._robots_read[0].tool_length])
             parameters["poses"] = {"goal": list(goal @ tool)}
             own = {"start": Sampler("states", states=(start,)), "goal": Sampler("region", ("goal",))}
@@ -301,7 +301,7 @@ def _sampler_of(values: Mapping[str, Any]) -> Sampler:
     return Sampler(values["source"], tuple(values["regions"]), states, values["pose"])
 
 
-class _unpacked:  # noqa: N801
+class _unpacked:
     """A temporary directory with the files; a context manager."""
 
     def __init__(self, files: Mapping[str, bytes]) -> None:

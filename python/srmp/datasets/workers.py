@@ -1,7 +1,7 @@
 """Who makes shards: this process, several on this machine, or the machines of a Ray cluster.
 
-All hand shards over as bytes, which only the driver writes, so that workers need no common file system. No more than two
-shards a worker are under way: what waits to be written stays small.
+All hand shards over as bytes, which only the driver writes, so that workers need no common file system. No more than
+two shards a worker are under way: what waits to be written stays small.
 """
 
 from __future__ import annotations
