@@ -6,6 +6,7 @@ from srmp.datasets.audit import audit as audit
 from srmp.datasets.dataset import Dataset as Dataset
 from srmp.datasets.dataset import Record as Record
 from srmp.datasets.dataset import open as open
+from srmp.datasets.exporters import export as export
 from srmp.datasets.generation import Generated as Generated
 from srmp.datasets.generation import generate as generate
 from srmp.datasets.scene import Scene as Scene

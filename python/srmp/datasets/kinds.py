@@ -43,7 +43,7 @@ class Kind:
 
 # --- parts ------------------------------------------------------------------------------------------------------------
 
-PRIMITIVES = ("box", "sphere", "cylinder", "capsule", "cone")
+PRIMITIVES = ("box", "sphere", "cylinder", "capsule")  # a cone takes the library ten times as long to add
 MESHES = ("convex", "bracket")
 
 
@@ -84,8 +84,8 @@ def _add_random(
         scene.sphere(name, edges[0] / 2, pose)
     elif shape == "capsule":
         scene.capsule(name, edges[0] / 4, edges[1] / 2, pose)
-    elif shape in ("cylinder", "cone"):
-        getattr(scene, shape)(name, edges[0] / 2, edges[1], pose)
+    elif shape == "cylinder":
+        scene.cylinder(name, edges[0] / 2, edges[1], pose)
     elif shape == "convex":
         scene.mesh(name, random.uniform(-half, half, (12, 3)), (), pose, convex=True)
     else:
