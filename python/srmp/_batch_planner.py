@@ -19,8 +19,8 @@ import srmp
 class Batch:
     """What BatchPlanner.plan returns: n results as arrays of the longest one's size.
 
-    Rows beyond a trajectory repeat its last row, at rest, and have a mask of False; a request without a trajectory has its
-    start in all rows, and no row in its mask.
+    Rows beyond a trajectory repeat its last row, at rest, and have a mask of False; a request without a trajectory has
+    its start in all rows, and no row in its mask.
     """
 
     solved: np.ndarray
@@ -62,8 +62,8 @@ class BatchPlanner:
     ) -> None:
         """A planner for scenes that have the same robot.
 
-        scenes: PlannerInterfaces, each its own. robot: the one that is planned for, default the only one. options: of the
-        planner, as in make_planner. threads: default one for each core.
+        scenes: PlannerInterfaces, each its own. robot: the one that is planned for, default the only one. options: of
+        the planner, as in make_planner. threads: default one for each core.
 
         Raises InvalidArgument for no scenes, the same scene twice, robots that differ in their joints, options that are
         wrong, and threads below 1.
@@ -83,7 +83,8 @@ class BatchPlanner:
         for k, own in enumerate(names):
             if own != names[0]:
                 raise srmp.InvalidArgument(
-                    f"the robot of scenes[{k}] has the joints {', '.join(own)}; that of scenes[0] {', '.join(names[0])}."
+                    f"the robot of scenes[{k}] has the joints {', '.join(own)}; "
+                    f"that of scenes[0] has {', '.join(names[0])}."
                 )
         self._joint_names = names[0]
         srmp.planner_options({"planner_id": "auto", **(options or {})})
@@ -109,8 +110,8 @@ class BatchPlanner:
     def update(self, scene: int, poses: Mapping[str, srmp.Pose | ArrayLike]) -> None:
         """Moves objects of a scene; nothing is built anew.
 
-        poses: by object, a Pose or x, y, z [m] and a quaternion x, y, z, w. Raises InvalidArgument for an unknown scene or
-        object, or a pose that is none; then nothing was moved.
+        poses: by object, a Pose or x, y, z [m] and a quaternion x, y, z, w. Raises InvalidArgument for an unknown scene
+        or object, or a pose that is none; then nothing was moved.
         """
         if not 0 <= scene < len(self):
             raise srmp.InvalidArgument(f"scene {scene}: there are scenes 0 to {len(self) - 1}.")
@@ -126,12 +127,15 @@ class BatchPlanner:
                     world.set_object_pose(name, pose)
             raise
 
-    def plan(self, starts: ArrayLike, goals: ArrayLike | Sequence[Any]) -> Batch:
+    def plan(
+        self, starts: ArrayLike, goals: ArrayLike | Sequence[Any] | None = None, *, poses: ArrayLike | None = None
+    ) -> Batch:
         """Plans one request in each scene.
 
-        starts: (n, dof) [rad or m]. goals: (n, dof) configurations, (n, 7) poses of the end effector (x, y, z [m],
-        quaternion x, y, z, w) where dof is not 7, or a list of n goals in any form that PlannerInterface.plan takes.
-        A request without a trajectory does not disturb the others.
+        starts: (n, dof) [rad or m]. goals: (n, dof) configurations, or a list of n goals in any form that
+        PlannerInterface.plan takes. poses: instead of goals, (n, 7) poses of the end effector in the world: x, y, z
+        [m], quaternion x, y, z, w. A request without a trajectory does not disturb the others. After Ctrl-C no other
+        plan begins; those under way end within their time limits.
 
         Raises InvalidArgument for wrong shapes, NaN and goals that are wrong, before anything is planned where it can.
         """
@@ -142,18 +146,20 @@ class BatchPlanner:
             )
         if not np.all(np.isfinite(begin)):
             raise srmp.InvalidArgument("starts have a number that is not finite.")
-        wanted = self._goals(goals, begin)
-        with ThreadPoolExecutor(self._threads) as pool:
+        if (goals is None) == (poses is None):
+            raise srmp.InvalidArgument("give either goals or poses.")
+        given = list(goals) if poses is None else [_as_pose(f"poses[{k}]", pose) for k, pose in enumerate(poses)]  # type: ignore[arg-type]
+        wanted = self._goals(given, begin)
+        pool = ThreadPoolExecutor(self._threads)
+        try:
             results = list(pool.map(self._plan_one, range(len(self)), begin, wanted))
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
         return _batch(begin, results)
 
-    def _goals(self, goals: Any, starts: np.ndarray) -> list[srmp.GoalConstraint]:
-        given = list(goals)
+    def _goals(self, given: Sequence[Any], starts: np.ndarray) -> list[srmp.GoalConstraint]:
         if len(given) != len(self):
             raise srmp.InvalidArgument(f"there are {len(given)} goals for {len(self)} scenes.")
-        as_poses = isinstance(goals, np.ndarray) and goals.ndim == 2 and goals.shape[1] == 7 != len(self._joint_names)
-        if as_poses:
-            given = [_as_pose(f"goals[{k}]", goal) for k, goal in enumerate(given)]
         found = []
         for k, (scene, robot, goal) in enumerate(zip(self._scenes, self._robots, given, strict=True)):
             try:

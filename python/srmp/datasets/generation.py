@@ -106,7 +106,7 @@ class _Run:
         finally:
             shards.close()  # type: ignore[attr-defined]  # a generator: ends its workers
             self._store.write_index()
-        self._store.add_run(self._about(workers, ray))
+            self._store.add_run(self._about(workers, ray))
 
     def _tell(self, records: int) -> None:
         if self._progress:

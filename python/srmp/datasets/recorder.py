@@ -58,6 +58,9 @@ class Recorder:
             robot.add_to(self._world, directory)
         self._names = [robot.name for robot in spec.robots]
         self._world.prepare()
+        for name in [robot.name for robot in spec.robots]:
+            # The last bits of Coal's distances depend on the first query of a process, so it is always this one.
+            self._world.is_state_colliding(name, self._world.get_qpos(name))
         self._world.make_planner(self._names, dict(spec.planner))
         self._period = float(srmp.planner_options(dict(spec.planner))["sample_period"])
         self._ends = EndSampler(self._world, spec.robots, spec.clearance)

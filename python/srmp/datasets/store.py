@@ -138,10 +138,13 @@ class Store:
     def write_shard(self, made: MadeShard) -> None:
         """Writes a shard: under another name first, so that a file with a shard's name is always whole."""
         sha256 = hashlib.sha256(made.data).hexdigest()
-        name = shard_name(made.number, sha256)
-        with self._explained():
-            write_bytes(self.directory / name, made.data)
-        self.shards[made.number] = Shard(made.number, name, sha256, made.count)
+        path = self.directory / shard_name(made.number, sha256)
+        try:
+            with self._explained():
+                write_bytes(path, made.data)
+        finally:  # Ctrl-C may come right after the file was renamed
+            if path.exists():
+                self.shards[made.number] = Shard(made.number, path.name, sha256, made.count)
 
     def write_index(self) -> None:
         """Writes index.json: the same for the same shards."""
@@ -162,8 +165,10 @@ class Store:
 
     def add_run(self, about: Mapping[str, Any]) -> None:
         """Appends a line to runs.jsonl: what is different in every run, such as times, is there and nowhere else."""
-        with self._explained(), (self.directory / RUNS).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(plain(about)) + "\n")
+        path = self.directory / RUNS
+        with self._explained():
+            before = path.read_bytes() if path.exists() else b""
+            write_bytes(path, before + json.dumps(plain(about)).encode() + b"\n")
 
     @contextlib.contextmanager
     def _explained(self) -> Iterator[None]:

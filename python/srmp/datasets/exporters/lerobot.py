@@ -24,10 +24,10 @@ _COUNTERS = ("frame_index", "episode_index", "index", "task_index")
 def to_lerobot(dataset: Dataset, out: Path) -> Iterator[int]:
     """A data set of LeRobot v3.0; yields how many episodes were written, file by file.
 
-    An episode is a solved record, a frame one of its rows. observation.state: the configuration; action: that of the next
-    row, where a policy should send the robot (the last row's own at the end), float32 as LeRobot has them. The task of
-    an episode is the name of its scene. What LeRobot has no place for (scenes, certificates) stays in the data set:
-    `srmp.index` of an episode is its record.
+    An episode is a solved record, a frame one of its rows. observation.state: the configuration; action: that of the
+    next row, where a policy should send the robot (the last row's own at the end), float32 as LeRobot has them. The
+    task of an episode is the name of its scene. What LeRobot has no place for (scenes, certificates) stays in the data
+    set: `srmp.index` of an episode is its record.
     """
     names = all_joint_names(dataset)
     period = float(srmp.planner_options(dict(dataset.spec.planner))["sample_period"])
