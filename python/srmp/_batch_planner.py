@@ -175,6 +175,8 @@ class BatchPlanner:
             return self._scenes[scene].plan(self._robots[scene], start, goal)
         except srmp.PlanningError as error:
             return error
+        except srmp.InvalidArgument as error:
+            raise srmp.InvalidArgument(f"scene {scene}: {error}") from error
 
 
 def _as_pose(name: str, pose: srmp.Pose | ArrayLike) -> srmp.Pose:

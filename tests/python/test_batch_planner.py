@@ -89,7 +89,7 @@ def test_what_is_refused(ready):
         (ready, [ready], "starts have the shape"),
         ([ready + np.nan], [ready], "not finite"),
         ([ready], [ready, ready], "there are 2 goals for 1 scenes"),
-        ([ready], [[0.0]], r"goals\[0\]: "),
+        ([ready], [[0.0]], "scene 0: goal of"),
         ([ready], None, "give either goals or poses"),
     ):
         with pytest.raises(srmp.InvalidArgument, match=sentence):

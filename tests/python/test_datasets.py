@@ -173,7 +173,7 @@ def test_ctrl_c_keeps_what_is_there(tmp_path):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     deadline = time.monotonic() + 30
-    while time.monotonic() < deadline and len(list(directory.glob("shard-*"))) < 3:
+    while time.monotonic() < deadline and len(list(directory.glob("shard-*.parquet"))) < 3:
         time.sleep(0.05)
     driver.send_signal(signal.SIGINT)
     began = time.monotonic()

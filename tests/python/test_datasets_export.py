@@ -1,6 +1,7 @@
 """Exports of data sets, read back by the packages of their formats."""
 
 import importlib.util
+import io
 import json
 import tarfile
 
@@ -58,7 +59,7 @@ def test_webdataset(dataset, tmp_path):
     with tarfile.open(tmp_path / "out" / "motions-000000.tar") as archive:
         for record in dataset:
             stem = f"{record.index:09d}"
-            positions = np.lib.format.read_array(archive.extractfile(f"{stem}.positions.npy"))
+            positions = np.load(io.BytesIO(archive.extractfile(f"{stem}.positions.npy").read()))
             assert np.array_equal(positions, record.trajectory().positions)
             about = json.load(archive.extractfile(f"{stem}.json"))
             assert about["scene"] == record.scene

@@ -5,6 +5,7 @@ import signal
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -49,10 +50,10 @@ def test_same_bytes_when_a_worker_is_killed(cluster, tmp_path):
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline and len(killed) < 2:
             time.sleep(0.2)
-            for path in os.listdir("/proc"):
-                if path.isdigit() and int(path) not in killed and _is_worker(path):
-                    os.kill(int(path), signal.SIGKILL)
-                    killed.append(int(path))
+            for pid in [int(path.name) for path in Path("/proc").iterdir() if path.name.isdigit()]:
+                if pid not in killed and _is_worker(pid):
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
                     time.sleep(1.0)
                     break
 
@@ -70,7 +71,6 @@ def test_same_bytes_when_a_worker_is_killed(cluster, tmp_path):
 
 def _is_worker(pid):
     try:
-        with open(f"/proc/{pid}/cmdline", "rb") as file:  # noqa: PTH123
-            return file.read().startswith(b"ray::_RayWorker")
+        return Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"ray::_RayWorker")
     except OSError:
         return False

@@ -192,7 +192,7 @@ class _Reader:
 
     def _planner(self, fields: Fields, robots: int) -> dict[str, Any]:
         """The options as given, with a time limit that is generous."""
-        options = {"planner_id": "auto", "time_limit": 10.0, **fields.mapping("planner")}
+        options = {"planner_id": "auto", "time_limit": 60.0, **fields.mapping("planner")}
         try:
             known = srmp.planner_options(options)
         except srmp.Error as error:

@@ -155,6 +155,7 @@ class World:
         self.geometry.setCollisionPairs(chosen, True)
 
     def set_joint(self, q: np.ndarray, name: str, value: float) -> None:
+        """Sets a joint, "robot/joint", in the configuration `q` [rad or m]; unknown joints are left out."""
         if not self.model.existJointName(name):
             return
         joint = self.model.joints[self.model.getJointId(name)]
