@@ -250,8 +250,17 @@ MODULES = {
     "srmp": (
         ("_srmp.pyi", None),
         ("_verify.py", ("verify",)),
+        ("_batch_planner.py", ("BatchPlanner", "Batch")),
         ("options.py", None),
         ("__init__.py", ("data_path", "get_cmake_dir")),
+    ),
+    "srmp.datasets": (
+        ("datasets/generation.py", ("generate", "Generated")),
+        ("datasets/spec.py", ("read_spec", "Spec")),
+        ("datasets/scene.py", ("Scene", "SceneObject")),
+        ("datasets/dataset.py", ("open", "Dataset", "Record")),
+        ("datasets/audit.py", ("audit", "Audit", "Fault")),
+        ("datasets/exporters/__init__.py", ("export",)),
     ),
     "srmp.sim": (
         ("sim/__init__.py", ("read_sim", "execute", "open_simulator")),

@@ -18,7 +18,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import cubics
 import numpy as np
 import recheck_mbm
 
@@ -26,6 +25,7 @@ import srmp
 from srmp._files import write_json
 from srmp._table import format_seconds, format_table
 from srmp.bench import mbm
+from srmp.recheck import cubics
 
 RATE = 1000.0  # [Hz]
 TOLERANCE = 1e-6  # of a limit

@@ -13,6 +13,8 @@ except ImportError:  # the libraries of other wheels are not beside this package
     preload()
     from srmp import _srmp
 
+from srmp._batch_planner import Batch as Batch
+from srmp._batch_planner import BatchPlanner as BatchPlanner
 from srmp._srmp import *  # noqa: F403
 from srmp._verify import verify as verify
 

@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | verify | check | view | cover | bench mbm, multi, paper | cmake-dir."""
+"""The command line: srmp demo, plan, replay, verify, check, view, cover, bench, generate, audit, export, cmake-dir."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from click.core import ParameterSource
 
 import srmp
 from srmp._cli_bench import bench
+from srmp._cli_datasets import audit, export, generate
 from srmp._cli_options import decorated, parse_key_values, planner_options, steps_bar
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
@@ -506,7 +507,8 @@ def cmake_dir() -> None:
     click.echo(srmp.get_cmake_dir())
 
 
-main.add_command(bench)
+for command in (bench, generate, audit, export):
+    main.add_command(command)
 
 
 if __name__ == "__main__":

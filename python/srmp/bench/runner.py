@@ -123,7 +123,7 @@ def _solved(
 ) -> Iterator[Iterator[Row]]:
     """The rows in the order of the problems, as they come."""
     if execution.ray is not None:
-        with _cluster(execution.ray) as ray:
+        with connect_to_ray(execution.ray) as ray:
             yield _solved_by_ray(ray, problems, make_solver, execution.workers)
     elif execution.distributed:
         with _solved_by_processes(problems, make_solver, execution) as rows:
@@ -160,7 +160,7 @@ def _solved_by_processes(
         min(execution.workers or 1, len(problems)), get_context("spawn"), _begin_worker, (make_solver,)
     )
     try:
-        with _ctrl_c_later():  # workers begin with the signal blocked, and ignore it once they can
+        with ctrl_c_later():  # workers begin with the signal blocked, and ignore it once they can
             futures = [pool.submit(_solve, problem) for problem in problems]
         yield (future.result() for future in futures)
     except BrokenProcessPool as error:
@@ -171,7 +171,8 @@ def _solved_by_processes(
 
 
 @contextlib.contextmanager
-def _ctrl_c_later() -> Iterator[None]:
+def ctrl_c_later() -> Iterator[None]:
+    """Blocks Ctrl-C inside; processes that begin there begin with it blocked."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -180,8 +181,8 @@ def _ctrl_c_later() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _cluster(address: str) -> Iterator[Any]:
-    """The module ray, connected to the cluster."""
+def connect_to_ray(address: str) -> Iterator[Any]:
+    """The module ray, connected to the cluster. Raises Error where it is not installed, or there is no cluster."""
     try:
         import ray
     except ModuleNotFoundError as error:

@@ -1,0 +1,324 @@
+"""Specs of data sets: read from YAML, checked field by field, and made independent of this machine's paths."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import importlib
+import importlib.util
+import json
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import srmp
+from srmp._files import plain
+from srmp.datasets.fields import Fields
+from srmp.datasets.kinds import KINDS
+from srmp.datasets.robot_files import RobotSpec, pack, read_robot
+
+FORMAT = "srmp data set"
+FORMAT_VERSION = 1
+SOURCES = ("configuration", "region", "states")
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """Where starts or goals come from."""
+
+    source: str
+    """configuration: anywhere within the joint limits; region: a tool pose in a region of the scene; states: a list."""
+    regions: tuple[str, ...] = ()
+    """Patterns of names of regions; none: all."""
+    states: tuple[Any, ...] = ()
+    """Names of states of the SRDF, or configurations."""
+    pose: bool = False
+    """A goal is the tool's pose, any configuration of which is good, instead of the configuration that was drawn."""
+
+
+@dataclass(frozen=True)
+class SceneSpec:
+    """One kind of scenes, and how often it is drawn relative to the others."""
+
+    name: str
+    kind: str
+    weight: float
+    start: Sampler
+    goal: Sampler
+    parameters: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Spec:
+    """What a data set holds. A record is a function of its index and of the spec without its count and shard size."""
+
+    count: int
+    records_per_shard: int
+    seed: int
+    robots: tuple[RobotSpec, ...]
+    scenes: tuple[SceneSpec, ...]
+    planner: Mapping[str, Any]
+    clearance: float
+    """Of starts and goals [m]."""
+    tries: int
+    """Scenes that are drawn for a record before it ends as `no_problem`."""
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
+    """Files that the data set carries: robots' files and the modules of functions, by relative path."""
+
+    @property
+    def shards(self) -> int:
+        """How many shards the data set has."""
+        return -(-self.count // self.records_per_shard)
+
+    def numbers(self, shard: int) -> range:
+        """The indices of the records of a shard."""
+        first = shard * self.records_per_shard
+        return range(first, min(first + self.records_per_shard, self.count))
+
+    def content(self) -> dict[str, Any]:
+        """What records depend on, without paths of this machine: files stand as hashes."""
+        whole = dataclasses.asdict(self)
+        for key in ("count", "records_per_shard", "files"):
+            del whole[key]
+        hashes = {name: hashlib.sha256(data).hexdigest() for name, data in sorted(self.files.items())}
+        return {"format_version": FORMAT_VERSION, **plain(whole), "files": hashes}
+
+    @property
+    def identity(self) -> str:
+        """The SHA-256 of `content`: 64 hexadecimal digits."""
+        return identity_of(self.content())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As index.json holds it; from_dict makes it again from that and the files."""
+        return {**self.content(), "count": self.count, "records_per_shard": self.records_per_shard}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any], files: Mapping[str, bytes]) -> Spec:
+        """The spec that to_dict wrote."""
+        scenes = tuple(
+            SceneSpec(**{**scene, "start": _sampler_of(scene["start"]), "goal": _sampler_of(scene["goal"])})
+            for scene in values["scenes"]
+        )
+        robots = tuple(RobotSpec(**robot) for robot in values["robots"])
+        names = ("count", "records_per_shard", "seed", "planner", "clearance", "tries")
+        return cls(robots=robots, scenes=scenes, files=dict(files), **{name: values[name] for name in names})
+
+
+def identity_of(content: Mapping[str, Any]) -> str:
+    """The SHA-256 of a spec's content, as Spec.identity."""
+    left_out = ("count", "records_per_shard")
+    text = json.dumps({key: content[key] for key in sorted(content) if key not in left_out}, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def read_spec(source: str | Path | Mapping[str, Any]) -> Spec:
+    """The spec of a YAML file, or of a dictionary laid out like one (relative paths: from the current directory).
+
+    docs/datasets.md lists the fields. Raises FileError for a file that cannot be read, InvalidArgument with the name of
+    the field for anything missing, unknown or out of range.
+    """
+    if isinstance(source, Mapping):
+        return _Reader(Path.cwd()).read(source)
+    path = Path(source)
+    values = _load_yaml(path)
+    try:
+        return _Reader(path.resolve().parent).read(values)
+    except srmp.InvalidArgument as error:
+        raise srmp.InvalidArgument(f"{path}: {error}") from error
+
+
+def _load_yaml(path: Path) -> Any:
+    try:
+        import yaml
+    except ModuleNotFoundError as error:
+        raise srmp.Error(
+            'specs need PyYAML: pip install ".[datasets]" in a checkout (or pip install pyyaml).'
+        ) from error
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise srmp.FileError(f"{path} cannot be read: {error.strerror}.") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        sentence = " ".join(str(error).split())
+        raise srmp.FileError(f"{path} is not YAML: {sentence}.") from error
+
+
+class _Reader:
+    """Reads a spec whose relative paths begin at a directory."""
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory
+        self._files: dict[str, bytes] = {}
+
+    def read(self, values: Any) -> Spec:
+        fields = Fields(values)
+        count = fields.whole("count", least=1)
+        per_shard = fields.whole("records_per_shard", 500, least=1, most=100_000)
+        seed = fields.whole("seed", 0, most=2**63 - 1)
+        robots = self._robots(fields)
+        start, goal = (self._sampler(fields.inner(key), None, robots) for key in ("start", "goal"))
+        self._robots_read = robots
+        scenes = tuple(self._scene(item, start, goal) for item in fields.items("scenes"))
+        names = [scene.name for scene in scenes]
+        for name in names:
+            if names.count(name) > 1:
+                raise srmp.InvalidArgument(f"two scenes have the name '{name}'; give them different ones with 'name'.")
+        planner = self._planner(fields, len(robots))
+        clearance = fields.number("clearance", 0.005, least=0.0, most=1.0)
+        tries = fields.whole("tries", 20, least=1, most=10_000)
+        fields.close()
+        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files)
+
+    def _robots(self, fields: Fields) -> tuple[RobotSpec, ...]:
+        robots = []
+        for item in fields.items("robots"):
+            robot, source = read_robot(item, self._directory)
+            if robot.name in [other.name for other in robots]:
+                raise srmp.InvalidArgument(f"two robots have the name '{robot.name}'.")
+            self._files.update(pack(robot.name, source))
+            robots.append(robot)
+        with _unpacked(self._files) as directory:  # groups, links and joints must exist
+            planner = srmp.PlannerInterface()
+            for k, robot in enumerate(robots):
+                try:
+                    robot.add_to(planner, directory)
+                except srmp.Error as error:
+                    raise srmp.InvalidArgument(f"robots[{k}]: {error}") from error
+        self._world = planner
+        return tuple(robots)
+
+    def _planner(self, fields: Fields, robots: int) -> dict[str, Any]:
+        """The options as given, with a time limit that is generous."""
+        options = {"planner_id": "auto", "time_limit": 60.0, **fields.mapping("planner")}
+        try:
+            known = srmp.planner_options(options)
+        except srmp.Error as error:
+            raise srmp.InvalidArgument(f"planner: {error}") from error
+        for key, allowed in (("certify", True), ("improve_time", 0.0)):
+            if key in known and known[key] != allowed:
+                raise srmp.InvalidArgument(f"planner.{key} is {known[key]!r}; in data sets it must be {allowed!r}.")
+        if known["timing"] == "none":
+            raise srmp.InvalidArgument("planner.timing is 'none'; in data sets it must be 'toppra' or 'ruckig'.")
+        return plain(options)
+
+    def _scene(self, fields: Fields, start: Sampler | None, goal: Sampler | None) -> SceneSpec:
+        kind = fields.text("kind", choices=tuple(KINDS))
+        name = fields.text("name", kind)
+        weight = fields.number("weight", 1.0, least=1e-9, most=1e9)
+        defaults = {"start": Sampler(KINDS[kind].start), "goal": Sampler(KINDS[kind].goal)}
+        if kind == "variations":
+            parameters, own = self._variations(fields)
+            defaults.update(own)
+        elif kind == "function":
+            parameters = self._function(fields)
+        else:
+            parameters = {
+                key: fields.whole(key, known.default, int(known.least), known.most)
+                if isinstance(known.default, int)
+                else fields.number(key, known.default, known.least, known.most)
+                for key, known in KINDS[kind].parameters.items()
+            }
+        robots = self._robots_read
+        samplers = {
+            "start": self._sampler(fields.inner("start"), start or defaults["start"], robots),
+            "goal": self._sampler(fields.inner("goal"), goal or defaults["goal"], robots),
+        }
+        fields.close()
+        return SceneSpec(name, kind, weight, parameters=parameters, **samplers)  # type: ignore[arg-type]
+
+    def _sampler(self, fields: Fields | None, default: Sampler | None, robots: tuple[RobotSpec, ...]) -> Sampler | None:
+        if fields is None:
+            return default
+        source = fields.text("from", choices=SOURCES)
+        regions = fields.texts("regions") if source == "region" else ()
+        pose = fields.any("pose", False)
+        if not isinstance(pose, bool):
+            raise fields.refusal("pose", pose, "true or false")
+        states = ()
+        if source == "states":
+            given = fields.any("states", required=True)
+            states = tuple(self._state(fields, k, state, robots) for k, state in enumerate(_list(fields, given)))
+        fields.close()
+        return Sampler(source, regions, states, pose)
+
+    def _state(self, fields: Fields, k: int, state: Any, robots: tuple[RobotSpec, ...]) -> Any:
+        for robot in robots:
+            if isinstance(state, str) and state not in (known := self._world.get_group_states(robot.name)):
+                raise fields.refusal(f"states[{k}]", state, f"a state of '{robot.name}': {', '.join(known) or 'none'}")
+            if not isinstance(state, str):
+                Fields({"state": state}).numbers("state", len(self._world.get_joint_names(robot.name)))
+        return state if isinstance(state, str) else tuple(float(x) for x in state)
+
+    def _function(self, fields: Fields) -> dict[str, Any]:
+        name = fields.text("function")
+        module, colon, attribute = name.partition(":")
+        if not colon or not module or not attribute:
+            raise fields.refusal("function", name, "module:function")
+        if str(self._directory) not in sys.path:
+            sys.path.append(str(self._directory))
+        found = importlib.util.find_spec(module) if "." not in module else None
+        if found is None or not found.origin or not Path(found.origin).is_file():
+            raise fields.refusal("function", name, f"in a module that is one file, in {self._directory} or installed")
+        source = Path(found.origin).read_bytes()
+        if not callable(getattr(importlib.import_module(module), attribute, None)):
+            raise fields.refusal("function", name, f"a function of {found.origin}")
+        self._files[f"functions/{module}.py"] = source
+        return {"function": name, "parameters": plain(fields.mapping("parameters"))}
+
+    def _variations(self, fields: Fields) -> tuple[dict[str, Any], dict[str, Sampler]]:
+        from srmp.datasets.scene_files import read_objects, read_request
+
+        base = read_objects(self._directory / fields.text("scene"))
+        parameters = {
+            "base": [item.to_dict() for item in base],
+            "poses": {},
+            "shift": fields.number("shift", 0.05, 0.0, 10.0),
+            "turn": fields.number("turn", 0.1, 0.0, 3.2),
+            "moved": list(fields.texts("moved")),
+            "object_shift": fields.number("object_shift", 0.03, 0.0, 10.0),
+            "object_turn": fields.number("object_turn", 0.3, 0.0, 3.2),
+        }
+        own = {key: Sampler("configuration") for key in ("start", "goal")}
+        if fields.has("request"):
+            start, goal = read_request(self._world, self._robots_read[0].name, self._directory / fields.text("request"))
+            tool = srmp.Pose(p=[0, 0, self._robots_read[0].tool_length])
+            parameters["poses"] = {"goal": list(goal @ tool)}
+            own = {"start": Sampler("states", states=(start,)), "goal": Sampler("region", ("goal",))}
+        return parameters, own
+
+
+def _list(fields: Fields, value: Any) -> list[Any]:
+    if not isinstance(value, list) or not value:
+        raise fields.refusal("states", value, "a list of names of states or of configurations")
+    return value
+
+
+def _sampler_of(values: Mapping[str, Any]) -> Sampler:
+    states = tuple(state if isinstance(state, str) else tuple(state) for state in values["states"])
+    return Sampler(values["source"], tuple(values["regions"]), states, values["pose"])
+
+
+class _unpacked:
+    """A temporary directory with the files; a context manager."""
+
+    def __init__(self, files: Mapping[str, bytes]) -> None:
+        self._files = files
+
+    def __enter__(self) -> Path:
+        self._directory = tempfile.TemporaryDirectory(prefix="srmp-")
+        unpack(self._files, Path(self._directory.name))
+        return Path(self._directory.name)
+
+    def __exit__(self, *_: object) -> None:
+        self._directory.cleanup()
+
+
+def unpack(files: Mapping[str, bytes], directory: Path) -> None:
+    """Writes the files below a directory."""
+    for name, data in files.items():
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)

@@ -1,0 +1,230 @@
+"""A data set's directory: shards named by their content, an index, the robots' files; every file whole or not there."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import srmp
+from srmp._files import plain, write_json
+from srmp.datasets.recorder import MadeShard
+from srmp.datasets.schema import need_pyarrow, versions
+from srmp.datasets.spec import FORMAT, FORMAT_VERSION, Spec
+
+INDEX = "index.json"
+RUNS = "runs.jsonl"
+_SHARD = re.compile(r"shard-(\d{6,})-([0-9a-f]{32})\.parquet")
+_GO_ON = "the shards that are there are complete; the same command goes on from them"
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A shard of the index."""
+
+    number: int
+    name: str
+    sha256: str
+    records: int
+
+
+def shard_name(number: int, sha256: str) -> str:
+    """The file name of a shard."""
+    return f"shard-{number:06d}-{sha256[:32]}.parquet"
+
+
+def parse_shard_name(name: str) -> tuple[int, str] | None:
+    """Its number and the first half of its hash; None for other files."""
+    match = _SHARD.fullmatch(name)
+    return (int(match[1]), match[2]) if match else None
+
+
+def hash_of(shards: list[Shard]) -> str:
+    """The SHA-256 of a whole data set: that of its shards' hashes, one after the other."""
+    return hashlib.sha256("".join(shard.sha256 for shard in shards).encode()).hexdigest()
+
+
+class Store:
+    """The directory while a data set is made. A context manager; one process at a time has it."""
+
+    def __init__(self, directory: Path, spec: Spec) -> None:
+        self.directory, self._spec = directory, spec
+        self.shards: dict[int, Shard] = {}
+        """Those that are there, by number."""
+
+    def __enter__(self) -> Store:
+        """Raises FileError where the directory cannot be written, is in use, or holds another data set."""
+        with self._explained():
+            self.directory.mkdir(parents=True, exist_ok=True)
+            self._lock = (self.directory / ".lock").open("w")
+        try:
+            self._take()
+            self._require_same()
+            self.write_files()
+            for torn in self.directory.glob("*.part"):
+                torn.unlink()
+            self.shards = dict(self._found())
+            self.write_index()
+        except BaseException:
+            self._lock.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.close()
+
+    def _take(self) -> None:
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            raise srmp.FileError(f"{self.directory} is in use by another run.") from error
+
+    def _require_same(self) -> None:
+        """Refuses a directory whose index is of other records, or that holds files but no index."""
+        path = self.directory / INDEX
+        if not path.exists():
+            if any(parse_shard_name(item.name) for item in self.directory.iterdir()):
+                raise srmp.FileError(f"{self.directory} holds shards but no {INDEX}: choose another directory.")
+            return
+        index = read_index(self.directory)
+        spec = index["spec"]
+        mine = self._spec.content()
+        different = [key for key in mine if plain(spec.get(key)) != plain(mine[key])]
+        if different or spec.get("records_per_shard") != self._spec.records_per_shard:
+            names = ", ".join(different or ["records_per_shard"])
+            raise srmp.FileError(
+                f"{self.directory} holds a data set of another spec (different: {names}): choose another directory."
+            )
+        if index["versions"] != versions():
+            raise srmp.FileError(
+                f"{self.directory} was made by other versions ({json.dumps(index['versions'])}): finish it with those, "
+                "or choose another directory."
+            )
+
+    def _found(self) -> Iterator[tuple[int, Shard]]:
+        """Shards with the content that their name says; damaged ones and leftovers of a smaller data set go."""
+        for path in sorted(self.directory.iterdir()):
+            if not (named := parse_shard_name(path.name)):
+                continue
+            number, prefix = named
+            sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+            if number < self._spec.shards and sha256.startswith(prefix):
+                records = need_pyarrow().parquet.read_metadata(path).num_rows
+                if records == len(self._spec.numbers(number)):
+                    yield number, Shard(number, path.name, sha256, records)
+                    continue
+            if number >= self._spec.shards:
+                raise srmp.FileError(
+                    f"{self.directory} holds {path.name}, more than the {self._spec.shards} shards of the spec: raise "
+                    "its count, or choose another directory."
+                )
+            path.unlink()
+
+    def write_files(self) -> None:
+        """Writes the files that the data set carries."""
+        with self._explained():
+            for name, data in self._spec.files.items():
+                path = self.directory / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                write_bytes(path, data)
+
+    def write_shard(self, made: MadeShard) -> None:
+        """Writes a shard: under another name first, so that a file with a shard's name is always whole."""
+        sha256 = hashlib.sha256(made.data).hexdigest()
+        path = self.directory / shard_name(made.number, sha256)
+        try:
+            with self._explained():
+                write_bytes(path, made.data)
+        finally:  # Ctrl-C may come right after the file was renamed
+            if path.exists():
+                self.shards[made.number] = Shard(made.number, path.name, sha256, made.count)
+
+    def write_index(self) -> None:
+        """Writes index.json: the same for the same shards."""
+        shards = [self.shards[number] for number in sorted(self.shards)]
+        content = {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "complete": len(shards) == self._spec.shards,
+            "records": sum(shard.records for shard in shards),
+            "sha256": hash_of(shards),
+            "identity": self._spec.identity,
+            "versions": versions(),
+            "spec": self._spec.to_dict(),
+            "shards": [vars(shard) for shard in shards],
+        }
+        with self._explained():
+            write_json(self.directory / INDEX, content)
+
+    def add_run(self, about: Mapping[str, Any]) -> None:
+        """Appends a line to runs.jsonl: what is different in every run, such as times, is there and nowhere else."""
+        path = self.directory / RUNS
+        with self._explained():
+            before = path.read_bytes() if path.exists() else b""
+            write_bytes(path, before + json.dumps(plain(about)).encode() + b"\n")
+
+    @contextlib.contextmanager
+    def _explained(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            reason = error.strerror or str(error)
+            count = f" after {len(self.shards)} of {self._spec.shards} shards" if self.shards else ""
+            rest = f"; {_GO_ON}" if self.shards else ""
+            raise srmp.FileError(f"{self.directory} cannot be written{count}: {reason}{rest}.") from error
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Writes a temporary file beside the path, brings it to the disk, and renames it. Raises OSError."""
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        part.rename(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+    with contextlib.suppress(OSError):  # some file systems cannot do this for directories
+        directory = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(directory)
+        finally:
+            os.close(directory)
+
+
+def read_index(directory: Path) -> dict[str, Any]:
+    """The content of index.json. Raises FileError."""
+    path = directory / INDEX
+    try:
+        index = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise srmp.FileError(f"{directory} is not a data set: it has no {INDEX}.") from error
+    except (OSError, ValueError) as error:
+        raise srmp.FileError(f"{path} cannot be read: {error}.") from error
+    if not isinstance(index, dict) or index.get("format") != FORMAT:
+        raise srmp.FileError(f"{path} is not the index of a data set.")
+    if index.get("format_version") != FORMAT_VERSION:
+        version = index.get("format_version")
+        raise srmp.FileError(f"{path} has format version {version}; this program reads {FORMAT_VERSION}.")
+    missing = [key for key in ("records", "sha256", "identity", "versions", "spec", "shards") if key not in index]
+    if missing:
+        raise srmp.FileError(f"{path} has no '{missing[0]}'.")
+    return index
+
+
+def read_shards(index: Mapping[str, Any]) -> list[Shard]:
+    """The shards that the index lists. Raises FileError."""
+    try:
+        return [Shard(**item) for item in index["shards"]]
+    except TypeError as error:
+        raise srmp.FileError(f"the shards of {INDEX} are not as they are written: {error}.") from error

@@ -1,0 +1,507 @@
+"""Data sets: the same bytes however they are made, whole files or none, one sentence for everything that is wrong."""
+
+import contextlib
+import json
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import srmp
+
+pytest.importorskip("pyarrow", reason="data sets need pyarrow: pip install '.[datasets]'")
+pytest.importorskip("yaml", reason="specs need PyYAML: pip install '.[datasets]'")
+
+from srmp import datasets
+from srmp.datasets.generation import generate
+from srmp.datasets.recorder import Recorder, random_numbers
+from srmp.datasets.scene import Scene
+from srmp.datasets.spec import Spec, read_spec
+
+ROBOT = {"name": "arm", "model": "arm7", "tool_length": 0.0}
+SMALL = {"scale": 0.9, "objects": 2, "meshes": 0}
+
+
+def spec_of(count=12, per_shard=2, scenes=None, **more):
+    return {
+        "count": count,
+        "records_per_shard": per_shard,
+        "robots": [ROBOT],
+        "scenes": scenes or [{"kind": "table", **SMALL}, {"kind": "shelf", **SMALL}],
+        **more,
+    }
+
+
+def files_of(directory):
+    """Everything but what says when and where it was made."""
+    left_out = {"runs.jsonl", ".lock"}
+    return {
+        str(path.relative_to(directory)): path.read_bytes()
+        for path in sorted(Path(directory).rglob("*"))
+        if path.is_file() and path.name not in left_out
+    }
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("datasets") / "one"
+    return generate(spec_of(), directory, workers=1)
+
+
+# --- the same bytes
+
+
+def test_same_bytes_in_reversed_order(made, tmp_path):
+    other = generate(spec_of(), tmp_path / "set", workers=1, order=lambda numbers: numbers[::-1])
+    assert other.sha256 == made.sha256
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
+@pytest.mark.parametrize("workers", [2, 4])
+def test_same_bytes_by_processes(made, tmp_path, workers):
+    generate(spec_of(), tmp_path / "set", workers=workers)
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
+def test_a_record_does_not_depend_on_those_before(made):
+    dataset = datasets.open(made.directory)
+    recorder = Recorder(dataset.spec, made.directory)
+    for index in (7, 2, 7):
+        assert recorder.record(index)["robots"][0]["positions"].tolist() == list(
+            dataset[index].values["robots"][0]["positions"]
+        )
+
+
+def test_growth_keeps_whole_shards(made, tmp_path):
+    generate(spec_of(count=5), tmp_path / "set", workers=1)
+    assert generate(spec_of(count=12), tmp_path / "set", workers=1).made == 8  # one shard was not full
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
+def test_another_place_and_another_seed(made, tmp_path):
+    assert read_spec(spec_of(seed=1)).identity != read_spec(spec_of()).identity
+    assert read_spec(spec_of(count=99, per_shard=7)).identity == read_spec(spec_of()).identity
+    spec = datasets.open(made.directory).spec
+    assert Spec.from_dict(json.loads(json.dumps(spec.to_dict())), spec.files).identity == spec.identity
+    a, b = (random_numbers(spec.identity, index).random(4) for index in (3, 4))
+    assert not np.any(a == b)
+
+
+# --- work that is lost
+
+
+def command(spec, directory, *more):
+    code = "import sys; from srmp.cli import main; main(sys.argv[1:])"
+    return [sys.executable, "-c", code, "generate", str(spec), "-o", str(directory), *more]
+
+
+def children_of(pid):
+    found = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            found += [int(child) for child in task.read_text().split()]
+    return found
+
+
+def workers_of(pid):
+    """Processes of the pool; not multiprocessing's own resource tracker."""
+    found = []
+    for child in children_of(pid):
+        with contextlib.suppress(OSError):
+            if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
+                found.append(child)
+    return found
+
+
+def write_spec(path, spec):
+    import yaml
+
+    path.write_text(yaml.safe_dump(spec))
+    return path
+
+
+KILLS = int(os.environ.get("SRMP_KILLS", "4"))
+"""Of the driver and of workers; data sets are told to survive any number of them."""
+
+
+def test_same_bytes_after_kills(tmp_path):
+    count = 20 * KILLS
+    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=count, per_shard=2))
+    generate(spec, tmp_path / "whole", workers=1)
+    draw, kills, orphans = random.Random(0), 0, []
+    for _ in range(50):
+        driver = subprocess.Popen(command(spec, tmp_path / "set", "--workers", "2"), stderr=subprocess.PIPE)
+        while driver.poll() is None and kills < KILLS:
+            time.sleep(draw.uniform(0.3, 1.5))
+            workers = workers_of(driver.pid)
+            victim = driver.pid if kills % 2 or not workers else draw.choice(workers)
+            if driver.poll() is None:
+                kills += 1
+                orphans += workers
+                os.kill(victim, signal.SIGKILL)
+        errors = driver.communicate()[1]
+        if driver.returncode == 0:
+            break
+        assert driver.returncode == -signal.SIGKILL, errors.decode()
+    assert kills == KILLS
+    assert files_of(tmp_path / "set") == files_of(tmp_path / "whole")
+    time.sleep(1.0)
+    assert not [pid for pid in orphans if Path(f"/proc/{pid}/cmdline").exists() and "zombie" not in state_of(pid)]
+
+
+def state_of(pid):
+    try:
+        return Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return "zombie"
+
+
+def test_ctrl_c_keeps_what_is_there(tmp_path):
+    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=2000, per_shard=1))
+    directory = tmp_path / "set"
+    driver = subprocess.Popen(
+        command(spec, directory, "--workers", "2"),
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    deadline = time.monotonic() + 30
+    while time.monotonic() < deadline and len(list(directory.glob("shard-*.parquet"))) < 3:
+        time.sleep(0.05)
+    driver.send_signal(signal.SIGINT)
+    began = time.monotonic()
+    errors = driver.communicate(timeout=20)[1]
+    assert time.monotonic() - began < 5
+    assert driver.returncode == 1
+    assert "Traceback" not in errors
+    dataset = datasets.open(directory)
+    assert not dataset.complete
+    assert len(dataset) == len(list(directory.glob("shard-*.parquet"))) >= 3
+    assert [record.index for record in dataset][:3] == [shard.number for shard in dataset.shards][:3]
+    assert not list(directory.rglob("*.part"))
+
+
+# --- places that cannot be written
+
+_LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), -1))
+import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+from srmp.cli import main; main(sys.argv[1:])
+"""
+
+
+def test_a_file_that_is_too_large_is_not_half_written(made, tmp_path):
+    """As a full disk or a quota: a write fails in the middle of a file."""
+    spec = write_spec(tmp_path / "spec.yaml", spec_of())
+    generate(spec, tmp_path / "set", workers=1, order=lambda numbers: numbers[:2])
+    kept = files_of(tmp_path / "set")
+    limited = [sys.executable, "-c", _LIMITED, "8000", "generate", str(spec), "-o", str(tmp_path / "set")]
+    result = subprocess.run([*limited, "--workers", "1"], capture_output=True, text=True)
+    assert result.returncode == 2
+    assert re.fullmatch(
+        r"error: \S+ cannot be written after 2 of 6 shards: File too large; .* goes on from them\.\n", result.stderr
+    )
+    assert {name: kept[name] for name in kept if name != "index.json"} == {
+        name: data for name, data in files_of(tmp_path / "set").items() if name != "index.json"
+    }
+    generate(spec, tmp_path / "set", workers=1)
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system of 300 kB; needs root."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(place)], capture_output=True)
+    if mount.returncode:
+        pytest.skip("a small file system cannot be mounted here")
+    yield place
+    subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def test_a_full_disk(small_disk, tmp_path):
+    with pytest.raises(
+        srmp.FileError, match=r"cannot be written after \d+ of 60 shards: No space left on device; .* goes on"
+    ):
+        generate(spec_of(count=120), small_disk / "set", workers=1)
+    there = list((small_disk / "set").glob("shard-*"))
+    assert there
+    assert not list((small_disk / "set").rglob("*.part"))
+    subprocess.run(["mount", "-o", "remount,size=20m", str(small_disk)], check=True)
+    went_on = generate(spec_of(count=120), small_disk / "set", workers=1)
+    assert went_on.made == 120 - 2 * len(there)
+    assert went_on.sha256 == generate(spec_of(count=120), tmp_path / "set", workers=2).sha256
+
+
+def test_a_directory_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "file", tmp_path / "file" / "set", Path("/proc/set")):
+        with pytest.raises(srmp.FileError, match="cannot be written"):
+            generate(spec_of(), place, workers=1)
+
+
+def test_directories_of_others_are_left_alone(made, tmp_path):
+    before = files_of(made.directory)
+    with pytest.raises(srmp.FileError, match=r"another spec \(different: seed\)"):
+        generate(spec_of(seed=5), made.directory, workers=1)
+    with pytest.raises(srmp.FileError, match="more than the 1 shards"):
+        generate(spec_of(count=2), made.directory, workers=1)
+    assert files_of(made.directory) == before
+    (tmp_path / "shard-000000-00000000000000000000000000000000.parquet").write_text("")
+    with pytest.raises(srmp.FileError, match="holds shards but no index"):
+        generate(spec_of(), tmp_path, workers=1)
+
+
+def test_a_directory_in_use(made, tmp_path):
+    from srmp.datasets.store import Store
+
+    with Store(tmp_path / "set", read_spec(spec_of())), pytest.raises(srmp.FileError, match="in use by another run"):
+        generate(spec_of(), tmp_path / "set", workers=1)
+
+
+def test_a_damaged_shard_is_made_again(made, tmp_path):
+    generate(spec_of(), tmp_path / "set", workers=1)
+    shard = next((tmp_path / "set").glob("shard-000002-*"))
+    shard.write_bytes(shard.read_bytes()[:-1] + b"x")
+    assert generate(spec_of(), tmp_path / "set", workers=1).made == 2
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
+# --- specs
+
+BROKEN = [
+    ({"count": 0}, "count is 0; it must be a whole number of at least 1."),
+    ({"count": "many"}, "count is 'many'"),
+    ({"records_per_shard": 0}, "records_per_shard is 0; it must be a whole number from 1 to 100000."),
+    ({"seed": -1}, "seed is -1"),
+    ({"clearance": -0.1}, "clearance is -0.1; it must be a number from 0 to 1."),
+    ({"clearance": float("nan")}, "clearance is nan"),
+    ({"tries": 1.5}, "tries is 1.5; it must be a whole number"),
+    ({"cuont": 3}, "the spec has an unknown field 'cuont', did you mean 'count'?"),
+    ({"robots": []}, "robots is []; it must be a list of at least one mapping."),
+    ({"robots": [3]}, "robots[0] is 3; it must be a mapping"),
+    ({"robots": [{"model": "arm7"}]}, "robots[0] has no 'name'."),
+    ({"robots": [{**ROBOT, "name": "a/b"}]}, "robots[0].name is 'a/b'"),
+    (
+        {"robots": [{**ROBOT, "model": "arm8"}]},
+        "robots[0].model is 'arm8'; it must be one of arm7, did you mean 'arm7'?",
+    ),
+    ({"robots": [{"name": "arm", "urdf": "none.urdf", "end_effector": "x"}]}, "it must be a file that exists."),
+    ({"robots": [{**ROBOT, "srdf": "none.srdf"}]}, "robots[0] has an unknown field 'srdf'"),
+    ({"robots": [{**ROBOT, "end_effector": "arm7_hnad"}]}, "did you mean 'arm7_hand'?"),
+    ({"robots": [{**ROBOT, "group": "legs"}]}, "robots[0]: "),
+    ({"robots": [{**ROBOT, "fixed_joints": {"x": "y"}}]}, "fixed_joints.x is 'y'; it must be a number."),
+    (
+        {"robots": [{**ROBOT, "base": {"position": [0, 0]}}]},
+        "base.position is [0, 0]; it must be 3 finite numbers.",
+    ),
+    ({"robots": [{**ROBOT, "base": {"rpy": "up"}}]}, "robots[0].base.rpy is 'up'"),
+    ({"robots": [{**ROBOT, "base": {"yaw": 1}}]}, "robots[0].base has an unknown field 'yaw'"),
+    ({"robots": [{**ROBOT, "tool_length": -1}]}, "robots[0].tool_length is -1"),
+    ({"robots": [{**ROBOT, "package_dirs": "x"}]}, "robots[0] has an unknown field 'package_dirs'"),
+    ({"robots": [ROBOT, ROBOT]}, "two robots have the name 'arm'."),
+    ({"scenes": []}, "scenes is []"),
+    ({"scenes": [{"kind": "tabel"}]}, "scenes[0].kind is 'tabel'; it must be one of table, shelf"),
+    ({"scenes": [{"kind": "table", "weight": 0}]}, "scenes[0].weight is 0"),
+    (
+        {"scenes": [{"kind": "table", "objects": -1}]},
+        "[0].objects is -1; it must be a whole number from 0 to 500.",
+    ),
+    ({"scenes": [{"kind": "table", "scale": 0}]}, "scenes[0].scale is 0"),
+    ({"scenes": [{"kind": "table", "bars": 3}]}, "scenes[0] has an unknown field 'bars'"),
+    ({"scenes": [{"kind": "table"}, {"kind": "table"}]}, "two scenes have the name 'table'"),
+    ({"scenes": [{"kind": "table", "start": {"from": "regoin"}}]}, "did you mean 'region'?"),
+    ({"scenes": [{"kind": "table", "goal": {"from": "region", "pose": 1}}]}, "scenes[0].goal.pose is 1"),
+    (
+        {"start": {"from": "states", "states": ["raedy"]}},
+        "states[0] is 'raedy'; it must be a state of 'arm': ready",
+    ),
+    ({"start": {"from": "states", "states": [[1, 2]]}}, "state is [1, 2]; it must be 7 finite numbers."),
+    ({"start": {"from": "states", "states": []}}, "start.states is []"),
+    ({"goal": {"from": "configuration", "regions": ["x"]}}, "goal has an unknown field 'regions'"),
+    ({"scenes": [{"kind": "function", "function": "no"}]}, "scenes[0].function is 'no'; it must be module:function."),
+    ({"scenes": [{"kind": "function", "function": "no_module:f"}]}, "in a module that is one file"),
+    ({"scenes": [{"kind": "variations", "scene": "none.yaml"}]}, "does not exist"),
+    ({"scenes": [{"kind": "variations"}]}, "scenes[0] has no 'scene'."),
+    ({"planner": {"planner_id": "autto"}}, "planner: "),
+    ({"planner": {"time_limit": -1}}, "planner: "),
+    ({"planner": {"certify": False}}, "planner.certify is False; in data sets it must be True."),
+    ({"planner": {"improve_time": 0.5}}, "planner.improve_time is 0.5"),
+    ({"planner": {"timing": "none"}}, "planner.timing is 'none'"),
+    ({"planner": []}, "planner is []; it must be a mapping"),
+]
+
+
+@pytest.mark.parametrize(("change", "sentence"), BROKEN, ids=[str(change)[:60] for change, _ in BROKEN])
+def test_a_broken_spec_is_one_sentence(change, sentence, tmp_path):
+    with pytest.raises(srmp.Error) as caught:
+        generate({**spec_of(), **change}, tmp_path / "set", workers=1)
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "set").exists()
+
+
+def test_files_that_are_no_specs(tmp_path):
+    (tmp_path / "torn.yaml").write_text("count: [1,")
+    with pytest.raises(srmp.FileError, match="is not YAML"):
+        read_spec(tmp_path / "torn.yaml")
+    with pytest.raises(srmp.FileError, match="cannot be read"):
+        read_spec(tmp_path / "none.yaml")
+    (tmp_path / "list.yaml").write_text("- 1")
+    with pytest.raises(srmp.InvalidArgument, match="the spec is"):
+        read_spec(tmp_path / "list.yaml")
+    with pytest.raises(srmp.InvalidArgument, match="workers 0"):
+        generate(spec_of(), tmp_path / "set", workers=0)
+
+
+# --- what records are
+
+
+@pytest.mark.parametrize("kind", ["table", "shelf", "bin", "cage", "clutter"])
+def test_kinds(kind, tmp_path):
+    parameters = {} if kind == "cage" else {"meshes": 1}
+    goal = {"from": "region", "pose": True} if kind == "bin" else {"from": "region"}
+    scenes = [{"kind": kind, "scale": 0.9, **parameters, "goal": goal}]
+    made = generate(spec_of(count=6, per_shard=6, scenes=scenes), tmp_path / "set", workers=1)
+    assert made.solved >= 5
+    for record in datasets.open(tmp_path / "set"):
+        assert record.scene == kind
+        if record.solved:
+            certificate = record.planner().verify("arm", record.trajectory(), start=record.robot()["start"])
+            assert certificate.holds
+            assert certificate.proved_free
+            assert np.allclose(np.diff(record.trajectory().times), 0.02, atol=1e-12)
+
+
+def test_variations_of_a_scene(tmp_path, arm_alone):
+    arm_alone.add_box("table", [0.4, 0.8, 0.04], srmp.Pose(p=[0.6, 0, 0.1]))
+    arm_alone.add_cylinder("can", 0.03, 0.12, srmp.Pose(p=[0.5, 0, 0.2]))
+    arm_alone.save_scene(tmp_path / "scene.json")
+    scene = {"kind": "variations", "scene": str(tmp_path / "scene.json"), "moved": ["can"]}
+    generate(spec_of(count=4, scenes=[scene]), tmp_path / "set", workers=1)
+    poses = {tuple(record.objects[0].pose) for record in datasets.open(tmp_path / "set")}
+    assert len(poses) == 4
+    assert all(record.solved for record in datasets.open(tmp_path / "set"))
+
+
+def test_a_function_of_the_user(tmp_path, monkeypatch):
+    module = tmp_path / "my_scenes.py"
+    module.write_text(
+        "from srmp.datasets import Scene\n"
+        "def wall(random, distance):\n"
+        "    scene = Scene()\n"
+        "    scene.box('wall', [0.02, 0.5, 0.5], [distance, 0, random.uniform(0.2, 0.4)])\n"
+        "    scene.region('left', [0.1, 0.1, 0.1], [0.4, 0.45, 0.4])\n"
+        "    scene.region('right', [0.1, 0.1, 0.1], [0.4, -0.45, 0.4])\n"
+        "    return scene\n"
+    )
+    scene = {
+        "kind": "function",
+        "function": "my_scenes:wall",
+        "parameters": {"distance": 0.5},
+        "start": {"from": "region", "regions": ["left"]},
+        "goal": {"from": "region", "regions": ["right"]},
+    }
+    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=4, scenes=[scene]))
+    first = generate(spec, tmp_path / "set", workers=1)
+    assert first.solved == 4
+    assert generate(spec, tmp_path / "other", workers=2).sha256 == first.sha256
+    assert (tmp_path / "set" / "functions" / "my_scenes.py").exists()
+    module.write_text(module.read_text() + "\n# changed\n")
+    assert read_spec(spec).identity != datasets.open(tmp_path / "set").index["identity"]
+
+
+def test_several_robots(tmp_path):
+    robots = [
+        {"name": name, "model": "arm7", "base": {"position": [0, y, 0]}}
+        for name, y in (("left", 0.45), ("right", -0.45))
+    ]
+    scenes = [{"kind": "table", **SMALL, "start": {"from": "states", "states": ["ready"]}}]
+    made = generate({**spec_of(count=3, scenes=scenes), "robots": robots}, tmp_path / "set", workers=1)
+    assert made.solved >= 2
+    for record in datasets.open(tmp_path / "set"):
+        if record.solved:
+            motions = {name: record.trajectory(name) for name in ("left", "right")}
+            assert all(proof.holds for proof in record.planner().verify_multi(motions).values())
+            with pytest.raises(srmp.InvalidArgument, match="name the robot"):
+                record.trajectory()
+
+
+def test_failures_are_records(tmp_path):
+    scene = {"kind": "function", "function": "closed_scenes:full"}
+    (tmp_path / "closed_scenes.py").write_text(
+        "from srmp.datasets import Scene\n"
+        "def full(random):\n"
+        "    scene = Scene()\n"
+        "    scene.box('block', [2, 2, 2], [0.5, 0, 0.5])\n"
+        "    scene.region('inside', [0.1, 0.1, 0.1], [0.4, 0, 0.4])\n"
+        "    return scene\n"
+    )
+    spec = spec_of(count=3, per_shard=3, scenes=[scene, {"kind": "table", **SMALL}], tries=2)
+    made = generate(write_spec(tmp_path / "spec.yaml", spec), tmp_path / "set", workers=1)
+    assert made.records == 3
+    dataset = datasets.open(tmp_path / "set")
+    failures = dataset.failures()
+    assert failures.num_rows == 3 - made.solved > 0
+    assert set(failures["status"].to_pylist()) == {"no_problem"}
+    assert "no collision-free configuration of 'arm' was found" in failures["reason"][0].as_py()
+    joined = failures.join(dataset.table(["index", "seed"]), "index")
+    assert joined.num_rows == failures.num_rows
+    with pytest.raises(srmp.InvalidArgument, match=r"no trajectory|no robot"):
+        dataset[failures["index"][0].as_py()].trajectory("arm")
+
+
+def test_scenes_refuse_what_is_wrong():
+    scene = Scene()
+    with pytest.raises(srmp.InvalidArgument, match="the size of box 'a' is"):
+        scene.box("a", [1, 2], [0, 0, 0])
+    with pytest.raises(srmp.InvalidArgument, match=r"'donw', did you mean 'down'\?"):
+        scene.region("r", [0, 0, 0], [0, 0, 0], "donw")
+    with pytest.raises(srmp.InvalidArgument, match="below 0"):
+        scene.region("r", [0, 0, -1], [0, 0, 0])
+
+
+# --- reading
+
+
+def test_random_access_and_iteration(made):
+    dataset = datasets.open(made.directory)
+    assert [record.index for record in dataset] == list(range(12)) == [dataset[k].index for k in range(12)]
+    assert dataset[-1].index == 11
+    assert dataset.complete
+    assert dataset.table(["index", "status"]).num_rows == len(dataset) == 12
+    for wrong in (12, -13):
+        with pytest.raises(IndexError, match="the data set has 12"):
+            dataset[wrong]
+    with pytest.raises(srmp.InvalidArgument, match="whole number"):
+        dataset["a"]
+    with pytest.raises(srmp.InvalidArgument, match="did you mean 'status'"):
+        dataset.table(["statsu"])
+    with pytest.raises(srmp.InvalidArgument, match="has no robot 'amr'"):
+        dataset[0].robot("amr")
+
+
+def test_directories_that_are_no_data_sets(tmp_path):
+    with pytest.raises(srmp.FileError, match=r"it has no index\.json"):
+        datasets.open(tmp_path)
+    (tmp_path / "index.json").write_text("{")
+    with pytest.raises(srmp.FileError, match="cannot be read"):
+        datasets.open(tmp_path)
+    (tmp_path / "index.json").write_text("{}")
+    with pytest.raises(srmp.FileError, match="not the index of a data set"):
+        datasets.open(tmp_path)
+    (tmp_path / "index.json").write_text('{"format": "srmp data set", "format_version": 99}')
+    with pytest.raises(srmp.FileError, match="format version 99"):
+        datasets.open(tmp_path)
+    (tmp_path / "index.json").write_text('{"format": "srmp data set", "format_version": 1}')
+    with pytest.raises(srmp.FileError, match="has no 'records'"):
+        datasets.open(tmp_path)
