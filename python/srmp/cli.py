@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | verify | check | cover | bench mbm, multi, paper | cmake-dir."""
+"""The command line: srmp demo | plan | replay | verify | check | cover | robots | srdf | bench mbm, multi, paper | cmake-dir."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from click.core import ParameterSource
 import srmp
 from srmp._cli_bench import bench
 from srmp._cli_options import decorated, parse_key_values, planner_options, steps_bar
+from srmp._cli_robots import robots, srdf
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
 EXIT_NO_PATH = 1  # a valid request, but there is no trajectory, it has faults, the state is in collision, …
@@ -461,6 +462,8 @@ def cmake_dir() -> None:
     click.echo(srmp.get_cmake_dir())
 
 
+main.add_command(robots)
+main.add_command(srdf)
 main.add_command(bench)
 
 

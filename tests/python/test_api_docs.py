@@ -41,6 +41,7 @@ ONLY_PYTHON = {
     "get_joint_limits": "C++: RobotModel::joints",
     "get_all_joint_limits": "C++: RobotModel::joints and other_joints",
     "print_available_planners": "C++: available_planners, which prints nothing",
+    "add_robot": "C++ programs add a robot from its files: add_articulation",
     "read_sim": "simulators have Python packages only",
     "simulated_world": "simulators have Python packages only",
 }
