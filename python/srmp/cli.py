@@ -1,4 +1,4 @@
-"""The command line: srmp demo | plan | replay | verify | check | cover | robots | srdf | bench mbm, multi, paper | cmake-dir."""
+"""The command line: srmp demo | plan | replay | verify | check | cover | robots | srdf | bench … | cmake-dir."""
 
 from __future__ import annotations
 

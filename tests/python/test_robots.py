@@ -1,6 +1,7 @@
 """Robots by name, lists of robots, and allowed collisions by sampling."""
 
 import warnings
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -29,7 +30,7 @@ def write_list(directory, text):
 
 
 def own_robot(directory, more=""):
-    (directory / "mine.urdf").write_text(open(srmp.data_path("arm7.urdf")).read())
+    (directory / "mine.urdf").write_text(Path(srmp.data_path("arm7.urdf")).read_text())
     return write_list(directory, f'[mine]\nurdf = "mine.urdf"\nend_effector = "arm7_hand"\n{more}')
 
 
@@ -99,7 +100,7 @@ def test_a_list_of_the_users_own(tmp_path, monkeypatch):
 def test_limits_of_unknown_joints_add_nothing(tmp_path):
     srmp.robots.register(own_robot(tmp_path, "[mine.limits]\narm7_joint9 = { jerk = 3.5 }\n"))
     planner = srmp.PlannerInterface()
-    with pytest.raises(srmp.InvalidArgument, match="'arm7_joint9'.*did you mean"):
+    with pytest.raises(srmp.InvalidArgument, match=r"'arm7_joint9'.*did you mean"):
         planner.add_robot("mine")
     assert planner.robot_names == []
 

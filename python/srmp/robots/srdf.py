@@ -101,7 +101,9 @@ def sample_allowed_collisions(
         touched.update(_pairs_in_contact(planner, name, random.uniform(*limits.T), links))
         if progress and (done + 1) % 100 == 0:
             progress(done + 1, samples)
-    solid = {link.get("name") for link in _root_of(str(urdf_path)).findall("link") if link.find("collision") is not None}
+    solid = {
+        link.get("name") for link in _root_of(str(urdf_path)).findall("link") if link.find("collision") is not None
+    }
     bodies = [link for link in links if link in solid]
     pairs, checked = _judge(planner, name, bodies, at_zero, touched, samples)
     chain = (links[0], end_effector) if end_effector else None
@@ -145,12 +147,13 @@ def _movable_joints(root: ElementTree.Element) -> list[tuple[str, str]]:
     joints = [
         (joint.get("name", ""), child.get("link", ""))
         for joint in root.findall("joint")
-        if joint.get("type") in ("revolute", "continuous", "prismatic") and joint.find("mimic") is None
+        if joint.get("type") in ("revolute", "continuous", "prismatic")
+        and joint.find("mimic") is None
         and (child := joint.find("child")) is not None
     ]
     if not joints:
         raise srmp.InvalidArgument(
-            f"'{root.get('name')}' has no movable joint, so nothing can be sampled; is the URDF expanded from its Xacro?"
+            f"'{root.get('name')}' has no movable joint, so nothing can be sampled; was its Xacro expanded?"
         )
     return joints
 
