@@ -35,6 +35,10 @@ void bind_robots(PlannerClass& cls) {
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
             const std::string& urdf_directory, bool strict) {
+           if (name.ends_with(".urdf"))
+             throw InvalidArgument("name of the robot is '" + name +
+                                   "', the path of a URDF: the arguments are urdf_path, "
+                                   "srdf_path, name and end_effector, in this order; give them by name");
            const RobotDescription description{.urdf_path = urdf_path,
                                               .urdf_text = urdf_text,
                                               .urdf_directory = urdf_directory,

@@ -13,11 +13,15 @@ except ImportError:  # the libraries of other wheels are not beside this package
     preload()
     from srmp import _srmp
 
+from srmp._authors_words import explain_missing_methods
 from srmp._srmp import *  # noqa: F403
 from srmp._verify import verify as verify
 
 if TYPE_CHECKING:
     from srmp.options import *  # noqa: F403
+
+explain_missing_methods(_srmp.PlannerInterface)
+del explain_missing_methods
 
 _OPTIONS = tuple(_srmp.planner_info(planner_id).class_name for planner_id in _srmp.available_planners())
 
