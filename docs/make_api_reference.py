@@ -269,6 +269,11 @@ MODULES = {
         ("sim/parity.py", ("check_parity", "ParityReport", "Difference")),
         ("sim/simulator.py", ("MissingSimulator", "Simulator")),
     ),
+    "srmp.robots": (
+        ("robots/__init__.py", ("available", "find", "register")),
+        ("robots/_list.py", ("Robot",)),
+        ("robots/srdf.py", ("sample_allowed_collisions", "AllowedCollisions")),
+    ),
     "srmp.compat.mplib": (
         ("compat/mplib.py", ("Planner",)),
         ("compat/_world.py", None),

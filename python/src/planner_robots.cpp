@@ -35,6 +35,10 @@ void bind_robots(PlannerClass& cls) {
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
             const std::string& urdf_directory, bool strict) {
+           if (name.ends_with(".urdf"))
+             throw InvalidArgument("name of the robot is '" + name +
+                                   "', the path of a URDF: the arguments are urdf_path, "
+                                   "srdf_path, name and end_effector, in this order; give them by name");
            const RobotDescription description{.urdf_path = urdf_path,
                                               .urdf_text = urdf_text,
                                               .urdf_directory = urdf_directory,
@@ -71,6 +75,23 @@ raise FileError.
 
 Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and
 InvalidArgument (a name in use; unknown group, joint or link, with the nearest name).)")
+      .def(
+          "add_robot",
+          [](nb::handle self, const nb::object& robot, const nb::kwargs& arguments) {
+            return nb::module_::import_("srmp.robots").attr("add_robot")(self, robot, **arguments);
+          },
+          nb::arg("robot").none(), nb::arg("arguments"),
+          nb::sig("def add_robot(self, robot: str, **arguments: typing.Any) -> typing.Any"),
+          R"(Adds a robot by its name in the list of known robots (`srmp robots`, srmp.robots.available()).
+
+robot: such as "arm7", or "panda" of the package example-robot-data. arguments: those of add_articulation that shall
+be other than the list's: name (default: `robot`), group, end_effector, joint_names, fixed_joints, base_pose,
+package_dirs, strict. Groups, end effector, positions of other joints, allowed collisions and motion limits are the
+list's.
+
+Returns the srmp.robots.Robot, which has the joints of its gripper too. Raises InvalidArgument (unknown name, with
+the nearest; an argument that it does not take), FileError (a broken file) and NotSupported (a package that is not
+installed); then nothing was added. See docs/robots.md.)")
       .def_prop_ro(
           "only_robot", [](Self& self) { return self.use([](const PlannerInterface& p) { return p.only_robot(); }); },
           R"(The name of the only robot.

@@ -13,6 +13,7 @@ except ImportError:  # the libraries of other wheels are not beside this package
     preload()
     from srmp import _srmp
 
+from srmp._authors_words import explain_missing_methods
 from srmp._batch_planner import Batch as Batch
 from srmp._batch_planner import BatchPlanner as BatchPlanner
 from srmp._srmp import *  # noqa: F403
@@ -20,6 +21,9 @@ from srmp._verify import verify as verify
 
 if TYPE_CHECKING:
     from srmp.options import *  # noqa: F403
+
+explain_missing_methods(_srmp.PlannerInterface)
+del explain_missing_methods
 
 _OPTIONS = tuple(_srmp.planner_info(planner_id).class_name for planner_id in _srmp.available_planners())
 

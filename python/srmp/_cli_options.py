@@ -62,7 +62,7 @@ def parse_key_values(pairs: Sequence[str]) -> dict[str, str]:
 
 
 @contextlib.contextmanager
-def steps_bar() -> Iterator[Callable[[int, int], None]]:
+def steps_bar(what: str = "covering") -> Iterator[Callable[[int, int], None]]:
     """Shows steps done of steps in all on stderr, where that is a terminal."""
     from tqdm import tqdm
 
@@ -70,7 +70,7 @@ def steps_bar() -> Iterator[Callable[[int, int], None]]:
 
     def show(done: int, total: int) -> None:
         if not bars:
-            bars.append(tqdm(desc="covering", total=total, disable=None, leave=False, dynamic_ncols=True))
+            bars.append(tqdm(desc=what, total=total, disable=None, leave=False, dynamic_ncols=True))
         bars[0].total = total
         bars[0].update(done - bars[0].n)
         if done >= total:

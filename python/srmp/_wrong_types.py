@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from srmp import _srmp
+from srmp._authors_words import ARGUMENTS
 from srmp._names import did_you_mean
 
 _MAX_TEXT = 60  # characters of a value
@@ -41,7 +42,7 @@ def sentence(function: Any, args: Sequence[Any], keywords: Mapping[str, Any]) ->
     name = _name(function)
     is_method = bool(overloads[0]) and overloads[0][0].name == "self"
     given = list(args)[1:] if is_method else list(args)
-    faults = [_fault(parameters[1:] if is_method else parameters, given, keywords) for parameters in overloads]
+    faults = [_fault(name, parameters[1:] if is_method else parameters, given, keywords) for parameters in overloads]
     chosen = next((fault for fault in faults if fault.bound), faults[0])
     return f"{name}{chosen.text}"
 
@@ -51,7 +52,7 @@ class _Fault(NamedTuple):
     text: str
 
 
-def _fault(parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[str, Any]) -> _Fault:
+def _fault(function: str, parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[str, Any]) -> _Fault:
     positional = [parameter for parameter in parameters if not parameter.keyword_only]
     if len(args) > len(positional):
         return _Fault(False, f" takes at most {len(positional)} arguments without a name, but got {len(args)}")
@@ -59,7 +60,7 @@ def _fault(parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[s
     known = [parameter.name for parameter in parameters]
     for name, value in keywords.items():
         if name not in known:
-            return _Fault(False, f" has no argument '{name}'{_hint(name, known)}")
+            return _Fault(False, f" has no argument '{name}'{_hint(function, name, known)}")
         if name in values:
             return _Fault(False, f" got '{name}' twice")
         values[name] = value
@@ -90,7 +91,9 @@ def _name(function: Any) -> str:
     return owner[-1] if name == "__init__" and owner else name
 
 
-def _hint(name: str, known: list[str]) -> str:
+def _hint(function: str, name: str, known: list[str]) -> str:
+    if theirs := ARGUMENTS.get((function, name)):
+        return f"; {theirs}"
     if theirs := _srmp._option_of_other_planner(name):
         return f"; {theirs}, an option of make_planner" if theirs.startswith("it is '") else f"; {theirs}"
     return did_you_mean(name, known) or (f"; it takes {_listed(known)}" if known else "; it takes none")

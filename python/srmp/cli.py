@@ -1,4 +1,4 @@
-"""The command line: srmp demo, plan, replay, verify, check, view, cover, bench, generate, audit, export, cmake-dir."""
+"""The command line: srmp demo, plan, verify, view, bench, generate, robots and more; srmp --help lists them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import srmp
 from srmp._cli_bench import bench
 from srmp._cli_datasets import audit, export, generate
 from srmp._cli_options import decorated, parse_key_values, planner_options, steps_bar
+from srmp._cli_robots import robots, srdf
 
 EXISTING_FILE = click.Path(exists=True, dir_okay=False)
 EXIT_NO_PATH = 1  # a valid request, but there is no trajectory, it has faults, the state is in collision, …
@@ -507,7 +508,7 @@ def cmake_dir() -> None:
     click.echo(srmp.get_cmake_dir())
 
 
-for command in (bench, generate, audit, export):
+for command in (robots, srdf, bench, generate, audit, export):
     main.add_command(command)
 
 

@@ -44,6 +44,7 @@ ONLY_PYTHON = {
     "plot": "figures are in the Python package",
     "show": "the viewer is in the Python package",
     "to_html": "pages are in the Python package",
+    "add_robot": "C++ programs add a robot from its files: add_articulation",
     "read_sim": "simulators have Python packages only",
     "simulated_world": "simulators have Python packages only",
 }

@@ -13,7 +13,8 @@ def invoke(*arguments):
 
 def test_version_and_help():
     assert srmp.__version__ in invoke("--version").output
-    for command in (["demo"], ["plan"], ["replay"], ["verify"], ["check"], ["cover"], ["bench", "mbm"], ["cmake-dir"]):
+    single = ("demo", "plan", "replay", "verify", "check", "cover", "robots", "srdf", "cmake-dir")
+    for command in [*([name] for name in single), ["bench", "mbm"]]:
         assert invoke(*command, "--help").exit_code == 0
 
 
@@ -31,6 +32,9 @@ def test_cmake_dir():
         (["bench", "mbm", "--data", ".", "--robot", "x", "--out", "/nowhere/r.json"], "/nowhere does not exist"),
         (["plan", "--urdf", "nowhere.urdf"], "nowhere.urdf"),
         (["cover", "nowhere.urdf"], "nowhere.urdf"),
+        (["robots", "arm8"], "did you mean 'arm7'"),
+        (["srdf", "nowhere.urdf", "-o", "x.srdf"], "nowhere.urdf"),
+        (["srdf", srmp.data_path("arm7.urdf"), "-o", "x.srdf", "--samples", "0"], "samples must be a whole number"),
         (["cover", srmp.data_path("arm7.srdf")], "arm7.srdf"),
         (["cover", srmp.data_path("arm7.urdf"), "--accuracy", "-1"], "fine inflation"),
         (["cover", srmp.data_path("arm7.urdf"), "--accuracy", "20"], "must not exceed"),

@@ -80,6 +80,7 @@ constexpr std::array kPlanners{
     Words{"chomp stomp trajopt ompl curobo vamp motiongen gpmp2",
           "it is another library; 'auto' is the quickest planner here"},
     Words{"ptp lin circ pilzindustrialmotionplanner", "Cartesian and point-to-point motions do not exist here yet"},
+    Words{"mgs", "it is a planner of the package srmp of PyPI; 'auto' chooses among the planners here"},
     Words{"dijkstra", "'Astar' with its heuristic finds the same path here"},
     Words{"default", "'auto' is the default here"},
 };
