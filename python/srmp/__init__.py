@@ -1,5 +1,6 @@
 """Search-based motion planning for robot arms: deterministic, with proven bounds, checked against exact geometry."""
 
+import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,18 +15,20 @@ except ImportError:  # the libraries of other wheels are not beside this package
     from srmp import _srmp
 
 from srmp._authors_words import explain_missing_methods
-from srmp._batch_planner import Batch as Batch
-from srmp._batch_planner import BatchPlanner as BatchPlanner
 from srmp._srmp import *  # noqa: F403
 from srmp._verify import verify as verify
 
 if TYPE_CHECKING:
+    from srmp import datasets as datasets
+    from srmp._batch_planner import Batch as Batch
+    from srmp._batch_planner import BatchPlanner as BatchPlanner
     from srmp.options import *  # noqa: F403
 
 explain_missing_methods(_srmp.PlannerInterface)
 del explain_missing_methods
 
 _OPTIONS = tuple(_srmp.planner_info(planner_id).class_name for planner_id in _srmp.available_planners())
+_BATCH = ("Batch", "BatchPlanner")
 
 __version__: str = _srmp.__version__
 
@@ -44,12 +47,15 @@ def data_path(name: str) -> str:
 
 
 def __getattr__(name: str) -> Any:
-    if name in _OPTIONS:  # on first use: import srmp stays quick
-        from srmp import options
-
-        return getattr(options, name)
+    """Loads on first use what is not always needed: import srmp stays quick."""
+    if name in _OPTIONS:
+        return getattr(importlib.import_module("srmp.options"), name)
+    if name in _BATCH:
+        return getattr(importlib.import_module("srmp._batch_planner"), name)
+    if name == "datasets":
+        return importlib.import_module("srmp.datasets")
     raise AttributeError(f"module 'srmp' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_OPTIONS])
+    return sorted([*globals(), *_OPTIONS, *_BATCH, "datasets"])

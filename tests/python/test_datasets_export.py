@@ -67,7 +67,7 @@ def test_webdataset(dataset, tmp_path):
 
 
 def test_webdataset_reads_it(dataset, tmp_path):
-    webdataset = pytest.importorskip("webdataset", reason="pip install webdataset")
+    webdataset = pytest.importorskip("webdataset", reason="the package webdataset is not installed")
     datasets.export(dataset, tmp_path / "out", "webdataset")
     source = webdataset.WebDataset(str(tmp_path / "out" / "motions-000000.tar"), shardshuffle=False).decode()
     found = [sample["positions.npy"] for sample in source]

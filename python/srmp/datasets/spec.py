@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
 import importlib
@@ -9,7 +10,7 @@ import importlib.util
 import json
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -301,19 +302,12 @@ def _sampler_of(values: Mapping[str, Any]) -> Sampler:
     return Sampler(values["source"], tuple(values["regions"]), states, values["pose"])
 
 
-class _unpacked:
-    """A temporary directory with the files; a context manager."""
-
-    def __init__(self, files: Mapping[str, bytes]) -> None:
-        self._files = files
-
-    def __enter__(self) -> Path:
-        self._directory = tempfile.TemporaryDirectory(prefix="srmp-")
-        unpack(self._files, Path(self._directory.name))
-        return Path(self._directory.name)
-
-    def __exit__(self, *_: object) -> None:
-        self._directory.cleanup()
+@contextlib.contextmanager
+def _unpacked(files: Mapping[str, bytes]) -> Iterator[Path]:
+    """A temporary directory with the files."""
+    with tempfile.TemporaryDirectory(prefix="srmp-") as directory:
+        unpack(files, Path(directory))
+        yield Path(directory)
 
 
 def unpack(files: Mapping[str, bytes], directory: Path) -> None:
