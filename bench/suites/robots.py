@@ -1,6 +1,6 @@
 """Loads every robot of the PyPI package example-robot-data, with and without its SRDF and for every group, and plans.
 
-    python bench/suites/robots.py [--robots DIR] [--only TEXT] [--limit 60] [--no-plans] [--out robots.json]
+    python bench/suites/robots.py [--listed | --robots DIR] [--only TEXT] [--limit 60] [--no-plans] [--out robots.json]
 
 Needs example-robot-data (pip install example-robot-data), or --robots with a directory of such files. Writes a JSON
 file, and beside it a Markdown table: whether each robot loads, and what is said where it does not; how long the load,
@@ -8,6 +8,9 @@ the first plan and a later plan take; how many warnings there are. The first row
 cache. A plan is from the first free configuration of a fixed sequence to the second, by `auto` with its defaults. Each
 row is a process of its own, which ends after --limit seconds. A group of several chains is planned with the first end
 effector that the refusal names.
+
+With --listed there is one row for each robot of that package that planner.add_robot knows by name, with the group of
+the list, and the goal is the pose of the end effector at the second configuration.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ from typing import Any
 import numpy as np
 
 import srmp
+import srmp.robots
 from srmp._files import write_json
 from srmp._table import format_seconds
 from srmp.bench import mbm
@@ -45,6 +49,7 @@ class Case:
     srdf: str = ""
     group: str = ""
     end_effector: str = ""
+    name: str = ""  # of the list of known robots, which says all else
 
     def label(self, root: Path) -> str:
         name = str(Path(self.urdf).relative_to(root))
@@ -111,14 +116,17 @@ def measure(case: Case, package_dir: str, plans: bool) -> None:
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            planner.add_articulation(
-                urdf_path=case.urdf,
-                srdf_path=case.srdf,
-                name="robot",
-                group=case.group,
-                end_effector=case.end_effector,
-                package_dirs=[package_dir],
-            )
+            if case.name:
+                planner.add_robot(case.name, name="robot")
+            else:
+                planner.add_articulation(
+                    urdf_path=case.urdf,
+                    srdf_path=case.srdf,
+                    name="robot",
+                    group=case.group,
+                    end_effector=case.end_effector,
+                    package_dirs=[package_dir],
+                )
     except srmp.Error as error:
         ends = re.search(r"give end_effector, such as '(.*?)'", str(error))
         report(loads=False, says=str(error), **({"end_effector": ends[1]} if ends else {}))
@@ -131,10 +139,11 @@ def measure(case: Case, package_dir: str, plans: bool) -> None:
     if len(ends) < 2:
         report(says=f"no two of {MAX_TRIES} configurations are free")
         return
+    goal = planner.compute_fk("robot", ends[1]) if case.name else ends[1]
     for key in ("first_plan_s", "later_plan_s"):
         begin = time.perf_counter()
         try:
-            planner.plan("robot", ends[0], ends[1])
+            planner.plan("robot", ends[0], goal)
             report(**{key: time.perf_counter() - begin})
         except srmp.PlanningError as error:
             report(**{key: time.perf_counter() - begin}, says=f"{error.status.name}: {error}")
@@ -197,8 +206,26 @@ def table(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def run_listed(root: Path, options: argparse.Namespace) -> None:
+    """One row for each robot that has a name, each with an empty cache."""
+    rows: list[dict[str, Any]] = []
+    for name, robot in srmp.robots.available().items():
+        if robot.package != "example-robot-data" or options.only not in name:
+            continue
+        with tempfile.TemporaryDirectory() as cache:
+            row = run(
+                Case(str(robot.urdf_path), name=name), root.parents[1], cache, options.limit, not options.no_plans
+            )
+        rows.append({"robot": name, "planned": robot.title, **row})
+        print(table(rows[-1:]).splitlines()[-1], flush=True)
+        write_json(options.out, {"header": mbm.header("robots", limit_s=options.limit), "rows": rows})
+        Path(options.out).with_suffix(".md").write_text(table(rows))
+    print(f"{sum(row['loads'] is True for row in rows)} of {len(rows)} robots load; wrote {options.out}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--listed", action="store_true", help="the robots of the package that have names")
     parser.add_argument("--robots", help="directory with the robots; default: that of example-robot-data")
     parser.add_argument("--only", default="", help="rows whose label holds this text")
     parser.add_argument("--limit", type=float, default=60.0, help="seconds for each row")
@@ -213,6 +240,9 @@ def main() -> None:
     if found is None:
         raise SystemExit("say where the robots are (--robots), or pip install example-robot-data")
     root = found.resolve()
+    if options.listed:
+        run_listed(root, options)
+        return
     rows = []
     for urdf in sorted(root.rglob("*.urdf")):
         package = root / urdf.relative_to(root).parts[0]

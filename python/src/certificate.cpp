@@ -223,7 +223,7 @@ void bind_certificate(nb::module_& m) {
           },
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
           "All fields as names, numbers and lists, as in files; infinity and NaN are the texts 'inf', '-inf' and "
-          "'nan'.")
+          "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
       .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was verified against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
