@@ -3,6 +3,7 @@
 //
 //   srmp_moveit_check problems DIR PROBLEMS NAMESPACE [joint|pose] [planner_id]
 //   srmp_moveit_check behaviour DIR PROBLEMS NAMESPACE
+//   srmp_moveit_check arms - - NAMESPACE
 //
 // DIR holds panda.urdf, panda.srdf and meshes; PROBLEMS is the unpacked problems.tar.bz2; NAMESPACE is that of the
 // pipeline's parameters (planning_plugin, request_adapters).
@@ -261,6 +262,37 @@ void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
   expect(solved && response.trajectory_.size() == 2, "the detailed answer has the stages: " + stages);
 }
 
+/// Two arms, each to where the other one is: both turn through the space between them.
+void check_arms(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+  for (const char* id : {"xECBS", "ECBS", "auto"}) {
+    Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
+    auto& request = question.request;
+    request.group_name = "both";
+    request.planner_id = id;
+    request.allowed_planning_time = 10.0;
+    request.start_state.is_diff = true;
+    request.goal_constraints.resize(1);
+    for (const std::string side : {"left", "right"})
+      for (int i = 1; i < 4; ++i) {
+        const double sign = side == "left" ? 1.0 : -1.0;
+        const double goal = i == 1 ? -0.7 * sign : i == 2 ? 1.4 * sign : 0.3;
+        request.start_state.joint_state.name.push_back(side + "_joint" + std::to_string(i));
+        request.start_state.joint_state.position.push_back(i == 1 ? sign : 0.0);
+        moveit_msgs::JointConstraint constraint;
+        constraint.joint_name = request.start_state.joint_state.name.back();
+        constraint.position = goal;
+        constraint.tolerance_above = constraint.tolerance_below = 1e-4;
+        constraint.weight = 1.0;
+        request.goal_constraints[0].joint_constraints.push_back(constraint);
+      }
+    const auto start = Clock::now();
+    const auto response = ask(pipeline, question);
+    const double time = seconds_since(start);
+    expect(bool(response.error_code_) && is_valid(*question.scene, *response.trajectory_, "both"),
+           std::string("two arms by ") + id + ": one trajectory of 6 joints, free by MoveIt's check, " + in_ms(time));
+  }
+}
+
 /// What the plugin costs beside plan: the same request in an unchanged scene.
 void time_unchanged(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model,
                     const std::string& problems) {
@@ -285,13 +317,17 @@ int main(int argc, char** argv) try {
   ros::init(argc, argv, "srmp_moveit_check", ros::init_options::AnonymousName);
   if (argc < 5) throw std::runtime_error("see the comment at the head of check.cpp");
   const std::string mode = argv[1], directory = argv[2], problems = argv[3], name_space = argv[4];
-  const auto model = load_panda(directory);
+  const auto model = mode == "arms" ? load_two_arms() : load_panda(directory);
   planning_pipeline::PlanningPipeline pipeline(model, ros::NodeHandle(name_space));
   pipeline.displayComputedMotionPlans(false);
   pipeline.checkSolutionPaths(false);  // done here
   if (mode == "problems")
     return solve_problems(pipeline, model, problems, argc < 6 || std::string(argv[5]) == "pose",
                           argc > 6 ? argv[6] : "");
+  if (mode == "arms") {
+    check_arms(pipeline, model);
+    return failures;
+  }
   check_scenes(pipeline, model);
   check_planners(pipeline, model);
   check_termination(pipeline, model);

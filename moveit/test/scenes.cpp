@@ -45,6 +45,15 @@ shape_msgs::SolidPrimitive primitive_of(const srmp::Shape& shape) {
   return message;
 }
 
+/// Sets the parameters, and loads the robot as MoveIt does, with the kinematics solvers of its parameters.
+moveit::core::RobotModelPtr load(const std::string& urdf, const std::string& srdf) {
+  ros::param::set("robot_description", urdf);
+  ros::param::set("robot_description_semantic", srdf);
+  static std::vector<std::unique_ptr<robot_model_loader::RobotModelLoader>> loaders;  // which own the solvers
+  loaders.push_back(std::make_unique<robot_model_loader::RobotModelLoader>("robot_description"));
+  return loaders.back()->getModel();
+}
+
 }  // namespace
 
 moveit::core::RobotModelPtr load_panda(const std::string& directory) {
@@ -52,10 +61,29 @@ moveit::core::RobotModelPtr load_panda(const std::string& directory) {
   const std::string srdf = text_of(directory + "/panda.srdf"), package = "package://meshes/";
   for (auto at = urdf.find(package); at != std::string::npos; at = urdf.find(package))
     urdf.replace(at, package.size(), "file://" + directory + "/meshes/");
-  ros::param::set("robot_description", urdf);
-  ros::param::set("robot_description_semantic", srdf);
-  static robot_model_loader::RobotModelLoader loader("robot_description");  // kinematics solvers of its parameters too
-  return loader.getModel();
+  return load(urdf, srdf);
+}
+
+moveit::core::RobotModelPtr load_two_arms() {
+  std::string urdf = "<robot name='pair'><link name='base'/>", srdf = "<robot name='pair'>", apart;
+  const std::string limit = "<limit lower='-3' upper='3' velocity='2' effort='1'/>";
+  const char* const links[] = {"base", "upper", "middle", "lower"};
+  for (const std::string side : {"left_", "right_"}) {
+    for (int i = 1; i < 4; ++i) {
+      const std::string parent = i == 1 ? "base" : side + links[i - 1], child = side + links[i];
+      const std::string at = i > 1 ? "0.5 0 0" : side == "left_" ? "0 0.5 0" : "0 -0.5 0";
+      urdf += "<link name='" + child +
+              "'><collision><origin xyz='0.25 0 0'/><geometry><box size='0.4 0.08 0.08'/>"
+              "</geometry></collision></link><joint name='" +
+              side + "joint" + std::to_string(i) + "' type='revolute'><parent link='" + parent + "'/><child link='" +
+              child + "'/><origin xyz='" + at + "'/><axis xyz='0 0 1'/>" + limit + "</joint>";
+      if (i > 1) apart += "<disable_collisions link1='" + parent + "' link2='" + child + "' reason='Adjacent'/>";
+    }
+    srdf += "<group name='" + side.substr(0, side.size() - 1) + "'><chain base_link='base' tip_link='" + side +
+            "lower'/></group>";
+  }
+  srdf += "<group name='both'><group name='left'/><group name='right'/></group>";
+  return load(urdf + "</robot>", srdf + apart + "</robot>");
 }
 
 planning_scene::PlanningScenePtr read_scene(const std::string& path, const moveit::core::RobotModelPtr& model) {

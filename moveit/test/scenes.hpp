@@ -10,6 +10,10 @@
 /// The Panda of the data; sets robot_description and robot_description_semantic, where the plugin reads them.
 moveit::core::RobotModelPtr load_panda(const std::string& directory);
 
+/// Two arms of three joints side by side in the plane, within reach of each other: groups "left", "right" and, of both,
+/// "both".
+moveit::core::RobotModelPtr load_two_arms();
+
 /// A scene of a file, its objects given in the frame "camera", which the scene knows.
 planning_scene::PlanningScenePtr read_scene(const std::string& path, const moveit::core::RobotModelPtr& model);
 
