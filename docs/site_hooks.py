@@ -29,7 +29,11 @@ def on_files(files: Files, *, config: Any) -> Files:
             files.append(File.generated(config, uri, content=text))
         for target in LINK.findall(text):
             outside = (path.parent / target).resolve()
-            if files.get_file_from_path(_uri(outside)) is None and outside.exists() and not outside.is_relative_to(DOCS):
+            if (
+                files.get_file_from_path(_uri(outside)) is None
+                and outside.exists()
+                and not outside.is_relative_to(DOCS)
+            ):
                 _add(files, outside, config)
     return files
 

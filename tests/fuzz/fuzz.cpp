@@ -33,7 +33,7 @@ namespace {
 using fuzz::Door;
 
 constexpr unsigned max_seconds = limits_memory ? 5 : 60;  // a sanitizer makes everything slower
-constexpr rlim_t max_memory = rlim_t{3} << 30;  // addresses: 2 GB of data, and the program with its libraries
+constexpr rlim_t max_memory = rlim_t{3} << 30;            // addresses: 2 GB of data, and the program with its libraries
 
 struct Arguments {
   std::vector<std::string> doors;

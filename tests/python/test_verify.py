@@ -186,7 +186,9 @@ def test_a_certificate_is_plain_data(solved):
     }
     assert data["limits"]["velocity"] == plan.certificate.limits.velocity.tolist()
     fields = {name for name in dir(srmp.Certificate) if not name.startswith("_")}
-    assert set(data) == fields - {"holds", "proved_free", "report", "to_dict"} - {"cartesian_deviation"}  # no poses: no key
+    assert set(data) == fields - {"holds", "proved_free", "report", "to_dict"} - {
+        "cartesian_deviation"
+    }  # no poses: no key
 
 
 @pytest.fixture(scope="module")

@@ -31,9 +31,9 @@ std::string to_string(FaultKind kind);
 
 /// Something that is wrong, and where.
 struct Fault {
-  FaultKind kind{};  ///< what is wrong
-  std::string text;  ///< a sentence
-  double time{};     ///< [s] when it is worst; NaN: at no particular time
+  FaultKind kind{};         ///< what is wrong
+  std::string text;         ///< a sentence
+  double time{};            ///< [s] when it is worst; NaN: at no particular time
 #if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const Fault&) const = default;
 #endif
@@ -45,8 +45,8 @@ struct LimitUse {
   /// where the acceleration jumps (from and to rest too), as with TOPP-RA: by more than 0.1 % of its limit, and by more
   /// than the jerk limit allows in 0.4 ms.
   double fraction{};
-  std::string joint;  ///< by which joint; "" = nothing moves, or there is no limit
-  double time{};      ///< [s]
+  std::string joint;        ///< by which joint; "" = nothing moves, or there is no limit
+  double time{};            ///< [s]
 #if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const LimitUse&) const = default;
 #endif
@@ -57,7 +57,7 @@ struct LimitUse {
 struct SampledInterval {
   double from{}, to{};         ///< [s]
   std::string body_a, body_b;  ///< named as in Contact
-#if __cplusplus >= 202002L  // MoveIt 1 is C++17
+#if __cplusplus >= 202002L     // MoveIt 1 is C++17
   bool operator==(const SampledInterval&) const = default;
 #endif
 };

@@ -6,10 +6,10 @@ namespace srmp {
 
 namespace {
 constexpr auto poll_period = std::chrono::milliseconds(5);
-// The next poll of a deadline whose callback asks another deadline, which keeps to the period itself: were both to wait,
-// a request to stop could pass unnoticed for two periods.
+// The next poll of a deadline whose callback asks another deadline, which keeps to the period itself: were both to
+// wait, a request to stop could pass unnoticed for two periods.
 constexpr auto at_every_call = Deadline::Clock::time_point::max();
-}
+}  // namespace
 
 Deadline::Deadline(double seconds, Interrupt interrupted) : limit_(seconds), interrupted_(std::move(interrupted)) {}
 

@@ -26,11 +26,11 @@ struct CertifyOptions {
 std::optional<Fault> unreadable(const Trajectory& trajectory, const RobotModel& robot);
 
 /// Verifies a trajectory, whoever made it, by code that is no part of planning: the extrema of its polynomials against
-/// every limit (to 1e-6 of it, or as far as the rounding of positions and times allows), the motion against everything that it
-/// could hit (prove_motion), and its deviation from its waypoints. Faults are returned, not thrown; an unreadable
-/// trajectory is not verified further. Best with a checker of CheckMode::coal, which shares no sphere and no table with
-/// the one that planned. Throws InvalidArgument for limits and options out of range, and, where collisions are to be
-/// checked, for a checker that is not the library's own.
+/// every limit (to 1e-6 of it, or as far as the rounding of positions and times allows), the motion against everything
+/// that it could hit (prove_motion), and its deviation from its waypoints. Faults are returned, not thrown; an
+/// unreadable trajectory is not verified further. Best with a checker of CheckMode::coal, which shares no sphere and no
+/// table with the one that planned. Throws InvalidArgument for limits and options out of range, and, where collisions
+/// are to be checked, for a checker that is not the library's own.
 Certificate certify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
                     const CertifyOptions& options = {});
 
