@@ -23,6 +23,7 @@ constexpr int max_levels = 3;         // of halving at once
 constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
 constexpr int max_sharpening = 256;   // distances to bring the proved clearance near the one that was found
 constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
+constexpr Eigen::Index max_linear_segments = 64;  // a line is fitted to no more of them
 
 /// Rows from, ..., to of a motion; or, of the segment between two rows, the part from u to v of [0, 1].
 struct Interval {
@@ -47,18 +48,34 @@ class Segments {
     build();
   }
 
-  /// Computes configuration and time in the middle, and how far each joint gets from there.
-  void range(const Interval& at, Eigen::VectorXd& middle, double& time, std::span<double> change) const {
-    if (at.in_one_segment()) return range_of_segment(at, middle, time, change);
+  /// Where the joints get in an interval.
+  struct Range {
+    explicit Range(Eigen::Index dof)
+        : middle(dof), change(static_cast<std::size_t>(dof)), linear(change.size()), rest(change.size()) {}
+
+    Eigen::VectorXd middle;      // the configuration in the middle
+    double time{};               // of it
+    std::vector<double> change;  // of each joint from there, at most
+    /// From the middle each joint moves by s * linear, where s in [-1, 1] is the same for all, and by `rest` at most
+    /// besides.
+    std::vector<double> linear, rest;
+  };
+
+  void range(const Interval& at, Range& range) const {
+    if (at.in_one_segment()) return range_of_segment(at, range);
     const Eigen::Index mid = (at.from + at.to) / 2;
-    middle = motion_.positions.row(mid).transpose();
-    time = motion_.times[mid];
-    std::fill(change.begin(), change.end(), 0.0);
+    range.middle = motion_.positions.row(mid).transpose();
+    range.time = motion_.times[mid];
+    std::fill(range.change.begin(), range.change.end(), 0.0);
     for_each_block(at.from, at.to, [&](const double* low, const double* high) {
-      for (std::size_t j = 0; j < change.size(); ++j)
-        change[j] = std::max(
-            {change[j], high[j] - middle[static_cast<Eigen::Index>(j)], middle[static_cast<Eigen::Index>(j)] - low[j]});
+      for (std::size_t j = 0; j < range.change.size(); ++j) {
+        const double middle = range.middle[static_cast<Eigen::Index>(j)];
+        range.change[j] = std::max({range.change[j], high[j] - middle, middle - low[j]});
+      }
     });
+    if (at.to - at.from <= max_linear_segments) return fit_line(at, range);
+    std::fill(range.linear.begin(), range.linear.end(), 0.0);
+    range.rest = range.change;
   }
 
   double time(const Interval& at, double fraction) const {
@@ -82,16 +99,40 @@ class Segments {
     return mix(mix(a, b, s), mix(b, d, s), t);
   }
 
-  void range_of_segment(const Interval& at, Eigen::VectorXd& middle, double& time, std::span<double> change) const {
+  void range_of_segment(const Interval& at, Range& range) const {
     const double m = (at.u + at.v) / 2.0;
-    time = this->time(at, m);
-    for (Eigen::Index j = 0; j < middle.size(); ++j) {
-      const auto c = coefficients(at.from, j);
-      middle[j] = blossom(c, m, m, m);
-      double& farthest = change[static_cast<std::size_t>(j)] = 0.0;
-      for (const double x : {blossom(c, at.u, at.u, at.u), blossom(c, at.u, at.u, at.v), blossom(c, at.u, at.v, at.v),
-                             blossom(c, at.v, at.v, at.v)})
-        farthest = std::max(farthest, std::abs(x - middle[j]));
+    range.time = this->time(at, m);
+    for (Eigen::Index j = 0; j < range.middle.size(); ++j) {
+      const auto c = coefficients(at.from, j),
+                 part = std::array{blossom(c, at.u, at.u, at.u), blossom(c, at.u, at.u, at.v),
+                                   blossom(c, at.u, at.v, at.v), blossom(c, at.v, at.v, at.v)};
+      const double middle = range.middle[j] = blossom(c, m, m, m), linear = (part[3] - part[0]) / 2.0;
+      double change = 0.0, rest = 0.0;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        change = std::max(change, std::abs(part[i] - middle));
+        rest = std::max(rest, std::abs(part[i] - middle - (static_cast<double>(i) / 1.5 - 1.0) * linear));
+      }
+      const auto joint = static_cast<std::size_t>(j);
+      range.change[joint] = change, range.linear[joint] = linear, range.rest[joint] = rest;
+    }
+  }
+
+  /// Fits a line through the middle to several segments.
+  void fit_line(const Interval& at, Range& range) const {
+    const double duration = motion_.times[at.to] - motion_.times[at.from];
+    const double half = std::max(range.time - motion_.times[at.from], motion_.times[at.to] - range.time);
+    for (Eigen::Index j = 0; j < range.middle.size(); ++j) {
+      const double slope = (motion_.positions(at.to, j) - motion_.positions(at.from, j)) / duration;
+      double rest = 0.0;
+      for (Eigen::Index segment = at.from; segment < at.to; ++segment) {
+        const auto c = coefficients(segment, j);
+        const double start = motion_.times[segment] - range.time;
+        const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
+        for (std::size_t i = 0; i < c.size(); ++i)
+          rest = std::max(rest, std::abs(c[i] - range.middle[j] - slope * (start + static_cast<double>(i) * third)));
+      }
+      range.linear[static_cast<std::size_t>(j)] = slope * half;
+      range.rest[static_cast<std::size_t>(j)] = rest;
     }
   }
 
@@ -145,11 +186,10 @@ class Prover {
         segments_(motion),
         workspace_(workspace),
         fraction_(1.0 - options.gap_tolerance),
-        deadline_(options.deadline) {
-    const auto dof = motion.positions.cols();
-    middle_.resize(dof);
-    change_.resize(static_cast<std::size_t>(dof));
+        deadline_(options.deadline),
+        range_(motion.positions.cols()) {
     body_motion_.resize(model.bodies.moving.size());
+    guesses_.resize(model.bodies.pairs.size());
     open_.reserve(4 * model.bodies.pairs.size());
   }
 
@@ -188,6 +228,9 @@ class Prover {
     return std::clamp(static_cast<int>(std::log2(motion / std::max(room, 0.1 * motion))), 0, max_levels);
   }
   double approach(const Pair& pair);
+  detail::SolidsGuess& guess_of(const Pair& pair) {
+    return guesses_[static_cast<std::size_t>(&pair - model_.bodies.pairs.data())];
+  }
   /// The clearance that is to be proved of every pair.
   double goal() const { return fraction_ > 0.0 ? fraction_ * clearance_ : 0.0; }
   void note_proved(const Proved& proved);
@@ -212,12 +255,11 @@ class Prover {
   Eigen::VectorXd nearest_configuration_;
   double proved_{infinity};
   int samples_{};
-  Eigen::VectorXd middle_;
-  std::vector<double> change_;
-  std::vector<double> body_motion_;  // by moving body, in the current interval; -1: not known yet
-  double time_{};
-  std::vector<Open> open_;          // a stack: those of the current interval on top
-  std::vector<Proved> to_sharpen_;  // a heap: less than the goal is proved of these
+  Segments::Range range_;
+  std::vector<double> body_motion_;           // by moving body, in the current interval; -1: not known yet
+  std::vector<detail::SolidsGuess> guesses_;  // by pair
+  std::vector<Open> open_;                    // a stack: those of the current interval on top
+  std::vector<Proved> to_sharpen_;            // a heap: less than the goal is proved of these
   std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
@@ -228,8 +270,8 @@ bool Prover::note_distance(const Pair& pair, double distance) {
   if (clearance < clearance_) {
     clearance_ = clearance;
     nearest_ = &pair;
-    nearest_time_ = time_;
-    nearest_configuration_ = middle_;
+    nearest_time_ = range_.time;
+    nearest_configuration_ = range_.middle;
   }
   return clearance > NarrowPhase::contact_distance;
 }
@@ -248,9 +290,9 @@ void Prover::note_proved(const Proved& proved) {
 /// distance of two primitives of a pair that is no more than this will do for the pair's. Once the deadline has passed,
 /// the pair that may be the nearest is checked alone.
 void Prover::find_nearest_at(Eigen::Index row, double enough) {
-  time_ = motion_.times[row];
-  middle_ = motion_.positions.row(row).transpose();
-  workspace_.place(middle_);
+  range_.time = motion_.times[row];
+  range_.middle = motion_.positions.row(row).transpose();
+  workspace_.place(range_.middle);
   order_.clear();
   for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) {
     const Pair& pair = model_.bodies.pairs[i];
@@ -271,16 +313,16 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
 
 /// How far the pair can approach each other; the same for all fixed bodies that a moving one may hit.
 double Prover::approach(const Pair& pair) {
-  if (!pair.b_fixed) return workspace_.approach(pair);
+  if (!pair.b_fixed) return workspace_.approach_in_range(pair);
   double& known = body_motion_[pair.a];
-  if (known < 0.0) known = workspace_.approach(pair);
+  if (known < 0.0) known = workspace_.approach_in_range(pair);
   return known;
 }
 
 void Prover::place_at(const Interval& interval) {
   ++samples_;
-  segments_.range(interval, middle_, time_, change_);
-  workspace_.place_in_range(middle_, change_);
+  segments_.range(interval, range_);
+  workspace_.place_in_range(range_.middle, range_.change, range_.linear, range_.rest);
   std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
 }
 
@@ -304,7 +346,8 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
   const bool finest = motion < Checker::motion_floor;
   const double least = pair.padding + motion + NarrowPhase::tolerance, margin = least + goal();
   if (!pair.solid) {
-    const double suffices = least + required - 0.9 * motion, hulls = workspace_.hull_distance(pair, margin, suffices);
+    const double suffices = least + required - 0.9 * motion,
+                 hulls = workspace_.hull_distance(pair, margin, suffices, &guess_of(pair));
     if (hulls == infinity) return {CollisionStatus::free, goal()};
     if (hulls > least + required) return {CollisionStatus::free, hulls - least, false};
     // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.

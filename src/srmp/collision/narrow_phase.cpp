@@ -114,6 +114,10 @@ struct OrientedBox {
   }
 };
 
+OrientedBox box_around(const Placed& body) {
+  return {body.pose.linear(), body.pose * body.bounds.box_center, body.bounds.box_half};
+}
+
 OrientedBox transformed(const Eigen::Isometry3d& by, const PrimitiveBvh::Node& node) {
   return {by.linear() * node.axes, by * node.center, node.half};
 }
@@ -177,7 +181,12 @@ struct NarrowPhase::Impl {
   void count_step() {
     if (++steps % steps_per_poll == 0) poll();
   }
-  double run_gjk(const Eigen::Vector3d& guess, double margin);
+  double run_gjk(const Eigen::Vector3d& guess, double margin,
+                 const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
+  void keep(SolidsGuess& guess) const {
+    guess.direction = gjk.ray;
+    guess.vertices = {gjk.support_hint[0], gjk.support_hint[1]};
+  }
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
@@ -206,10 +215,10 @@ NarrowPhase::~NarrowPhase() = default;
 void NarrowPhase::poll_with(std::function<void()> poll) { impl_->poll = std::move(poll); }
 
 /// Runs GJK on `difference` as Coal's functors do, without their allocations. evaluate() starts afresh every time.
-double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
+double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin, const coal::support_func_guess_t& hint) {
   count_step();
   gjk.setDistanceEarlyBreak(margin + contact_distance);  // it stops once more than this is proved
-  gjk.evaluate(difference, guess);
+  gjk.evaluate(difference, guess, hint);
   double distance = std::max(0.0, gjk.distance);
   switch (gjk.status) {
     case coal::details::GJK::Collision:
@@ -221,16 +230,26 @@ double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin) {
   return distance <= margin + contact_distance ? distance : infinity;
 }
 
-double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin) {
+double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin, SolidsGuess* guess) {
   Impl& impl = *impl_;
   if (formula >= 0) {
     // Formulas give the distance less the margin, which a very large one would swallow.
     const double found = impl.by_formula(formula, a, b, std::min(margin, max_formula_margin));
     if (found < infinity || margin <= max_formula_margin) return found;
   }
+  // Boxes around the two that are too far apart are cheaper than GJK.
+  const double limit = margin + tolerance;
+  if (squared_distance_bound(box_around(a), box_around(b)) > limit * limit) return infinity;
   impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry), static_cast<const coal::ShapeBase*>(b.geometry),
                       transform(a.pose), transform(b.pose));
-  return impl.run_gjk(first_guess(a, b), margin);
+  if (!guess || guess->direction.isZero(0.0)) {
+    const double found = impl.run_gjk(first_guess(a, b), margin);
+    if (guess) impl.keep(*guess);
+    return found;
+  }
+  const double found = impl.run_gjk(guess->direction, margin, {guess->vertices[0], guess->vertices[1]});
+  impl.keep(*guess);
+  return found;
 }
 
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {

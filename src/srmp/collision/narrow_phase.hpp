@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -51,6 +52,13 @@ struct Proximity {
   Eigen::Vector3d point_a, point_b;
 };
 
+/// Where a query for two solids begins to search, and the next one for the same two, which are then about where they
+/// were: its last direction and support vertices. Distances change by no more than GJK's tolerance.
+struct SolidsGuess {
+  Eigen::Vector3d direction{Eigen::Vector3d::Zero()};  ///< from b to a, in the frame of a; 0: none
+  std::array<int, 2> vertices{};
+};
+
 /// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.
 class FormulaTable {
  public:
@@ -80,7 +88,7 @@ class NarrowPhase {
   static constexpr double tolerance = 2e-6;
 
   /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
-  double solids(int formula, const Placed& a, const Placed& b, double margin);
+  double solids(int formula, const Placed& a, const Placed& b, double margin, SolidsGuess* guess = nullptr);
   /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives. May return the
   /// distance of any two primitives once it is at most `enough`.
   double primitives(const Placed& a, const Placed& b, double margin, double enough);

@@ -60,6 +60,8 @@ SceneWorkspace::SceneWorkspace(const SceneModel& model)
   start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
   active_list_.reserve(actuated_joints);
   speed_.resize(actuated_joints);
+  linear_.resize(actuated_joints);
+  rest_.resize(actuated_joints);
   axes_.resize(actuated_joints);
   reach_.resize(moving * actuated_joints);
   reach_known_.resize(moving);
@@ -109,19 +111,19 @@ double SceneWorkspace::likely_max_distance(const Pair& pair, double bound) const
   return bound + 2.0 * (pair.b_fixed ? a : a + bodies_.moving[pair.b].bounds.radius);
 }
 
-double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin,
-                                      double enough) {
+double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
+                                      SolidsGuess* guess) {
   ++statistics.narrow_phase;
-  if (!a.bvh && !b.bvh) return narrow_.solids(pair.formula, a, b, margin);
+  if (!a.bvh && !b.bvh) return narrow_.solids(pair.formula, a, b, margin, guess);
   return narrow_.primitives(a, b, margin, enough);
 }
 
-double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices) {
+double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices, SolidsGuess* guess) {
   const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
   const Placed solid_a{bodies_.moving[pair.a].solid, nullptr, a.bounds, a.pose, a.center};
   const Placed solid_b{body_b(pair).solid, nullptr, b.bounds, b.pose, b.center};
   double found = 0.0;
-  if (solid_a.geometry && solid_b.geometry) found = query_distance(pair, solid_a, solid_b, margin, suffices);
+  if (solid_a.geometry && solid_b.geometry) found = query_distance(pair, solid_a, solid_b, margin, suffices, guess);
   if (!pair.both_meshes || found > suffices) return found;
   if (solid_a.geometry && !solid_b.geometry) return query_distance(pair, solid_a, b, margin, suffices);
   if (solid_b.geometry && !solid_a.geometry) return query_distance(pair, a, solid_b, margin, suffices);
@@ -193,9 +195,14 @@ void SceneWorkspace::start_any_motion(std::uint64_t active) {
     if (active >> k & 1) active_list_.push_back(k);
 }
 
-void SceneWorkspace::place_in_range(ConstVector q, std::span<const double> change) {
-  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
-  for (std::size_t k : active_list_) speed_[k] = std::abs(actuated_joints[k].ratio) * change[actuated_joints[k].joint];
+void SceneWorkspace::place_in_range(ConstVector q, std::span<const double> change, std::span<const double> linear,
+                                    std::span<const double> rest) {
+  for (std::size_t k : active_list_) {
+    const ActuatedJoint& actuated = model_.group.actuated_joints()[k];
+    speed_[k] = std::abs(actuated.ratio) * change[actuated.joint];
+    linear_[k] = actuated.ratio * linear[actuated.joint];
+    rest_[k] = std::abs(actuated.ratio) * rest[actuated.joint];
+  }
   place_with_axes(q);
 }
 
@@ -244,6 +251,43 @@ double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, dou
 double SceneWorkspace::approach(const Pair& pair, double half_width) {
   const double motion = displacement(pair.a, pair.support_a, half_width);
   return (pair.support_b & active_) ? motion + displacement(pair.b, pair.support_b, half_width) : motion;
+}
+
+/// Bounds Taylor's polynomial of first degree of the core's points, and its remainder: the second derivatives by joints
+/// j and k are no longer than the distance from the axis of the deeper of the two, which deeper ones change by `moved`
+/// at most.
+double SceneWorkspace::straight_displacement(std::size_t body, std::uint64_t support) {
+  const Core& core = bodies_.moving[body].core;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the center
+  double rest = 0.0, moved = 0.0, bent = 0.0, shallower = 0.0;
+  for (std::size_t k : active_list_)
+    if ((support >> k & 1) && !model_.group.actuated_joints()[k].prismatic) shallower += speed_[k];
+  for (std::size_t k : active_list_) {
+    if (!(support >> k & 1)) continue;
+    const auto& [point, direction] = axes_[k];
+    if (model_.group.actuated_joints()[k].prismatic) {
+      velocity += linear_[k] * direction;
+      rest += rest_[k];
+      bent += 2.0 * speed_[k] * shallower;
+      moved += speed_[k];
+    } else {
+      velocity += linear_[k] * direction.cross(centers_[body] - point);
+      turn += linear_[k] * direction;
+      const double here = axis_reach(body, k), anywhere = here + moved;
+      rest += rest_[k] * here;
+      shallower -= speed_[k];
+      bent += speed_[k] * anywhere * (speed_[k] + 2.0 * shallower);
+      moved += speed_[k] * anywhere;
+    }
+  }
+  const Eigen::Vector3d at_end = turn.cross(poses_[body].linear() * core.half);
+  const double linear = std::max((velocity + at_end).norm(), (velocity - at_end).norm()) + core.radius * turn.norm();
+  return std::min(linear + rest + bent / 2.0, moved);
+}
+
+double SceneWorkspace::approach_in_range(const Pair& pair) {
+  const double motion = straight_displacement(pair.a, pair.support_a);
+  return (pair.support_b & active_) ? motion + straight_displacement(pair.b, pair.support_b) : motion;
 }
 
 /// Checks the pair over an interval around here. `parts`: into how many the interval is to be subdivided when the

@@ -29,7 +29,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double likely_max_distance(const Pair& pair, double bound) const;
   /// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
   /// exceeds `margin`. One that is more than `suffices` is not improved.
-  double hull_distance(const Pair& pair, double margin, double suffices);
+  double hull_distance(const Pair& pair, double margin, double suffices, SolidsGuess* guess = nullptr);
   /// The distance of the pair, padding not counted; infinity when it exceeds `margin`. May be the distance of any two
   /// of their primitives that is at most `enough`.
   double distance(const Pair& pair, double margin, double enough);
@@ -50,10 +50,14 @@ class SceneWorkspace final : public Checker::Workspace {
 
   /// The actuated joints of `active` may move.
   void start_any_motion(std::uint64_t active);
-  /// Places the bodies at q, from where joint j moves by `change[j]` at most.
-  void place_in_range(ConstVector q, std::span<const double> change);
+  /// Places the bodies at q, from where joint j moves by `change[j]` at most: by s * linear[j] for an s in [-1, 1], and
+  /// by `rest[j]` at most besides.
+  void place_in_range(ConstVector q, std::span<const double> change, std::span<const double> linear,
+                      std::span<const double> rest);
   /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here.
   double approach(const Pair& pair, double half_width = 1.0);
+  /// The same for the range of place_in_range, which is often less: it adds up how all joints move a body at once.
+  double approach_in_range(const Pair& pair);
 
   // --- straight motions and blocks, for SceneChecker
 
@@ -70,8 +74,10 @@ class SceneWorkspace final : public Checker::Workspace {
     std::uint32_t pair;
   };
 
-  double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough);
+  double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
+                        SolidsGuess* guess = nullptr);
   double axis_reach(std::size_t body, std::size_t actuated);
+  double straight_displacement(std::size_t body, std::uint64_t support);
   void place_with_axes(ConstVector q);
   void place_on_motion(double t);
   /// By how far the body can move while the actuated joints of `support` move through `half_width` of the motion.
@@ -106,6 +112,7 @@ class SceneWorkspace final : public Checker::Workspace {
   std::uint64_t active_{};                // actuated joints that this motion moves
   std::vector<std::size_t> active_list_;  // the same, the deepest first
   std::vector<double> speed_;             // of each actuated joint [rad or m over the whole motion]
+  std::vector<double> linear_, rest_;     // of each actuated joint, of place_in_range
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes_;  // of active joints, here
   std::vector<double> reach_;      // [body * actuated joints + k]: farthest point of the body from the joint's axis
   std::vector<char> reach_known_;  // of this body, here

@@ -17,8 +17,9 @@ namespace srmp {
 
 namespace {
 
-constexpr double largest = 1e100;        // beyond it, squares overflow
-constexpr double rest_tolerance = 1e-6;  // [rad/s or m/s]
+constexpr double largest = 1e100;              // beyond it, squares overflow
+constexpr double rest_tolerance = 1e-6;        // [rad/s or m/s]
+constexpr double negligible_deviation = 1e-9;  // [m] of a row: it is on its segment
 
 /// Checks that this is a trajectory of the robot and that its polynomials are finite.
 class FormatCheck {
@@ -212,7 +213,7 @@ class Certifier {
       interruption_point();
       bernstein(row, points);
       double smallest = off_segment(points, at);
-      for (Eigen::Index next = at + 1; next < segments && smallest > 0.0; ++next) {
+      for (Eigen::Index next = at + 1; next < segments && smallest > negligible_deviation; ++next) {
         const double off = off_segment(points, next);
         if (off < smallest) {
           smallest = off;
