@@ -461,7 +461,8 @@ BOOST_AUTO_TEST_CASE(attached_objects_and_padding_count) {
   BOOST_TEST(to_string(with_rod.code) == "GOAL_IN_COLLISION", with_rod.message);
   held.request.start_state.attached.clear();
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "SUCCESS");
-  for (const auto& geometry : RobotModel::load(arm7())->geometries()) held.scene.link_padding[geometry.link] = 0.09;
+  const auto robot = RobotModel::load(arm7());
+  for (const auto& geometry : robot->geometries()) held.scene.link_padding[geometry.link] = 0.09;
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "GOAL_IN_COLLISION");
   held.scene.link_padding.clear();
   BOOST_TEST(to_string(session.solve(held.scene, held.request).code) == "SUCCESS");

@@ -440,6 +440,7 @@ def use_cache(tmp_path):
         p = srmp.PlannerInterface()
         p.add_articulation(urdf_text={urdf!r})
         p.make_planner("r", {{"planner_id": "auto"}})
+        p.prepare()
         print(p.collision_checker("r").are_free(np.zeros((1, 2))))
     """
     done = subprocess.run(

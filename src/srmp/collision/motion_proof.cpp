@@ -14,6 +14,7 @@ using detail::NarrowPhase;
 using detail::Pair;
 using detail::SceneModel;
 using detail::SceneWorkspace;
+using detail::Separation;
 
 namespace {
 
@@ -189,7 +190,7 @@ class Prover {
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
     body_motion_.resize(model.bodies.moving.size());
-    guesses_.resize(model.bodies.pairs.size());
+    separations_.resize(model.bodies.pairs.size());
     open_.reserve(4 * model.bodies.pairs.size());
   }
 
@@ -228,8 +229,8 @@ class Prover {
     return std::clamp(static_cast<int>(std::log2(motion / std::max(room, 0.1 * motion))), 0, max_levels);
   }
   double approach(const Pair& pair);
-  detail::SolidsGuess& guess_of(const Pair& pair) {
-    return guesses_[static_cast<std::size_t>(&pair - model_.bodies.pairs.data())];
+  Separation& separation_of(const Pair& pair) {
+    return separations_[static_cast<std::size_t>(&pair - model_.bodies.pairs.data())];
   }
   /// The clearance that is to be proved of every pair.
   double goal() const { return fraction_ > 0.0 ? fraction_ * clearance_ : 0.0; }
@@ -256,10 +257,10 @@ class Prover {
   double proved_{infinity};
   int samples_{};
   Segments::Range range_;
-  std::vector<double> body_motion_;           // by moving body, in the current interval; -1: not known yet
-  std::vector<detail::SolidsGuess> guesses_;  // by pair
-  std::vector<Open> open_;                    // a stack: those of the current interval on top
-  std::vector<Proved> to_sharpen_;            // a heap: less than the goal is proved of these
+  std::vector<double> body_motion_;      // by moving body, in the current interval; -1: not known yet
+  std::vector<Separation> separations_;  // by pair
+  std::vector<Open> open_;               // a stack: those of the current interval on top
+  std::vector<Proved> to_sharpen_;       // a heap: less than the goal is proved of these
   std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
@@ -313,9 +314,9 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
 
 /// How far the pair can approach each other; the same for all fixed bodies that a moving one may hit.
 double Prover::approach(const Pair& pair) {
-  if (!pair.b_fixed) return workspace_.approach_in_range(pair);
+  if (!pair.b_fixed) return workspace_.approach(pair);
   double& known = body_motion_[pair.a];
-  if (known < 0.0) known = workspace_.approach_in_range(pair);
+  if (known < 0.0) known = workspace_.approach(pair);
   return known;
 }
 
@@ -347,9 +348,11 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
   const double least = pair.padding + motion + NarrowPhase::tolerance, margin = least + goal();
   if (!pair.solid) {
     const double suffices = least + required - 0.9 * motion,
-                 hulls = workspace_.hull_distance(pair, margin, suffices, &guess_of(pair));
+                 hulls = workspace_.hull_distance(pair, margin, suffices, &separation_of(pair));
     if (hulls == infinity) return {CollisionStatus::free, goal()};
     if (hulls > least + required) return {CollisionStatus::free, hulls - least, false};
+    const double gap = workspace_.free_gap(pair, separation_of(pair));
+    if (gap > required) return {CollisionStatus::free, gap, false};
     // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.
     if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - required};
   }

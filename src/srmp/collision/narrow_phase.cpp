@@ -183,10 +183,7 @@ struct NarrowPhase::Impl {
   }
   double run_gjk(const Eigen::Vector3d& guess, double margin,
                  const coal::support_func_guess_t& hint = coal::support_func_guess_t::Zero());
-  void keep(SolidsGuess& guess) const {
-    guess.direction = gjk.ray;
-    guess.vertices = {gjk.support_hint[0], gjk.support_hint[1]};
-  }
+  double gap_across(const Eigen::Vector3d& direction) const;
   double by_formula(int formula, const Placed& a, const Placed& b, double margin);
   double solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
@@ -230,7 +227,7 @@ double NarrowPhase::Impl::run_gjk(const Eigen::Vector3d& guess, double margin, c
   return distance <= margin + contact_distance ? distance : infinity;
 }
 
-double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin, SolidsGuess* guess) {
+double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double margin, Separation* separation) {
   Impl& impl = *impl_;
   if (formula >= 0) {
     // Formulas give the distance less the margin, which a very large one would swallow.
@@ -242,14 +239,24 @@ double NarrowPhase::solids(int formula, const Placed& a, const Placed& b, double
   if (squared_distance_bound(box_around(a), box_around(b)) > limit * limit) return infinity;
   impl.difference.set(static_cast<const coal::ShapeBase*>(a.geometry), static_cast<const coal::ShapeBase*>(b.geometry),
                       transform(a.pose), transform(b.pose));
-  if (!guess || guess->direction.isZero(0.0)) {
-    const double found = impl.run_gjk(first_guess(a, b), margin);
-    if (guess) impl.keep(*guess);
-    return found;
-  }
-  const double found = impl.run_gjk(guess->direction, margin, {guess->vertices[0], guess->vertices[1]});
-  impl.keep(*guess);
+  if (!separation) return impl.run_gjk(first_guess(a, b), margin);
+  coal::support_func_guess_t vertices(separation->vertices[0], separation->vertices[1]);
+  const bool known = !separation->direction.isZero(0.0);
+  const double found = impl.run_gjk(known ? separation->direction : first_guess(a, b), margin, vertices);
+  separation->direction = impl.gjk.ray;
+  separation->vertices = {impl.gjk.support_hint[0], impl.gjk.support_hint[1]};
+  separation->gap = found < infinity ? impl.gap_across(impl.gjk.ray) : 0.0;
   return found;
+}
+
+/// The distance of two planes across the direction that separate the solids of `difference`.
+double NarrowPhase::Impl::gap_across(const Eigen::Vector3d& direction) const {
+  const double length = direction.norm();
+  if (!(length > contact_distance)) return 0.0;
+  coal::support_func_guess_t vertices = gjk.support_hint;
+  Eigen::Vector3d a, b;
+  difference.support(-direction, a, b, vertices);
+  return std::max(0.0, direction.dot(a - b) / length - difference.swept_sphere_radius.sum());
 }
 
 double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed& b, double margin) {

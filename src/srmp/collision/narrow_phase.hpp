@@ -52,11 +52,12 @@ struct Proximity {
   Eigen::Vector3d point_a, point_b;
 };
 
-/// Where a query for two solids begins to search, and the next one for the same two, which are then about where they
-/// were: its last direction and support vertices. Distances change by no more than GJK's tolerance.
-struct SolidsGuess {
+/// Planes that separate two solids. Given to the next query for the same two, which are about where they were, it
+/// shortens that; the distance changes by no more than GJK's tolerance.
+struct Separation {
   Eigen::Vector3d direction{Eigen::Vector3d::Zero()};  ///< from b to a, in the frame of a; 0: none
-  std::array<int, 2> vertices{};
+  std::array<int, 2> vertices{};                       ///< of the two, where the last search ended
+  double gap{};                                        ///< [m] between the planes, across the direction; 0: not known
 };
 
 /// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.
@@ -88,7 +89,7 @@ class NarrowPhase {
   static constexpr double tolerance = 2e-6;
 
   /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
-  double solids(int formula, const Placed& a, const Placed& b, double margin, SolidsGuess* guess = nullptr);
+  double solids(int formula, const Placed& a, const Placed& b, double margin, Separation* separation = nullptr);
   /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives. May return the
   /// distance of any two primitives once it is at most `enough`.
   double primitives(const Placed& a, const Placed& b, double margin, double enough);

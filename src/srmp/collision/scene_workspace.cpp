@@ -112,18 +112,19 @@ double SceneWorkspace::likely_max_distance(const Pair& pair, double bound) const
 }
 
 double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
-                                      SolidsGuess* guess) {
+                                      Separation* separation) {
   ++statistics.narrow_phase;
-  if (!a.bvh && !b.bvh) return narrow_.solids(pair.formula, a, b, margin, guess);
+  if (!a.bvh && !b.bvh) return narrow_.solids(pair.formula, a, b, margin, separation);
   return narrow_.primitives(a, b, margin, enough);
 }
 
-double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices, SolidsGuess* guess) {
+double SceneWorkspace::hull_distance(const Pair& pair, double margin, double suffices, Separation* separation) {
   const Placed a = placed(false, pair.a), b = placed(pair.b_fixed, pair.b);
   const Placed solid_a{bodies_.moving[pair.a].solid, nullptr, a.bounds, a.pose, a.center};
   const Placed solid_b{body_b(pair).solid, nullptr, b.bounds, b.pose, b.center};
   double found = 0.0;
-  if (solid_a.geometry && solid_b.geometry) found = query_distance(pair, solid_a, solid_b, margin, suffices, guess);
+  if (solid_a.geometry && solid_b.geometry)
+    found = query_distance(pair, solid_a, solid_b, margin, suffices, separation);
   if (!pair.both_meshes || found > suffices) return found;
   if (solid_a.geometry && !solid_b.geometry) return query_distance(pair, solid_a, b, margin, suffices);
   if (solid_b.geometry && !solid_a.geometry) return query_distance(pair, a, solid_b, margin, suffices);
@@ -181,7 +182,9 @@ void SceneWorkspace::start_motion(ConstVector a, ConstVector b) {
   active_list_.clear();
   const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
   for (std::size_t k = actuated_joints.size(); k-- > 0;) {  // children first
-    speed_[k] = std::abs(actuated_joints[k].ratio * delta_[static_cast<Eigen::Index>(actuated_joints[k].joint)]);
+    linear_[k] = actuated_joints[k].ratio * delta_[static_cast<Eigen::Index>(actuated_joints[k].joint)];
+    speed_[k] = std::abs(linear_[k]);
+    rest_[k] = 0.0;
     if (speed_[k] == 0.0) continue;
     active_ |= std::uint64_t{1} << k;
     active_list_.push_back(k);
@@ -235,59 +238,55 @@ double SceneWorkspace::axis_reach(std::size_t body, std::size_t actuated) {
   return reach[actuated];
 }
 
-/// Bounds on what the joints add up to, from the deepest to the shallowest: each one turns the body about the axis
-/// where it is now, since all that carries it stands still meanwhile, after the deeper ones moved the body by `moved`
-/// at most.
-double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, double half_width) {
-  double moved = 0.0;
-  for (std::size_t k : active_list_) {
-    if (!(support >> k & 1)) continue;
-    const double change = speed_[k] * half_width;
-    moved += model_.group.actuated_joints()[k].prismatic ? change : change * (axis_reach(body, k) + moved);
-  }
-  return moved;
-}
-
-double SceneWorkspace::approach(const Pair& pair, double half_width) {
-  const double motion = displacement(pair.a, pair.support_a, half_width);
-  return (pair.support_b & active_) ? motion + displacement(pair.b, pair.support_b, half_width) : motion;
-}
-
-/// Bounds Taylor's polynomial of first degree of the core's points, and its remainder: the second derivatives by joints
-/// j and k are no longer than the distance from the axis of the deeper of the two, which deeper ones change by `moved`
-/// at most.
-double SceneWorkspace::straight_displacement(std::size_t body, std::uint64_t support) {
+/// The smaller of two bounds. The first is what the joints add up to, from the deepest to the shallowest: each one
+/// turns the body about the axis where it is now, since all that carries it stands still meanwhile, after the deeper
+/// ones moved the body by `moved` at most. The other is that of Taylor's polynomial of first degree, which knows how
+/// all joints move the body at once, and of its remainder: the second derivatives by two joints are no longer than the
+/// distance from the axis of the deeper one.
+double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, double half_width,
+                                    const Eigen::Vector3d* direction) {
   const Core& core = bodies_.moving[body].core;
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the center
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the center, over half of the motion
   double rest = 0.0, moved = 0.0, bent = 0.0, shallower = 0.0;
+  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
   for (std::size_t k : active_list_)
-    if ((support >> k & 1) && !model_.group.actuated_joints()[k].prismatic) shallower += speed_[k];
+    if ((support >> k & 1) && !actuated_joints[k].prismatic) shallower += speed_[k] * half_width;
   for (std::size_t k : active_list_) {
     if (!(support >> k & 1)) continue;
-    const auto& [point, direction] = axes_[k];
-    if (model_.group.actuated_joints()[k].prismatic) {
-      velocity += linear_[k] * direction;
+    const auto& [point, axis] = axes_[k];
+    const double change = speed_[k] * half_width;
+    if (actuated_joints[k].prismatic) {
+      velocity += linear_[k] * half_width * axis;
       rest += rest_[k];
-      bent += 2.0 * speed_[k] * shallower;
-      moved += speed_[k];
-    } else {
-      velocity += linear_[k] * direction.cross(centers_[body] - point);
-      turn += linear_[k] * direction;
-      const double here = axis_reach(body, k), anywhere = here + moved;
-      rest += rest_[k] * here;
-      shallower -= speed_[k];
-      bent += speed_[k] * anywhere * (speed_[k] + 2.0 * shallower);
-      moved += speed_[k] * anywhere;
+      bent += 2.0 * change * shallower;
+      moved += change;
+      continue;
     }
+    const double reach = axis_reach(body, k), farthest = reach + moved;
+    velocity += linear_[k] * half_width * axis.cross(centers_[body] - point);
+    turn += linear_[k] * half_width * axis;
+    rest += rest_[k] * reach;
+    shallower -= change;
+    bent += change * farthest * (change + 2.0 * shallower);
+    moved += change * farthest;
   }
   const Eigen::Vector3d at_end = turn.cross(poses_[body].linear() * core.half);
-  const double linear = std::max((velocity + at_end).norm(), (velocity - at_end).norm()) + core.radius * turn.norm();
+  const double linear =
+      direction ? std::abs(velocity.dot(*direction)) + std::abs(at_end.dot(*direction)) +
+                      core.radius * turn.cross(*direction).norm()
+                : std::max((velocity + at_end).norm(), (velocity - at_end).norm()) + core.radius * turn.norm();
   return std::min(linear + rest + bent / 2.0, moved);
 }
 
-double SceneWorkspace::approach_in_range(const Pair& pair) {
-  const double motion = straight_displacement(pair.a, pair.support_a);
-  return (pair.support_b & active_) ? motion + straight_displacement(pair.b, pair.support_b) : motion;
+double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
+  const double motion = displacement(pair.a, pair.support_a, half_width, direction);
+  return (pair.support_b & active_) ? motion + displacement(pair.b, pair.support_b, half_width, direction) : motion;
+}
+
+double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, double half_width) {
+  if (!(separation.gap > 0.0)) return -infinity;
+  const Eigen::Vector3d direction = poses_[pair.a].linear() * separation.direction.normalized();
+  return separation.gap - approach(pair, half_width, &direction) - pair.padding - NarrowPhase::tolerance;
 }
 
 /// Checks the pair over an interval around here. `parts`: into how many the interval is to be subdivided when the
@@ -311,8 +310,10 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
     return unproved;
   };
   if (!pair.solid) {
-    const double limit = margin + NarrowPhase::tolerance, found = hull_distance(pair, limit, limit - 0.9 * motion);
-    if (found == infinity) return CollisionStatus::free;
+    Separation separation;
+    const double limit = margin + NarrowPhase::tolerance;
+    const double found = hull_distance(pair, limit, limit - 0.9 * motion, &separation);
+    if (found == infinity || free_gap(pair, separation, half_width) > reserve_) return CollisionStatus::free;
     // Hulls a tenth of the motion apart prove the parts: that is cheaper than the distance of the meshes.
     if (found > limit - 0.9 * motion && !at_floor) return subdivide_for(found);
   }

@@ -29,7 +29,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double likely_max_distance(const Pair& pair, double bound) const;
   /// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
   /// exceeds `margin`. One that is more than `suffices` is not improved.
-  double hull_distance(const Pair& pair, double margin, double suffices, SolidsGuess* guess = nullptr);
+  double hull_distance(const Pair& pair, double margin, double suffices, Separation* separation = nullptr);
   /// The distance of the pair, padding not counted; infinity when it exceeds `margin`. May be the distance of any two
   /// of their primitives that is at most `enough`.
   double distance(const Pair& pair, double margin, double enough);
@@ -54,10 +54,12 @@ class SceneWorkspace final : public Checker::Workspace {
   /// by `rest[j]` at most besides.
   void place_in_range(ConstVector q, std::span<const double> change, std::span<const double> linear,
                       std::span<const double> rest);
-  /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here.
-  double approach(const Pair& pair, double half_width = 1.0);
-  /// The same for the range of place_in_range, which is often less: it adds up how all joints move a body at once.
-  double approach_in_range(const Pair& pair);
+  /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here; with
+  /// a unit vector, along it.
+  double approach(const Pair& pair, double half_width = 1.0, const Eigen::Vector3d* direction = nullptr);
+  /// The clearance that the pair keeps within `half_width` of the motion around here, by planes that separate the two;
+  /// negative where that proves nothing.
+  double free_gap(const Pair& pair, const Separation& separation, double half_width = 1.0);
 
   // --- straight motions and blocks, for SceneChecker
 
@@ -75,13 +77,13 @@ class SceneWorkspace final : public Checker::Workspace {
   };
 
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
-                        SolidsGuess* guess = nullptr);
+                        Separation* separation = nullptr);
   double axis_reach(std::size_t body, std::size_t actuated);
-  double straight_displacement(std::size_t body, std::uint64_t support);
   void place_with_axes(ConstVector q);
   void place_on_motion(double t);
   /// By how far the body can move while the actuated joints of `support` move through `half_width` of the motion.
-  double displacement(std::size_t body, std::uint64_t support, double half_width);
+  double displacement(std::size_t body, std::uint64_t support, double half_width,
+                      const Eigen::Vector3d* direction = nullptr);
   /// Does the motion leave the two where they are relative to each other?
   bool is_still(const Pair& pair) const { return ((pair.support_a | pair.support_b) & active_) == 0; }
   template <class Visit>
@@ -111,8 +113,8 @@ class SceneWorkspace final : public Checker::Workspace {
   Eigen::VectorXd start_, delta_, q_, here_;
   std::uint64_t active_{};                // actuated joints that this motion moves
   std::vector<std::size_t> active_list_;  // the same, the deepest first
-  std::vector<double> speed_;             // of each actuated joint [rad or m over the whole motion]
-  std::vector<double> linear_, rest_;     // of each actuated joint, of place_in_range
+  std::vector<double> speed_;             // of each actuated joint, at most [rad or m over the whole motion]
+  std::vector<double> linear_, rest_;     // of it: what is linear [rad or m], and the rest, as in place_in_range
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes_;  // of active joints, here
   std::vector<double> reach_;      // [body * actuated joints + k]: farthest point of the body from the joint's axis
   std::vector<char> reach_known_;  // of this body, here
