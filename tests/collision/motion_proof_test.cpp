@@ -484,7 +484,7 @@ BOOST_AUTO_TEST_CASE(a_clearance_takes_a_counted_number_of_distances) {
     prove(world.checker, t, *workspace, {.gap_tolerance = gap});
     return workspace->statistics.narrow_phase;
   };
-  BOOST_TEST(distances(1e-6) <= distances(1.0) + 256 + 6);
+  BOOST_TEST(distances(1e-6) <= distances(1.0) + 2 * 256 + 6);  // and as many searches for planes
   const MotionProof proof = prove(world.checker, t, *world.workspace, {.gap_tolerance = 1e-6});
   BOOST_TEST((proof.free && proof.unproved.empty()));
   BOOST_TEST(proof.proved > 0.9 * proof.clearance);
@@ -522,6 +522,27 @@ BOOST_AUTO_TEST_CASE(what_turns_about_its_own_axis_gets_no_nearer) {
       BOOST_TEST((proof.free && proof.unproved.empty()));
       BOOST_TEST(workspace->statistics.configurations < 20u);
     }
+}
+
+BOOST_AUTO_TEST_CASE(what_passes_near_a_wall_moves_along_it) {
+  const Eigen::VectorXd a = Eigen::VectorXd::Constant(1, -3.0), b = -a;
+  const std::string origin = R"(<origin xyz="0.08 0 0"/>)",
+                    sphere = origin + R"(<geometry><sphere radius="0.06"/></geometry>)",
+                    disc = origin + R"(<geometry><cylinder radius="0.06" length="0.1"/></geometry>)";
+  for (const std::string& shape : {sphere, disc})
+    for (const CheckMode mode : {CheckMode::coal, CheckMode::exact})
+      for (const double gap : {2.8e-4, 5e-6}) {
+        Scene scene;
+        scene.add_robot(turning(shape));
+        scene.add_object("wall", Box{{0.1, 2, 2}}, at(0.08 + 0.06 + 0.05 + gap, 0, 0));
+        const SceneChecker checker(scene, "top", {.mode = mode});
+        const auto workspace = checker.make_workspace();
+        BOOST_TEST(checker.is_motion_free(a, b, *workspace));
+        const MotionProof proof = prove(checker, straight(checker, a, b), *workspace);
+        BOOST_TEST((proof.free && proof.unproved.empty()));
+        BOOST_TEST(workspace->statistics.configurations < (gap > 1e-4 ? 400u : 2500u));
+        BOOST_TEST_MESSAGE(gap << " m: " << workspace->statistics.configurations << " configurations");
+      }
 }
 
 BOOST_AUTO_TEST_CASE(capsules_about_any_axis_are_proved) {

@@ -363,6 +363,10 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
   if (!note_distance(pair, found)) return {CollisionStatus::colliding};
   // What passes is the pair's distance: one that is only of two of its primitives is less than the motion.
   if (found > least) return {CollisionStatus::free, found - least};
+  if (pair.solid) {
+    const double gap = workspace_.free_gap(pair, workspace_.separate(pair, margin));
+    if (gap > required) return {CollisionStatus::free, gap, false};
+  }
   return {CollisionStatus::undecided, 0.0, true, found - pair.padding};
 }
 

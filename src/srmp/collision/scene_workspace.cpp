@@ -135,6 +135,14 @@ double SceneWorkspace::distance(const Pair& pair, double margin, double enough) 
   return query_distance(pair, placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough);
 }
 
+Separation SceneWorkspace::separate(const Pair& pair, double margin) {
+  constexpr int none = -1;  // formulas give no planes
+  ++statistics.narrow_phase;
+  Separation separation;
+  narrow_.solids(none, placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, &separation);
+  return separation;
+}
+
 /// Does the pair's table prove the two apart over this part of the motion?
 bool SceneWorkspace::table_proves(const Pair& pair, double from, double to) {
   if (!pair.table) return false;
@@ -322,6 +330,11 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
   if (found == infinity) return CollisionStatus::free;
   if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
     return CollisionStatus::colliding;
+  if (pair.solid && found - pair.padding <= reserve_) {  // no part of the motion around here can be proved with it
+    parts = 0;
+    return unproved;
+  }
+  if (pair.solid && free_gap(pair, separate(pair, margin), half_width) > reserve_) return CollisionStatus::free;
   return subdivide_for(found);
 }
 
@@ -329,13 +342,14 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
 /// is not free.
 bool SceneWorkspace::process(std::uint32_t pair, double t, double half_width) {
   if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
+  if (reserve_ > 0.0 && std::find(close_.begin(), close_.end(), pair) != close_.end()) return true;  // decided later
   if (reserve_ > 0.0 && table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
   int parts;
   const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, parts);
   if (status == CollisionStatus::undecided) {
     if (parts > 0)
       subdivide(t, half_width, pair, parts);
-    else if (std::find(close_.begin(), close_.end(), pair) == close_.end())
+    else
       close_.push_back(pair);
   }
   return status != CollisionStatus::colliding;

@@ -33,6 +33,8 @@ class SceneWorkspace final : public Checker::Workspace {
   /// The distance of the pair, padding not counted; infinity when it exceeds `margin`. May be the distance of any two
   /// of their primitives that is at most `enough`.
   double distance(const Pair& pair, double margin, double enough);
+  /// Planes that separate a pair of solids that are no farther apart than `margin`.
+  Separation separate(const Pair& pair, double margin);
   /// Are the two in contact, padding counted? By Coal; hulls, and tables unless `use_tables` is false, decide most
   /// pairs.
   bool in_contact(const Pair& pair, bool use_tables = true);
