@@ -131,21 +131,36 @@ KILLS = int(os.environ.get("SRMP_KILLS", "4"))
 """Of the driver and of workers; data sets are told to survive any number of them."""
 
 
+def shards_in(directory):
+    return len(list(Path(directory).glob("shard-*.parquet")))
+
+
+def has_come_to(driver, directory, shards):
+    """Waits until the directory holds this many shards; False when the driver ended first."""
+    while driver.poll() is None:
+        if shards_in(directory) >= shards:
+            return True
+        time.sleep(0.001)
+    return False
+
+
 def test_same_bytes_after_kills(tmp_path):
-    count = 20 * KILLS
-    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=count, per_shard=2))
+    """Each kill waits for a drawn number of new shards, so that all of them hit a run that is at work."""
+    step, per_shard = 5, 4  # a run of one shard takes longer than it takes to see that it is there
+    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=per_shard * step * (KILLS + 2), per_shard=per_shard))
     generate(spec, tmp_path / "whole", workers=1)
     draw, kills, orphans = random.Random(0), 0, []
-    for _ in range(50):
+    for _ in range(KILLS + 1):
         driver = subprocess.Popen(command(spec, tmp_path / "set", "--workers", "2"), stderr=subprocess.PIPE)
-        while driver.poll() is None and kills < KILLS:
-            time.sleep(draw.uniform(0.3, 1.5))
+        while kills < KILLS and has_come_to(
+            driver, tmp_path / "set", shards_in(tmp_path / "set") + draw.randrange(step)
+        ):
             workers = workers_of(driver.pid)
-            victim = driver.pid if kills % 2 or not workers else draw.choice(workers)
-            if driver.poll() is None:
-                kills += 1
-                orphans += workers
-                os.kill(victim, signal.SIGKILL)
+            if kills % 2 == 0 and not workers:
+                continue  # they are about to begin
+            orphans += workers
+            os.kill(driver.pid if kills % 2 else draw.choice(workers), signal.SIGKILL)
+            kills += 1
         errors = driver.communicate()[1]
         if driver.returncode == 0:
             break
