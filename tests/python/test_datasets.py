@@ -94,6 +94,36 @@ def test_another_place_and_another_seed(made, tmp_path):
     assert not np.any(a == b)
 
 
+# --- the clock
+
+
+def test_a_record_that_reaches_the_time_limit_is_none(made, tmp_path):
+    """Nothing is stored, the run says so, and with a larger limit the same data set is made."""
+    hurried = spec_of(planner={"time_limit": 1e-6})
+    with pytest.raises(
+        srmp.Error, match=r"12 records \(0, 1, .*…\) reached planner\.time_limit, 1e-06 s.*0 of 6 shards"
+    ):
+        generate(hurried, tmp_path / "set", workers=1)
+    assert len(datasets.open(tmp_path / "set")) == 0
+    assert generate(spec_of(), tmp_path / "set", workers=1).sha256 == made.sha256
+
+
+def test_the_shards_without_such_a_record_are_kept(made, tmp_path, monkeypatch):
+    stats = srmp.PlannerInterface.get_planning_stats
+    plans = iter(range(100))
+    monkeypatch.setattr(
+        srmp.PlannerInterface,
+        "get_planning_stats",
+        lambda planner: {**stats(planner), "total_time_s": 60.0 if next(plans) == 4 else 0.1},
+    )
+    with pytest.raises(srmp.Error, match=r"^record 4 reached planner\.time_limit, 60 s.*5 of 6 shards are there"):
+        generate(spec_of(), tmp_path / "set", workers=1)
+    assert [shard.number for shard in datasets.open(tmp_path / "set").shards] == [0, 1, 3, 4, 5]
+    monkeypatch.undo()
+    assert generate(spec_of(planner={"time_limit": 90}), tmp_path / "set", workers=1).made == 2
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
 # --- work that is lost
 
 
@@ -351,6 +381,11 @@ BROKEN = [
     ({"planner": {"time_limit": -1}}, "planner: "),
     ({"planner": {"certify": False}}, "planner.certify is False; in data sets it must be True."),
     ({"planner": {"improve_time": 0.5}}, "planner.improve_time is 0.5"),
+    (
+        {"planner": {"planner_id": "ARAstar"}},
+        "planner.planner_id is 'ARAstar', which improves its path until the clock",
+    ),
+    ({"planner": {"planner_id": "AMRAstar"}}, "planner.planner_id is 'AMRAstar'"),
     ({"planner": {"timing": "none"}}, "planner.timing is 'none'"),
     ({"planner": []}, "planner is []; it must be a mapping"),
 ]

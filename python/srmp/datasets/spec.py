@@ -24,6 +24,10 @@ from srmp.datasets.robot_files import RobotSpec, pack, read_robot
 FORMAT = "srmp data set"
 FORMAT_VERSION = 1
 SOURCES = ("configuration", "region", "states")
+TIME_LIMIT = 60.0
+"""Of a plan [s], unless the spec says otherwise."""
+_IMPROVING = ("ARAstar", "AMRAstar")
+"""Planners that improve a path until the clock stops them."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,7 @@ class SceneSpec:
 
 @dataclass(frozen=True)
 class Spec:
-    """What a data set holds. A record is a function of its index and of the spec without its count and shard size."""
+    """What a data set holds. A record is a function of its index and of `content`."""
 
     count: int
     records_per_shard: int
@@ -62,12 +66,15 @@ class Spec:
     robots: tuple[RobotSpec, ...]
     scenes: tuple[SceneSpec, ...]
     planner: Mapping[str, Any]
+    """Options but for the time limit."""
     clearance: float
     """Of starts and goals [m]."""
     tries: int
     """Scenes that are drawn for a record before it ends as `no_problem`."""
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """Files that the data set carries: robots' files and the modules of functions, by relative path."""
+    time_limit: float = TIME_LIMIT
+    """Of a plan [s]. What is reached by then is no record, so that no record depends on the clock."""
 
     @property
     def shards(self) -> int:
@@ -82,7 +89,7 @@ class Spec:
     def content(self) -> dict[str, Any]:
         """What records depend on, without paths of this machine: files stand as hashes."""
         whole = dataclasses.asdict(self)
-        for key in ("count", "records_per_shard", "files"):
+        for key in ("count", "records_per_shard", "time_limit", "files"):
             del whole[key]
         hashes = {name: hashlib.sha256(data).hexdigest() for name, data in sorted(self.files.items())}
         return {"format_version": FORMAT_VERSION, **plain(whole), "files": hashes}
@@ -167,11 +174,11 @@ class _Reader:
         for name in names:
             if names.count(name) > 1:
                 raise srmp.InvalidArgument(f"two scenes have the name '{name}'; give them different ones with 'name'.")
-        planner = self._planner(fields, len(robots))
+        planner, time_limit = self._planner(fields)
         clearance = fields.number("clearance", 0.005, least=0.0, most=1.0)
         tries = fields.whole("tries", 20, least=1, most=10_000)
         fields.close()
-        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files)
+        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files, time_limit)
 
     def _robots(self, fields: Fields) -> tuple[RobotSpec, ...]:
         robots = []
@@ -191,19 +198,25 @@ class _Reader:
         self._world = planner
         return tuple(robots)
 
-    def _planner(self, fields: Fields, robots: int) -> dict[str, Any]:
-        """The options as given, with a time limit that is generous."""
-        options = {"planner_id": "auto", "time_limit": 60.0, **fields.mapping("planner")}
+    def _planner(self, fields: Fields) -> tuple[dict[str, Any], float]:
+        """The options as given but for the time limit, and the time limit."""
+        options = {"planner_id": "auto", "time_limit": TIME_LIMIT, **fields.mapping("planner")}
         try:
             known = srmp.planner_options(options)
         except srmp.Error as error:
             raise srmp.InvalidArgument(f"planner: {error}") from error
+        if known["planner_id"] in _IMPROVING:
+            raise srmp.InvalidArgument(
+                f"planner.planner_id is '{known['planner_id']}', which improves its path until the clock stops it; in "
+                "data sets it must be a planner that does not."
+            )
         for key, allowed in (("certify", True), ("improve_time", 0.0)):
             if key in known and known[key] != allowed:
                 raise srmp.InvalidArgument(f"planner.{key} is {known[key]!r}; in data sets it must be {allowed!r}.")
         if known["timing"] == "none":
             raise srmp.InvalidArgument("planner.timing is 'none'; in data sets it must be 'toppra' or 'ruckig'.")
-        return plain(options)
+        del options["time_limit"]
+        return plain(options), float(known["time_limit"])
 
     def _scene(self, fields: Fields, start: Sampler | None, goal: Sampler | None) -> SceneSpec:
         kind = fields.text("kind", choices=tuple(KINDS))
