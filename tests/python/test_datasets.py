@@ -124,6 +124,20 @@ def test_the_shards_without_such_a_record_are_kept(made, tmp_path, monkeypatch):
     assert files_of(tmp_path / "set") == files_of(made.directory)
 
 
+def test_records_that_the_spec_skips(made, tmp_path):
+    """The other records stay as they are, in a new data set and in one that was begun without."""
+    generate(spec_of(), tmp_path / "set", workers=1)
+    assert generate(spec_of(skip=[4]), tmp_path / "set", workers=1).made == 2
+    generate(spec_of(skip=[4, 4]), tmp_path / "new", workers=1)
+    assert files_of(tmp_path / "set") == files_of(tmp_path / "new")
+    dataset = datasets.open(tmp_path / "set")
+    assert dataset.failures().to_pylist()[0]["status"] == dataset[4].status == "skipped"
+    assert datasets.audit(tmp_path / "set", sample=0).passed
+    assert dataset[5].values == datasets.open(made.directory)[5].values
+    generate(spec_of(), tmp_path / "set", workers=1)
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
 # --- work that is lost
 
 
@@ -331,6 +345,10 @@ BROKEN = [
     ({"clearance": -0.1}, "clearance is -0.1; it must be a number from 0 to 1."),
     ({"clearance": float("nan")}, "clearance is nan"),
     ({"tries": 1.5}, "tries is 1.5; it must be a whole number"),
+    ({"skip": 3}, "skip is 3; it must be a list of whole numbers of at least 0."),
+    ({"skip": [1.5]}, "skip is [1.5]"),
+    ({"skip": [-1]}, "skip is [-1]"),
+    ({"skip": "12"}, "skip is '12'"),
     ({"cuont": 3}, "the spec has an unknown field 'cuont', did you mean 'count'?"),
     ({"robots": []}, "robots is []; it must be a list of at least one mapping."),
     ({"robots": [3]}, "robots[0] is 3; it must be a mapping"),

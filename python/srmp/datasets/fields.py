@@ -77,6 +77,14 @@ class Fields:
             raise self.refusal(key, value, what)
         return tuple(float(x) for x in value)
 
+    def wholes(self, key: str) -> tuple[int, ...]:
+        """A set of whole numbers, sorted; empty by default."""
+        value = self.any(key, [])
+        whole = isinstance(value, Sequence) and all(type(x) is int and 0 <= x < 2**63 for x in value)
+        if not whole or isinstance(value, str):
+            raise self.refusal(key, value, "a list of whole numbers of at least 0")
+        return tuple(sorted(set(value)))
+
     def texts(self, key: str, default: Sequence[str] = ()) -> tuple[str, ...]:
         """A list of texts."""
         value = self.any(key, list(default))

@@ -124,8 +124,8 @@ class _Run:
         what = f"record {listed}" if len(late) == 1 else f"{len(late)} records ({listed})"
         raise srmp.Error(
             f"{what} reached planner.time_limit, {self._spec.time_limit:g} s, and no record may depend on the clock: "
-            f"{len(self._store.shards)} of {self._spec.shards} shards are there; with a larger planner.time_limit the "
-            "same command goes on."
+            f"{len(self._store.shards)} of {self._spec.shards} shards are there; with a larger planner.time_limit, "
+            "or with these records in the field skip, the same command goes on."
         )
 
     def _tell(self, records: int) -> None:

@@ -22,6 +22,7 @@ from srmp.datasets.spec import SceneSpec, Spec
 
 NO_PROBLEM = "no_problem"
 NOT_CERTIFIED = "not_certified"
+SKIPPED = "skipped"
 
 
 def random_numbers(identity: str, index: int) -> np.random.Generator:
@@ -55,7 +56,7 @@ class Recorder:
 
     def __init__(self, spec: Spec, directory: Path) -> None:
         """directory: holds the files of the spec."""
-        self._spec, self._identity = spec, spec.identity
+        self._spec, self._identity, self._skip = spec, spec.identity, frozenset(spec.skip)
         functions = str(directory / "functions")
         if functions not in sys.path and (directory / "functions").is_dir():
             sys.path.insert(0, functions)
@@ -93,6 +94,8 @@ class Recorder:
         random = random_numbers(self._identity, index)
         spec = self._spec.scenes[int(np.searchsorted(self._chances, random.random(), side="right"))]
         scene, reason = Scene(), ""
+        if index in self._skip:
+            return self._record(index, spec, scene, SKIPPED, "the spec skips this record", 0, [], {})
         for attempt in range(1, self._spec.tries + 1):
             scene, ends = self._problem(spec, random)
             if not isinstance(ends, str):

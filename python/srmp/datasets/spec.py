@@ -26,6 +26,8 @@ FORMAT_VERSION = 1
 SOURCES = ("configuration", "region", "states")
 TIME_LIMIT = 60.0
 """Of a plan [s], unless the spec says otherwise."""
+_NOT_CONTENT = ("count", "records_per_shard", "skip")
+"""What a spec says of the data set as a whole, and not of each record."""
 _IMPROVING = ("ARAstar", "AMRAstar")
 """Planners that improve a path until the clock stops them."""
 
@@ -74,7 +76,9 @@ class Spec:
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """Files that the data set carries: robots' files and the modules of functions, by relative path."""
     time_limit: float = TIME_LIMIT
-    """Of a plan [s]. What is reached by then is no record, so that no record depends on the clock."""
+    """Of a plan [s]. A record whose plan reaches it is not stored, so that no record depends on the clock."""
+    skip: tuple[int, ...] = ()
+    """Records that are not planned: those whose plans would take too long."""
 
     @property
     def shards(self) -> int:
@@ -89,7 +93,7 @@ class Spec:
     def content(self) -> dict[str, Any]:
         """What records depend on, without paths of this machine: files stand as hashes."""
         whole = dataclasses.asdict(self)
-        for key in ("count", "records_per_shard", "time_limit", "files"):
+        for key in (*_NOT_CONTENT, "time_limit", "files"):
             del whole[key]
         hashes = {name: hashlib.sha256(data).hexdigest() for name, data in sorted(self.files.items())}
         return {"format_version": FORMAT_VERSION, **plain(whole), "files": hashes}
@@ -101,7 +105,7 @@ class Spec:
 
     def to_dict(self) -> dict[str, Any]:
         """As index.json holds it; from_dict makes it again from that and the files."""
-        return {**self.content(), "count": self.count, "records_per_shard": self.records_per_shard}
+        return {**self.content(), **{key: plain(getattr(self, key)) for key in _NOT_CONTENT}}
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], files: Mapping[str, bytes]) -> Spec:
@@ -112,13 +116,13 @@ class Spec:
         )
         robots = tuple(RobotSpec(**robot) for robot in values["robots"])
         names = ("count", "records_per_shard", "seed", "planner", "clearance", "tries")
-        return cls(robots=robots, scenes=scenes, files=dict(files), **{name: values[name] for name in names})
+        own = {name: values[name] for name in names}
+        return cls(robots=robots, scenes=scenes, files=dict(files), skip=tuple(values["skip"]), **own)
 
 
 def identity_of(content: Mapping[str, Any]) -> str:
     """The SHA-256 of a spec's content, as Spec.identity."""
-    left_out = ("count", "records_per_shard")
-    text = json.dumps({key: content[key] for key in sorted(content) if key not in left_out}, sort_keys=True)
+    text = json.dumps({key: content[key] for key in sorted(content) if key not in _NOT_CONTENT}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -177,8 +181,9 @@ class _Reader:
         planner, time_limit = self._planner(fields)
         clearance = fields.number("clearance", 0.005, least=0.0, most=1.0)
         tries = fields.whole("tries", 20, least=1, most=10_000)
+        skip = fields.wholes("skip")
         fields.close()
-        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files, time_limit)
+        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files, time_limit, skip)
 
     def _robots(self, fields: Fields) -> tuple[RobotSpec, ...]:
         robots = []

@@ -66,11 +66,11 @@ class Store:
             self._lock = (self.directory / ".lock").open("w")
         try:
             self._take()
-            self._require_same()
+            outdated = self._require_same()
             self.write_files()
             for torn in self.directory.glob("*.part"):
                 torn.unlink()
-            self.shards = dict(self._found())
+            self.shards = dict(self._found(outdated))
             self.write_index()
         except BaseException:
             self._lock.close()
@@ -86,13 +86,16 @@ class Store:
         except OSError as error:
             raise srmp.FileError(f"{self.directory} is in use by another run.") from error
 
-    def _require_same(self) -> None:
-        """Refuses a directory whose index is of other records, or that holds files but no index."""
+    def _require_same(self) -> set[int]:
+        """Refuses a directory whose index is of other records, or that holds files but no index.
+
+        Returns the shards with records that the spec skips now and did not before, or the other way round.
+        """
         path = self.directory / INDEX
         if not path.exists():
             if any(parse_shard_name(item.name) for item in self.directory.iterdir()):
                 raise srmp.FileError(f"{self.directory} holds shards but no {INDEX}: choose another directory.")
-            return
+            return set()
         index = read_index(self.directory)
         spec = index["spec"]
         mine = self._spec.content()
@@ -108,14 +111,16 @@ class Store:
                 "or choose another directory."
             )
 
-    def _found(self) -> Iterator[tuple[int, Shard]]:
-        """Shards with the content that their name says; damaged ones and leftovers of a smaller data set go."""
+        return {record // self._spec.records_per_shard for record in {*spec["skip"]} ^ {*self._spec.skip}}
+
+    def _found(self, outdated: set[int]) -> Iterator[tuple[int, Shard]]:
+        """Shards with the content that their name says; damaged and outdated ones and those that were not full go."""
         for path in sorted(self.directory.iterdir()):
             if not (named := parse_shard_name(path.name)):
                 continue
             number, prefix = named
             sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
-            if number < self._spec.shards and sha256.startswith(prefix):
+            if number < self._spec.shards and sha256.startswith(prefix) and number not in outdated:
                 records = need_pyarrow().parquet.read_metadata(path).num_rows
                 if records == len(self._spec.numbers(number)):
                     yield number, Shard(number, path.name, sha256, records)
