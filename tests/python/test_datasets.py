@@ -354,6 +354,12 @@ BROKEN = [
     ({"robots": [3]}, "robots[0] is 3; it must be a mapping"),
     ({"robots": [{"model": "arm7"}]}, "robots[0] has no 'name'."),
     ({"robots": [{**ROBOT, "name": "a/b"}]}, "robots[0].name is 'a/b'"),
+    ({"robots": [{**ROBOT, "name": "a" * 99}]}, "it must be made of at most 60 letters"),
+    ({"count": 10**400}, "it must be at most 10000000 times records_per_shard, 2."),
+    ({"clearance": 10**400}, "it must be a number from 0 to 1."),
+    ({"planner": {"time_limit": 10**400}}, "planner: "),
+    ({"start": "x\ny"}, "start is 'x\\ny'; it must be a mapping"),
+    ({"scenes": [{"kind": "variations", "scene": "x" * 5000}]}, "it must be a file that exists."),
     (
         {"robots": [{**ROBOT, "model": "arm8"}]},
         "robots[0].model is 'arm8'; it must be one of arm7, did you mean 'arm7'?",
@@ -393,7 +399,7 @@ BROKEN = [
     ({"goal": {"from": "configuration", "regions": ["x"]}}, "goal has an unknown field 'regions'"),
     ({"scenes": [{"kind": "function", "function": "no"}]}, "scenes[0].function is 'no'; it must be module:function."),
     ({"scenes": [{"kind": "function", "function": "no_module:f"}]}, "in a module that is one file"),
-    ({"scenes": [{"kind": "variations", "scene": "none.yaml"}]}, "does not exist"),
+    ({"scenes": [{"kind": "variations", "scene": "none.yaml"}]}, "none.yaml'; it must be a file that exists."),
     ({"scenes": [{"kind": "variations"}]}, "scenes[0] has no 'scene'."),
     ({"planner": {"planner_id": "autto"}}, "planner: "),
     ({"planner": {"time_limit": -1}}, "planner: "),
@@ -486,6 +492,28 @@ def test_a_function_of_the_user(tmp_path, monkeypatch):
     assert (tmp_path / "set" / "functions" / "my_scenes.py").exists()
     module.write_text(module.read_text() + "\n# changed\n")
     assert read_spec(spec).identity != datasets.open(tmp_path / "set").index["identity"]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        ("return 3", "failing_scenes:f returned 3; it must return a srmp.datasets.Scene."),
+        ("raise KeyError('x')", "failing_scenes:f of the spec failed: KeyError: 'x'."),
+        ("return Scene().box('a', [1], [0, 0, 0])", "failing_scenes:f: the size of box 'a' is"),
+        ("return Scene()", "no region of the scene"),
+    ],
+)
+def test_a_function_that_fails(body, sentence, workers, tmp_path, monkeypatch):
+    """One sentence, from a worker too; nothing is left behind that the next run would not take."""
+    monkeypatch.delitem(sys.modules, "failing_scenes", raising=False)
+    (tmp_path / "failing_scenes.py").write_text(f"from srmp.datasets import Scene\ndef f(random):\n    {body}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    scene = {"kind": "function", "function": "failing_scenes:f"}
+    with pytest.raises(srmp.InvalidArgument) as caught:
+        generate(spec_of(scenes=[scene]), tmp_path / "set", workers=workers)
+    assert sentence in str(caught.value)
+    assert len(datasets.open(tmp_path / "set")) == 0
 
 
 def test_several_robots(tmp_path):

@@ -26,6 +26,7 @@ FORMAT_VERSION = 1
 SOURCES = ("configuration", "region", "states")
 TIME_LIMIT = 60.0
 """Of a plan [s], unless the spec says otherwise."""
+_MAX_SHARDS = 10_000_000
 _NOT_CONTENT = ("count", "records_per_shard", "skip")
 """What a spec says of the data set as a whole, and not of each record."""
 _IMPROVING = ("ARAstar", "AMRAstar")
@@ -169,6 +170,8 @@ class _Reader:
         fields = Fields(values)
         count = fields.whole("count", least=1)
         per_shard = fields.whole("records_per_shard", 500, least=1, most=100_000)
+        if -(-count // per_shard) > _MAX_SHARDS:
+            raise fields.refusal("count", count, f"at most {_MAX_SHARDS} times records_per_shard, {per_shard}")
         seed = fields.whole("seed", 0, most=2**63 - 1)
         robots = self._robots(fields)
         start, goal = (self._sampler(fields.inner(key), None, robots) for key in ("start", "goal"))
@@ -208,7 +211,7 @@ class _Reader:
         options = {"planner_id": "auto", "time_limit": TIME_LIMIT, **fields.mapping("planner")}
         try:
             known = srmp.planner_options(options)
-        except srmp.Error as error:
+        except (srmp.Error, OverflowError) as error:
             raise srmp.InvalidArgument(f"planner: {error}") from error
         if known["planner_id"] in _IMPROVING:
             raise srmp.InvalidArgument(
@@ -290,7 +293,7 @@ class _Reader:
     def _variations(self, fields: Fields) -> tuple[dict[str, Any], dict[str, Sampler]]:
         from srmp.datasets.scene_files import read_objects, read_request
 
-        base = read_objects(self._directory / fields.text("scene"))
+        base = read_objects(fields.file("scene", self._directory))
         parameters = {
             "base": [item.to_dict() for item in base],
             "poses": {},
@@ -302,7 +305,7 @@ class _Reader:
         }
         own = {key: Sampler("configuration") for key in ("start", "goal")}
         if fields.has("request"):
-            start, goal = read_request(self._world, self._robots_read[0].name, self._directory / fields.text("request"))
+            start, goal = read_request(self._world, self._robots_read[0].name, fields.file("request", self._directory))
             tool = srmp.Pose(p=[0, 0, self._robots_read[0].tool_length])
             parameters["poses"] = {"goal": list(goal @ tool)}
             own = {"start": Sampler("states", states=(start,)), "goal": Sampler("region", ("goal",))}
