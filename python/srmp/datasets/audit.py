@@ -156,13 +156,12 @@ class _Auditor:
             for place, record in enumerate(self._read(shard)):
                 self._check_place(shard, place, record)
                 complete = self._check_record(record)
-                if complete and record["status"] == "solved" and checks and self.result.records >= next_checked:
-                    if every != math.inf:
-                        self._check_motions(checks, record, collisions=True)
+                if complete and record["status"] == "solved" and checks:
+                    sampled = every < math.inf and self.result.records >= next_checked
+                    self._check_motions(checks, record, collisions=sampled)
+                    if sampled:
                         self.result.checked += 1
                         next_checked += every
-                elif complete and record["status"] == "solved" and checks:
-                    self._check_motions(checks, record, collisions=False)
                 self.result.records += 1
                 if progress:
                     progress(self.result.records, total)
