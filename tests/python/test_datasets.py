@@ -215,6 +215,31 @@ def test_same_bytes_after_kills(tmp_path):
     assert not [pid for pid in orphans if Path(f"/proc/{pid}/cmdline").exists() and "zombie" not in state_of(pid)]
 
 
+def test_a_worker_that_is_killed_while_it_hands_over_a_shard(tmp_path, monkeypatch):
+    """The driver has half of the shard, and goes on with another worker."""
+    (tmp_path / "torn_scenes.py").write_text(
+        "import multiprocessing.connection, os, signal\n"
+        "from pathlib import Path\n"
+        "from srmp.datasets import Scene\n"
+        "def half(connection, data, *_):\n"
+        "    os.write(connection.fileno(), bytes(data)[: len(data) // 2])\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+        "def f(random, marker):\n"
+        "    if not Path(marker).exists():\n"
+        "        Path(marker).write_text('')\n"
+        "        multiprocessing.connection.Connection._send = half\n"
+        "    scene = Scene()\n"
+        "    scene.region('all', [0.2, 0.2, 0.2], [0.4, 0.2, 0.4])\n"
+        "    return scene\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    marker = tmp_path / "killed"
+    scene = {"kind": "function", "function": "torn_scenes:f", "parameters": {"marker": str(marker)}}
+    made = generate(spec_of(scenes=[scene]), tmp_path / "set", workers=2)
+    assert marker.exists()
+    assert made.sha256 == generate(spec_of(scenes=[scene]), tmp_path / "whole", workers=1).sha256
+
+
 def state_of(pid):
     try:
         return Path(f"/proc/{pid}/status").read_text()
