@@ -626,3 +626,31 @@ def test_directories_that_are_no_data_sets(tmp_path):
     (tmp_path / "index.json").write_text('{"format": "srmp data set", "format_version": 1}')
     with pytest.raises(srmp.FileError, match="has no 'records'"):
         datasets.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        *("identity", "sha256", "records", "versions", "spec", "shards", "spec.count", "spec.robots", "spec.robots.0"),
+        *(
+            "spec.robots.0.name",
+            "spec.robots.0.base",
+            "spec.scenes",
+            "spec.scenes.0.start",
+            "spec.scenes.0.goal.states",
+        ),
+        *("spec.files", "spec.planner", "spec.skip", "shards.0", "shards.0.number"),
+    ],
+)
+def test_an_index_of_wrong_types_is_refused(place, made, tmp_path):
+    """By all that read it, in one sentence."""
+    index = json.loads((made.directory / "index.json").read_text())
+    inner = index
+    *path, last = [int(key) if key.isdigit() else key for key in place.split(".")]
+    for key in path:
+        inner = inner[key]
+    inner[last] = 3.5
+    (tmp_path / "index.json").write_text(json.dumps(index))
+    for read in (datasets.open, datasets.audit, lambda directory: generate(spec_of(), directory, workers=1)):
+        with pytest.raises(srmp.FileError, match=r"index\.json is not as it is written: .*3\.5"):
+            read(tmp_path)

@@ -15,6 +15,7 @@ from typing import Any
 
 import srmp
 from srmp._files import plain, write_json
+from srmp.datasets.fields import Fields
 from srmp.datasets.recorder import MadeShard
 from srmp.datasets.schema import need_pyarrow, versions
 from srmp.datasets.spec import FORMAT, FORMAT_VERSION, Spec
@@ -224,11 +225,38 @@ def read_index(directory: Path) -> dict[str, Any]:
     missing = [key for key in ("records", "sha256", "identity", "versions", "spec", "shards") if key not in index]
     if missing:
         raise srmp.FileError(f"{path} has no '{missing[0]}'.")
+    try:
+        _require_types(Fields(index))
+        Spec.from_dict(index["spec"], {})
+        read_shards(index)
+    except (srmp.Error, KeyError, TypeError, ValueError) as error:
+        raise srmp.FileError(f"{path} is not as it is written: {error}") from error
     return index
+
+
+def _require_types(index: Fields) -> None:
+    """What all that read an index rely on. Raises InvalidArgument."""
+    index.text("sha256"), index.text("identity"), index.whole("records"), index.mapping("versions")
+    spec = Fields(index.any("spec"), "spec")
+    spec.whole("count", least=1), spec.whole("records_per_shard", least=1), spec.wholes("skip"), spec.mapping("planner")
+    for name in spec.mapping("files"):
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            raise spec.refusal("files", name, "inside the data set")
+    for robot in spec.items("robots"):
+        robot.text("name"), robot.text("end_effector"), robot.text("group", ""), robot.mapping("fixed_joints")
+        robot.numbers("base", 7), robot.number("tool_length")
+    for scene in spec.items("scenes"):
+        scene.text("name"), scene.text("kind"), scene.mapping("parameters")
+        for end in (Fields(scene.any(key), f"spec.scenes.{key}") for key in ("start", "goal")):
+            end.text("source"), end.texts("regions")
+            if not isinstance(states := end.any("states", required=True), list):
+                raise end.refusal("states", states, "a list")
 
 
 def read_shards(index: Mapping[str, Any]) -> list[Shard]:
     """The shards that the index lists. Raises FileError."""
+    for shard in Fields(index).items("shards") if index["shards"] else ():
+        shard.whole("number"), shard.text("name"), shard.text("sha256"), shard.whole("records")
     try:
         return [Shard(**item) for item in index["shards"]]
     except TypeError as error:
