@@ -1,6 +1,7 @@
 """Data sets: the same bytes however they are made, whole files or none, one sentence for everything that is wrong."""
 
 import contextlib
+import dataclasses
 import json
 import os
 import random
@@ -238,6 +239,26 @@ def test_a_worker_that_is_killed_while_it_hands_over_a_shard(tmp_path, monkeypat
     made = generate(spec_of(scenes=[scene]), tmp_path / "set", workers=2)
     assert marker.exists()
     assert made.sha256 == generate(spec_of(scenes=[scene]), tmp_path / "whole", workers=1).sha256
+
+
+def test_a_worker_that_is_killed_before_it_begins(made, tmp_path, monkeypatch):
+    """Nor does the driver wait for it when it has much to tell it."""
+    import multiprocessing.util
+
+    begin, killed = multiprocessing.util.spawnv_passfds, []
+
+    def kill_the_first(path, arguments, descriptors):
+        pid = begin(path, arguments, descriptors)
+        if not killed and any("spawn_main" in os.fsdecode(argument) for argument in arguments):
+            os.kill(pid, signal.SIGKILL)
+            killed.append(pid)
+        return pid
+
+    monkeypatch.setattr(multiprocessing.util, "spawnv_passfds", kill_the_first)
+    spec = read_spec(spec_of())
+    large = dataclasses.replace(spec, files={**spec.files, "functions/large.txt": bytes(10_000_000)})
+    assert generate(large, tmp_path / "set", workers=2).solved == made.solved
+    assert killed
 
 
 def state_of(pid):

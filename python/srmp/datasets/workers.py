@@ -38,13 +38,13 @@ def made_here(spec: Spec, directory: Path, numbers: Sequence[int]) -> Iterator[M
 # --- processes --------------------------------------------------------------------------------------------------------
 
 
-def _serve(connection: Connection, spec: Spec, directory: Path) -> None:
-    """A worker: takes numbers of shards, hands over the shards, or the exception that ended it."""
+def _serve(connection: Connection, directory: Path) -> None:
+    """A worker: takes the spec, then numbers of shards, hands over the shards, or the exception that ended it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal; the driver ends them
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     threading.Thread(target=_end_with_driver, daemon=True).start()
     try:
-        recorder = Recorder(spec, directory)
+        recorder = Recorder(connection.recv(), directory)
         while True:
             connection.send(recorder.shard(connection.recv()))
     except EOFError:
@@ -64,23 +64,32 @@ class _Process:
     """A worker as the driver sees it.
 
     Each has a connection of its own. In a queue that workers share, as ProcessPoolExecutor has, one that is killed
-    while it hands over a shard keeps the lock, and the driver waits for the rest of the shard for ever.
+    while it hands over a shard keeps the lock, and the driver waits for the rest of the shard for ever. The spec, with
+    its files, comes this way too: Process.start never ends where a process is killed before it has read many bytes.
     """
 
-    def __init__(self, spec: Spec, directory: Path) -> None:
+    def __init__(self, directory: Path) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.numbers: deque[int] = deque()
         """Shards that it has in work, in their order."""
         with ctrl_c_later():
-            self._process = context.Process(target=_serve, args=(theirs, spec, directory), daemon=True)
+            self._process = context.Process(target=_serve, args=(theirs, directory), daemon=True)
             self._process.start()
         theirs.close()
 
+    def begin(self, spec: Spec) -> None:
+        """Before anything else."""
+        self._send(spec)
+
     def give(self, number: int) -> None:
+        """A shard to make."""
         self.numbers.append(number)
+        self._send(number)
+
+    def _send(self, message: Any) -> None:
         with contextlib.suppress(OSError):  # a worker that is dead is found when it is asked
-            self.connection.send(number)
+            self.connection.send(message)
 
     def take(self) -> MadeShard | None:
         """What it made; None where it is dead. Raises what ended it."""
@@ -107,7 +116,8 @@ def made_by_processes(spec: Spec, directory: Path, numbers: Sequence[int], worke
     try:
         while todo or any(process.numbers for process in processes):
             while len(processes) < workers and todo:
-                processes.append(_Process(spec, directory))
+                processes.append(_Process(directory))
+                processes[-1].begin(spec)
                 processes[-1].give(todo.popleft())
             for process in processes:
                 while todo and len(process.numbers) < _AHEAD:
