@@ -50,7 +50,8 @@ def _serve(connection: Connection, directory: Path) -> None:
     except EOFError:
         return
     except Exception as error:
-        connection.send(error)
+        with contextlib.suppress(OSError):  # the driver is dead
+            connection.send(error)
 
 
 def _end_with_driver() -> None:
