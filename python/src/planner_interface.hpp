@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <string>
@@ -43,6 +44,10 @@ class PyPlannerInterface {
     simulated_world = nb::none();
   }
 
+  /// By any thread: plans end as cancelled within some 5 ms, those under way and those that begin, until it is false.
+  void stop_plans(bool stop) { stops_plans_ = stop; }
+  bool stops_plans() const { return stops_plans_; }
+
   nb::object simulated_world = nb::none();  ///< the srmp.sim.SimulatedWorld of read_sim, which refers to this object
 
   static int traverse(PyObject* object, visitproc visit, void* arg) {
@@ -69,6 +74,7 @@ class PyPlannerInterface {
   }
 
   std::mutex mutex_;
+  std::atomic<bool> stops_plans_{false};
   PlannerInterface planner_;
   std::map<std::string, nb::callable> heuristics_;
 };

@@ -94,7 +94,8 @@ Trajectory plan(PyPlannerInterface& self, const std::optional<std::string>& robo
     const Eigen::VectorXd q = start.vector("start of '" + name + "'");
     std::vector<GoalConstraint> goals;
     for (const Goal& form : forms) goals.push_back(p.goal(name, form, q));
-    return run_plan(p, [&] { return p.plan(name, q, goals, python_interrupted, report); });
+    const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+    return run_plan(p, [&] { return p.plan(name, q, goals, interrupted, report); });
   });
 }
 
@@ -295,6 +296,8 @@ it was.
 
 Raises InvalidArgument for an invalid request, as plan does, with its number; before anything is planned where it
 can.)")
+      .def("_stop_plans", &Self::stop_plans, nb::arg("stop"),
+           "Of BatchPlanner: plans in other threads end as cancelled, for as long as it is true.")
       .def(
           "plan_multi",
           [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles) {

@@ -68,7 +68,7 @@ class BatchPlanner:
         Raises InvalidArgument for no scenes, the same scene twice, robots that differ in their joints, options that are
         wrong, and threads below 1.
         """
-        self._scenes = list(scenes)
+        self._scenes = _each("scenes", scenes)
         if not self._scenes:
             raise srmp.InvalidArgument("a BatchPlanner needs at least one scene.")
         for k, scene in enumerate(self._scenes):
@@ -76,8 +76,8 @@ class BatchPlanner:
                 raise srmp.InvalidArgument(f"scenes[{k}] is {scene!r}; it must be a PlannerInterface.")
         if len({id(scene) for scene in self._scenes}) < len(self._scenes):
             raise srmp.InvalidArgument("a scene is there twice; each must be a PlannerInterface of its own.")
-        if threads is not None and threads < 1:
-            raise srmp.InvalidArgument(f"threads {threads}: there must be at least 1.")
+        if threads is not None and (not isinstance(threads, int) or threads < 1):
+            raise srmp.InvalidArgument(f"threads {threads!r}: there must be at least 1.")
         self._robots = [robot or scene.only_robot for scene in self._scenes]
         names = [scene.get_joint_names(name) for scene, name in zip(self._scenes, self._robots, strict=True)]
         for k, own in enumerate(names):
@@ -113,9 +113,11 @@ class BatchPlanner:
         poses: by object, a Pose or x, y, z [m] and a quaternion x, y, z, w. Raises InvalidArgument for an unknown scene
         or object, or a pose that is none; then nothing was moved.
         """
-        if not 0 <= scene < len(self):
-            raise srmp.InvalidArgument(f"scene {scene}: there are scenes 0 to {len(self) - 1}.")
+        if not isinstance(scene, (int, np.integer)) or not 0 <= scene < len(self):
+            raise srmp.InvalidArgument(f"scene {scene!r}: there are scenes 0 to {len(self) - 1}.")
         world = self._scenes[scene]
+        if not isinstance(poses, Mapping):
+            raise srmp.InvalidArgument(f"poses is {poses!r}; it must be a mapping of names of objects to poses.")
         wanted = {name: _as_pose(name, pose) for name, pose in poses.items()}
         before = {name: world.get_object_pose(name) for name in wanted}
         try:
@@ -134,12 +136,12 @@ class BatchPlanner:
 
         starts: (n, dof) [rad or m]. goals: (n, dof) configurations, or a list of n goals in any form that
         PlannerInterface.plan takes. poses: instead of goals, (n, 7) poses of the end effector in the world: x, y, z
-        [m], quaternion x, y, z, w. A request without a trajectory does not disturb the others. After Ctrl-C no other
-        plan begins; those under way end within their time limits.
+        [m], quaternion x, y, z, w. A request without a trajectory does not disturb the others. Ctrl-C stops all plans
+        and is raised.
 
         Raises InvalidArgument for wrong shapes, NaN and goals that are wrong, before anything is planned where it can.
         """
-        begin = np.asarray(starts, dtype=float)
+        begin = _numbers("starts", starts)
         if begin.shape != (len(self), len(self._joint_names)):
             raise srmp.InvalidArgument(
                 f"starts have the shape {begin.shape}; it must be ({len(self)}, {len(self._joint_names)})."
@@ -148,14 +150,24 @@ class BatchPlanner:
             raise srmp.InvalidArgument("starts have a number that is not finite.")
         if (goals is None) == (poses is None):
             raise srmp.InvalidArgument("give either goals or poses.")
-        given = list(goals) if poses is None else [_as_pose(f"poses[{k}]", pose) for k, pose in enumerate(poses)]  # type: ignore[arg-type]
-        wanted = self._goals(given, begin)
+        wanted = self._goals(_each("goals", goals) if poses is None else _poses(poses), begin)
+        return _batch(begin, self._plan_all(begin, wanted))
+
+    def _plan_all(
+        self, starts: np.ndarray, goals: Sequence[srmp.GoalConstraint]
+    ) -> list[srmp.Trajectory | srmp.PlanningError]:
+        """By threads, which have all ended when it returns or raises."""
         pool = ThreadPoolExecutor(self._threads)
         try:
-            results = list(pool.map(self._plan_one, range(len(self)), begin, wanted))
+            return list(pool.map(self._plan_one, range(len(self)), starts, goals))
+        except BaseException:  # Ctrl-C reaches this thread alone
+            for scene in self._scenes:
+                scene._stop_plans(True)
+            raise
         finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-        return _batch(begin, results)
+            pool.shutdown(wait=True, cancel_futures=True)
+            for scene in self._scenes:
+                scene._stop_plans(False)
 
     def _goals(self, given: Sequence[Any], starts: np.ndarray) -> list[srmp.GoalConstraint]:
         if len(given) != len(self):
@@ -179,10 +191,28 @@ class BatchPlanner:
             raise srmp.InvalidArgument(f"scene {scene}: {error}") from error
 
 
+def _numbers(name: str, values: ArrayLike) -> np.ndarray:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise srmp.InvalidArgument(f"{name} are not numbers in rows of the same length: {error}.") from error
+
+
+def _each(name: str, values: Any) -> list[Any]:
+    try:
+        return list(values)
+    except TypeError as error:
+        raise srmp.InvalidArgument(f"{name} is {values!r}; it must have one for each scene.") from error
+
+
+def _poses(poses: Any) -> list[srmp.Pose]:
+    return [_as_pose(f"poses[{k}]", pose) for k, pose in enumerate(_each("poses", poses))]
+
+
 def _as_pose(name: str, pose: srmp.Pose | ArrayLike) -> srmp.Pose:
     if isinstance(pose, srmp.Pose):
         return pose
-    numbers = np.asarray(pose, dtype=float)
+    numbers = _numbers(f"the numbers of the pose of '{name}'", pose)
     if numbers.shape != (7,):
         raise srmp.InvalidArgument(f"the pose of '{name}' has the shape {numbers.shape}; it must be (7,).")
     return srmp.Pose(numbers[:3], numbers[3:])

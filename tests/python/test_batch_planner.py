@@ -1,5 +1,11 @@
 """BatchPlanner: many scenes at once give what each alone gives."""
 
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -77,11 +83,16 @@ def test_what_is_refused(ready):
         ([one, one], "a scene is there twice"),
         ([one, 3], r"scenes\[1\] is 3"),
         ([one, other], r"the robot of scenes\[1\] has the joints"),
+        (3, "scenes is 3; it must have one for each scene"),
     ):
         with pytest.raises(srmp.InvalidArgument, match=sentence):
             srmp.BatchPlanner(scenes)
     with pytest.raises(srmp.InvalidArgument, match="threads 0"):
         srmp.BatchPlanner([one], threads=0)
+    with pytest.raises(srmp.InvalidArgument, match="threads 'two'"):
+        srmp.BatchPlanner([one], threads="two")
+    with pytest.raises(srmp.InvalidArgument, match=r"\bamr\b"):
+        srmp.BatchPlanner([one], "amr")
     with pytest.raises(srmp.InvalidArgument, match="time_limit"):
         srmp.BatchPlanner([one], options={"time_limt": 1})
     batch = srmp.BatchPlanner([one], options={"time_limit": 1})
@@ -91,8 +102,63 @@ def test_what_is_refused(ready):
         ([ready], [ready, ready], "there are 2 goals for 1 scenes"),
         ([ready], [[0.0]], "scene 0: goal of"),
         ([ready], None, "give either goals or poses"),
+        ([["a"] * 7], [ready], "starts are not numbers in rows of the same length"),
+        ([ready, ready[:2]], [ready], "starts are not numbers in rows of the same length"),
+        ([ready], 3, "goals is 3; it must have one for each scene"),
+        ([ready], ["raedy"], "goals\\[0\\]: .*did you mean 'ready'"),
     ):
         with pytest.raises(srmp.InvalidArgument, match=sentence):
             batch.plan(starts, goals)
-    with pytest.raises(srmp.InvalidArgument, match=r"the pose of 'poses\[0\]'"):
-        batch.plan([ready], poses=[[1, 2]])
+    for poses, sentence in (
+        ([[1, 2]], r"the pose of 'poses\[0\]'"),
+        ([["a"] * 7], r"'poses\[0\]' are not numbers"),
+        (3, "poses is 3"),
+        ([GOAL, GOAL], "there are 2 goals for 1 scenes"),
+    ):
+        with pytest.raises(srmp.InvalidArgument, match=sentence):
+            batch.plan([ready], poses=poses)
+    for scene, poses, sentence in (
+        ("a", {}, "scene 'a': there are scenes 0 to 0"),
+        (0, [1], r"poses is \[1\]; it must be a mapping"),
+        (0, {"post": "up"}, "the pose of 'post' are not numbers"),
+        (0, {"post": [np.nan] * 7}, "post|finite"),
+    ):
+        with pytest.raises(srmp.InvalidArgument, match=sentence):
+            batch.update(scene, poses)
+
+
+LONG = """
+import sys, time
+import numpy as np
+import srmp
+from test_batch_planner import world
+
+scenes = [world() for _ in range(6)]
+batch = srmp.BatchPlanner(scenes, options={"planner_id": "ARAstar", "time_limit": 30}, threads=2)
+ready = scenes[0].get_group_states("arm")["ready"]
+print("begins", flush=True)
+try:
+    batch.plan([ready] * 6, [ready + [1.5, 0, 0, 0.4, 0, 0, 0]] * 6)
+except KeyboardInterrupt:
+    print(f"ended {time.monotonic()}", flush=True)
+    scenes[0].make_planner("arm", {"planner_id": "auto"})
+    print(scenes[0].plan("arm", ready, ready + 0.1).certificate.holds, flush=True)  # and goes on after it
+"""
+
+
+def test_ctrl_c_ends_all_plans_at_once():
+    process = subprocess.Popen(
+        [sys.executable, "-c", LONG],
+        cwd=Path(__file__).parent,
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert process.stdout.readline() == "begins\n"
+    time.sleep(1.0)
+    began = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    ended = process.stdout.readline()
+    assert float(ended.removeprefix("ended ")) - began < 1.0  # 0.02 s where nothing else needs the cores
+    assert process.communicate(timeout=20)[0] == "True\n"
+    assert process.returncode == 0

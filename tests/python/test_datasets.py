@@ -1,6 +1,7 @@
 """Data sets: the same bytes however they are made, whole files or none, one sentence for everything that is wrong."""
 
 import contextlib
+import dataclasses
 import json
 import os
 import random
@@ -94,6 +95,50 @@ def test_another_place_and_another_seed(made, tmp_path):
     assert not np.any(a == b)
 
 
+# --- the clock
+
+
+def test_a_record_that_reaches_the_time_limit_is_none(made, tmp_path):
+    """Nothing is stored, the run says so, and with a larger limit the same data set is made."""
+    hurried = spec_of(planner={"time_limit": 1e-6})
+    with pytest.raises(
+        srmp.Error, match=r"12 records \(0, 1, .*…\) reached planner\.time_limit, 1e-06 s.*0 of 6 shards"
+    ):
+        generate(hurried, tmp_path / "set", workers=1)
+    assert len(datasets.open(tmp_path / "set")) == 0
+    assert generate(spec_of(), tmp_path / "set", workers=1).sha256 == made.sha256
+
+
+def test_the_shards_without_such_a_record_are_kept(made, tmp_path, monkeypatch):
+    stats = srmp.PlannerInterface.get_planning_stats
+    plans = iter(range(100))
+    monkeypatch.setattr(
+        srmp.PlannerInterface,
+        "get_planning_stats",
+        lambda planner: {**stats(planner), "total_time_s": 60.0 if next(plans) == 4 else 0.1},
+    )
+    with pytest.raises(srmp.Error, match=r"^record 4 reached planner\.time_limit, 60 s.*5 of 6 shards are there"):
+        generate(spec_of(), tmp_path / "set", workers=1)
+    assert [shard.number for shard in datasets.open(tmp_path / "set").shards] == [0, 1, 3, 4, 5]
+    monkeypatch.undo()
+    assert generate(spec_of(planner={"time_limit": 90}), tmp_path / "set", workers=1).made == 2
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
+def test_records_that_the_spec_skips(made, tmp_path):
+    """The other records stay as they are, in a new data set and in one that was begun without."""
+    generate(spec_of(), tmp_path / "set", workers=1)
+    assert generate(spec_of(skip=[4]), tmp_path / "set", workers=1).made == 2
+    generate(spec_of(skip=[4, 4]), tmp_path / "new", workers=1)
+    assert files_of(tmp_path / "set") == files_of(tmp_path / "new")
+    dataset = datasets.open(tmp_path / "set")
+    assert dataset.failures().to_pylist()[0]["status"] == dataset[4].status == "skipped"
+    assert datasets.audit(tmp_path / "set", sample=0).passed
+    assert dataset[5].values == datasets.open(made.directory)[5].values
+    generate(spec_of(), tmp_path / "set", workers=1)
+    assert files_of(tmp_path / "set") == files_of(made.directory)
+
+
 # --- work that is lost
 
 
@@ -131,21 +176,36 @@ KILLS = int(os.environ.get("SRMP_KILLS", "4"))
 """Of the driver and of workers; data sets are told to survive any number of them."""
 
 
+def shards_in(directory):
+    return len(list(Path(directory).glob("shard-*.parquet")))
+
+
+def has_come_to(driver, directory, shards):
+    """Waits until the directory holds this many shards; False when the driver ended first."""
+    while driver.poll() is None:
+        if shards_in(directory) >= shards:
+            return True
+        time.sleep(0.001)
+    return False
+
+
 def test_same_bytes_after_kills(tmp_path):
-    count = 20 * KILLS
-    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=count, per_shard=2))
+    """Each kill waits for a drawn number of new shards, so that all of them hit a run that is at work."""
+    step, per_shard = 5, 4  # a run of one shard takes longer than it takes to see that it is there
+    spec = write_spec(tmp_path / "spec.yaml", spec_of(count=per_shard * step * (KILLS + 2), per_shard=per_shard))
     generate(spec, tmp_path / "whole", workers=1)
     draw, kills, orphans = random.Random(0), 0, []
-    for _ in range(50):
+    for _ in range(KILLS + 1):
         driver = subprocess.Popen(command(spec, tmp_path / "set", "--workers", "2"), stderr=subprocess.PIPE)
-        while driver.poll() is None and kills < KILLS:
-            time.sleep(draw.uniform(0.3, 1.5))
+        while kills < KILLS and has_come_to(
+            driver, tmp_path / "set", shards_in(tmp_path / "set") + draw.randrange(step)
+        ):
             workers = workers_of(driver.pid)
-            victim = driver.pid if kills % 2 or not workers else draw.choice(workers)
-            if driver.poll() is None:
-                kills += 1
-                orphans += workers
-                os.kill(victim, signal.SIGKILL)
+            if kills % 2 == 0 and not workers:
+                continue  # they are about to begin
+            orphans += workers
+            os.kill(driver.pid if kills % 2 else draw.choice(workers), signal.SIGKILL)
+            kills += 1
         errors = driver.communicate()[1]
         if driver.returncode == 0:
             break
@@ -154,6 +214,51 @@ def test_same_bytes_after_kills(tmp_path):
     assert files_of(tmp_path / "set") == files_of(tmp_path / "whole")
     time.sleep(1.0)
     assert not [pid for pid in orphans if Path(f"/proc/{pid}/cmdline").exists() and "zombie" not in state_of(pid)]
+
+
+def test_a_worker_that_is_killed_while_it_hands_over_a_shard(tmp_path, monkeypatch):
+    """The driver has half of the shard, and goes on with another worker."""
+    (tmp_path / "torn_scenes.py").write_text(
+        "import multiprocessing.connection, os, signal\n"
+        "from pathlib import Path\n"
+        "from srmp.datasets import Scene\n"
+        "def half(connection, data, *_):\n"
+        "    os.write(connection.fileno(), bytes(data)[: len(data) // 2])\n"
+        "    os.kill(os.getpid(), signal.SIGKILL)\n"
+        "def f(random, marker):\n"
+        "    if not Path(marker).exists():\n"
+        "        Path(marker).write_text('')\n"
+        "        multiprocessing.connection.Connection._send = half\n"
+        "    scene = Scene()\n"
+        "    scene.region('all', [0.2, 0.2, 0.2], [0.4, 0.2, 0.4])\n"
+        "    return scene\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    marker = tmp_path / "killed"
+    scene = {"kind": "function", "function": "torn_scenes:f", "parameters": {"marker": str(marker)}}
+    made = generate(spec_of(scenes=[scene]), tmp_path / "set", workers=2)
+    assert marker.exists()
+    assert made.sha256 == generate(spec_of(scenes=[scene]), tmp_path / "whole", workers=1).sha256
+
+
+def test_a_worker_that_is_killed_before_it_begins(made, tmp_path, monkeypatch):
+    """Nor does the driver wait for it when it has much to tell it."""
+    import multiprocessing.util
+
+    begin, killed = multiprocessing.util.spawnv_passfds, []
+
+    def kill_the_first(path, arguments, descriptors):
+        pid = begin(path, arguments, descriptors)
+        if not killed and any("spawn_main" in os.fsdecode(argument) for argument in arguments):
+            os.kill(pid, signal.SIGKILL)
+            killed.append(pid)
+        return pid
+
+    monkeypatch.setattr(multiprocessing.util, "spawnv_passfds", kill_the_first)
+    spec = read_spec(spec_of())
+    large = dataclasses.replace(spec, files={**spec.files, "functions/large.txt": bytes(10_000_000)})
+    assert generate(large, tmp_path / "set", workers=2).solved == made.solved
+    assert killed
 
 
 def state_of(pid):
@@ -286,11 +391,21 @@ BROKEN = [
     ({"clearance": -0.1}, "clearance is -0.1; it must be a number from 0 to 1."),
     ({"clearance": float("nan")}, "clearance is nan"),
     ({"tries": 1.5}, "tries is 1.5; it must be a whole number"),
+    ({"skip": 3}, "skip is 3; it must be a list of whole numbers of at least 0."),
+    ({"skip": [1.5]}, "skip is [1.5]"),
+    ({"skip": [-1]}, "skip is [-1]"),
+    ({"skip": "12"}, "skip is '12'"),
     ({"cuont": 3}, "the spec has an unknown field 'cuont', did you mean 'count'?"),
     ({"robots": []}, "robots is []; it must be a list of at least one mapping."),
     ({"robots": [3]}, "robots[0] is 3; it must be a mapping"),
     ({"robots": [{"model": "arm7"}]}, "robots[0] has no 'name'."),
     ({"robots": [{**ROBOT, "name": "a/b"}]}, "robots[0].name is 'a/b'"),
+    ({"robots": [{**ROBOT, "name": "a" * 99}]}, "it must be made of at most 60 letters"),
+    ({"count": 10**400}, "it must be at most 10000000 times records_per_shard, 2."),
+    ({"clearance": 10**400}, "it must be a number from 0 to 1."),
+    ({"planner": {"time_limit": 10**400}}, "planner: "),
+    ({"start": "x\ny"}, "start is 'x\\ny'; it must be a mapping"),
+    ({"scenes": [{"kind": "variations", "scene": "x" * 5000}]}, "it must be a file that exists."),
     (
         {"robots": [{**ROBOT, "model": "arm8"}]},
         "robots[0].model is 'arm8'; it must be one of arm7, did you mean 'arm7'?",
@@ -330,12 +445,17 @@ BROKEN = [
     ({"goal": {"from": "configuration", "regions": ["x"]}}, "goal has an unknown field 'regions'"),
     ({"scenes": [{"kind": "function", "function": "no"}]}, "scenes[0].function is 'no'; it must be module:function."),
     ({"scenes": [{"kind": "function", "function": "no_module:f"}]}, "in a module that is one file"),
-    ({"scenes": [{"kind": "variations", "scene": "none.yaml"}]}, "does not exist"),
+    ({"scenes": [{"kind": "variations", "scene": "none.yaml"}]}, "none.yaml'; it must be a file that exists."),
     ({"scenes": [{"kind": "variations"}]}, "scenes[0] has no 'scene'."),
     ({"planner": {"planner_id": "autto"}}, "planner: "),
     ({"planner": {"time_limit": -1}}, "planner: "),
     ({"planner": {"certify": False}}, "planner.certify is False; in data sets it must be True."),
     ({"planner": {"improve_time": 0.5}}, "planner.improve_time is 0.5"),
+    (
+        {"planner": {"planner_id": "ARAstar"}},
+        "planner.planner_id is 'ARAstar', which improves its path until the clock",
+    ),
+    ({"planner": {"planner_id": "AMRAstar"}}, "planner.planner_id is 'AMRAstar'"),
     ({"planner": {"timing": "none"}}, "planner.timing is 'none'"),
     ({"planner": []}, "planner is []; it must be a mapping"),
 ]
@@ -418,6 +538,28 @@ def test_a_function_of_the_user(tmp_path, monkeypatch):
     assert (tmp_path / "set" / "functions" / "my_scenes.py").exists()
     module.write_text(module.read_text() + "\n# changed\n")
     assert read_spec(spec).identity != datasets.open(tmp_path / "set").index["identity"]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        ("return 3", "failing_scenes:f returned 3; it must return a srmp.datasets.Scene."),
+        ("raise KeyError('x')", "failing_scenes:f of the spec failed: KeyError: 'x'."),
+        ("return Scene().box('a', [1], [0, 0, 0])", "failing_scenes:f: the size of box 'a' is"),
+        ("return Scene()", "no region of the scene"),
+    ],
+)
+def test_a_function_that_fails(body, sentence, workers, tmp_path, monkeypatch):
+    """One sentence, from a worker too; nothing is left behind that the next run would not take."""
+    monkeypatch.delitem(sys.modules, "failing_scenes", raising=False)
+    (tmp_path / "failing_scenes.py").write_text(f"from srmp.datasets import Scene\ndef f(random):\n    {body}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    scene = {"kind": "function", "function": "failing_scenes:f"}
+    with pytest.raises(srmp.InvalidArgument) as caught:
+        generate(spec_of(scenes=[scene]), tmp_path / "set", workers=workers)
+    assert sentence in str(caught.value)
+    assert len(datasets.open(tmp_path / "set")) == 0
 
 
 def test_several_robots(tmp_path):
@@ -505,3 +647,31 @@ def test_directories_that_are_no_data_sets(tmp_path):
     (tmp_path / "index.json").write_text('{"format": "srmp data set", "format_version": 1}')
     with pytest.raises(srmp.FileError, match="has no 'records'"):
         datasets.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        *("identity", "sha256", "records", "versions", "spec", "shards", "spec.count", "spec.robots", "spec.robots.0"),
+        *(
+            "spec.robots.0.name",
+            "spec.robots.0.base",
+            "spec.scenes",
+            "spec.scenes.0.start",
+            "spec.scenes.0.goal.states",
+        ),
+        *("spec.files", "spec.planner", "spec.skip", "shards.0", "shards.0.number"),
+    ],
+)
+def test_an_index_of_wrong_types_is_refused(place, made, tmp_path):
+    """By all that read it, in one sentence."""
+    index = json.loads((made.directory / "index.json").read_text())
+    inner = index
+    *path, last = [int(key) if key.isdigit() else key for key in place.split(".")]
+    for key in path:
+        inner = inner[key]
+    inner[last] = 3.5
+    (tmp_path / "index.json").write_text(json.dumps(index))
+    for read in (datasets.open, datasets.audit, lambda directory: generate(spec_of(), directory, workers=1)):
+        with pytest.raises(srmp.FileError, match=r"index\.json is not as it is written: .*3\.5"):
+            read(tmp_path)

@@ -243,6 +243,7 @@ FAULTS = {
     "solved with a reason": (in_record("reason", "because."), "solved and gives a reason"),
     "failed without a reason": (in_record("status", "exhausted"), "failed without a reason"),
     "unknown status": (in_record("status", "sovled"), "is none that there is"),
+    "skipped by nobody": (in_record("status", "skipped"), "is not one that the spec skips"),
     "another scene": (in_record("scene", "kitchen"), "is none of the spec"),
     "another seed": (in_record("seed", "0" * 32), "its seed is not that of the spec"),
     "other versions": (in_record("versions", "{}"), "its versions are not those of the index"),
@@ -257,7 +258,14 @@ def test_a_sound_data_set_has_no_faults(sound):
     assert found.records == found.checked == 6
     assert all(len(values) == 6 for values in found.figures.values())
     assert datasets.audit(sound, sample=2).checked == 2
-    assert datasets.audit(sound, sample=0).checked == 0
+    quick = datasets.audit(sound, sample=0)
+    assert quick.checked == 0
+    assert quick.figures == found.figures
+
+
+def test_limits_are_checked_without_a_sample(copy):
+    change_limit(copy)
+    assert any("is faster than its limit" in fault.text for fault in datasets.audit(copy, sample=0).faults)
 
 
 @pytest.mark.parametrize("fault", FAULTS)

@@ -112,7 +112,13 @@ def test_lerobot_reads_it(dataset, tmp_path):
     datasets.export(dataset, tmp_path / "out", "lerobot")
     frames = LeRobotDataset("local/out", root=tmp_path / "out")
     assert frames.num_episodes == 5
-    assert np.allclose(frames[0]["observation.state"].numpy(), dataset[0].robot()["start"], atol=1e-6)
+    states = np.vstack([record.trajectory().positions for record in dataset]).astype(np.float32)
+    assert np.array_equal(np.stack([frame["observation.state"].numpy() for frame in frames]), states)
+    assert frames[0]["task"] == dataset[0].scene
+    ahead = LeRobotDataset("local/out", root=tmp_path / "out", delta_timestamps={"action": [0.0, 0.05, 0.1]})
+    assert np.array_equal(ahead[0]["action"].numpy(), states[1:4])
+    some = LeRobotDataset("local/out", root=tmp_path / "out", episodes=[1, 3])
+    assert len(some) == sum(len(dataset[k].trajectory().times) for k in (1, 3))
 
 
 def test_what_is_refused(dataset, tmp_path):

@@ -24,7 +24,16 @@ from srmp.datasets.schema import CERTIFICATE, SCHEMA_VERSION, need_pyarrow, sche
 from srmp.datasets.spec import identity_of
 from srmp.datasets.store import Shard, hash_of, parse_shard_name, read_index, read_shards, shard_name
 
-STATUSES = ("solved", "timed_out", "exhausted", "start_invalid", "goal_invalid", "not_certified", "no_problem")
+STATUSES = (
+    "solved",
+    "timed_out",
+    "exhausted",
+    "start_invalid",
+    "goal_invalid",
+    "not_certified",
+    "no_problem",
+    "skipped",
+)
 
 
 @dataclass(frozen=True)
@@ -147,13 +156,12 @@ class _Auditor:
             for place, record in enumerate(self._read(shard)):
                 self._check_place(shard, place, record)
                 complete = self._check_record(record)
-                if complete and record["status"] == "solved" and checks and self.result.records >= next_checked:
-                    if every != math.inf:
-                        self._check_motions(checks, record, collisions=True)
+                if complete and record["status"] == "solved" and checks:
+                    sampled = every < math.inf and self.result.records >= next_checked
+                    self._check_motions(checks, record, collisions=sampled)
+                    if sampled:
                         self.result.checked += 1
                         next_checked += every
-                elif complete and record["status"] == "solved" and checks:
-                    self._check_motions(checks, record, collisions=False)
                 self.result.records += 1
                 if progress:
                     progress(self.result.records, total)
@@ -210,11 +218,13 @@ class _Auditor:
             self._fault(where, f"its scene '{record['scene']}' of kind '{record['kind']}' is none of the spec.")
         if record["status"] not in STATUSES:
             self._fault(where, f"its status '{record['status']}' is none that there is.")
+        if (record["status"] == "skipped") != (record["index"] in self._index["spec"]["skip"]):
+            self._fault(where, "it is not one that the spec skips, or it is one, and was not skipped.")
         solved = record["status"] == "solved"
         if solved == bool(record["reason"]):
             self._fault(where, "it is solved and gives a reason." if solved else "it failed without a reason.")
         names = [robot["name"] for robot in self._index["spec"]["robots"]]
-        if record["status"] != "no_problem" and [row["name"] for row in record["robots"]] != names:
+        if record["status"] not in ("no_problem", "skipped") and [row["name"] for row in record["robots"]] != names:
             self._fault(where, f"its robots are not {', '.join(names)}.")
         for row in record["robots"]:
             present = [key for key in ("times", "positions", "velocities", "waypoints", "certificate") if row[key]]

@@ -79,7 +79,9 @@ def _figure(audit: Audit) -> str:
     axes = figure.subplots(2, 3).flatten()
     for ax, (name, unit) in zip(axes, FIGURES.items(), strict=False):
         values = np.array([value for value in audit.figures[name] if math.isfinite(value)])
-        ax.hist(values, bins=40, color="tab:blue")
+        whole = len(values) and np.all(values == np.round(values))  # a bar for each number, where they are few
+        ax.hist(values, bins=np.arange(values.min() - 0.5, values.max() + 1) if whole else 40, color="tab:blue")
+        ax.locator_params(axis="x", nbins=6)
         ax.set_xlabel(f"{name} [{unit}]" if unit else name)
         ax.set_ylabel("motions")
     scenes = sorted(audit.statuses)

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+import reprlib
+import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import srmp
 from srmp._names import did_you_mean
+
+
+def short(value: Any) -> str:
+    """A value as a message shows it: on one line, and not all of a long one."""
+    shown = reprlib.Repr()
+    shown.maxstring = shown.maxother = shown.maxlong = 80
+    return shown.repr(value)
+
+
+def is_number(value: Any) -> bool:
+    """A finite number that is a double; not True or False."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 class Fields:
@@ -24,7 +40,7 @@ class Fields:
     def refusal(self, key: str, value: Any, allowed: str) -> srmp.InvalidArgument:
         """The error that says what the field was and what is allowed."""
         name = ".".join(part for part in (self._where, key) if part) or "the spec"
-        return srmp.InvalidArgument(f"{name} is {value!r}; it must be {allowed}.")
+        return srmp.InvalidArgument(f"{name} is {short(value)}; it must be {allowed}.")
 
     def has(self, key: str) -> bool:
         """Whether the field is there."""
@@ -47,7 +63,7 @@ class Fields:
         if choices and value not in choices:
             hint = did_you_mean(value, choices) or "."
             raise srmp.InvalidArgument(
-                f"{'.'.join(filter(None, (self._where, key)))} is '{value}'; it must be one of "
+                f"{'.'.join(filter(None, (self._where, key)))} is {short(value)}; it must be one of "
                 f"{', '.join(choices)}{hint}"
             )
         return value
@@ -55,8 +71,7 @@ class Fields:
     def number(self, key: str, default: float | None = None, least: float = -math.inf, most: float = math.inf) -> float:
         """A finite number within bounds."""
         value = self.any(key, default, required=default is None)
-        good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-        if not good or not least <= value <= most:
+        if not is_number(value) or not least <= value <= most:
             raise self.refusal(key, value, f"a number{_range(least, most)}")
         return float(value)
 
@@ -73,9 +88,17 @@ class Fields:
         what = f"{count} finite numbers" if count else "a list of finite numbers"
         if not isinstance(value, Sequence) or isinstance(value, str) or (count and len(value) != count):
             raise self.refusal(key, value, what)
-        if not all(isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x) for x in value):
+        if not all(map(is_number, value)):
             raise self.refusal(key, value, what)
         return tuple(float(x) for x in value)
+
+    def wholes(self, key: str) -> tuple[int, ...]:
+        """A set of whole numbers, sorted; empty by default."""
+        value = self.any(key, [])
+        whole = isinstance(value, Sequence) and all(type(x) is int and 0 <= x < 2**63 for x in value)
+        if not whole or isinstance(value, str):
+            raise self.refusal(key, value, "a list of whole numbers of at least 0")
+        return tuple(sorted(set(value)))
 
     def texts(self, key: str, default: Sequence[str] = ()) -> tuple[str, ...]:
         """A list of texts."""
@@ -83,6 +106,14 @@ class Fields:
         if not isinstance(value, Sequence) or isinstance(value, str) or not all(isinstance(x, str) for x in value):
             raise self.refusal(key, value, "a list of texts")
         return tuple(value)
+
+    def file(self, key: str, directory: Path) -> Path:
+        """A file that exists; relative paths begin at the directory."""
+        path = directory / self.text(key)
+        with contextlib.suppress(OSError, ValueError):  # a name that is too long, or holds a NUL
+            if path.is_file():
+                return path
+        raise self.refusal(key, str(path), "a file that exists")
 
     def mapping(self, key: str) -> dict[str, Any]:
         """A mapping, empty by default."""
@@ -107,7 +138,7 @@ class Fields:
         for key in self._values:
             if key not in self._known:
                 hint = did_you_mean(str(key), self._known) or f"; known: {', '.join(dict.fromkeys(self._known))}."
-                raise srmp.InvalidArgument(f"{self._where or 'the spec'} has an unknown field '{key}'{hint}")
+                raise srmp.InvalidArgument(f"{self._where or 'the spec'} has an unknown field {short(key)}{hint}")
 
 
 def _range(least: float, most: float) -> str:

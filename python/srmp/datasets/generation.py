@@ -19,6 +19,7 @@ from srmp.datasets.store import Store, hash_of
 from srmp.datasets.workers import made_by_processes, made_by_ray, made_here
 
 _INDEX_PERIOD = 10.0  # [s]; the index is also written at the end
+_LISTED = 10  # records in a message
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,8 @@ def generate(
     records that are there and all. order: the order in which shards are made, which does not matter to their content.
 
     Raises InvalidArgument for a spec that is wrong, naming the field; FileError where the directory cannot be written,
-    is full, in use, or holds another data set; Error where a package is missing, or workers die without end.
+    is full, in use, or holds another data set; Error where a package is missing, or workers die without end, or,
+    once all other shards are there, where records reached the time limit of their plans.
     """
     need_pyarrow()
     if workers is not None and workers < 1:
@@ -87,6 +89,7 @@ class _Run:
         self._began = time.monotonic()
         self._made = self._solved = self._worker_memory = 0
         self._work_seconds = 0.0
+        self._late: list[int] = []
 
     def collect(self, shards: Iterator[MadeShard], workers: int | None, ray: str | None) -> None:
         indexed = time.monotonic()
@@ -94,6 +97,9 @@ class _Run:
         self._tell(there)
         try:
             for made in shards:
+                if made.late:
+                    self._late += made.late
+                    continue
                 self._store.write_shard(made)
                 self._made += made.count
                 self._solved += made.solved
@@ -107,6 +113,20 @@ class _Run:
             shards.close()  # type: ignore[attr-defined]  # a generator: ends its workers
             self._store.write_index()
             self._store.add_run(self._about(workers, ray))
+        self._require_in_time()
+
+    def _require_in_time(self) -> None:
+        """The clock is no part of a record: what reaches the time limit is not stored, and the run says so."""
+        if not self._late:
+            return
+        late = sorted(self._late)
+        listed = ", ".join(map(str, late[:_LISTED])) + (", …" if len(late) > _LISTED else "")
+        what = f"record {listed}" if len(late) == 1 else f"{len(late)} records ({listed})"
+        raise srmp.Error(
+            f"{what} reached planner.time_limit, {self._spec.time_limit:g} s, and no record may depend on the clock: "
+            f"{len(self._store.shards)} of {self._spec.shards} shards are there; with a larger planner.time_limit, "
+            "or with these records in the field skip, the same command goes on."
+        )
 
     def _tell(self, records: int) -> None:
         if self._progress:

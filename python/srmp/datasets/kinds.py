@@ -268,7 +268,13 @@ def variations(
 def function(random: Generator, function: str, parameters: Mapping[str, Any]) -> Scene:
     """A scene of the user's own function "module:name", called with the random numbers and the parameters."""
     module, _, name = function.partition(":")
-    made = getattr(importlib.import_module(module), name)(random, **parameters)
+    try:
+        made = getattr(importlib.import_module(module), name)(random, **parameters)
+    except srmp.Error as error:
+        raise srmp.InvalidArgument(f"{function}: {error}") from error
+    except Exception as error:
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        raise srmp.InvalidArgument(f"{function} of the spec failed: {what}.") from error
     if not isinstance(made, Scene):
         raise srmp.InvalidArgument(f"{function} returned {made!r}; it must return a srmp.datasets.Scene.")
     return made

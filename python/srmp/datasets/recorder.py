@@ -22,11 +22,16 @@ from srmp.datasets.spec import SceneSpec, Spec
 
 NO_PROBLEM = "no_problem"
 NOT_CERTIFIED = "not_certified"
+SKIPPED = "skipped"
 
 
 def random_numbers(identity: str, index: int) -> np.random.Generator:
     """The random numbers of a record: Philox, keyed by the spec, counted from the index (Salmon et al. 2011)."""
     return np.random.Generator(np.random.Philox(key=int(identity[:32], 16), counter=[0, 0, index, 0]))
+
+
+class TimeLimitReached(Exception):
+    """The plan of a record reached the time limit, so that the clock had a say in how it ended."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +40,15 @@ class MadeShard:
 
     number: int
     data: bytes
+    """Empty where a record reached the time limit."""
     count: int
     solved: int
     seconds: float
     """Time of the process for it; not part of the data."""
     memory: int
     """The most memory that the process had so far [byte]."""
+    late: tuple[int, ...] = ()
+    """Records that reached the time limit."""
 
 
 class Recorder:
@@ -48,7 +56,7 @@ class Recorder:
 
     def __init__(self, spec: Spec, directory: Path) -> None:
         """directory: holds the files of the spec."""
-        self._spec, self._identity = spec, spec.identity
+        self._spec, self._identity, self._skip = spec, spec.identity, frozenset(spec.skip)
         functions = str(directory / "functions")
         if functions not in sys.path and (directory / "functions").is_dir():
             sys.path.insert(0, functions)
@@ -61,7 +69,7 @@ class Recorder:
         for name in [robot.name for robot in spec.robots]:
             # The last bits of Coal's distances depend on the first query of a process, so it is always this one.
             self._world.is_state_colliding(name, self._world.get_qpos(name))
-        self._world.make_planner(self._names, dict(spec.planner))
+        self._world.make_planner(self._names, {**spec.planner, "time_limit": spec.time_limit})
         self._period = float(srmp.planner_options(dict(spec.planner))["sample_period"])
         self._ends = EndSampler(self._world, spec.robots, spec.clearance)
         weights = np.array([scene.weight for scene in spec.scenes])
@@ -70,17 +78,24 @@ class Recorder:
     def shard(self, number: int) -> MadeShard:
         """The shard of this number."""
         began = time.monotonic()
-        records = [self.record(index) for index in self._spec.numbers(number)]
-        data = to_bytes(records, self._identity, number)
+        records, late = [], []
+        for index in self._spec.numbers(number):
+            try:
+                records.append(self.record(index))
+            except TimeLimitReached:
+                late.append(index)
+        data = b"" if late else to_bytes(records, self._identity, number)
         solved = sum(record["status"] == "solved" for record in records)
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-        return MadeShard(number, data, len(records), solved, time.monotonic() - began, memory)
+        return MadeShard(number, data, len(records), solved, time.monotonic() - began, memory, tuple(late))
 
     def record(self, index: int) -> dict[str, Any]:
-        """The record of this index, laid out as schema.SCHEMA."""
+        """The record of this index, laid out as schema.SCHEMA. Raises TimeLimitReached."""
         random = random_numbers(self._identity, index)
         spec = self._spec.scenes[int(np.searchsorted(self._chances, random.random(), side="right"))]
         scene, reason = Scene(), ""
+        if index in self._skip:
+            return self._record(index, spec, scene, SKIPPED, "the spec skips this record", 0, [], {})
         for attempt in range(1, self._spec.tries + 1):
             scene, ends = self._problem(spec, random)
             if not isinstance(ends, str):
@@ -123,6 +138,8 @@ class Recorder:
                 raise
             status, reason = error.status.name, str(error)
         counts = self._world.get_planning_stats()
+        if counts["total_time_s"] >= self._spec.time_limit:
+            raise TimeLimitReached
         if motions:
             proofs = self._world.verify_multi(motions, starts=configurations, goals=constraints)
         for name, proof in proofs.items():

@@ -14,6 +14,7 @@ from srmp.datasets.fields import Fields
 
 MODELS = {"arm7": ("arm7.urdf", "arm7.srdf", "arm7_hand")}
 """Robots that come with the package: URDF, SRDF, end effector."""
+_MAX_NAME = 60  # of a robot, which names a directory
 
 
 @dataclass(frozen=True)
@@ -58,16 +59,16 @@ class Source:
 def read_robot(fields: Fields, directory: Path) -> tuple[RobotSpec, Source]:
     """A robot of the spec, and its files; relative paths begin at the directory. Raises InvalidArgument."""
     name = fields.text("name")
-    if not name.replace("_", "").replace("-", "").isalnum():
-        raise fields.refusal("name", name, "made of letters, digits, - and _")
+    if len(name) > _MAX_NAME or not name.replace("_", "").replace("-", "").isalnum():
+        raise fields.refusal("name", name, f"made of at most {_MAX_NAME} letters, digits, - and _")
     if fields.has("model"):
         urdf, srdf, end_effector = MODELS[fields.text("model", choices=tuple(MODELS))]
         source = Source(Path(srmp.data_path(urdf)), Path(srmp.data_path(srdf)), ())
     else:
         end_effector = ""
         source = Source(
-            _existing(fields, "urdf", directory),
-            _existing(fields, "srdf", directory) if fields.has("srdf") else None,
+            fields.file("urdf", directory),
+            fields.file("srdf", directory) if fields.has("srdf") else None,
             tuple(directory / path for path in fields.texts("package_dirs")),
         )
     end_effector = fields.text("end_effector", end_effector)
@@ -80,13 +81,6 @@ def read_robot(fields: Fields, directory: Path) -> tuple[RobotSpec, Source]:
     tool = fields.number("tool_length", 0.0, 0.0, 10.0)
     fields.close()
     return RobotSpec(name, end_effector, group, fixed, tuple(srmp.Pose.from_rpy(position, rpy)), tool), source
-
-
-def _existing(fields: Fields, key: str, directory: Path) -> Path:
-    path = directory / fields.text(key)
-    if not path.is_file():
-        raise fields.refusal(key, str(path), "a file that exists")
-    return path
 
 
 def pack(name: str, source: Source) -> dict[str, bytes]:

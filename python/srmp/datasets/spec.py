@@ -24,6 +24,13 @@ from srmp.datasets.robot_files import RobotSpec, pack, read_robot
 FORMAT = "srmp data set"
 FORMAT_VERSION = 1
 SOURCES = ("configuration", "region", "states")
+TIME_LIMIT = 60.0
+"""Of a plan [s], unless the spec says otherwise."""
+_MAX_SHARDS = 10_000_000
+_NOT_CONTENT = ("count", "records_per_shard", "skip")
+"""What a spec says of the data set as a whole, and not of each record."""
+_IMPROVING = ("ARAstar", "AMRAstar")
+"""Planners that improve a path until the clock stops them."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +61,7 @@ class SceneSpec:
 
 @dataclass(frozen=True)
 class Spec:
-    """What a data set holds. A record is a function of its index and of the spec without its count and shard size."""
+    """What a data set holds. A record is a function of its index and of `content`."""
 
     count: int
     records_per_shard: int
@@ -62,12 +69,17 @@ class Spec:
     robots: tuple[RobotSpec, ...]
     scenes: tuple[SceneSpec, ...]
     planner: Mapping[str, Any]
+    """Options but for the time limit."""
     clearance: float
     """Of starts and goals [m]."""
     tries: int
     """Scenes that are drawn for a record before it ends as `no_problem`."""
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """Files that the data set carries: robots' files and the modules of functions, by relative path."""
+    time_limit: float = TIME_LIMIT
+    """Of a plan [s]. A record whose plan reaches it is not stored, so that no record depends on the clock."""
+    skip: tuple[int, ...] = ()
+    """Records that are not planned: those whose plans would take too long."""
 
     @property
     def shards(self) -> int:
@@ -82,7 +94,7 @@ class Spec:
     def content(self) -> dict[str, Any]:
         """What records depend on, without paths of this machine: files stand as hashes."""
         whole = dataclasses.asdict(self)
-        for key in ("count", "records_per_shard", "files"):
+        for key in (*_NOT_CONTENT, "time_limit", "files"):
             del whole[key]
         hashes = {name: hashlib.sha256(data).hexdigest() for name, data in sorted(self.files.items())}
         return {"format_version": FORMAT_VERSION, **plain(whole), "files": hashes}
@@ -94,7 +106,7 @@ class Spec:
 
     def to_dict(self) -> dict[str, Any]:
         """As index.json holds it; from_dict makes it again from that and the files."""
-        return {**self.content(), "count": self.count, "records_per_shard": self.records_per_shard}
+        return {**self.content(), **{key: plain(getattr(self, key)) for key in _NOT_CONTENT}}
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], files: Mapping[str, bytes]) -> Spec:
@@ -105,13 +117,13 @@ class Spec:
         )
         robots = tuple(RobotSpec(**robot) for robot in values["robots"])
         names = ("count", "records_per_shard", "seed", "planner", "clearance", "tries")
-        return cls(robots=robots, scenes=scenes, files=dict(files), **{name: values[name] for name in names})
+        own = {name: values[name] for name in names}
+        return cls(robots=robots, scenes=scenes, files=dict(files), skip=tuple(values["skip"]), **own)
 
 
 def identity_of(content: Mapping[str, Any]) -> str:
     """The SHA-256 of a spec's content, as Spec.identity."""
-    left_out = ("count", "records_per_shard")
-    text = json.dumps({key: content[key] for key in sorted(content) if key not in left_out}, sort_keys=True)
+    text = json.dumps({key: content[key] for key in sorted(content) if key not in _NOT_CONTENT}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -158,6 +170,8 @@ class _Reader:
         fields = Fields(values)
         count = fields.whole("count", least=1)
         per_shard = fields.whole("records_per_shard", 500, least=1, most=100_000)
+        if -(-count // per_shard) > _MAX_SHARDS:
+            raise fields.refusal("count", count, f"at most {_MAX_SHARDS} times records_per_shard, {per_shard}")
         seed = fields.whole("seed", 0, most=2**63 - 1)
         robots = self._robots(fields)
         start, goal = (self._sampler(fields.inner(key), None, robots) for key in ("start", "goal"))
@@ -167,11 +181,12 @@ class _Reader:
         for name in names:
             if names.count(name) > 1:
                 raise srmp.InvalidArgument(f"two scenes have the name '{name}'; give them different ones with 'name'.")
-        planner = self._planner(fields, len(robots))
+        planner, time_limit = self._planner(fields)
         clearance = fields.number("clearance", 0.005, least=0.0, most=1.0)
         tries = fields.whole("tries", 20, least=1, most=10_000)
+        skip = fields.wholes("skip")
         fields.close()
-        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files)
+        return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files, time_limit, skip)
 
     def _robots(self, fields: Fields) -> tuple[RobotSpec, ...]:
         robots = []
@@ -191,19 +206,25 @@ class _Reader:
         self._world = planner
         return tuple(robots)
 
-    def _planner(self, fields: Fields, robots: int) -> dict[str, Any]:
-        """The options as given, with a time limit that is generous."""
-        options = {"planner_id": "auto", "time_limit": 60.0, **fields.mapping("planner")}
+    def _planner(self, fields: Fields) -> tuple[dict[str, Any], float]:
+        """The options as given but for the time limit, and the time limit."""
+        options = {"planner_id": "auto", "time_limit": TIME_LIMIT, **fields.mapping("planner")}
         try:
             known = srmp.planner_options(options)
-        except srmp.Error as error:
+        except (srmp.Error, OverflowError) as error:
             raise srmp.InvalidArgument(f"planner: {error}") from error
+        if known["planner_id"] in _IMPROVING:
+            raise srmp.InvalidArgument(
+                f"planner.planner_id is '{known['planner_id']}', which improves its path until the clock stops it; in "
+                "data sets it must be a planner that does not."
+            )
         for key, allowed in (("certify", True), ("improve_time", 0.0)):
             if key in known and known[key] != allowed:
                 raise srmp.InvalidArgument(f"planner.{key} is {known[key]!r}; in data sets it must be {allowed!r}.")
         if known["timing"] == "none":
             raise srmp.InvalidArgument("planner.timing is 'none'; in data sets it must be 'toppra' or 'ruckig'.")
-        return plain(options)
+        del options["time_limit"]
+        return plain(options), float(known["time_limit"])
 
     def _scene(self, fields: Fields, start: Sampler | None, goal: Sampler | None) -> SceneSpec:
         kind = fields.text("kind", choices=tuple(KINDS))
@@ -272,7 +293,7 @@ class _Reader:
     def _variations(self, fields: Fields) -> tuple[dict[str, Any], dict[str, Sampler]]:
         from srmp.datasets.scene_files import read_objects, read_request
 
-        base = read_objects(self._directory / fields.text("scene"))
+        base = read_objects(fields.file("scene", self._directory))
         parameters = {
             "base": [item.to_dict() for item in base],
             "poses": {},
@@ -284,7 +305,7 @@ class _Reader:
         }
         own = {key: Sampler("configuration") for key in ("start", "goal")}
         if fields.has("request"):
-            start, goal = read_request(self._world, self._robots_read[0].name, self._directory / fields.text("request"))
+            start, goal = read_request(self._world, self._robots_read[0].name, fields.file("request", self._directory))
             tool = srmp.Pose(p=[0, 0, self._robots_read[0].tool_length])
             parameters["poses"] = {"goal": list(goal @ tool)}
             own = {"start": Sampler("states", states=(start,)), "goal": Sampler("region", ("goal",))}

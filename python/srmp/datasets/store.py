@@ -15,6 +15,7 @@ from typing import Any
 
 import srmp
 from srmp._files import plain, write_json
+from srmp.datasets.fields import Fields
 from srmp.datasets.recorder import MadeShard
 from srmp.datasets.schema import need_pyarrow, versions
 from srmp.datasets.spec import FORMAT, FORMAT_VERSION, Spec
@@ -66,11 +67,11 @@ class Store:
             self._lock = (self.directory / ".lock").open("w")
         try:
             self._take()
-            self._require_same()
+            outdated = self._require_same()
             self.write_files()
             for torn in self.directory.glob("*.part"):
                 torn.unlink()
-            self.shards = dict(self._found())
+            self.shards = dict(self._found(outdated))
             self.write_index()
         except BaseException:
             self._lock.close()
@@ -86,13 +87,16 @@ class Store:
         except OSError as error:
             raise srmp.FileError(f"{self.directory} is in use by another run.") from error
 
-    def _require_same(self) -> None:
-        """Refuses a directory whose index is of other records, or that holds files but no index."""
+    def _require_same(self) -> set[int]:
+        """Refuses a directory whose index is of other records, or that holds files but no index.
+
+        Returns the shards with records that the spec skips now and did not before, or the other way round.
+        """
         path = self.directory / INDEX
         if not path.exists():
             if any(parse_shard_name(item.name) for item in self.directory.iterdir()):
                 raise srmp.FileError(f"{self.directory} holds shards but no {INDEX}: choose another directory.")
-            return
+            return set()
         index = read_index(self.directory)
         spec = index["spec"]
         mine = self._spec.content()
@@ -108,14 +112,16 @@ class Store:
                 "or choose another directory."
             )
 
-    def _found(self) -> Iterator[tuple[int, Shard]]:
-        """Shards with the content that their name says; damaged ones and leftovers of a smaller data set go."""
+        return {record // self._spec.records_per_shard for record in {*spec["skip"]} ^ {*self._spec.skip}}
+
+    def _found(self, outdated: set[int]) -> Iterator[tuple[int, Shard]]:
+        """Shards with the content that their name says; damaged and outdated ones and those that were not full go."""
         for path in sorted(self.directory.iterdir()):
             if not (named := parse_shard_name(path.name)):
                 continue
             number, prefix = named
             sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
-            if number < self._spec.shards and sha256.startswith(prefix):
+            if number < self._spec.shards and sha256.startswith(prefix) and number not in outdated:
                 records = need_pyarrow().parquet.read_metadata(path).num_rows
                 if records == len(self._spec.numbers(number)):
                     yield number, Shard(number, path.name, sha256, records)
@@ -219,11 +225,38 @@ def read_index(directory: Path) -> dict[str, Any]:
     missing = [key for key in ("records", "sha256", "identity", "versions", "spec", "shards") if key not in index]
     if missing:
         raise srmp.FileError(f"{path} has no '{missing[0]}'.")
+    try:
+        _require_types(Fields(index))
+        Spec.from_dict(index["spec"], {})
+        read_shards(index)
+    except (srmp.Error, KeyError, TypeError, ValueError) as error:
+        raise srmp.FileError(f"{path} is not as it is written: {error}") from error
     return index
+
+
+def _require_types(index: Fields) -> None:
+    """What all that read an index rely on. Raises InvalidArgument."""
+    index.text("sha256"), index.text("identity"), index.whole("records"), index.mapping("versions")
+    spec = Fields(index.any("spec"), "spec")
+    spec.whole("count", least=1), spec.whole("records_per_shard", least=1), spec.wholes("skip"), spec.mapping("planner")
+    for name in spec.mapping("files"):
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            raise spec.refusal("files", name, "inside the data set")
+    for robot in spec.items("robots"):
+        robot.text("name"), robot.text("end_effector"), robot.text("group", ""), robot.mapping("fixed_joints")
+        robot.numbers("base", 7), robot.number("tool_length")
+    for scene in spec.items("scenes"):
+        scene.text("name"), scene.text("kind"), scene.mapping("parameters")
+        for end in (Fields(scene.any(key), f"spec.scenes.{key}") for key in ("start", "goal")):
+            end.text("source"), end.texts("regions")
+            if not isinstance(states := end.any("states", required=True), list):
+                raise end.refusal("states", states, "a list")
 
 
 def read_shards(index: Mapping[str, Any]) -> list[Shard]:
     """The shards that the index lists. Raises FileError."""
+    for shard in Fields(index).items("shards") if index["shards"] else ():
+        shard.whole("number"), shard.text("name"), shard.text("sha256"), shard.whole("records")
     try:
         return [Shard(**item) for item in index["shards"]]
     except TypeError as error:

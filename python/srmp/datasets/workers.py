@@ -14,8 +14,7 @@ import tempfile
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
@@ -38,15 +37,21 @@ def made_here(spec: Spec, directory: Path, numbers: Sequence[int]) -> Iterator[M
 
 # --- processes --------------------------------------------------------------------------------------------------------
 
-_recorder: Recorder
 
-
-def _begin_worker(spec: Spec, directory: Path) -> None:
-    global _recorder
+def _serve(connection: Connection, directory: Path) -> None:
+    """A worker: takes the spec, then numbers of shards, hands over the shards, or the exception that ended it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal; the driver ends them
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     threading.Thread(target=_end_with_driver, daemon=True).start()
-    _recorder = Recorder(spec, directory)
+    try:
+        recorder = Recorder(connection.recv(), directory)
+        while True:
+            connection.send(recorder.shard(connection.recv()))
+    except EOFError:
+        return
+    except Exception as error:
+        with contextlib.suppress(OSError):  # the driver is dead
+            connection.send(error)
 
 
 def _end_with_driver() -> None:
@@ -56,47 +61,86 @@ def _end_with_driver() -> None:
         os._exit(1)
 
 
-def _make(number: int) -> MadeShard:
-    return _recorder.shard(number)
+class _Process:
+    """A worker as the driver sees it.
+
+    Each has a connection of its own. In a queue that workers share, as ProcessPoolExecutor has, one that is killed
+    while it hands over a shard keeps the lock, and the driver waits for the rest of the shard for ever. The spec, with
+    its files, comes this way too: Process.start never ends where a process is killed before it has read many bytes.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.numbers: deque[int] = deque()
+        """Shards that it has in work, in their order."""
+        with ctrl_c_later():
+            self._process = context.Process(target=_serve, args=(theirs, directory), daemon=True)
+            self._process.start()
+        theirs.close()
+
+    def begin(self, spec: Spec) -> None:
+        """Before anything else."""
+        self._send(spec)
+
+    def give(self, number: int) -> None:
+        """A shard to make."""
+        self.numbers.append(number)
+        self._send(number)
+
+    def _send(self, message: Any) -> None:
+        with contextlib.suppress(OSError):  # a worker that is dead is found when it is asked
+            self.connection.send(message)
+
+    def take(self) -> MadeShard | None:
+        """What it made; None where it is dead. Raises what ended it."""
+        try:
+            made = self.connection.recv()
+        except (EOFError, OSError):
+            return None
+        if isinstance(made, Exception):
+            raise made
+        self.numbers.popleft()
+        return made
+
+    def end(self) -> None:
+        """At once: what it has in work is lost, and nothing else."""
+        self._process.kill()
+        self._process.join()
+        self.connection.close()
 
 
 def made_by_processes(spec: Spec, directory: Path, numbers: Sequence[int], workers: int) -> Iterator[MadeShard]:
     """Shards by processes, as they come; those of a worker that dies are made again."""
     todo, deaths = deque(numbers), 0
-    while todo:
-        waiting: dict[Future[MadeShard], int] = {}
-        pool = ProcessPoolExecutor(
-            min(workers, len(todo)), multiprocessing.get_context("spawn"), _begin_worker, (spec, directory)
-        )
-        try:
-            while todo or waiting:
-                with ctrl_c_later():
-                    while todo and len(waiting) < _AHEAD * workers:
-                        waiting[pool.submit(_make, todo[0])] = todo[0]
-                        todo.popleft()
-                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                    made = future.result()
-                    del waiting[future]
-                    yield made
+    processes: list[_Process] = []
+    try:
+        while todo or any(process.numbers for process in processes):
+            while len(processes) < workers and todo:
+                processes.append(_Process(directory))
+                processes[-1].begin(spec)
+                processes[-1].give(todo.popleft())
+            for process in processes:
+                while todo and len(process.numbers) < _AHEAD:
+                    process.give(todo.popleft())
+            busy = {process.connection: process for process in processes if process.numbers}
+            for connection in wait(list(busy)):
+                process = busy[connection]
+                if made := process.take():
                     deaths = 0
-        except BrokenProcessPool as error:
-            deaths += 1
-            if deaths > _MAX_DEATHS:
-                raise srmp.Error(
-                    f"{deaths} workers in a row could not begin, or were killed (too little memory?); the same command "
-                    "goes on."
-                ) from error
-            todo.extendleft(sorted(waiting.values(), reverse=True))
-        finally:
-            _end(pool)
-
-
-def _end(pool: ProcessPoolExecutor) -> None:
-    """Ends the workers at once: what they have in work is lost, and nothing else."""
-    for process in list((getattr(pool, "_processes", None) or {}).values()):
-        with contextlib.suppress(OSError, ValueError):
-            process.kill()
-    pool.shutdown(wait=True, cancel_futures=True)
+                    yield made
+                    continue
+                deaths += 1
+                if deaths > _MAX_DEATHS:
+                    raise srmp.Error(
+                        f"{deaths} workers in a row were killed (too little memory?); the same command goes on."
+                    )
+                todo.extendleft(reversed(process.numbers))
+                processes.remove(process)
+                process.end()
+    finally:
+        for process in processes:
+            process.end()
 
 
 # --- Ray --------------------------------------------------------------------------------------------------------------
