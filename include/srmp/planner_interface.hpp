@@ -279,6 +279,13 @@ class PlannerInterface {
                   const OnSolution& on_solution = {});
   Trajectory plan(ConstVector start, const Goal& goal, const Interrupt& interrupt = {},
                   const OnSolution& on_solution = {});
+  /// The same for a request, which may have path constraints: they hold at every instant of the motion, which is
+  /// proved, and Certificate::constraints has the proved values. A start or goals that break one are start_invalid or
+  /// goal_invalid, with the amount. Configurations of the search are projected onto the constraints by Newton's method
+  /// (CBiRRT: Berenson et al. 2009; lattices likewise). Throws InvalidArgument also for constraints that
+  /// PathConstraint::validate refuses, links and frames that do not exist (with the nearest name) and constraints that
+  /// no planned joint can change.
+  Trajectory plan(const PlanRequest& request, const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
   /// A timed, collision-free trajectory on which a link (CartesianOptions: default the end effector) moves in a
   /// straight line from where it is at `start` (dof,) [rad or m] to `goal`, a pose in the world frame, turning evenly
   /// (slerp). The same as `follow` with one pose.

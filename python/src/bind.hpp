@@ -176,6 +176,7 @@ void bind_cover(nb::module_& m);
 void bind_errors(nb::module_& m);
 void bind_pose(nb::module_& m);
 void bind_goal(nb::module_& m);
+void bind_path_constraint(nb::module_& m);
 void bind_parameterize(nb::module_& m);
 void bind_options(nb::module_& m);
 void bind_trajectory(nb::module_& m);

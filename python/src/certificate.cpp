@@ -98,7 +98,8 @@ void bind_faults(nb::module_& m) {
       .value("deviation", FaultKind::deviation, "The motion leaves the path that was checked.")
       .value("start", FaultKind::start, "It does not begin at the given start.")
       .value("goal", FaultKind::goal, "It does not end at the given goal.")
-      .value("not_at_rest", FaultKind::not_at_rest, "Its velocity at the start or end is not 0, though it should be.");
+      .value("not_at_rest", FaultKind::not_at_rest, "Its velocity at the start or end is not 0, though it should be.")
+      .value("constraint", FaultKind::constraint, "It breaks a path constraint, or is not proved to keep it.");
 
   nb::class_<Fault> fault(m, "Fault", "Something that is wrong, and where.");
   fault.def_ro("kind", &Fault::kind, "The kind of the fault.")
@@ -139,6 +140,28 @@ void bind_parts(nb::module_& m) {
       [](const CartesianDeviation& d) { return nb::make_tuple(plain(d.position), plain(d.rotation), plain(d.time)); },
       [](const State& s) { return CartesianDeviation{number(s[0]), number(s[1]), number(s[2])}; });
 
+  nb::class_<ConstraintDeviation> kept(m, "ConstraintDeviation",
+                                       "How far a motion goes from the middle of what a path constraint allows, at "
+                                       "most: proved, not sampled.");
+  kept.def_ro("constraint", &ConstraintDeviation::constraint, "The constraint in words.")
+      .def_ro("deviation", &ConstraintDeviation::deviation,
+              "[rad or m]: of a distance, from the middle of its range; with a tolerance for each axis, the largest\n"
+              "fraction of these times `tolerance`.")
+      .def_ro("tolerance", &ConstraintDeviation::tolerance, "[rad or m] that is allowed: of several, the smallest.")
+      .def_ro("time", &ConstraintDeviation::time, "About when it is worst [s].")
+      .def("__repr__", [](const ConstraintDeviation& d) {
+        return "ConstraintDeviation(" + d.constraint + ": " + to_text(d.deviation) + " of " + to_text(d.tolerance) +
+               ")";
+      });
+  make_value(
+      kept,
+      [](const ConstraintDeviation& d) {
+        return nb::make_tuple(d.constraint, plain(d.deviation), plain(d.tolerance), plain(d.time));
+      },
+      [](const State& s) {
+        return ConstraintDeviation{nb::cast<std::string>(s[0]), number(s[1]), number(s[2]), number(s[3])};
+      });
+
   nb::class_<SampledInterval> sampled(m, "SampledInterval",
                                       "A part of a motion over which two bodies could not be proved to stay apart; "
                                       "they are apart at every sample in it.");
@@ -170,7 +193,8 @@ nb::tuple state(const Certificate& c) {
   return nb::make_tuple(c.faults, c.limits, c.position, c.velocity, c.acceleration, c.jerk, c.collisions_checked,
                         plain(c.checked_from), plain(c.clearance), plain(c.clearance_time), c.body_a, c.body_b,
                         plain(c.clearance_proved), c.sampled, plain(c.deviation), plain(c.deviation_time),
-                        plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s), c.cartesian_deviation);
+                        plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s), c.cartesian_deviation,
+                        c.constraints);
 }
 
 Certificate from_state(const State& s) {
@@ -193,6 +217,7 @@ Certificate from_state(const State& s) {
           .deviation = number(s[14]),
           .deviation_time = number(s[15]),
           .cartesian_deviation = nb::cast<std::optional<CartesianDeviation>>(s[20]),
+          .constraints = nb::cast<std::vector<ConstraintDeviation>>(s[21]),
           .goal_error = number(s[16]),
           .bound = number(s[17]),
           .bound_graph = text(18),
@@ -223,7 +248,8 @@ void bind_certificate(nb::module_& m) {
           },
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
           "All fields as names, numbers and lists, as in files; infinity and NaN are the texts 'inf', '-inf' and "
-          "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed.")
+          "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed, and no key\n"
+          "'constraints' where there were no path constraints.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
       .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was verified against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
@@ -247,6 +273,8 @@ void bind_certificate(nb::module_& m) {
       .def_ro("deviation_time", &Certificate::deviation_time, "The time of the largest deviation [s].")
       .def_ro("cartesian_deviation", &Certificate::cartesian_deviation,
               "CartesianDeviation from the poses that were to be followed; None: there were none.")
+      .def_ro("constraints", &Certificate::constraints,
+              "A ConstraintDeviation for each path constraint of the request.")
       .def_ro("goal_error", &Certificate::goal_error,
               "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")
       .def_ro("bound", &Certificate::bound,

@@ -8,6 +8,7 @@ NB_MODULE(_srmp, m) {
   bind_errors(m);
   bind_pose(m);
   bind_goal(m);
+  bind_path_constraint(m);
   bind_options(m);
   bind_certificate(m);
   bind_trajectory(m);

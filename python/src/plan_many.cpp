@@ -99,23 +99,30 @@ void bind_plan_request(nb::module_& m) {
   request
       .def(
           "__init__",
-          [](PlanRequest* self, const std::string& robot, const ArrayLike& start, nb::handle goals,
-             nb::handle options) {
-            PlanRequest request{robot, start.vector("start of '" + robot + "'"), {}};
+          [](PlanRequest* self, const std::string& robot, const ArrayLike& start, nb::handle goals, nb::handle options,
+             const std::vector<PathConstraint>& constraints) {
+            PlanRequest request{.robot = robot,
+                                .start = start.vector("start of '" + robot + "'"),
+                                .goals = {},
+                                .options = {},
+                                .constraints = constraints};
             for (const Goal& goal : to_goals(goals)) request.goals.push_back(constraint_without_scene(robot, goal));
             if (!options.is_none()) request.options = parse_options(to_option_map(options));
             new (self) PlanRequest(std::move(request));
           },
           nb::arg("robot"), nb::arg("start"), nb::arg("goals"), nb::arg("options") = nb::none(),
+          nb::arg("constraints") = std::vector<PathConstraint>(),
           nb::sig("def __init__(self, robot: str, start: numpy.typing.ArrayLike, "
                   "goals: GoalConstraint | Pose | numpy.typing.ArrayLike | "
                   "collections.abc.Sequence[GoalConstraint | Pose], "
-                  "options: dict | object | None = None) -> None"),
+                  "options: dict | object | None = None, "
+                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> None"),
           R"(A request for a plan of one robot.
 
 robot: its name. start: (dof,) [rad or m]. goals: one, or several of which any one is enough: a GoalConstraint, a Pose
 or a configuration (PlannerInterface.goal makes a GoalConstraint of names of joints and states). options: a planner of
-its own, as for make_planner (default: that of make_planner, or `auto`).
+its own, as for make_planner (default: that of make_planner, or `auto`). constraints: PathConstraints that hold at
+every instant of the motion.
 
 Raises InvalidArgument for what is not numbers, goals or planner options.)")
       .def_ro("robot", &PlanRequest::robot, "Name of the robot that is planned.")
@@ -124,6 +131,7 @@ Raises InvalidArgument for what is not numbers, goals or planner options.)")
       .def_ro("goals", &PlanRequest::goals, "The goals; any one of them is enough.")
       .def_prop_ro("options", &own_options, nb::sig("def options(self) -> dict[str, typing.Any] | None"),
                    "Options of its own planner, as srmp.planner_options gives them; None: those of make_planner.")
+      .def_ro("constraints", &PlanRequest::constraints, "PathConstraints that hold at every instant of the motion.")
       .def("__repr__", [](const PlanRequest& r) {
         return "PlanRequest('" + r.robot + "', " + std::to_string(r.goals.size()) +
                (r.goals.size() == 1 ? " goal)" : " goals)");
@@ -132,13 +140,15 @@ Raises InvalidArgument for what is not numbers, goals or planner options.)")
   make_value(
       request,
       [](const PlanRequest& r) {
-        return nb::make_tuple(r.robot, std::vector<double>(r.start.begin(), r.start.end()), r.goals, own_options(r));
+        return nb::make_tuple(r.robot, std::vector<double>(r.start.begin(), r.start.end()), r.goals, own_options(r),
+                              r.constraints);
       },
       [](const State& state) {
         const ArrayLike start{nb::borrow<nb::object>(state[1])};
         PlanRequest r{nb::cast<std::string>(state[0]), start.vector("start"),
                       nb::cast<std::vector<GoalConstraint>>(state[2])};
         if (!state[3].is_none()) r.options = parse_options(to_option_map(state[3]));
+        r.constraints = nb::cast<std::vector<PathConstraint>>(state[4]);
         return r;
       });
 }

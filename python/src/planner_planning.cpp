@@ -80,22 +80,25 @@ theirs run; when it returns False, that path is good enough. solution has time_s
 get_planning_stats); waypoints are (n, dof) [rad or m], from the end of the start-state recovery on (option
 recover_start: the path is not free before). It must not use this planner; what it raises ends the plan.
 
+constraints: PathConstraints that hold at every instant of the motion, proved; Certificate.constraints has the proved
+values. Configurations of the search are projected onto them (CBiRRT: Berenson et al. 2009; lattices likewise).
+
 Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or
 cancelled, its text says why, its statistics are those of get_planning_stats. Raises InvalidArgument for an invalid
-request: unknown robot, joint or state, wrong size, NaN.)";
+request: unknown robot, joint, state, link or frame, wrong size, NaN, a constraint that no planned joint changes.)";
 
 /// The trajectory of one robot to any one of the goals.
 Trajectory plan(PyPlannerInterface& self, const std::optional<std::string>& robot, const ArrayLike& start,
-                nb::handle goal, const nb::object& on_solution) {
+                nb::handle goal, const nb::object& on_solution, const std::vector<PathConstraint>& constraints) {
   const OnSolution report = to_on_solution(on_solution);
   const std::vector<Goal> forms = to_goals(goal);
   return self.use([&](PlannerInterface& p) {
     const std::string name = robot ? *robot : p.only_robot();
     const Eigen::VectorXd q = start.vector("start of '" + name + "'");
-    std::vector<GoalConstraint> goals;
-    for (const Goal& form : forms) goals.push_back(p.goal(name, form, q));
+    PlanRequest request{.robot = name, .start = q, .goals = {}, .options = {}, .constraints = constraints};
+    for (const Goal& form : forms) request.goals.push_back(p.goal(name, form, q));
     const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
-    return run_plan(p, [&] { return p.plan(name, q, goals, interrupted, report); });
+    return run_plan(p, [&] { return p.plan(request, interrupted, report); });
   });
 }
 
@@ -207,24 +210,30 @@ Joints that a goal by joint names leaves out are as in `start` (dof,) [rad or m]
 Raises InvalidArgument for an unknown robot, joint or state, with the nearest name.)")
       .def(
           "plan",
-          [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
-            return plan(self, only_robot(robot), start, goal, on_solution);
+          [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution,
+             const std::vector<PathConstraint>& constraints) {
+            return plan(self, only_robot(robot), start, goal, on_solution, constraints);
           },
-          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(),
+          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(), nb::kw_only(),
+          nb::arg("constraints") = std::vector<PathConstraint>(),
           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
                   "goal: " SRMP_GOALS ", "
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
-                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
+                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None, *, "
+                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> Trajectory"),
           plan_doc)
       .def(
           "plan",
-          [](Self& self, const ArrayLike& start, nb::handle goal, const nb::object& on_solution) {
-            return plan(self, std::nullopt, start, goal, on_solution);
+          [](Self& self, const ArrayLike& start, nb::handle goal, const nb::object& on_solution,
+             const std::vector<PathConstraint>& constraints) {
+            return plan(self, std::nullopt, start, goal, on_solution, constraints);
           },
           nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("on_solution") = nb::none(),
+          nb::arg("constraints") = std::vector<PathConstraint>(),
           nb::sig("def plan(self, start: numpy.typing.ArrayLike, goal: " SRMP_GOALS ", *, "
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
-                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None) -> Trajectory"),
+                  "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None, "
+                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> Trajectory"),
           plan_doc)
       .def(
           "plan_linear",

@@ -9,16 +9,18 @@
 
 #include "srmp/planning/goal.hpp"
 #include "srmp/planning/options.hpp"
+#include "srmp/trajectory/path_constraint.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
 
 /// A request to PlannerInterface::plan or plan_many.
 struct PlanRequest {
-  std::string robot;                        ///< name of the robot that is planned
-  Eigen::VectorXd start;                    ///< (dof,) [rad or m]
-  std::vector<GoalConstraint> goals;        ///< any one of them is enough
-  std::optional<PlannerOptions> options{};  ///< none: those of make_planner
+  std::string robot;                          ///< name of the robot that is planned
+  Eigen::VectorXd start;                      ///< (dof,) [rad or m]
+  std::vector<GoalConstraint> goals;          ///< any one of them is enough
+  std::optional<PlannerOptions> options{};    ///< none: those of make_planner
+  std::vector<PathConstraint> constraints{};  ///< that hold at every instant of the motion
 };
 
 /// How a link is to pass poses: PlannerInterface::follow.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "srmp/trajectory/motion_limits.hpp"
+#include "srmp/trajectory/path_constraint.hpp"
 
 namespace srmp {
 
@@ -25,6 +26,7 @@ enum class FaultKind {
   start,        ///< it does not begin at the given start
   goal,         ///< it does not end at the given goal
   not_at_rest,  ///< its velocity at the start or end is not 0, though it should be
+  constraint,   ///< it breaks a path constraint, or is not proved to keep it
 };
 /// The name of a kind, such as "velocity_limit".
 std::string to_string(FaultKind kind);
@@ -96,6 +98,7 @@ struct Certificate {
   double deviation_time{};  ///< [s]
   /// From the poses that were to be followed (PlannerInterface::follow); none: there were none.
   std::optional<CartesianDeviation> cartesian_deviation{};
+  std::vector<ConstraintDeviation> constraints{};               ///< one for each path constraint of the request
   double goal_error{std::numeric_limits<double>::quiet_NaN()};  ///< joints: rad or m, the worst joint; poses: m, rad
                                                                 ///< over tolerance; NaN: no goal was given
   double bound{std::numeric_limits<double>::infinity()};        ///< PlanStatistics::bound of the search

@@ -12,6 +12,7 @@
 #include "srmp/facade/request_checks.hpp"
 #include "srmp/facade/scene_checkers.hpp"
 #include "srmp/planner_interface.hpp"
+#include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/pipeline.hpp"
 #include "srmp/planning/stationary_robots.hpp"
@@ -86,6 +87,7 @@ struct PlannerInterface::Impl {
     require_robots(options, {request.robot});
     require_planner_for_one(options);
     require_request(scene, request.robot, request.start, request.goals);
+    place_constraints(scene, request.robot, request.constraints);  // throws
   }
 
   /// Forgets the last plan.
@@ -112,13 +114,10 @@ struct PlannerInterface::Impl {
   OwnedProblem problem_of(const PlanRequest& request, const PlannerOptions& options,
                           const OnSolution& on_solution = {}) const {
     OwnedProblem owned{checkers.of_one(scene, request.robot), std::make_unique<const PlannerOptions>(options), {}};
-    owned.problem =
-        std::make_unique<const PlanProblem>(PlanProblem{scene,
-                                                        {robot_problem(request.robot, request.start, request.goals)},
-                                                        *owned.checkers,
-                                                        *owned.options,
-                                                        heuristics,
-                                                        on_solution});
+    RobotProblem robot = robot_problem(request.robot, request.start, request.goals);
+    robot.constraints = place_constraints(scene, request.robot, request.constraints);
+    owned.problem = std::make_unique<const PlanProblem>(
+        PlanProblem{scene, {std::move(robot)}, *owned.checkers, *owned.options, heuristics, on_solution});
     return owned;
   }
 

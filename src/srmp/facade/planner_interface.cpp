@@ -362,9 +362,15 @@ const PlannerOptions& PlannerInterface::planner_options(const std::vector<std::s
 
 Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, const std::vector<GoalConstraint>& goals,
                                   const Interrupt& interrupt, const OnSolution& on_solution) {
-  const PlannerOptions& options = planner_options({robot});
+  return plan(PlanRequest{robot, start, goals}, interrupt, on_solution);
+}
+
+Trajectory PlannerInterface::plan(const PlanRequest& wanted, const Interrupt& interrupt,
+                                  const OnSolution& on_solution) {
+  PlanRequest request = wanted;  // a copy: the caller's may be last_request
+  if (request.options) validate(*request.options);
+  const PlannerOptions options = request.options ? *request.options : planner_options({request.robot});
   const Deadline deadline(common_options(options).time_limit, interrupt);
-  const PlanRequest request{robot, start, goals};  // a copy: the caller's may be last_request
   impl_->require_problem(request, options);
   impl_->begin(request);
   try {

@@ -122,10 +122,26 @@ void describe(Archive& archive, Ref<Archive, GoalConstraint> goal) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, PathConstraint> constraint) {
+  archive("type", constraint.type);
+  archive("link", constraint.link);
+  archive("frame", constraint.frame);
+  archive("target", constraint.target);
+  archive("axis", constraint.axis);
+  archive("point", constraint.point);
+  archive("position_tolerance", constraint.position_tolerance.axes);
+  archive("rotation_tolerance", constraint.rotation_tolerance.axes);
+  archive("tolerance", constraint.tolerance);
+  archive("min_distance", constraint.min_distance);
+  archive("max_distance", constraint.max_distance);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, PlanRequest> request) {
   archive("robot", request.robot);
   archive("start", request.start);
   archive("goals", request.goals);
+  describe_list(archive, "constraints", request.constraints);
 }
 
 template <class Archive>

@@ -280,4 +280,14 @@ class JsonFile {
 inline const std::string problem_format = "srmp problem", scene_format = "srmp scene",
                          trajectory_format = "srmp trajectory";
 
+/// A list whose key is left out where it is empty: older files have none.
+template <class Archive, class List>
+void describe_list(Archive& archive, const char* key, List& list) {
+  if constexpr (Archive::reading) {
+    if (archive.has(key)) archive(key, list);
+  } else {
+    if (!list.empty()) archive(key, list);
+  }
+}
+
 }  // namespace srmp::io

@@ -45,6 +45,14 @@ void describe(Archive& archive, Ref<Archive, CartesianDeviation> deviation) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, ConstraintDeviation> kept) {
+  archive("constraint", kept.constraint);
+  archive("deviation", kept.deviation);
+  archive("tolerance", kept.tolerance);
+  archive("time", kept.time);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("faults", certificate.faults);
   archive("limits", certificate.limits);
@@ -63,6 +71,7 @@ void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("deviation", certificate.deviation);
   archive("deviation_time", certificate.deviation_time);
   archive("cartesian_deviation", certificate.cartesian_deviation);
+  describe_list(archive, "constraints", certificate.constraints);
   archive("goal_error", certificate.goal_error);
   archive("bound", certificate.bound);
   archive("bound_graph", certificate.bound_graph);

@@ -40,6 +40,7 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
       near_distance_(options.primitives.near_distance),
       connection_distance_(options.connection_distance),
       goal_connection_(std::move(options.goal_connection)),
+      projection_(std::move(options.projection)),
       validator_(std::move(validator)),
       table_(joints.size() + 1),
       scratch_key_(joints.size() + 1, 0),
@@ -51,7 +52,8 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
   for (const CoarseLevel& level : options.coarser) add_level(level.primitives, level.step);
   for (std::size_t i = 0; i < roots_.size(); ++i) {
     scratch_key_[0] = static_cast<std::int32_t>(i);
-    table_.insert(scratch_key_);
+    const search::StateId root = table_.insert(scratch_key_);
+    if (projection_.project) cells_.emplace(cell(), root);
   }
   scratch_key_[0] = target_root;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
@@ -214,6 +216,11 @@ void Lattice::add_moves(search::StateId state, const Family& family, std::vector
 
 void Lattice::add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out) {
   if (!apply(state, move)) return;
+  if (projection_.project) {
+    const search::StateId next = insert_projected(state);
+    if (next != state) out.push_back({next, std::max(min_cost, distance(q_, configuration(next)))});
+    return;
+  }
   const search::StateId next = table_.insert(scratch_key_);
   if (next != state) out.push_back({next, move.cost});
 }
@@ -233,10 +240,34 @@ void Lattice::add_moves_to_targets(search::StateId state, const Move& steps, std
       moving += step != 0;
     }
     if (moving < 3 || !apply(state, scratch_move_)) continue;
-    const search::StateId next = table_.insert(scratch_key_);
+    const search::StateId next = projection_.project ? insert_projected(state) : table_.insert(scratch_key_);
+    if (next == state) continue;
     if (std::none_of(out.begin() + first, out.end(), [&](const search::Successor& s) { return s.state == next; }))
-      out.push_back({next, move_cost(scratch_move_)});
+      out.push_back({next, projection_.project ? std::max(min_cost, distance(q_, configuration(next)))
+                                               : move_cost(scratch_move_)});
   }
+}
+
+search::StateId Lattice::insert_projected(search::StateId state) {
+  const Eigen::VectorXd& root = roots_[static_cast<std::size_t>(scratch_key_[0])];
+  Eigen::VectorXd q = root;
+  for (std::size_t j = 0; j < joints_.size(); ++j) q[static_cast<Eigen::Index>(j)] += scratch_key_[j + 1] * unit_[j];
+  if (!projection_.project(q)) return state;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {  // towards the root, which is within the limits
+    const auto i = static_cast<Eigen::Index>(j);
+    scratch_key_[j + 1] = static_cast<std::int32_t>(std::trunc(difference(j, root[i], q[i]) / unit_[j]));
+  }
+  const auto [entry, is_new] = cells_.try_emplace(cell(), state);
+  if (is_new) entry->second = table_.insert(scratch_key_);
+  return entry->second;
+}
+
+std::vector<std::int32_t> Lattice::cell() const {
+  std::vector<std::int32_t> key{scratch_key_[0]};
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    key.push_back(static_cast<std::int32_t>(
+        std::lround(scratch_key_[j + 1] * unit_[j] / projection_.cell[static_cast<Eigen::Index>(j)])));
+  return key;
 }
 
 void Lattice::successors(search::StateId state, std::vector<search::Successor>& out) {

@@ -54,12 +54,19 @@ class Lattice {
     Eigen::VectorXd step;  ///< (dof,) [rad or m], > 0
     PrimitiveSet primitives;
   };
+  /// Onto a surface on which all roots and targets are. Where a primitive ends, the configuration is moved there; of
+  /// those in one cell the first that is found stands for all. So there is no coarser level.
+  struct Projection {
+    std::function<bool(Eigen::VectorXd& q)> project{};  ///< false: there is none near; empty: nothing is projected
+    Eigen::VectorXd cell{};                             ///< (dof,) edge lengths of a cell [rad or m], > 0
+  };
   struct Options {
     PrimitiveSet primitives;
     double connection_distance{search::infinity};  ///< [rad], >= 0
     GoalConnection goal_connection{};              ///< may be empty
     std::vector<Eigen::VectorXd> waypoints{};      ///< free configurations that every state is connected with
     std::vector<CoarseLevel> coarser{};            ///< for searches at several resolutions, finer ones first
+    Projection projection{};                       ///< onto constraints
   };
 
   /// All roots and targets must be free configurations within limits. Batches of edges are distributed over `workers`.
@@ -123,6 +130,8 @@ class Lattice {
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
   void add_moves_to_targets(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
+  search::StateId insert_projected(search::StateId state);  // of scratch_key_; `state` when there is none
+  std::vector<std::int32_t> cell() const;                   // of scratch_key_
   double difference(std::size_t joint, double from, double to) const;
   double move_cost(const Move& move) const;
   bool near_an_end(const Eigen::VectorXd& q) const;
@@ -136,6 +145,8 @@ class Lattice {
   double near_distance_;
   double connection_distance_;
   GoalConnection goal_connection_;
+  Projection projection_;
+  std::map<std::vector<std::int32_t>, search::StateId> cells_;  // of a projection: who stands for each
   std::map<search::StateId, ConnectedGoal> connected_goals_;
   MotionValidator validator_;
   std::vector<Level> levels_;

@@ -9,6 +9,7 @@
 #include "srmp/planning/obstacles/timed_motion.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
+#include "srmp/trajectory/prove_constraints.hpp"
 
 namespace srmp {
 
@@ -35,6 +36,7 @@ class CertifiedTiming {
       world_->stop_at(until_);
     else
       checker(0).stop_at(until_, *(workspace_ = checker(0).make_workspace()));
+    if (problem.robots.front().constraints) constraints_.emplace(*problem.robots.front().constraints);
   }
 
   MultiTrajectory run() {
@@ -101,13 +103,13 @@ class CertifiedTiming {
         const PhaseTimer timer(until, statistics.timing_time_s);
         group.trajectories = in_time(group.path, deviation, until);
       }
-      if (!common_.certify) return;
+      if (!common_.certify && !constraints_) return;
       {
         const PhaseTimer timer(until, statistics.verification_time_s);
         group.certificates = joint_certificates(checkers(), motions_of(group), common_, until);
       }
       const bool proved = std::all_of(group.certificates.begin(), group.certificates.end(),
-                                      [](const Certificate& c) { return c.proved_free(); });
+                                      [](const Certificate& c) { return c.proved_free() && keeps_constraints(c); });
       if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
     }
   }
@@ -225,6 +227,7 @@ class CertifiedTiming {
 
   /// The straight motion of all robots of a path.
   bool is_motion_free(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    if (constraints_ && !constraints_->keeps(a, b, 1.0)) return false;
     if (!world_) return checker(0).is_motion_free(a, b, *workspace_);
     Eigen::Index first = 0;
     std::vector<Eigen::VectorXd> from, to;
@@ -288,7 +291,8 @@ class CertifiedTiming {
   const Deadline& deadline_;
   const Deadline until_;
   PlanStatistics& statistics_;
-  Checker::WorkspacePtr workspace_;  // of one robot
+  Checker::WorkspacePtr workspace_;               // of one robot
+  std::optional<ConstraintChecker> constraints_;  // of one robot
   std::vector<Group> groups_;
   bool merged_{false};
   std::map<std::pair<std::size_t, std::size_t>, MotionProof> proofs_;  // of robots of different groups, by index

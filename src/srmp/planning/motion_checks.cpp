@@ -5,13 +5,19 @@
 
 namespace srmp {
 
-MotionChecks::MotionChecks(const Checker& checker, const Deadline& deadline, std::size_t workers) : checker_(checker) {
-  for (std::size_t i = 0; i < workers; ++i) workers_.push_back({checker.make_workspace()});
+MotionChecks::MotionChecks(const Checker& checker, const Deadline& deadline, std::size_t workers,
+                           const PlacedConstraints* constraints)
+    : checker_(checker) {
+  for (std::size_t i = 0; i < workers; ++i) {
+    workers_.push_back({checker.make_workspace()});
+    if (constraints) workers_.back().constraints = std::make_unique<ConstraintChecker>(*constraints);
+  }
   for (const Worker& worker : workers_) checker.stop_at(deadline, *worker.workspace);
 }
 
 bool MotionChecks::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker) {
   Worker& w = workers_[worker];
+  if (w.constraints && !w.constraints->keeps(a, b, constraint_shares.motions)) return false;
   const CheckStatistics& checks = checker_.statistics(*w.workspace);
   const std::uint64_t by_spheres = checks.motions_by_spheres;
   try {

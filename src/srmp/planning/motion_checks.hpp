@@ -1,26 +1,40 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "srmp/collision/checker.hpp"
+#include "srmp/trajectory/placed_constraints.hpp"
 
 namespace srmp {
 
 struct PlanStatistics;
 
+/// How much of the tolerance of path constraints a search uses; the rest is for what comes after it.
+struct ConstraintShares {
+  double configurations{0.6};  ///< to which configurations are projected
+  double motions{0.85};        ///< that motions between them keep; the rounding of corners has the rest
+};
+inline constexpr ConstraintShares constraint_shares;
+
 /// The checks of one plan: scratch memory for each of its workers, and a count of the results. Throws
 /// MotionCheckStopped as Checker::stop_at says, unless there are several workers, which must not throw.
 class MotionChecks {
  public:
-  /// Checker and deadline outlive it.
-  MotionChecks(const Checker& checker, const Deadline& deadline, std::size_t workers);
+  /// Checker, deadline and constraints outlive it; null: there are no constraints.
+  MotionChecks(const Checker& checker, const Deadline& deadline, std::size_t workers,
+               const PlacedConstraints* constraints = nullptr);
 
   const Checker& checker() const { return checker_; }
   std::size_t workers() const { return workers_.size(); }
   Checker::Workspace& workspace(std::size_t worker = 0) { return *workers_[worker].workspace; }
 
-  /// `a` is known to be free.
+  /// Path constraints, for the calling thread alone; null: there are none.
+  ConstraintChecker* constraints() { return workers_.front().constraints.get(); }
+
+  /// `a` is known to be free. With path constraints: whether the motion is proved to keep them too, to the fraction
+  /// that searches may use.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
   /// Motions that the first worker checked.
   std::uint64_t motions() const { return checker_.statistics(*workers_.front().workspace).motions; }
@@ -32,6 +46,7 @@ class MotionChecks {
  private:
   struct Worker {
     Checker::WorkspacePtr workspace;
+    std::unique_ptr<ConstraintChecker> constraints{};
     std::uint64_t free{};  // motions
     std::uint64_t free_by_spheres{};
     bool stopped{};  // a check, by the deadline

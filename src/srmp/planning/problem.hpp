@@ -10,6 +10,7 @@
 #include "srmp/planning/statistics.hpp"
 #include "srmp/planning/user_heuristic.hpp"
 #include "srmp/scene/scene.hpp"
+#include "srmp/trajectory/placed_constraints.hpp"
 
 namespace srmp {
 
@@ -20,6 +21,7 @@ struct RobotProblem {
   std::vector<GoalConstraint> goals;  ///< any one of them; a single one of GoalType::any: every end will do
   MotionLimits limits;                ///< of the robot, not scaled by the options
   std::shared_ptr<const PlacedRobot> placed;
+  std::shared_ptr<const PlacedConstraints> constraints{};  ///< of its path; null: none
 
   bool may_end_anywhere() const { return goals.size() == 1 && goals.front().type == GoalType::any; }
 };

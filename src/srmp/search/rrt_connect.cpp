@@ -9,6 +9,10 @@ namespace srmp::search {
 
 namespace {
 
+// Of steps that are projected: how much nearer they have to come, and how long they have to be.
+constexpr double min_progress = 0.1;  // of their length
+constexpr double min_step = 0.05;     // of max_step
+
 /// The angle wrapped to [-pi, pi] [rad].
 double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle / (2.0 * M_PI)); }
 
@@ -100,7 +104,23 @@ bool RrtConnect::extend(Tree& tree, std::size_t from, const Eigen::VectorXd& tow
   if (length == 0.0) return false;
   const Eigen::VectorXd b = a + space_.max_step / length * motion;
   const Eigen::VectorXd& to = length > space_.max_step ? b : towards;
+  if (space_.project) return extend_projected(tree, from, to, towards);
   if (!space_.is_motion_free(a, to)) return false;
+  add(tree, to, from);
+  return true;
+}
+
+/// The same where the step is projected: it has to come nearer by a part of it.
+bool RrtConnect::extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards) {
+  const Eigen::VectorXd a = node(tree, from);
+  const double length = difference(a, towards).norm();
+  const bool arrives = length <= space_.max_step;
+  const bool on_surface = arrives && space_.is_motion_free(a, towards);  // nodes of the other tree are
+  if (!on_surface) {
+    if (!space_.project(to) || difference(to, towards).norm() > length - min_progress * difference(a, to).norm() ||
+        difference(a, to).norm() < min_step * space_.max_step || !space_.is_motion_free(a, to))
+      return false;
+  }
   add(tree, to, from);
   return true;
 }

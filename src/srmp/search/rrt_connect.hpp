@@ -30,6 +30,9 @@ struct RrtSpace {
   double max_step{1.0};                 ///< length of a motion, finite and > 0
   std::function<Eigen::VectorXd(RandomSequence&)> sample;
   std::function<bool(const Eigen::VectorXd& a, const Eigen::VectorXd& b)> is_motion_free;  ///< `a` is free
+  /// Moves a configuration onto the constraint's surface, or says false; empty: there is none. Every step of a tree is
+  /// projected (CBiRRT: Berenson et al. 2009, "Manipulation planning on constraint manifolds").
+  std::function<bool(Eigen::VectorXd&)> project{};
 };
 
 /// RRT-Connect (Kuffner, LaValle 2000, "RRT-Connect: An Efficient Approach to Single-Query Path Planning") with a fixed
@@ -60,6 +63,7 @@ class RrtConnect {
   Eigen::VectorXd difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   std::size_t nearest(const Tree& tree, const Eigen::VectorXd& q);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
+  bool extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards);
   bool connect(Tree& tree, const Eigen::VectorXd& q);
   std::optional<std::vector<Eigen::VectorXd>> straight_path() const;
   std::vector<Eigen::VectorXd> path() const;

@@ -59,6 +59,7 @@ std::string to_string(FaultKind kind) {
     case FaultKind::start: return "start";
     case FaultKind::goal: return "goal";
     case FaultKind::not_at_rest: return "not_at_rest";
+    case FaultKind::constraint: return "constraint";
   }
   return "unknown";
 }
@@ -79,6 +80,9 @@ std::string Certificate::report() const {
   if (cartesian_deviation)
     text += "poses followed " + number(cartesian_deviation->position, 1e3) + " mm, " +
             number(cartesian_deviation->rotation, 180.0 / M_PI) + " degrees away at most\n";
+  for (const ConstraintDeviation& kept : constraints)
+    text += "constraint     " + kept.constraint + ": " + number(kept.deviation / kept.tolerance, 100.0) +
+            " % of the tolerance at most\n";
   return text;
 }
 

@@ -43,6 +43,13 @@ BOOST_AUTO_TEST_CASE(the_path_is_the_same_every_time) {
   BOOST_TEST((waypoints() == waypoints()));
 }
 
+BOOST_AUTO_TEST_CASE(a_start_that_is_the_goal_is_a_path) {
+  PlannerInterface planner = planar_beside_post();
+  const srmp::Trajectory trajectory = planner.plan("planar", below, srmp::GoalConstraint::joints(below));
+  BOOST_TEST((trajectory.positions.bottomRows(1).transpose() == below));
+  BOOST_TEST(planner.get_planning_stats().path_cost_rad == 0.0);
+}
+
 BOOST_AUTO_TEST_CASE(it_never_proves_that_there_is_no_path_but_stops_at_the_time_limit) {
   PlannerInterface planner = planar_beside_post(0.05);
   planner.add_box("wall", {0.1, 4.0, 1.0}, {.p = {-0.7, 0.0, 0.0}});

@@ -4,6 +4,7 @@
 #include "srmp/planning/certificates/verify.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/prove_collision_free.hpp"
+#include "srmp/trajectory/prove_constraints.hpp"
 
 namespace srmp {
 
@@ -28,6 +29,7 @@ Certificate certify_alone(const Checker& checker, const RobotMotion& robot, cons
                                            : certify(with_times(motion), checker, limits, certify_options);
   if (!robot.task->may_end_anywhere())
     certificate.goal_error = goal_error(robot.task->goals, checker, motion.positions.bottomRows(1).transpose()).error;
+  if (robot.task->constraints) add_constraints(certificate, with_times(motion), *robot.task->constraints, until);
   return certificate;
 }
 

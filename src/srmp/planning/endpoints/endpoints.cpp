@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "srmp/core/error.hpp"
+#include "srmp/planning/constraints/constrained_inverse_kinematics.hpp"
 #include "srmp/planning/endpoints/ik_goal_connection.hpp"
 #include "srmp/planning/endpoints/start_recovery.hpp"
 #include "srmp/planning/phase_timer.hpp"
@@ -35,9 +36,12 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints) {
   endpoints.start = context.robot.clamped(task.start, limit_tolerance);
   if (endpoints.start != task.start)
     context.statistics.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
+  const std::string broken =
+      context.checks.constraints() ? context.checks.constraints()->violation(endpoints.start) : "";
+  if (!broken.empty()) throw PlanningError(Status::start_invalid, "the start is invalid: " + broken);
   const std::string why = invalidity(context.checks.checker(), endpoints.start, context.checks.workspace());
   if (why.empty()) return;
-  if (!context.common.recover_start || context.robot.limit_violation(endpoints.start))
+  if (!context.common.recover_start || context.task.constraints || context.robot.limit_violation(endpoints.start))
     throw PlanningError(Status::start_invalid, "the start is invalid: " + why);
   recover_start(context, endpoints, why);
 }
@@ -50,6 +54,10 @@ std::vector<Eigen::VectorXd> configurations(const RobotContext& context, const E
   if (goal.type == GoalType::joints) return {robot.clamped(target, limit_tolerance)};
   auto [in_base, options] = ik_goal(goal, target, *context.task.placed);
   options.max_solutions = context.common.ik_solutions;
+  if (context.task.constraints) {  // before those that the constraints may refuse
+    auto kept = constrained_inverse_kinematics(*context.task.constraints, in_base, start, options, context.deadline);
+    if (!kept.empty()) return kept;
+  }
   auto found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
   if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
     options.position_tolerance = goal.position_tolerance;
@@ -71,7 +79,8 @@ void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
       for (Eigen::VectorXd& q : configurations(context, endpoints.start, goal, target, why)) {
-        const std::string invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
+        std::string invalid = context.checks.constraints() ? context.checks.constraints()->violation(q) : "";
+        if (invalid.empty()) invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
         if (invalid.empty()) {
           endpoints.targets.push_back(std::move(q));
           endpoints.goal_indices.push_back(index);

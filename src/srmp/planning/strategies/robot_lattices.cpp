@@ -29,6 +29,7 @@ Lattice RobotLattices::lattice(bool backward, double scale) {
 
 Lattice RobotLattices::multi_resolution(bool backward) {
   if (own_primitives()) return make(backward, read_primitives());
+  if (context_.task.constraints) return lattice(backward, finest_scale);
   const std::vector<Joint>& joints = context_.robot.joints();
   PrimitiveSet finest = rich_primitives(joints, step(finest_scale), pairs());
   const Eigen::VectorXd whole = finest.families.front().moves.front();  // on the grid, all joints at once
@@ -44,7 +45,8 @@ Lattice RobotLattices::multi_resolution(bool backward) {
 std::string RobotLattices::describe(bool backward, double scale) const {
   const std::string end = backward ? "the goals" : "the start";
   if (own_primitives()) return "the lattice of '" + context_.common.mprim_path + "' from " + end;
-  return "the lattice of " + to_text(resolution(scale)) + " degrees from " + end;
+  return "the lattice of " + to_text(resolution(scale)) + " degrees" +
+         (context_.task.constraints ? ", projected onto the constraints, from " : " from ") + end;
 }
 
 FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& lattice, bool backward,
@@ -89,11 +91,20 @@ Lattice RobotLattices::make(bool backward, PrimitiveSet primitives, std::vector<
       context_.robot, std::move(roots), std::move(goals),
       {.primitives = std::move(primitives),
        .goal_connection = backward ? GoalConnection{} : goal_connection_,
-       .coarser = std::move(coarser)},
+       .coarser = std::move(coarser),
+       .projection = projection()},
       [&checks = context_.checks](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return checks.is_motion_free(a, b, worker);
       },
       context_.checks.workers());
+}
+
+/// Cells have half the size of steps, however coarse the lattice: what is projected lies between its states.
+Lattice::Projection RobotLattices::projection() const {
+  ConstraintChecker* constraints = context_.checks.constraints();
+  if (!constraints) return {};
+  return {[constraints](Eigen::VectorXd& q) { return constraints->project(q, constraint_shares.configurations); },
+          0.5 * step()};
 }
 
 PrimitiveSet RobotLattices::read_primitives() const {

@@ -47,6 +47,7 @@ class RobotLattices : public LatticeFamily {
 
  private:
   Lattice make(bool backward, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
+  Lattice::Projection projection() const;
   PrimitiveSet read_primitives() const;
   const std::vector<JointPair>& pairs();
   Eigen::VectorXd step(double scale = 1.0) const;

@@ -1,6 +1,7 @@
 #include "srmp/planning/strategies/strategy.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/stopping.hpp"
@@ -12,7 +13,8 @@ FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double w
     bool some_can_exhaust = false, all_exhausted = true;
     Attempt exhausted, unfinished;  // the last of either that says why there is no path
     for (const auto& strategy : strategies) {
-      Attempt attempt = strategy->attempt({round, weight * lower}, deadline);
+      const double max_cost = std::isinf(weight) ? weight : weight * lower;  // infinity * 0 is NaN
+      Attempt attempt = strategy->attempt({round, max_cost}, deadline);
       lower = std::max(lower, attempt.lower);
       if (attempt.status == Status::solved) {
         attempt.found.lower = std::max(attempt.found.lower, lower);
