@@ -9,7 +9,7 @@ namespace srmp {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// A frame whose z axis has the direction.
 Eigen::Quaterniond along(const Eigen::Vector3d& direction) {
@@ -109,10 +109,10 @@ void PathConstraint::validate() const {
   const bool all_rotations_free = rotation_tolerance.axes.array().isInf().all();
   switch (type) {
     case PathConstraintType::cone: return require_above_zero("the tolerance of a cone [rad]", tolerance, M_PI);
-    case PathConstraintType::plane: return require_above_zero("the tolerance of a plane [m]", tolerance, infinity);
-    case PathConstraintType::line: return require_above_zero("the tolerance of a line [m]", tolerance, infinity);
+    case PathConstraintType::plane: return require_above_zero("the tolerance of a plane [m]", tolerance, unbounded);
+    case PathConstraintType::line: return require_above_zero("the tolerance of a line [m]", tolerance, unbounded);
     case PathConstraintType::distance:
-      if (min_distance >= 0.0 && max_distance > min_distance && max_distance < infinity) return;
+      if (min_distance >= 0.0 && max_distance > min_distance && max_distance < unbounded) return;
       throw InvalidArgument("a distance is to stay between " + to_text(min_distance) + " m and " +
                             to_text(max_distance) + " m; the first must be 0 or above, the second above it and finite");
     case PathConstraintType::box: position_tolerance.validate("half the size of a box"); break;

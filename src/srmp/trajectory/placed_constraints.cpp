@@ -10,11 +10,11 @@ namespace srmp {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double fineness = 0.02;   // of the tolerance: how much a certificate may add to what it samples
-constexpr double smallest = 1e-7;   // of the tolerance: parts that change it by less are not halved
-constexpr int max_iterations = 25;  // of a projection
-constexpr double max_change = 0.4;  // [rad or m] of a joint in one of them
+constexpr double no_bound = std::numeric_limits<double>::infinity();
+constexpr double certificate_fineness = 0.02;  // of the tolerance: how much a certificate may add to what it samples
+constexpr double smallest = 1e-7;              // of the tolerance: parts that change it by less are not halved
+constexpr int max_iterations = 25;             // of a projection
+constexpr double max_change = 0.4;             // [rad or m] of a joint in one of them
 /// Of a rotation vector's component by the rotation: sin(pi/2) / (pi/2), inverted, at half a turn.
 constexpr double rotation_vector_rate = M_PI / 2.0;
 
@@ -93,17 +93,17 @@ const Row& worst_row(const std::vector<Row>& rows) {
 /// The smallest position and rotation by which a constraint could go from 0 to its whole tolerance.
 std::pair<double, double> scales(const PathConstraint& c) {
   switch (c.type) {
-    case PathConstraintType::cone: return {infinity, c.tolerance};
+    case PathConstraintType::cone: return {no_bound, c.tolerance};
     case PathConstraintType::line:
-    case PathConstraintType::plane: return {c.tolerance, infinity};
-    case PathConstraintType::distance: return {0.5 * (c.max_distance - c.min_distance), infinity};
-    case PathConstraintType::box: return {c.position_tolerance.axes.minCoeff(), infinity};
+    case PathConstraintType::plane: return {c.tolerance, no_bound};
+    case PathConstraintType::distance: return {0.5 * (c.max_distance - c.min_distance), no_bound};
+    case PathConstraintType::box: return {c.position_tolerance.axes.minCoeff(), no_bound};
     case PathConstraintType::orientation:
-      return {infinity, c.rotation_tolerance.axes.minCoeff() / rotation_vector_rate};
+      return {no_bound, c.rotation_tolerance.axes.minCoeff() / rotation_vector_rate};
     case PathConstraintType::pose:
       return {c.position_tolerance.axes.minCoeff(), c.rotation_tolerance.axes.minCoeff() / rotation_vector_rate};
   }
-  return {infinity, infinity};
+  return {no_bound, no_bound};
 }
 
 /// Deviations are fractions of the tolerance of their axis; as lengths or angles they are of this one.
@@ -167,7 +167,7 @@ Eigen::VectorXd PlacedConstraints::rate(const PlacedConstraint& constraint) cons
 
 /// A link that turns by t on the way leaves the chord by about t^2 / 8, and moves a point 1 m away by as much.
 double PlacedConstraints::step() const {
-  double least = infinity;
+  double least = no_bound;
   for (const PlacedConstraint& constraint : constraints_) {
     const auto [position, rotation] = scales(constraint.constraint);
     least = std::min({least, position, rotation});
@@ -277,9 +277,9 @@ void ConstraintChecker::add_part(std::span<const detail::Cubic> joints, const Sa
   for (std::size_t i = 0; i < worst.size(); ++i) {
     const double changes = constraints_.rates()[i].dot(change_);
     most[i] = 0.5 * (from.deviations[i] + to.deviations[i] + changes);
-    const bool broken = std::max(from.deviations[i], to.deviations[i]) > 1.0 + fineness;
+    const bool broken = std::max(from.deviations[i], to.deviations[i]) > 1.0 + certificate_fineness;
     enough &= most[i] * worst[i].tolerance <= worst[i].deviation || changes <= smallest ||
-              (changes <= fineness && (most[i] <= 1.0 || broken));
+              (changes <= certificate_fineness && (most[i] <= 1.0 || broken));
   }
   if (enough || time <= smallest) {
     for (std::size_t i = 0; i < worst.size(); ++i)
