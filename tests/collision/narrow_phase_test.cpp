@@ -1,5 +1,8 @@
 #include "srmp/collision/narrow_phase.hpp"
 
+#include <coal/narrowphase/support_functions.h>
+#include <coal/shape/geometric_shapes.h>
+
 #include <boost/test/unit_test.hpp>
 
 #include "collision/worlds.hpp"
@@ -158,4 +161,14 @@ BOOST_AUTO_TEST_CASE(a_query_does_not_remember_the_one_before) {
         BOOST_TEST(one == other, a.name << ' ' << b.name);  // to the last bit
       }
     }
+}
+
+/// Coal remembers for the whole process what its first question about a box was (see ask_for_first_support): another
+/// one here, which is asked later than the library's, must have no effect.
+BOOST_AUTO_TEST_CASE(distances_of_boxes_do_not_depend_on_what_the_process_asked_before) {
+  const coal::Box box(2.0, 3.0, 4.0);
+  int hint = 0;
+  coal::details::getSupport(&box, Eigen::Vector3d::UnitX(), hint);
+  const Eigen::Vector3d corner = coal::details::getSupport(&box, -Eigen::Vector3d::Ones(), hint);
+  BOOST_TEST((corner == Eigen::Vector3d(-1.0, -1.5, -2.0)));
 }

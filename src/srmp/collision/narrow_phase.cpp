@@ -4,10 +4,12 @@
 #include <coal/distance.h>
 #include <coal/narrowphase/gjk.h>
 #include <coal/narrowphase/minkowski_difference.h>
+#include <coal/narrowphase/support_functions.h>
 #include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace srmp::detail {
@@ -35,6 +37,19 @@ struct Functor : coal::ComputeCollision {
     o2 = b;
   }
 };
+
+/// Coal's support functions of boxes keep a factor for the whole process, which is 1 + 1e-10 if a coordinate of the
+/// first direction that they are ever asked for is 0, else 1. It is 1 when they are first asked here, as the library is
+/// loaded; otherwise distances would depend, in their last digits, on what the process did before.
+template <int swept_sphere>
+Eigen::Vector3d ask_for_first_support() {
+  const coal::Box box(1.0, 1.0, 1.0);
+  int hint = 0;
+  return coal::details::getSupport<swept_sphere>(&box, Eigen::Vector3d::Ones(), hint);
+}
+[[maybe_unused]] const std::array first_supports{
+    ask_for_first_support<coal::details::SupportOptions::NoSweptSphere>(),
+    ask_for_first_support<coal::details::SupportOptions::WithSweptSphere>()};
 
 /// The first direction for GJK, in the frame of a.
 Eigen::Vector3d first_guess(const Placed& a, const Placed& b) {
