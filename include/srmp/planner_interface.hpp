@@ -285,6 +285,11 @@ class PlannerInterface {
   /// (CBiRRT: Berenson et al. 2009; lattices likewise). Throws InvalidArgument also for constraints that
   /// PathConstraint::validate refuses, links and frames that do not exist (with the nearest name) and constraints that
   /// no planned joint can change.
+  ///
+  /// A request with a start_velocity begins in motion, straight ahead until the robot could stop; from there the path
+  /// is searched, and where the two meet the corner is rounded as others are. The statistics' costs are without that
+  /// lead. Where the robot cannot stop straight ahead, the status is start_invalid, with what is in the way. Throws
+  /// InvalidArgument for velocities and accelerations above their limits, and for the timing `none`.
   Trajectory plan(const PlanRequest& request, const Interrupt& interrupt = {}, const OnSolution& on_solution = {});
   /// A timed, collision-free trajectory on which a link (CartesianOptions: default the end effector) moves in a
   /// straight line from where it is at `start` (dof,) [rad or m] to `goal`, a pose in the world frame, turning evenly
@@ -306,6 +311,25 @@ class PlannerInterface {
   /// 0 and at most 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
   Trajectory follow(const std::string& robot, ConstVector start, const std::vector<Pose>& poses,
                     const CartesianOptions& options = {}, const Interrupt& interrupt = {});
+  /// The fastest certified stop on the path of a motion, from the instant t [s] of it on: the robot brakes as hard as
+  /// the velocity and acceleration limits allow at every instant, and stops at the earliest place of the path where it
+  /// can. With the timing `ruckig` the jerk limits are kept too; the path must be straight there, as such motions are.
+  /// Times begin at 0, with the position, velocity and, with `ruckig`, acceleration of the motion at t. Timing, limits
+  /// and time limit are those of make_planner. Throws PlanningError, exhausted, when the stop touches what is in the
+  /// scene now; and InvalidArgument for an unknown robot, other joints, a motion without times or velocities, one that
+  /// ends in motion before the robot can stop, and a t outside it.
+  Trajectory stop(const std::string& robot, const Trajectory& motion, double t, const Interrupt& interrupt = {}) const;
+  Trajectory stop(const Trajectory& motion, double t, const Interrupt& interrupt = {}) const;
+  /// A new motion to another goal that leaves a motion at its instant t [s] without a stop: it begins with the
+  /// position, velocity and, with the timing `ruckig`, acceleration that the motion has there, at time 0, as a plan
+  /// with PlanRequest::start_velocity does. Where the robot could not stop straight ahead, because something is in the
+  /// way, the motion is left at its next row at which it can. The request's start, start_velocity and
+  /// start_acceleration are not used. Path constraints hold from t on, and the motion must be left there. Throws as
+  /// plan, and InvalidArgument for other joints, a motion without times or velocities, and a t outside it.
+  Trajectory replan(const Trajectory& motion, double t, PlanRequest request, const Interrupt& interrupt = {});
+  Trajectory replan(const std::string& robot, const Trajectory& motion, double t, const Goal& goal,
+                    const Interrupt& interrupt = {});
+  Trajectory replan(const Trajectory& motion, double t, const Goal& goal, const Interrupt& interrupt = {});
   /// Called by plan_many in the caller's thread, with the number of requests done and of all.
   using Progress = PlanProgress;
 

@@ -42,6 +42,11 @@ struct ArrayLike {
   RowMatrix rows(const std::string& what, Eigen::Index columns) const;
 };
 
+/// The numbers; none for None.
+inline Eigen::VectorXd vector_or_none(const std::optional<ArrayLike>& numbers, const std::string& what) {
+  return numbers ? numbers->vector(what) : Eigen::VectorXd();
+}
+
 /// What Python would print of a value, on one line of a sentence.
 std::string brief(nb::handle value);
 

@@ -14,14 +14,11 @@ TimingMethod to_method(const std::string& method) {
                         did_you_mean(method, known));
 }
 
-Eigen::VectorXd vector_or_none(const std::optional<ArrayLike>& value, const std::string& what) {
-  return value ? value->vector(what) : Eigen::VectorXd();
-}
-
 Trajectory in_time(const ArrayLike& waypoints, nb::handle joint_names, const MotionLimits& limits,
                    const std::string& method, double sample_period, double blend_deviation,
                    const std::optional<ArrayLike>& reach, const std::optional<nb::callable>& is_free,
-                   const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& end_velocity) {
+                   const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& end_velocity,
+                   const std::optional<ArrayLike>& start_acceleration) {
   const std::vector<std::string> names = to_names(joint_names);
   const RowMatrix rows = waypoints.rows("waypoints", static_cast<Eigen::Index>(names.size()));
   TimingOptions options{.method = to_method(method),
@@ -29,7 +26,8 @@ Trajectory in_time(const ArrayLike& waypoints, nb::handle joint_names, const Mot
                         .blend_deviation = blend_deviation,
                         .reach = vector_or_none(reach, "reach"),
                         .start_velocity = vector_or_none(start_velocity, "start_velocity"),
-                        .end_velocity = vector_or_none(end_velocity, "end_velocity")};
+                        .end_velocity = vector_or_none(end_velocity, "end_velocity"),
+                        .start_acceleration = vector_or_none(start_acceleration, "start_acceleration")};
   if (is_free)
     options.is_free = [&is_free](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
       const nb::gil_scoped_acquire gil;
@@ -46,14 +44,15 @@ void bind_parameterize(nb::module_& m) {
       "time_parameterize", &in_time, nb::arg("waypoints"), nb::arg("joint_names"), nb::arg("limits"),
       nb::arg("method") = "toppra", nb::arg("sample_period") = 0.02, nb::arg("blend_deviation") = 0.005,
       nb::arg("reach") = nb::none(), nb::arg("is_free") = nb::none(), nb::arg("start_velocity") = nb::none(),
-      nb::arg("end_velocity") = nb::none(),
+      nb::arg("end_velocity") = nb::none(), nb::arg("start_acceleration") = nb::none(),
       nb::sig("def time_parameterize(waypoints: numpy.typing.ArrayLike, joint_names: collections.abc.Sequence[str], "
               "limits: MotionLimits, method: str = 'toppra', sample_period: float = 0.02, "
               "blend_deviation: float = 0.005, reach: numpy.typing.ArrayLike | None = None, "
               "is_free: collections.abc.Callable[[numpy.typing.NDArray[numpy.float64], "
               "numpy.typing.NDArray[numpy.float64]], bool] | None = None, "
               "start_velocity: numpy.typing.ArrayLike | None = None, "
-              "end_velocity: numpy.typing.ArrayLike | None = None) -> Trajectory"),
+              "end_velocity: numpy.typing.ArrayLike | None = None, "
+              "start_acceleration: numpy.typing.ArrayLike | None = None) -> Trajectory"),
       "A path in time: the straight lines between waypoints (m, dof) [rad or m] as fast as the limits allow, at every "
       "instant.\n\n"
       "method: 'toppra' rounds the corners and keeps velocities and accelerations (Pham, Pham 2018); 'ruckig' stops at "
@@ -69,7 +68,8 @@ void bind_parameterize(nb::module_& m) {
       "straight motion from a (dof,) to b free? Called for the chords of rounded corners, which shrink until it says "
       "yes; "
       "default: all is.\n"
-      "start_velocity, end_velocity (dof,) [rad/s or m/s]: along the first and last segment; default: at rest.\n\n"
+      "start_velocity, end_velocity (dof,) [rad/s or m/s]: along the first and last segment; default: at rest.\n"
+      "start_acceleration (dof,) [rad/s^2 or m/s^2]: along the first segment, for 'ruckig'; default: 0.\n\n"
       "First and last row are the first and last waypoint, bit for bit. Raises InvalidArgument for no waypoints, NaN, "
       "wrong sizes,\n"
       "limits and options out of range, continuous joints that do not go the short way, and end velocities that "

@@ -94,35 +94,47 @@ nb::dict to_dict(const PlanStatistics& statistics) {
 
 namespace {
 
+std::vector<double> to_list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
+
+Eigen::VectorXd to_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
 void bind_plan_request(nb::module_& m) {
   nb::class_<PlanRequest> request(m, "PlanRequest", "A request to PlannerInterface.plan or plan_many.");
   request
       .def(
           "__init__",
           [](PlanRequest* self, const std::string& robot, const ArrayLike& start, nb::handle goals, nb::handle options,
-             const std::vector<PathConstraint>& constraints) {
+             const std::vector<PathConstraint>& constraints, const std::optional<ArrayLike>& start_velocity,
+             const std::optional<ArrayLike>& start_acceleration) {
             PlanRequest request{.robot = robot,
                                 .start = start.vector("start of '" + robot + "'"),
                                 .goals = {},
                                 .options = {},
-                                .constraints = constraints};
+                                .constraints = constraints,
+                                .start_velocity = vector_or_none(start_velocity, "start_velocity"),
+                                .start_acceleration = vector_or_none(start_acceleration, "start_acceleration")};
             for (const Goal& goal : to_goals(goals)) request.goals.push_back(constraint_without_scene(robot, goal));
             if (!options.is_none()) request.options = parse_options(to_option_map(options));
             new (self) PlanRequest(std::move(request));
           },
           nb::arg("robot"), nb::arg("start"), nb::arg("goals"), nb::arg("options") = nb::none(),
-          nb::arg("constraints") = std::vector<PathConstraint>(),
+          nb::arg("constraints") = std::vector<PathConstraint>(), nb::arg("start_velocity") = nb::none(),
+          nb::arg("start_acceleration") = nb::none(),
           nb::sig("def __init__(self, robot: str, start: numpy.typing.ArrayLike, "
                   "goals: GoalConstraint | Pose | numpy.typing.ArrayLike | "
                   "collections.abc.Sequence[GoalConstraint | Pose], "
                   "options: dict | object | None = None, "
-                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> None"),
+                  "constraints: collections.abc.Sequence[PathConstraint] = (), "
+                  "start_velocity: numpy.typing.ArrayLike | None = None, "
+                  "start_acceleration: numpy.typing.ArrayLike | None = None) -> None"),
           R"(A request for a plan of one robot.
 
 robot: its name. start: (dof,) [rad or m]. goals: one, or several of which any one is enough: a GoalConstraint, a Pose
 or a configuration (PlannerInterface.goal makes a GoalConstraint of names of joints and states). options: a planner of
 its own, as for make_planner (default: that of make_planner, or `auto`). constraints: PathConstraints that hold at
-every instant of the motion.
+every instant of the motion. start_velocity, start_acceleration: (dof,) of a start in motion, as for plan.
 
 Raises InvalidArgument for what is not numbers, goals or planner options.)")
       .def_ro("robot", &PlanRequest::robot, "Name of the robot that is planned.")
@@ -132,6 +144,12 @@ Raises InvalidArgument for what is not numbers, goals or planner options.)")
       .def_prop_ro("options", &own_options, nb::sig("def options(self) -> dict[str, typing.Any] | None"),
                    "Options of its own planner, as srmp.planner_options gives them; None: those of make_planner.")
       .def_ro("constraints", &PlanRequest::constraints, "PathConstraints that hold at every instant of the motion.")
+      .def_prop_ro(
+          "start_velocity", [](const PlanRequest& r) { return to_numpy(r.start_velocity); },
+          "The velocity at the start (dof,) [rad/s or m/s]; empty: at rest.")
+      .def_prop_ro(
+          "start_acceleration", [](const PlanRequest& r) { return to_numpy(r.start_acceleration); },
+          "The acceleration at the start (dof,) [rad/s^2 or m/s^2]; empty: 0.")
       .def("__repr__", [](const PlanRequest& r) {
         return "PlanRequest('" + r.robot + "', " + std::to_string(r.goals.size()) +
                (r.goals.size() == 1 ? " goal)" : " goals)");
@@ -141,7 +159,7 @@ Raises InvalidArgument for what is not numbers, goals or planner options.)")
       request,
       [](const PlanRequest& r) {
         return nb::make_tuple(r.robot, std::vector<double>(r.start.begin(), r.start.end()), r.goals, own_options(r),
-                              r.constraints);
+                              r.constraints, to_list(r.start_velocity), to_list(r.start_acceleration));
       },
       [](const State& state) {
         const ArrayLike start{nb::borrow<nb::object>(state[1])};
@@ -149,6 +167,8 @@ Raises InvalidArgument for what is not numbers, goals or planner options.)")
                       nb::cast<std::vector<GoalConstraint>>(state[2])};
         if (!state[3].is_none()) r.options = parse_options(to_option_map(state[3]));
         r.constraints = nb::cast<std::vector<PathConstraint>>(state[4]);
+        r.start_velocity = to_vector(nb::cast<std::vector<double>>(state[5]));
+        r.start_acceleration = to_vector(nb::cast<std::vector<double>>(state[6]));
         return r;
       });
 }

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "planner_interface.hpp"
 
 namespace srmp::python {
@@ -5,6 +7,10 @@ namespace srmp::python {
 namespace {
 
 using Self = PyPlannerInterface;
+
+#define SRMP_START_IN_MOTION                               \
+  "start_velocity: numpy.typing.ArrayLike | None = None, " \
+  "start_acceleration: numpy.typing.ArrayLike | None = None"
 
 /// Called while planning without the GIL; true after Ctrl-C.
 bool python_interrupted() {
@@ -83,22 +89,77 @@ recover_start: the path is not free before). It must not use this planner; what 
 constraints: PathConstraints that hold at every instant of the motion, proved; Certificate.constraints has the proved
 values. Configurations of the search are projected onto them (CBiRRT: Berenson et al. 2009; lattices likewise).
 
+start_velocity: (dof,) [rad/s or m/s] with which the motion begins, straight ahead until it could stop; from there the
+path is searched, and where the two meet the corner is rounded as others are. start_acceleration: (dof,) [rad/s^2 or
+m/s^2] in its direction, for the timing `ruckig`, which limits the jerk. start_invalid when the robot cannot stop
+straight ahead, with what is in the way.
+
 Raises PlanningError when there is none: its status is timed_out, exhausted, start_invalid, goal_invalid or
 cancelled, its text says why, its statistics are those of get_planning_stats. Raises InvalidArgument for an invalid
 request: unknown robot, joint, state, link or frame, wrong size, NaN, a constraint that no planned joint changes.)";
 
 /// The trajectory of one robot to any one of the goals.
 Trajectory plan(PyPlannerInterface& self, const std::optional<std::string>& robot, const ArrayLike& start,
-                nb::handle goal, const nb::object& on_solution, const std::vector<PathConstraint>& constraints) {
+                nb::handle goal, const nb::object& on_solution, const std::vector<PathConstraint>& constraints,
+                const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& start_acceleration) {
   const OnSolution report = to_on_solution(on_solution);
   const std::vector<Goal> forms = to_goals(goal);
   return self.use([&](PlannerInterface& p) {
     const std::string name = robot ? *robot : p.only_robot();
     const Eigen::VectorXd q = start.vector("start of '" + name + "'");
-    PlanRequest request{.robot = name, .start = q, .goals = {}, .options = {}, .constraints = constraints};
+    PlanRequest request{
+        .robot = name,
+        .start = q,
+        .goals = {},
+        .options = {},
+        .constraints = constraints,
+        .start_velocity = vector_or_none(start_velocity, "start_velocity of '" + name + "'"),
+        .start_acceleration = vector_or_none(start_acceleration, "start_acceleration of '" + name + "'")};
     for (const Goal& form : forms) request.goals.push_back(p.goal(name, form, q));
     const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
     return run_plan(p, [&] { return p.plan(request, interrupted, report); });
+  });
+}
+
+constexpr const char* stop_doc =
+    R"(The fastest certified stop on the path of a motion of the robot, from the instant t [s] of it on: it brakes as hard as
+the velocity and acceleration limits allow at every instant, and stops at the earliest place of the path where it can.
+With the timing `ruckig` the jerk limits are kept too; the path must be straight there, as such motions are. Times begin
+at 0, with the position, velocity and, with `ruckig`, acceleration of the motion at t. The name may be left out where
+there is one robot. Timing, limits and time limit are those of make_planner. The GIL is released.
+
+Raises PlanningError, exhausted, when the stop touches what is in the scene now; and InvalidArgument for an unknown
+robot, other joints, a motion without times or velocities, one that ends in motion before the robot can stop, and a t
+outside it.)";
+
+constexpr const char* replan_doc =
+    R"(A new motion to another goal (as for plan) that leaves a motion at its instant t [s] without a stop: it begins, at time
+0, with the position, velocity and, with the timing `ruckig`, acceleration that the motion has there, as plan does with
+start_velocity. Where the robot could not stop straight ahead, because something is in the way, the motion is left at
+its next row at which it can. Path constraints hold from t on, and the motion must be left there. The name may be left
+out where there is one robot. The GIL is released; Ctrl-C stops the plan.
+
+Raises as plan, and InvalidArgument for other joints, a motion without times or velocities, and a t outside it.)";
+
+Trajectory stop(PyPlannerInterface& self, const std::optional<std::string>& robot, const Trajectory& trajectory,
+                double t) {
+  return self.use([&](const PlannerInterface& p) {
+    const std::string name = robot ? *robot : p.only_robot();
+    return run_plan(p, [&] { return p.stop(name, trajectory, t, python_interrupted); });
+  });
+}
+
+Trajectory replan(PyPlannerInterface& self, const std::optional<std::string>& robot, const Trajectory& trajectory,
+                  double t, nb::handle goal, const std::vector<PathConstraint>& constraints) {
+  const std::vector<Goal> forms = to_goals(goal);
+  return self.use([&](PlannerInterface& p) {
+    PlanRequest request{
+        .robot = robot ? *robot : p.only_robot(), .start = {}, .goals = {}, .options = {}, .constraints = constraints};
+    const std::optional<Eigen::VectorXd> here =
+        trajectory.timed() && std::isfinite(t) ? std::optional(trajectory.sample(t)) : std::nullopt;
+    for (const Goal& form : forms) request.goals.push_back(p.goal(request.robot, form, here));
+    const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+    return run_plan(p, [&] { return p.replan(trajectory, t, request, interrupted); });
   });
 }
 
@@ -211,30 +272,69 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
       .def(
           "plan",
           [](Self& self, nb::handle robot, const ArrayLike& start, nb::handle goal, const nb::object& on_solution,
-             const std::vector<PathConstraint>& constraints) {
-            return plan(self, only_robot(robot), start, goal, on_solution, constraints);
+             const std::vector<PathConstraint>& constraints, const std::optional<ArrayLike>& start_velocity,
+             const std::optional<ArrayLike>& start_acceleration) {
+            return plan(self, only_robot(robot), start, goal, on_solution, constraints, start_velocity,
+                        start_acceleration);
           },
           nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::arg("on_solution") = nb::none(), nb::kw_only(),
-          nb::arg("constraints") = std::vector<PathConstraint>(),
+          nb::arg("constraints") = std::vector<PathConstraint>(), nb::arg("start_velocity") = nb::none(),
+          nb::arg("start_acceleration") = nb::none(),
           nb::sig("def plan(self, name: str | collections.abc.Sequence[str], start: numpy.typing.ArrayLike, "
                   "goal: " SRMP_GOALS ", "
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
                   "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None, *, "
-                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> Trajectory"),
+                  "constraints: collections.abc.Sequence[PathConstraint] = (), " SRMP_START_IN_MOTION
+                  ") -> Trajectory"),
           plan_doc)
       .def(
           "plan",
           [](Self& self, const ArrayLike& start, nb::handle goal, const nb::object& on_solution,
-             const std::vector<PathConstraint>& constraints) {
-            return plan(self, std::nullopt, start, goal, on_solution, constraints);
+             const std::vector<PathConstraint>& constraints, const std::optional<ArrayLike>& start_velocity,
+             const std::optional<ArrayLike>& start_acceleration) {
+            return plan(self, std::nullopt, start, goal, on_solution, constraints, start_velocity, start_acceleration);
           },
           nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("on_solution") = nb::none(),
-          nb::arg("constraints") = std::vector<PathConstraint>(),
+          nb::arg("constraints") = std::vector<PathConstraint>(), nb::arg("start_velocity") = nb::none(),
+          nb::arg("start_acceleration") = nb::none(),
           nb::sig("def plan(self, start: numpy.typing.ArrayLike, goal: " SRMP_GOALS ", *, "
                   "on_solution: collections.abc.Callable[[dict[str, typing.Any], "
                   "numpy.typing.NDArray[numpy.float64]], bool | None] | None = None, "
-                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> Trajectory"),
+                  "constraints: collections.abc.Sequence[PathConstraint] = (), " SRMP_START_IN_MOTION
+                  ") -> Trajectory"),
           plan_doc)
+      .def(
+          "stop",
+          [](Self& self, const std::string& robot, const Trajectory& trajectory, double t) {
+            return stop(self, robot, trajectory, t);
+          },
+          nb::arg("name"), nb::arg("trajectory"), nb::arg("t"), stop_doc)
+      .def(
+          "stop",
+          [](Self& self, const Trajectory& trajectory, double t) { return stop(self, std::nullopt, trajectory, t); },
+          nb::arg("trajectory"), nb::arg("t"), stop_doc)
+      .def(
+          "replan",
+          [](Self& self, const std::string& robot, const Trajectory& trajectory, double t, nb::handle goal,
+             const std::vector<PathConstraint>& constraints) {
+            return replan(self, robot, trajectory, t, goal, constraints);
+          },
+          nb::arg("name"), nb::arg("trajectory"), nb::arg("t"), nb::arg("goal"), nb::kw_only(),
+          nb::arg("constraints") = std::vector<PathConstraint>(),
+          nb::sig("def replan(self, name: str, trajectory: Trajectory, t: float, goal: " SRMP_GOALS ", *, "
+                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> Trajectory"),
+          replan_doc)
+      .def(
+          "replan",
+          [](Self& self, const Trajectory& trajectory, double t, nb::handle goal,
+             const std::vector<PathConstraint>& constraints) {
+            return replan(self, std::nullopt, trajectory, t, goal, constraints);
+          },
+          nb::arg("trajectory"), nb::arg("t"), nb::arg("goal"), nb::kw_only(),
+          nb::arg("constraints") = std::vector<PathConstraint>(),
+          nb::sig("def replan(self, trajectory: Trajectory, t: float, goal: " SRMP_GOALS ", *, "
+                  "constraints: collections.abc.Sequence[PathConstraint] = ()) -> Trajectory"),
+          replan_doc)
       .def(
           "plan_linear",
           [](Self& self, const std::string& robot, const ArrayLike& start, const Pose& goal, const std::string& link,

@@ -99,12 +99,16 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           "verify",
           [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
              nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,
-             std::optional<double> max_deviation, double gap_tolerance, bool at_rest) {
-            VerifyOptions options{.limits = limits,
-                                  .jerk = jerk,
-                                  .at_rest = at_rest,
-                                  .max_deviation = max_deviation,
-                                  .gap_tolerance = gap_tolerance};
+             std::optional<double> max_deviation, double gap_tolerance, bool at_rest,
+             const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& start_acceleration) {
+            VerifyOptions options{
+                .limits = limits,
+                .jerk = jerk,
+                .at_rest = at_rest,
+                .start_velocity = vector_or_none(start_velocity, "start_velocity of '" + robot + "'"),
+                .start_acceleration = vector_or_none(start_acceleration, "start_acceleration of '" + robot + "'"),
+                .max_deviation = max_deviation,
+                .gap_tolerance = gap_tolerance};
             if (start) options.start = start->vector("start of '" + robot + "'");
             const std::vector<Goal> forms = goals.is_none() ? std::vector<Goal>{} : to_goals(goals);
             return self.use([&](const PlannerInterface& p) {
@@ -115,11 +119,14 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           },
           nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("limits") = nb::none(), nb::kw_only(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
-          nb::arg("gap_tolerance") = 0.5, nb::arg("at_rest") = true,
+          nb::arg("gap_tolerance") = 0.5, nb::arg("at_rest") = true, nb::arg("start_velocity") = nb::none(),
+          nb::arg("start_acceleration") = nb::none(),
           nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
                   "goals: " SRMP_GOALS " | None = None, "
                   "limits: MotionLimits | None = None, *, jerk: bool = False, max_deviation: float | None = None, "
-                  "gap_tolerance: float = 0.5, at_rest: bool = True) -> Certificate"),
+                  "gap_tolerance: float = 0.5, at_rest: bool = True, "
+                  "start_velocity: numpy.typing.ArrayLike | None = None, "
+                  "start_acceleration: numpy.typing.ArrayLike | None = None) -> Certificate"),
           R"(A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
 nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and goals.
 Faults are reported, not raised.
@@ -128,7 +135,9 @@ start: (dof,) [rad or m] where it should begin. goals: it should reach one of th
 motion_limits(robot). jerk: verify the jerk limits too. max_deviation: [m] that it may leave its waypoints by.
 gap_tolerance: in (0, 1), how well the clearance is to be known: it is proved until (clearance - clearance_proved) /
 clearance is no more than this, within some hundred distances; what is proved free does not depend on it. at_rest: a
-velocity at the first or last row is a fault; False for a slice of a motion. The GIL is released.
+velocity at the first or last row is a fault; False for a slice of a motion. start_velocity: (dof,) [rad/s or m/s] with
+which it should begin. start_acceleration: (dof,) [rad/s^2 or m/s^2] before the motion, for its jerk (default: 0). The
+GIL is released.
 
 Raises InvalidArgument for an unknown robot and options out of range.)")
       .def(

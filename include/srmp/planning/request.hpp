@@ -21,6 +21,10 @@ struct PlanRequest {
   std::vector<GoalConstraint> goals;          ///< any one of them is enough
   std::optional<PlannerOptions> options{};    ///< none: those of make_planner
   std::vector<PathConstraint> constraints{};  ///< that hold at every instant of the motion
+  Eigen::VectorXd start_velocity{};           ///< (dof,) [rad/s or m/s]; empty: the motion begins at rest
+  /// (dof,) [rad/s^2 or m/s^2], in the direction of the velocity; empty: 0. It counts with the timing `ruckig`, which
+  /// limits the jerk; other accelerations may jump.
+  Eigen::VectorXd start_acceleration{};
 };
 
 /// How a link is to pass poses: PlannerInterface::follow.

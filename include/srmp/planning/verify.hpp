@@ -18,7 +18,9 @@ struct VerifyOptions {
   std::optional<MotionLimits> limits{};    ///< none: PlannerInterface::motion_limits
   bool jerk{false};                        ///< verify the jerk limits too
   bool at_rest{true};                      ///< a velocity at the ends is a fault; false: it may be a slice in motion
-  std::optional<double> max_deviation{};   ///< [m] that it may leave its waypoints by, to 1e-9; none: any
+  Eigen::VectorXd start_velocity{};       ///< (dof,) [rad/s or m/s]: with which it should begin; empty: as at_rest says
+  Eigen::VectorXd start_acceleration{};   ///< (dof,) [rad/s^2 or m/s^2] before the motion, for its jerk; empty: 0
+  std::optional<double> max_deviation{};  ///< [m] that it may leave its waypoints by, to 1e-9; none: any
   /// In (0, 1): the clearance is proved until (clearance - clearance_proved) / clearance is no more than this, within
   /// some hundred distances. What is proved free does not depend on it.
   double gap_tolerance{0.5};

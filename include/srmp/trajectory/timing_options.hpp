@@ -29,7 +29,9 @@ struct TimingOptions {
   std::function<bool(const Eigen::VectorXd&, const Eigen::VectorXd&)> is_free{};
   Eigen::VectorXd start_velocity{};  ///< dof [rad/s or m/s], along the first segment; empty: at rest
   Eigen::VectorXd end_velocity{};    ///< the same along the last segment
-  const Deadline* deadline{};        ///< once it passes, a long time_parameterize throws PlanningError; null: none
+  /// dof [rad/s^2 or m/s^2], along the first segment; empty: 0. Of TimingMethod::ruckig: other accelerations may jump.
+  Eigen::VectorXd start_acceleration{};
+  const Deadline* deadline{};  ///< once it passes, a long time_parameterize throws PlanningError; null: none
 };
 
 }  // namespace srmp

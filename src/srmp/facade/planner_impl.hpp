@@ -11,7 +11,9 @@
 #include "srmp/facade/problem_file.hpp"
 #include "srmp/facade/request_checks.hpp"
 #include "srmp/facade/scene_checkers.hpp"
+#include "srmp/facade/start_in_motion.hpp"
 #include "srmp/planner_interface.hpp"
+#include "srmp/planning/certificates/joint_certificates.hpp"
 #include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/pipeline.hpp"
@@ -88,6 +90,8 @@ struct PlannerInterface::Impl {
     require_planner_for_one(options);
     require_request(scene, request.robot, request.start, request.goals);
     place_constraints(scene, request.robot, request.constraints);  // throws
+    require_start_in_motion(request, model(request.robot), scaled(limits_of(request.robot), common_options(options)),
+                            common_options(options));
   }
 
   /// Forgets the last plan.
@@ -116,6 +120,7 @@ struct PlannerInterface::Impl {
     OwnedProblem owned{checkers.of_one(scene, request.robot), std::make_unique<const PlannerOptions>(options), {}};
     RobotProblem robot = robot_problem(request.robot, request.start, request.goals);
     robot.constraints = place_constraints(scene, request.robot, request.constraints);
+    begin_in_motion(robot, request, common_options(options));
     owned.problem = std::make_unique<const PlanProblem>(
         PlanProblem{scene, {std::move(robot)}, *owned.checkers, *owned.options, heuristics, on_solution});
     return owned;

@@ -142,6 +142,15 @@ void describe(Archive& archive, Ref<Archive, PlanRequest> request) {
   archive("start", request.start);
   archive("goals", request.goals);
   describe_list(archive, "constraints", request.constraints);
+  const auto describe_some = [&](const char* name, auto& values) {
+    if constexpr (Archive::reading) {
+      if (archive.has(name)) archive(name, values);
+    } else if (values.size()) {
+      archive(name, values);
+    }
+  };
+  describe_some("start_velocity", request.start_velocity);
+  describe_some("start_acceleration", request.start_acceleration);
 }
 
 template <class Archive>

@@ -99,9 +99,13 @@ class CertifiedTiming {
     for (double deviation = common_.blend_deviation;; deviation *= tuning.shrink) {
       if (deviation < tuning.min_deviation) deviation = 0.0;
       group.deviation = deviation;
-      {
+      try {
         const PhaseTimer timer(until, statistics.timing_time_s);
         group.trajectories = in_time(group.path, deviation, until);
+      } catch (const InvalidArgument&) {
+        // A rounded corner may need a speed to which the robot cannot brake from that of its start.
+        if (deviation == 0.0 || !problem_.robots.front().start_in_motion) throw;
+        continue;
       }
       if (!common_.certify && !constraints_) return;
       {
@@ -210,6 +214,11 @@ class CertifiedTiming {
     }
     TimingOptions options = timing_options(common_, deviation);
     options.reach = reach;
+    if (const auto& begin = problem_.robots.front().start_in_motion) {
+      options.start_velocity = begin->velocity;
+      options.start_acceleration = begin->acceleration;
+      limits.velocity = limits.velocity.cwiseMax(begin->velocity.cwiseAbs());  // it may miss them by 1e-6
+    }
     options.deadline = &until;
     options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
     try {

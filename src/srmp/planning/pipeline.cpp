@@ -2,6 +2,7 @@
 
 #include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/endpoints/joint_endpoints.hpp"
+#include "srmp/planning/endpoints/start_in_motion.hpp"
 #include "srmp/planning/joint_paths.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
 #include "srmp/planning/options/registry.hpp"
@@ -34,12 +35,31 @@ class Pipeline {
  private:
   /// All robots begin at time 0, and what stands still is all there is.
   MultiTrajectory plan_together() {
+    if (problem_.robots.front().start_in_motion) return plan_in_motion();
     std::vector<RobotPath> alone = paths_alone();
     require_joint_endpoints(problem_.checkers.planning, endpoints_of(alone));
     const std::size_t recovery_segments = alone.front().endpoints.recovery_segments();
     JointPaths paths = joint_paths(std::move(alone));
     statistics_.plan_time_s = deadline_.elapsed();
     return certified_timing(problem_, std::move(paths), recovery_segments, work_, deadline_, statistics_);
+  }
+
+  /// One robot, which is in motion at its start: of some ways to turn towards the path that was found, the fastest.
+  MultiTrajectory plan_in_motion() {
+    LeadOutOfMotion lead(problem_, deadline_);
+    lead.require_free();
+    const RobotPath path = path_of_one_robot();
+    statistics_.plan_time_s = deadline_.elapsed();
+    MultiTrajectory best;
+    for (RowMatrix& waypoints : lead.followed_by(path.waypoints)) {
+      JointPaths paths;
+      paths.smoothed.push_back(path_of_one(std::move(waypoints)));
+      MultiTrajectory motion = certified_timing(problem_, std::move(paths), 0, work_, deadline_, statistics_);
+      if (best.robots.empty() || motion.duration() < best.duration()) best = std::move(motion);
+      if (deadline_.stop_requested()) break;
+    }
+    statistics_.makespan_s = statistics_.flow_time_s = best.duration();
+    return best;
   }
 
   /// Endpoints of each robot, and its path if the others were not there.

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,13 @@
 
 namespace srmp {
 
+/// A start in motion. From `position`, where the robot has the velocity and acceleration, the motion goes straight to
+/// RobotProblem::start, before which it could stop.
+struct StartInMotion {
+  Eigen::VectorXd position;                ///< (dof,) [rad or m]
+  Eigen::VectorXd velocity, acceleration;  ///< (dof,)
+};
+
 /// What one robot of a problem is to do.
 struct RobotProblem {
   std::string robot;
@@ -22,6 +30,7 @@ struct RobotProblem {
   MotionLimits limits;                ///< of the robot, not scaled by the options
   std::shared_ptr<const PlacedRobot> placed;
   std::shared_ptr<const PlacedConstraints> constraints{};  ///< of its path; null: none
+  std::optional<StartInMotion> start_in_motion{};          ///< of one robot alone; none: it begins at rest
 
   bool may_end_anywhere() const { return goals.size() == 1 && goals.front().type == GoalType::any; }
 };

@@ -145,17 +145,34 @@ class Certifier {
           stop_if_late(*options_.deadline,
                        "the " + std::to_string(t_.positions.rows()) + " rows of the trajectory were verified");
       });
-    check_limits(
-        t_, limits_,
-        {.joints = &robot_.joints(), .limits = options_.limits, .jerk = options_.jerk, .at_rest = options_.at_rest},
-        result_);
+    check_limits(t_, limits_,
+                 {.joints = &robot_.joints(),
+                  .limits = options_.limits,
+                  .jerk = options_.jerk,
+                  .at_rest = options_.at_rest,
+                  .start_acceleration = &options_.start_acceleration},
+                 result_);
+    check_start_velocity();
     check_ends_at_rest();
     check_deviation();
+  }
+
+  void check_start_velocity() {
+    if (options_.start_velocity.size() == 0) return;
+    const Eigen::VectorXd first = t_.velocities.rows() > 0 ? Eigen::VectorXd(t_.velocities.row(0).transpose())
+                                                           : Eigen::VectorXd::Zero(t_.positions.cols());
+    Eigen::Index j{};
+    if ((first - options_.start_velocity).cwiseAbs().maxCoeff(&j) > rest_tolerance)
+      fault(FaultKind::start,
+            t_.joint_names[static_cast<std::size_t>(j)] + ": the velocity is " + to_text(first[j]) +
+                " at the start; it should be " + to_text(options_.start_velocity[j]),
+            t_.times[0]);
   }
 
   void check_ends_at_rest() {
     if (!options_.at_rest || t_.velocities.rows() == 0) return;
     for (const Eigen::Index row : {Eigen::Index{0}, t_.velocities.rows() - 1}) {
+      if (row == 0 && options_.start_velocity.size() > 0) continue;
       Eigen::Index j{};
       const double fastest = t_.velocities.row(row).cwiseAbs().maxCoeff(&j);
       if (fastest > rest_tolerance)

@@ -16,8 +16,10 @@ struct CertifyOptions {
   bool collisions{true};  ///< check for collisions
   /// [s] what comes before is not checked for collisions: the recovery from a start in collision.
   double free_from{-std::numeric_limits<double>::infinity()};
-  double gap_tolerance{0.5};   ///< of the clearance proved: ProofOptions::gap_tolerance, in (0, 1)
-  bool at_rest{true};          ///< a velocity at the ends is a fault
+  double gap_tolerance{0.5};             ///< of the clearance proved: ProofOptions::gap_tolerance, in (0, 1)
+  bool at_rest{true};                    ///< a velocity at the ends is a fault
+  Eigen::VectorXd start_velocity{};      ///< (dof,) with which it should begin; empty: as at_rest says
+  Eigen::VectorXd start_acceleration{};  ///< (dof,) before the motion, with at_rest; empty: 0
   const Deadline* deadline{};  ///< once it passes, what is not proved yet goes to Certificate::sampled; null: none
 };
 

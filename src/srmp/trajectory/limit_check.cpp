@@ -129,7 +129,8 @@ class LimitCheck {
   /// Where the acceleration jumps, the jerk has no bound. It jumps between rows' polynomials, and at the ends if the
   /// robot is at rest before and after.
   void check_acceleration_jumps(Eigen::Index j, Worst& jerk) const {
-    double before = 0.0, unknown_before = 0.0;
+    const Eigen::VectorXd* at_start = options_.start_acceleration;
+    double before = at_start && at_start->size() ? (*at_start)[j] : 0.0, unknown_before = 0.0;
     const Eigen::Index last = t_.positions.rows() - 1;
     for (Eigen::Index row = 0; row <= last && last > 0; ++row) {
       const detail::Cubic p = detail::segment_of(t_, std::min(row, last - 1), j);

@@ -7,10 +7,11 @@
 namespace srmp {
 
 struct LimitCheckOptions {
-  const std::vector<Joint>* joints{};  ///< whose position limits are checked; null: none
-  bool limits{true};                   ///< exceeded velocity and acceleration limits are faults
-  bool jerk{false};                    ///< exceeded jerk limits are faults
-  bool at_rest{true};                  ///< the robot is at rest before and after the motion
+  const std::vector<Joint>* joints{};           ///< whose position limits are checked; null: none
+  bool limits{true};                            ///< exceeded velocity and acceleration limits are faults
+  bool jerk{false};                             ///< exceeded jerk limits are faults
+  bool at_rest{true};                           ///< the robot is at rest before and after the motion
+  const Eigen::VectorXd* start_acceleration{};  ///< before the motion, with at_rest; null or empty: 0
 };
 
 /// Adds to the certificate which fractions of the limits the motion uses, at the extrema of its polynomials, and faults

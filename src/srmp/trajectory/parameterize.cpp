@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "srmp/core/stopping.hpp"
-#include "srmp/trajectory/cubic.hpp"
+#include "srmp/core/error.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "srmp/trajectory/timing.hpp"
 
@@ -13,22 +12,19 @@ namespace srmp {
 
 namespace {
 
+using detail::EndSpeeds;
 using detail::Knots;
+using detail::limit_use;
 using detail::PathSegment;
 using detail::SmoothPath;
+using detail::stop_if_late;
+using detail::to_rows;
 
 constexpr double same_waypoint = 1e-7;    // [rad or m]
 constexpr double min_duration = 1e-3;     // [s] of a motion between stops: keeps second differences above rounding
-constexpr double min_row_spacing = 5e-4;  // [s] between a row of the sample period and a knot
 constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
 constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
-constexpr std::size_t rows_per_deadline_check = 1024, parts_per_deadline_check = 16;
-
-void stop_if_late(const TimingOptions& options) {
-  if (options.deadline)
-    stop_if_late(*options.deadline,
-                 "the path was timed with a sample period of " + to_text(options.sample_period) + " s");
-}
+constexpr std::size_t parts_per_deadline_check = 16;
 
 /// Without waypoints that are hardly apart from the one before. The ends stay.
 RowMatrix without_tiny_steps(const RowMatrix& path) {
@@ -44,30 +40,6 @@ RowMatrix without_tiny_steps(const RowMatrix& path) {
   return path(kept, Eigen::all);
 }
 
-/// The largest fraction of a limit that the cubics use, as far as the rounding of positions allows to know it: the
-/// factor by which time must be stretched.
-double limit_use(const Knots& knots, const MotionLimits& limits, bool with_jerk) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i + 1 < knots.times.size(); ++i)
-    for (Eigen::Index j = 0; j < limits.velocity.size(); ++j) {
-      const double h = knots.times[i + 1] - knots.times[i], q = knots.positions[i][j];
-      const double rounding = std::numeric_limits<double>::epsilon() * (1.0 + std::abs(q));
-      const detail::Cubic segment =
-          detail::hermite(q, knots.velocities[i][j], knots.positions[i + 1][j], knots.velocities[i + 1][j], h);
-      const auto fraction = [](double value, double unknown, double limit) {
-        return std::max(0.0, std::abs(value) - unknown) / limit;
-      };
-      for (const double u : {0.0, segment.velocity_extremum(), h})
-        largest = std::max(largest, fraction(segment.velocity(u), 2 * rounding / h, limits.velocity[j]));
-      for (const double u : {0.0, h})
-        largest = std::max(largest,
-                           std::sqrt(fraction(segment.acceleration(u), 12 * rounding / h / h, limits.acceleration[j])));
-      if (with_jerk)
-        largest = std::max(largest, std::cbrt(fraction(segment.jerk(), 36 * rounding / h / h / h, limits.jerk[j])));
-    }
-  return largest;
-}
-
 void stretch_time(Knots& knots, double factor) {
   for (double& time : knots.times) time *= factor;
   for (Eigen::VectorXd& velocity : knots.velocities) velocity /= factor;
@@ -76,12 +48,11 @@ void stretch_time(Knots& knots, double factor) {
 /// The timing of a path between two stops, or from or to a given speed at an end of the whole motion.
 class SmoothPathTiming {
  public:
-  SmoothPathTiming(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, double start_speed,
-                   double end_speed)
-      : path_(path), limits_(limits), method_(method), start_speed_(start_speed), end_speed_(end_speed) {}
+  SmoothPathTiming(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, const EndSpeeds& ends)
+      : path_(path), limits_(limits), method_(method), ends_(ends) {}
 
   Knots time() const {
-    if (start_speed_ != 0.0 || end_speed_ != 0.0) return time_between_speeds();
+    if (!ends_.at_rest()) return time_between_speeds();
     Knots knots = solve(limits_);
     if (const double use = limit_use(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
       stretch_time(knots, use);
@@ -93,8 +64,8 @@ class SmoothPathTiming {
   bool jerk_limited() const { return method_ == TimingMethod::ruckig; }
 
   Knots solve(const MotionLimits& limits) const {
-    return jerk_limited() ? time_with_ruckig(path_.front(), limits, start_speed_, end_speed_)
-                          : time_with_toppra(path_, limits, start_speed_, end_speed_);
+    return jerk_limited() ? time_with_ruckig(path_.front(), limits, ends_)
+                          : time_with_toppra(path_, limits, ends_.start, ends_.end);
   }
 
   /// Time cannot be stretched without changing the speeds at the ends, so the limits are tightened.
@@ -113,44 +84,62 @@ class SmoothPathTiming {
   const SmoothPath& path_;
   const MotionLimits& limits_;
   TimingMethod method_;
-  double start_speed_, end_speed_;
+  const EndSpeeds ends_;
 };
+
+/// Throws InvalidArgument unless there are none, or as many as joints, all finite.
+void require_entries(const Eigen::VectorXd& values, Eigen::Index dof, const std::vector<std::string>& joint_names,
+                     const std::string& what) {
+  if (values.size() == 0) return;
+  if (values.size() != dof)
+    throw InvalidArgument(what + " has " + std::to_string(values.size()) + " entries, but there are " +
+                          std::to_string(dof) + " joints");
+  require_finite({values.data(), static_cast<std::size_t>(values.size())}, what, joint_names);
+}
+
+/// The derivative of s for this one of the configuration, which has the path's direction.
+double rate_along(const Eigen::VectorXd& derivative, const Eigen::VectorXd& direction, const std::string& what,
+                  bool may_point_back) {
+  if (derivative.size() == 0) return 0.0;
+  const double rate = derivative.dot(direction) / direction.squaredNorm();
+  if ((rate < 0.0 && !may_point_back) || (derivative - rate * direction).norm() > 1e-6 * (1e-3 + derivative.norm()))
+    throw InvalidArgument(what + " does not point along the path's " + (what.starts_with("start") ? "first" : "last") +
+                          " segment");
+  return rate;
+}
 
 /// ds/dt at an end of the path for this velocity.
 double speed_along(const Eigen::VectorXd& velocity, const Eigen::VectorXd& direction, const MotionLimits& limits,
                    const std::vector<std::string>& joint_names, const std::string& what) {
-  if (velocity.size() == 0) return 0.0;
-  if (velocity.size() != direction.size())
-    throw InvalidArgument(what + " has " + std::to_string(velocity.size()) + " entries, but there are " +
-                          std::to_string(direction.size()) + " joints");
-  require_finite({velocity.data(), static_cast<std::size_t>(velocity.size())}, what, joint_names);
+  require_entries(velocity, direction.size(), joint_names, what);
   for (Eigen::Index j = 0; j < velocity.size(); ++j)
     if (std::abs(velocity[j]) > limits.velocity[j] * (1.0 + 1e-9))
       throw InvalidArgument(joint_names[static_cast<std::size_t>(j)] + ": the " + what + " " + to_text(velocity[j]) +
                             " is above the limit " + to_text(limits.velocity[j]));
-  const double speed = velocity.dot(direction) / direction.squaredNorm();
-  if (speed < 0.0 || (velocity - speed * direction).norm() > 1e-6 * (1e-3 + velocity.norm()))
-    throw InvalidArgument(what + " does not point along the path's " + (what == "start velocity" ? "first" : "last") +
-                          " segment");
-  return speed;
+  return rate_along(velocity, direction, what, false);
 }
 
 Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits, const TimingOptions& options,
                const std::vector<std::string>& names) {
   const PathSegment &first = paths.front().front(), &last = paths.back().back();
-  const double start_speed = speed_along(options.start_velocity, first.direction, limits, names, "start velocity");
-  const double end_speed = speed_along(options.end_velocity, last.direction, limits, names, "end velocity");
+  require_entries(options.start_acceleration, first.direction.size(), names, "start acceleration");
+  const EndSpeeds ends{speed_along(options.start_velocity, first.direction, limits, names, "start velocity"),
+                       speed_along(options.end_velocity, last.direction, limits, names, "end velocity"),
+                       options.method == TimingMethod::ruckig
+                           ? rate_along(options.start_acceleration, first.direction, "start acceleration", true)
+                           : 0.0};
   Knots all;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     if ((i + 1) % parts_per_deadline_check == 0) stop_if_late(options);
-    const double from = i == 0 ? start_speed : 0.0, to = i + 1 == paths.size() ? end_speed : 0.0;
+    const EndSpeeds own{i == 0 ? ends.start : 0.0, i + 1 == paths.size() ? ends.end : 0.0,
+                        i == 0 ? ends.start_acceleration : 0.0};
     Knots part;
     try {
-      part = SmoothPathTiming(paths[i], limits, options.method, from, to).time();
+      part = SmoothPathTiming(paths[i], limits, options.method, own).time();
     } catch (const Error& error) {
       const std::string where = "part " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
-      if (from == 0.0 && to == 0.0) throw Error("time parameterisation failed on " + where + ": " + error.what());
-      throw InvalidArgument("the limits do not allow to " + std::string(from != 0.0 ? "start" : "end") +
+      if (own.at_rest()) throw Error("time parameterisation failed on " + where + ": " + error.what());
+      throw InvalidArgument("the limits do not allow to " + std::string(own.end == 0.0 ? "start" : "end") +
                             " at the given velocity on this path (" + where + ": " + error.what() + ")");
     }
     const double begin = all.times.empty() ? 0.0 : all.times.back();
@@ -158,48 +147,6 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
       all.add(begin + part.times[k], std::move(part.positions[k]), std::move(part.velocities[k]));
   }
   return all;
-}
-
-/// Rows at the knots and at the multiples of the sample period between them, all of the same cubics.
-Trajectory to_rows(const Knots& knots, const std::vector<std::string>& joint_names, ConstRows waypoints,
-                   const TimingOptions& options) {
-  const double sample_period = options.sample_period;
-  std::vector<std::pair<double, std::size_t>> rows;  // time, and the knot before
-  double tick = 1.0;                                 // multiplied, not added up, so it does not drift
-  for (std::size_t i = 0; i < knots.times.size(); ++i) {
-    rows.emplace_back(knots.times[i], i);
-    if (i + 1 == knots.times.size()) break;
-    const double spacing = std::min(min_row_spacing, 0.1 * sample_period);
-    for (; tick * sample_period < knots.times[i + 1] - spacing; tick += 1.0) {
-      if (tick * sample_period > knots.times[i] + spacing) rows.emplace_back(tick * sample_period, i);
-      if (rows.size() % rows_per_deadline_check == 0) stop_if_late(options);
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(rows.size()), dof = waypoints.cols();
-  Trajectory result{joint_names, RowMatrix(n, dof), RowMatrix(n, dof), RowMatrix(n, dof), Eigen::VectorXd(n), waypoints,
-                    nullptr};
-  for (Eigen::Index row = 0; row < n; ++row) {
-    const auto [time, i] = rows[static_cast<std::size_t>(row)];
-    if ((static_cast<std::size_t>(row) + 1) % rows_per_deadline_check == 0) stop_if_late(options);
-    result.times[row] = time;
-    const bool knot = time == knots.times[i];
-    const std::size_t a = i + 1 < knots.times.size() ? i : i - (i > 0), b = std::min(a + 1, knots.times.size() - 1);
-    for (Eigen::Index j = 0; j < dof; ++j) {
-      if (b == a) {
-        result.positions(row, j) = knots.positions[a][j];
-        result.velocities(row, j) = result.accelerations(row, j) = 0.0;
-        continue;
-      }
-      const detail::Cubic segment =
-          detail::hermite(knots.positions[a][j], knots.velocities[a][j], knots.positions[b][j], knots.velocities[b][j],
-                          knots.times[b] - knots.times[a]);
-      const double u = time - knots.times[a];
-      result.positions(row, j) = knot ? knots.positions[i][j] : segment.position(u);
-      result.velocities(row, j) = knot ? knots.velocities[i][j] : segment.velocity(u);
-      result.accelerations(row, j) = segment.acceleration(u);
-    }
-  }
-  return result;
 }
 
 void require_options(const TimingOptions& options, Eigen::Index dof) {
@@ -225,7 +172,8 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
   const RowMatrix path = without_tiny_steps(without_redundant_waypoints(waypoints));
   Knots knots;
   if (path.rows() == 1) {
-    for (const Eigen::VectorXd* velocity : {&options.start_velocity, &options.end_velocity})
+    for (const Eigen::VectorXd* velocity :
+         {&options.start_velocity, &options.end_velocity, &options.start_acceleration})
       if (velocity->size() && !velocity->isZero(0.0))
         throw InvalidArgument("the path is a single point: it cannot start or end with a velocity");
     knots.add(0.0, path.row(0).transpose(), Eigen::VectorXd::Zero(path.cols()));
@@ -236,6 +184,11 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
     // Rounding of sums must not move the ends.
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();
+    if (options.start_velocity.size()) knots.velocities.front() = options.start_velocity;
+    if (options.end_velocity.size())
+      knots.velocities.back() = options.end_velocity;
+    else if (options.start_velocity.size())
+      knots.velocities.back().setZero();
   }
   if (!(knots.times.back() / options.sample_period < static_cast<double>(options.max_rows)))
     throw InvalidArgument("a sample period of " + to_text(options.sample_period) + " s would give more than " +

@@ -1,28 +1,28 @@
 #pragma once
 
-#include <vector>
-
+#include "srmp/trajectory/knots.hpp"
 #include "srmp/trajectory/rounded_path.hpp"
 
 // The two methods of time parameterisation.
 namespace srmp::detail {
 
-/// Knots of a motion, which follows cubics between them.
-struct Knots {
-  std::vector<double> times;  // [s], from 0
-  std::vector<Eigen::VectorXd> positions, velocities;
-
-  void add(double time, Eigen::VectorXd position, Eigen::VectorXd velocity) {
-    times.push_back(time);
-    positions.push_back(std::move(position));
-    velocities.push_back(std::move(velocity));
-  }
-};
-
 /// Time-optimal; `start_speed` and `end_speed` are ds/dt. Throws Error when TOPP-RA finds no motion within the limits.
 Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed);
 
+/// How a path is entered and left.
+struct EndSpeeds {
+  double start{}, end{};        // ds/dt
+  double start_acceleration{};  // d^2s/dt^2; of jerk-limited motions alone
+
+  bool at_rest() const { return start == 0.0 && end == 0.0 && start_acceleration == 0.0; }
+};
+
 /// Jerk-limited along one straight segment. Throws Error when Ruckig finds no motion within the limits.
-Knots time_with_ruckig(const PathSegment& segment, const MotionLimits& limits, double start_speed, double end_speed);
+Knots time_with_ruckig(const PathSegment& segment, const MotionLimits& limits, const EndSpeeds& ends);
+
+/// The fastest jerk-limited stop on the straight line that begins at `start`, with this velocity and acceleration along
+/// `direction`, whose length is 1. Throws Error when Ruckig finds none.
+Knots stop_with_ruckig(const Eigen::VectorXd& start, const Eigen::VectorXd& direction, double speed,
+                       double acceleration, const MotionLimits& limits);
 
 }  // namespace srmp::detail

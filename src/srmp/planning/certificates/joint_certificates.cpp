@@ -23,6 +23,10 @@ Certificate certify_alone(const Checker& checker, const RobotMotion& robot, cons
                           const Deadline& until) {
   const Trajectory& motion = robot.motion;
   CertifyOptions certify_options{.limits = motion.timed(), .jerk = options.timing == "ruckig", .deadline = &until};
+  if (const auto& begin = robot.task->start_in_motion) {
+    certify_options.start_velocity = begin->velocity;
+    certify_options.start_acceleration = begin->acceleration;
+  }
   if (robot.recovery_segments > 0) certify_options.free_from = end_of_recovery(robot);
   const MotionLimits limits = scaled(robot.task->limits, options);
   Certificate certificate = motion.timed() ? certify(motion, checker, limits, certify_options)

@@ -88,9 +88,15 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
     throw InvalidArgument("max_deviation is " + to_text(*options.max_deviation) + "; it must be 0 m or above");
   const RobotModel& robot = checker.robot();
   if (options.start) robot.require_configuration(*options.start, "start of '" + robot.name() + "'");
-  Certificate certificate =
-      certify(trajectory, checker, options.limits.value_or(limits),
-              {.jerk = options.jerk, .gap_tolerance = options.gap_tolerance, .at_rest = options.at_rest});
+  for (const auto& [values, what] : {std::pair{&options.start_velocity, "start_velocity of '"},
+                                     std::pair{&options.start_acceleration, "start_acceleration of '"}})
+    if (values->size()) robot.require_configuration(*values, what + robot.name() + "'");
+  Certificate certificate = certify(trajectory, checker, options.limits.value_or(limits),
+                                    {.jerk = options.jerk,
+                                     .gap_tolerance = options.gap_tolerance,
+                                     .at_rest = options.at_rest,
+                                     .start_velocity = options.start_velocity,
+                                     .start_acceleration = options.start_acceleration});
   if (unreadable(trajectory, robot)) return certificate;
   if (options.start) check_start(trajectory, robot, *options.start, certificate);
   if (!options.goals.empty()) check_goal(trajectory, checker, options.goals, certificate);
