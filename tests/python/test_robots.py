@@ -139,7 +139,10 @@ def test_another_group_plans_joints_that_the_list_fixes():
         ("[mine]\nurdf = 3", "urdf of robot 'mine' must be a string, but is 3"),
         ('[mine]\nurdf = "a"\ngripper = "finger"', "gripper of robot 'mine' must be a list of strings"),
         ('[mine]\nurdf = "a"\nfixed_joints = { j = "x" }', "must be a table of numbers by joint"),
-        ('[mine]\nurdf = "a"\nallowed_collisions = ["a", "b"]', "allowed_collisions of robot 'mine' must be a list of pairs"),
+        (
+            '[mine]\nurdf = "a"\nallowed_collisions = ["a", "b"]',
+            "allowed_collisions of robot 'mine' must be a list of pairs",
+        ),
         ('[mine]\nurdf = "a"\nlimits = { j = { speed = 1 } }', "velocity, acceleration, jerk"),
         ('[mine]\nurdf = "a"\npackage = "example-robots-data"', "did you mean 'example-robot-data'"),
     ],

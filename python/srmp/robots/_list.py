@@ -38,7 +38,7 @@ class Robot:
     gripper: tuple[str, ...] = ()  #: joints of the gripper
     fixed_joints: Mapping[str, float] = field(default_factory=dict)  #: of joints that are not planned [rad or m]
     package_dirs: tuple[str, ...] = ()  #: where meshes are searched
-    allowed_collisions: tuple[tuple[str, str], ...] = ()  #: links whose contact does not count, besides those of the SRDF
+    allowed_collisions: tuple[tuple[str, str], ...] = ()  #: links whose contact does not count
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  #: velocity, acceleration, jerk by joint
     refused: str = ""  #: why it cannot be planned; "" where it can
 
@@ -80,8 +80,10 @@ class Robot:
         return [group.get("name", "") for group in ElementTree.parse(srdf).getroot().findall("group")]
 
     def arguments(self, **other: Any) -> dict[str, Any]:
-        """Those of add_articulation, without the name; `other` counts more. Another group has an end of its own, and may
-        plan joints that are fixed in the list's: add_robot sets those that it does not plan.
+        """Those of add_articulation, without the name; `other` counts more.
+
+        Another group has an end effector of its own, and may plan joints that the list fixes: they are left out here, and
+        add_robot sets those that are not planned.
         """
         own: dict[str, Any] = {
             "urdf_path": str(self.urdf_path),

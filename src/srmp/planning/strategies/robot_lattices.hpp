@@ -46,7 +46,7 @@ class RobotLattices : public LatticeFamily {
   void count(const LatticePortfolio& searches);
 
  private:
-  Lattice make(bool backward, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
+  Lattice make(bool backward, double scale, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
   PrimitiveSet read_primitives() const;
   const std::vector<JointPair>& pairs();
   Eigen::VectorXd step(double scale = 1.0) const;
