@@ -115,7 +115,7 @@ void bind_node(nb::module_& m) {
             return found;
           },
           nb::sig("def configurations(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]"),
-          "Where these robots first collide: (dof,) by robot.")
+          "Where these robots are at the step in which they first collide: (dof,) by robot.")
       .def_ro("time_s", &Node::time_s, "When they do, at full speed [s].")
       .def("__repr__", [](const Node& self) {
         return "ConstraintNode(" + std::to_string(self.number) + ", parent=" + std::to_string(self.parent) +

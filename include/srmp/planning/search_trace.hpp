@@ -38,9 +38,9 @@ struct SearchTrace {
     std::uint64_t parent{};  ///< its number; 0 of the root
     double cost{};           ///< sum over the robots, as the search counts it [rad, prismatic joints m, waits]
     int conflicts{};         ///< pairs of robots that collide; 0: a solution
-    std::array<std::string, 2> robots{};             ///< of the earliest conflict; "" without any
-    std::array<Eigen::VectorXd, 2> configurations{}; ///< of these robots where they first collide
-    double time_s{};                                ///< when, at full speed [s]
+    std::array<std::string, 2> robots{};              ///< of the earliest conflict; "" without any
+    std::array<Eigen::VectorXd, 2> configurations{};  ///< of these robots at the step in which they first collide
+    double time_s{};                                  ///< when, at full speed [s]
   };
 
   std::vector<Lattice> lattices;

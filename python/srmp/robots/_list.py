@@ -82,8 +82,8 @@ class Robot:
     def arguments(self, **other: Any) -> dict[str, Any]:
         """Those of add_articulation, without the name; `other` counts more.
 
-        Another group has an end effector of its own, and may plan joints that the list fixes: they are left out here, and
-        add_robot sets those that are not planned.
+        Another group has an end effector of its own, and may plan joints that the list fixes: they are left out here,
+        and add_robot sets those that are not planned.
         """
         own: dict[str, Any] = {
             "urdf_path": str(self.urdf_path),
