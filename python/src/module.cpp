@@ -18,6 +18,7 @@ NB_MODULE(_srmp, m) {
   bind_plan_many(m);
   bind_planner_interface(m);
   bind_collision_checker(m);
+  bind_search_trace(m);
   bind_cover(m);
   restate_wrong_types(m);
 }

@@ -89,6 +89,17 @@ Raises UnknownRobot with the nearest name.)")
 
 The motion is that of the robots; there is no certificate. Raises InvalidArgument when some have times (or
 velocities) and others have not.)")
+      .def(
+          "plot",
+          [](nb::handle_t<MultiTrajectory> self, nb::handle path, const std::string& title) {
+            return nb::module_::import_("srmp._trajectory").attr("plot_many")(self, path, title);
+          },
+          nb::arg("path") = nb::none(), nb::arg("title") = "",
+          nb::sig("def plot(self, path: str | os.PathLike[str] | None = None, title: str = '') -> typing.Any"),
+          R"(Draws Trajectory.plot's figure of all robots on one clock: joints 'robot/joint'. Dashed: the limits of the
+certificates.
+
+Raises InvalidArgument without robots and as Trajectory.plot does.)")
       .def("__repr__", [](const MultiTrajectory& self) {
         return "MultiTrajectory(" + std::to_string(self.robots.size()) + " robots, " + to_text(self.duration()) + " s)";
       });

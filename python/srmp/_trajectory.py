@@ -279,10 +279,6 @@ def _length(point: Mapping[str, Any], key: str, what: str) -> int:
 def plot(
     trajectory: srmp.Trajectory, path: str | os.PathLike[str] | None, limits: srmp.MotionLimits | None, title: str
 ) -> Any:
-    from srmp.plot import Profile, draw_profiles, write_figure
-
-    if not len(trajectory.times):
-        raise srmp.InvalidArgument("a path without times has no profiles to draw.")
     if limits is None and trajectory.certificate is not None:
         limits = trajectory.certificate.limits
     if limits is not None and not isinstance(limits, srmp.MotionLimits):
@@ -292,18 +288,56 @@ def plot(
         raise srmp.InvalidArgument(
             f"limits are for {len(limits.velocity)} joints, but the trajectory moves {len(names)}."
         )
-    times = _drawn_times(trajectory.times)
-    position, velocity, acceleration, jerk = trajectory.state(times)
+    return _draw({"": trajectory}, {"": limits}, path, title)
+
+
+def plot_many(trajectories: srmp.MultiTrajectory, path: str | os.PathLike[str] | None, title: str) -> Any:
+    certificates = {robot: one.certificate for robot, one in trajectories.items()}
+    limits = {robot: certificate and certificate.limits for robot, certificate in certificates.items()}
+    if not limits:
+        raise srmp.InvalidArgument("there is no robot whose motion could be drawn.")
+    return _draw(dict(trajectories.items()), limits, path, title)
+
+
+def _draw(
+    trajectories: Mapping[str, srmp.Trajectory],
+    limits: Mapping[str, srmp.MotionLimits | None],
+    path: str | os.PathLike[str] | None,
+    title: str,
+) -> Any:
+    """By robot name; "" names one alone. A robot whose own motion is over rests where it ended."""
+    from srmp.plot import Profile, draw_profiles, write_figure
+
+    if any(not len(one.times) for one in trajectories.values()):
+        raise srmp.InvalidArgument("a path without times has no profiles to draw.")
+    rows = np.unique(np.concatenate([one.times for one in trajectories.values()]))
+    times = _drawn_times(rows)
+    states = [_state(one, times) for one in trajectories.values()]
+    names = [f"{robot}/{joint}" if robot else joint for robot, one in trajectories.items() for joint in one.joint_names]
+
+    def profile(name: str, unit: str, order: int) -> Profile:
+        values = np.hstack([state[order] for state in states])
+        known = all(own is not None for own in limits.values()) and order > 0
+        bounds = np.concatenate([getattr(own, name) for own in limits.values()]) if known else None
+        return Profile(name, unit, values, bounds)
+
     profiles = [
-        Profile("position", "rad, m", position),
-        Profile("velocity", "rad/s, m/s", velocity, limits.velocity if limits else None),
-        Profile("acceleration", "rad/s², m/s²", acceleration, limits.acceleration if limits else None),
-        Profile("jerk", "rad/s³, m/s³", jerk, limits.jerk if limits else None),
+        profile("position", "rad, m", 0),
+        profile("velocity", "rad/s, m/s", 1),
+        profile("acceleration", "rad/s², m/s²", 2),
+        profile("jerk", "rad/s³, m/s³", 3),
     ]
     figure = draw_profiles(names, times, profiles, title)
     if path is not None:
         write_figure(figure, Path(path))
     return figure
+
+
+def _state(trajectory: srmp.Trajectory, times: np.ndarray) -> list[np.ndarray]:
+    """Position, velocity, acceleration and jerk; at rest once the motion is over."""
+    position, *derivatives = trajectory.state(np.minimum(times, trajectory.times[-1]))
+    over = times > trajectory.times[-1]
+    return [position, *(np.where(over[:, None], 0.0, values) for values in derivatives)]
 
 
 def _drawn_times(rows: np.ndarray) -> np.ndarray:

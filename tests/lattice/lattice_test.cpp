@@ -504,3 +504,30 @@ BOOST_AUTO_TEST_CASE(a_state_is_on_the_grids_whose_steps_divide_its_distance_fro
   BOOST_REQUIRE_EQUAL(connections.size(), 1u);
   BOOST_TEST(lattice.is_goal(connections[0].state));
 }
+
+BOOST_AUTO_TEST_CASE(an_observer_is_told_of_expansions_and_checks_and_changes_nothing) {
+  const auto robot = robots::planar();
+  const auto plan = [&](LatticeObserver observer) {
+    Lattice::Options options{axis_primitives(robot->joints(), Vector2d::Constant(10 * degree)), 0.5, {}};
+    options.observer = std::move(observer);
+    const auto not_far = [](std::size_t, const Eigen::VectorXd&, const Eigen::VectorXd& b) { return b[1] < 1.0; };
+    Lattice lattice(*robot, {Vector2d(0, 0)}, {Vector2d(0.9, 0.9)}, options, not_far);
+    const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+    return search::weighted_astar(lattice, lattice.starts(), h, {.weight = 1.0}, Deadline());
+  };
+  std::uint64_t expanded = 0, evaluated = 0;
+  const search::Result plain = plan({});
+  const search::Result watched = plan({.expanded =
+                                           [&](const Eigen::VectorXd& q, double to_targets) {
+                                             ++expanded;
+                                             BOOST_TEST(to_targets == (q - Vector2d(0.9, 0.9)).norm());
+                                           },
+                                       .evaluated =
+                                           [&](const Eigen::VectorXd&, const Eigen::VectorXd& to, bool free) {
+                                             ++evaluated;
+                                             BOOST_TEST(free == (to[1] < 1.0));
+                                           }});
+  BOOST_TEST(watched.path == plain.path, boost::test_tools::per_element());
+  BOOST_TEST(watched.statistics.evaluations == evaluated);
+  BOOST_TEST(watched.statistics.expansions == expanded);
+}

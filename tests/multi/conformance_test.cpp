@@ -224,3 +224,20 @@ BOOST_AUTO_TEST_CASE(agents_that_break_their_contract_are_refused) {
   world.agents[0].min_steps = 0;
   check_throws<InvalidArgument>([&] { plan(world, {}); }, "agent 0: the edge from state 0 to 1 takes 0 steps");
 }
+
+BOOST_AUTO_TEST_CASE(opened_nodes_are_told_and_change_nothing) {
+  for (const Planner& planner : all_planners()) {
+    const auto world = random_world(solvable_worlds().front().seed);
+    const ConflictSearchResult plain = plan(*world, planner.options);
+    ConflictSearchOptions options = planner.options;
+    std::uint64_t opened = 0;
+    options.on_opened = [&](const OpenedNode& node) {
+      BOOST_TEST(node.number == opened++);
+      BOOST_TEST((node.number == 0 || node.parent < node.number));
+      BOOST_TEST(node.first.has_value() == (node.conflicts > 0));
+    };
+    const ConflictSearchResult told = plan(*world, options);
+    BOOST_TEST(told.cost == plain.cost);
+    BOOST_TEST(opened == plain.statistics.tree_nodes);
+  }
+}

@@ -105,6 +105,30 @@ def test_limits_of_unknown_joints_add_nothing(tmp_path):
     assert planner.robot_names == []
 
 
+def test_a_list_allows_collisions(tmp_path):
+    srmp.robots.register(own_robot(tmp_path, 'allowed_collisions = [["arm7_base", "arm7_hand"]]\n'))
+    planner = srmp.PlannerInterface()
+    planner.add_robot("mine", name="other")
+    assert planner.allowed_collision("other/arm7_base", "other/arm7_hand")
+
+
+def test_allowed_collisions_of_unknown_links_add_nothing(tmp_path):
+    srmp.robots.register(own_robot(tmp_path, 'allowed_collisions = [["arm7_base", "arm7_hnd"]]\n'))
+    planner = srmp.PlannerInterface()
+    with pytest.raises(srmp.InvalidArgument, match="arm7_hnd"):
+        planner.add_robot("mine")
+    assert planner.robot_names == []
+
+
+@needs_example_robot_data
+def test_another_group_plans_joints_that_the_list_fixes():
+    planner = srmp.PlannerInterface()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", srmp.RobotWarning)
+        planner.add_robot("alex", group="right_arm")
+    assert "RightElbowPitch" in planner.get_joint_names("alex")
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -115,6 +139,10 @@ def test_limits_of_unknown_joints_add_nothing(tmp_path):
         ("[mine]\nurdf = 3", "urdf of robot 'mine' must be a string, but is 3"),
         ('[mine]\nurdf = "a"\ngripper = "finger"', "gripper of robot 'mine' must be a list of strings"),
         ('[mine]\nurdf = "a"\nfixed_joints = { j = "x" }', "must be a table of numbers by joint"),
+        (
+            '[mine]\nurdf = "a"\nallowed_collisions = ["a", "b"]',
+            "allowed_collisions of robot 'mine' must be a list of pairs",
+        ),
         ('[mine]\nurdf = "a"\nlimits = { j = { speed = 1 } }', "velocity, acceleration, jerk"),
         ('[mine]\nurdf = "a"\npackage = "example-robots-data"', "did you mean 'example-robot-data'"),
     ],

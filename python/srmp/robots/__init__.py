@@ -76,6 +76,12 @@ def add_robot(planner: PlannerInterface, robot: str, **arguments: Any) -> Robot:
     name = arguments.pop("name", robot)
     planner.add_articulation(name=name, **known.arguments(**arguments))
     try:
+        if "fixed_joints" not in arguments:
+            planned = set(planner.get_joint_names(name))
+            fixed = {joint: position for joint, position in known.fixed_joints.items() if joint not in planned}
+            planner.set_joint_positions(name, fixed)
+        for one, other in known.allowed_collisions:
+            planner.set_allowed_collision(f"{name}/{one}", f"{name}/{other}")
         _set_limits(planner, name, known.limits)
     except BaseException:
         planner.remove_articulation(name)

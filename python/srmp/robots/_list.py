@@ -38,6 +38,7 @@ class Robot:
     gripper: tuple[str, ...] = ()  #: joints of the gripper
     fixed_joints: Mapping[str, float] = field(default_factory=dict)  #: of joints that are not planned [rad or m]
     package_dirs: tuple[str, ...] = ()  #: where meshes are searched
+    allowed_collisions: tuple[tuple[str, str], ...] = ()  #: links whose contact does not count
     limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  #: velocity, acceleration, jerk by joint
     refused: str = ""  #: why it cannot be planned; "" where it can
 
@@ -79,7 +80,11 @@ class Robot:
         return [group.get("name", "") for group in ElementTree.parse(srdf).getroot().findall("group")]
 
     def arguments(self, **other: Any) -> dict[str, Any]:
-        """Those of add_articulation, without the name; `other` counts more. Another group has an end of its own."""
+        """Those of add_articulation, without the name; `other` counts more.
+
+        Another group has an end effector of its own, and may plan joints that the list fixes: they are left out here,
+        and add_robot sets those that are not planned.
+        """
         own: dict[str, Any] = {
             "urdf_path": str(self.urdf_path),
             "srdf_path": str(self.srdf_path or ""),
@@ -90,7 +95,7 @@ class Robot:
             "package_dirs": [str(self._path(path)) for path in self.package_dirs],
         }
         if other.get("group", self.group) != self.group or other.get("joint_names"):
-            own |= {"end_effector": "", "joint_names": [], "group": ""}
+            own |= {"end_effector": "", "joint_names": [], "group": "", "fixed_joints": {}}
         elif other.get("end_effector", self.end_effector) != self.end_effector:
             own |= {"joint_names": [], "group": ""}
         return own | other
@@ -157,6 +162,10 @@ def _is_texts(value: object) -> bool:
     return isinstance(value, list) and all(isinstance(item, str) for item in value)
 
 
+def _is_pairs(value: object) -> bool:
+    return isinstance(value, list) and all(_is_texts(item) and len(item) == 2 for item in value)
+
+
 def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
@@ -173,5 +182,6 @@ _KEYS: dict[str, tuple[str, Callable[[object], bool]]] = {
     **dict.fromkeys(("title", "package", "urdf", "srdf", "group", "end_effector", "refused"), ("a string", _is_text)),
     **dict.fromkeys(("joint_names", "gripper", "package_dirs"), ("a list of strings", _is_texts)),
     "fixed_joints": ("a table of numbers by joint", _is_numbers),
+    "allowed_collisions": ("a list of pairs of links", _is_pairs),
     "limits": (f"a table of tables by joint, with {', '.join(LIMITS)}", _is_limits),
 }

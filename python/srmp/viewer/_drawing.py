@@ -14,6 +14,7 @@ from srmp.viewer._failure import Failure, find_failure
 from srmp.viewer._motion import Motion, sample_motion, trajectories_of
 from srmp.viewer._plots import Plot, plots_of
 from srmp.viewer._scene import CONTACT, Body, Scene, read_scene
+from srmp.viewer._search import Segments
 from srmp.viewer._shapes import Colour
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ class Drawing:
     paths: dict[str, NDArray[np.float64]]  # (n, 3) [m] of end effectors, by robot
     plots: list[Plot] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)  # sentences on the motion
+    segments: list[Segments] = field(default_factory=list)  # of a search
 
     @property
     def poses(self) -> NDArray[np.float64]:

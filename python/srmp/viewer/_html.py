@@ -50,6 +50,10 @@ def _data(drawing: Drawing, title: str) -> dict[str, Any]:
         "lines": [
             {"points": _rounded(path).ravel().tolist(), "colour": _PATH_COLOUR} for path in drawing.paths.values()
         ],
+        "segments": [
+            {"points": _packed(one.points.astype("<f4")), "colour": [*_rounded(one.colour, 3).tolist(), 1.0]}
+            for one in drawing.segments
+        ],
         "labels": [
             {"text": touch.text, "point": touch.point.tolist()} for touch in (failure.touches if failure else ())
         ],

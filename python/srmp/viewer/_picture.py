@@ -32,6 +32,7 @@ def draw(drawing: Drawing, title: str = "", instants: int = _INSTANTS) -> Any:
     from matplotlib import colormaps
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
@@ -50,6 +51,9 @@ def draw(drawing: Drawing, title: str = "", instants: int = _INSTANTS) -> Any:
     paint(axes, camera, _solids(drawing, lambda time: colours(0.85 * scale(time))[:3], instants), floor, reach)
     for path in drawing.paths.values():
         axes.plot(*camera.project(path).T, color=_LINE_COLOUR, linewidth=1.8, linestyle=(0, (4, 1.5)))
+    for one in drawing.segments:
+        ends = camera.project(one.points.reshape(-1, 3)).reshape(-1, 2, 2)
+        axes.add_collection(LineCollection(list(ends), colors=[one.colour], linewidths=0.6))
     for touch in drawing.failure.touches if drawing.failure else ():
         place = camera.project(touch.point)
         axes.plot(*place, "o", color=_FAULT_COLOUR, markersize=6)

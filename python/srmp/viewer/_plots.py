@@ -37,10 +37,11 @@ class Plot:
 
 
 def plots_of(planner: PlannerInterface, motion: Motion, clearances: bool = True) -> list[Plot]:
-    """Used fractions of the velocity and acceleration limits, and clearances, of all robots that move."""
+    """Positions, used fractions of the limits, and clearances, of all robots that move."""
     if motion.duration <= 0:
         return []
-    plots = [_limits(planner, motion, "velocity"), _limits(planner, motion, "acceleration")]
+    plots = [_limits(planner, motion, quantity) for quantity in ("velocity", "acceleration", "jerk")]
+    plots += [_positions(motion)] if len(motion.trajectories) == 1 else []
     plots += [_clearances(planner, motion)] if clearances else []
     return [plot for plot in plots if plot.series]
 
@@ -52,16 +53,24 @@ def _limits(planner: PlannerInterface, motion: Motion, quantity: str) -> Plot:
     for robot, trajectory in motion.trajectories.items():
         if not len(trajectory.velocities):
             continue
-        _, velocity, acceleration, _ = trajectory.state(times)
+        _, *derivatives = trajectory.state(times)
         own = trajectory.certificate.limits if trajectory.certificate else planner.motion_limits(robot)
         limits = getattr(own, quantity)
-        used = np.abs(velocity if quantity == "velocity" else acceleration) / limits
+        used = np.abs(derivatives[("velocity", "acceleration", "jerk").index(quantity)]) / limits
         used[times > trajectory.times[-1] + 1e-9] = 0.0
         if len(motion.trajectories) == 1:
             series += list(zip(trajectory.joint_names, used.T, strict=True))
         else:
             series.append((robot, used.max(axis=1)))
     return Plot(f"{quantity}, fraction of the limit", times, _coloured(series), 1.0)
+
+
+def _positions(motion: Motion) -> Plot:
+    """Of each joint [rad or m]."""
+    (trajectory,) = motion.trajectories.values()
+    times = np.linspace(0, motion.duration, 400)
+    columns = np.asarray(trajectory.sample(times)).T
+    return Plot("position [rad, m]", times, _coloured(list(zip(trajectory.joint_names, columns, strict=True))))
 
 
 def _clearances(planner: PlannerInterface, motion: Motion) -> Plot:

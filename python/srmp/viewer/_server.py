@@ -20,6 +20,7 @@ from srmp.viewer._html import FIELD_OF_VIEW, view
 from srmp.viewer._motion import Motion, trajectories_of
 from srmp.viewer._panel import Panel
 from srmp.viewer._scene import ROBOT_KINDS, copied, frame_poses, read_scene
+from srmp.viewer._search import searched, sentence
 from srmp.viewer._stage import Marks, Stage
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class Viewer:
         self._ghost = Stage(self._server, "/goals", _GOAL_OPACITY, lambda body: body.robot in self._goals)
         self._marks = Marks(self._server)
         self._path_nodes: list[str] = []
+        self._search_nodes: list[Any] = []  # handles of what was searched
         self._found: list[NDArray[np.float64]] = []  # paths (n, dof) of the plan that runs, each better than the last
         self._worse: list[NDArray[np.float64]] = []  # (n, 3) [m] the ways of end effectors along all but the best
         self._handles: dict[str, Any] = {}
@@ -115,6 +117,22 @@ class Viewer:
             chosen = trajectories_of(self._world, trajectory)
             self._run(lambda: self._draw(make_drawing(self._world, chosen, kinds=self._kinds)), wait=True)
         self._time, self._playing = 0.0, self._motion is not None
+
+    def show_search(self, trace: srmp.SearchTrace | None) -> None:
+        """Draws what was searched, where the end effector is there; None: no longer. Stays until the next call.
+
+        Raises InvalidArgument where no lattice was searched, and UnknownRobot where the scene has not its robot.
+        """
+        segments = searched(self._world, trace) if trace is not None else []
+        with self._server.atomic():
+            while self._search_nodes:
+                self._search_nodes.pop().remove()
+            for k, one in enumerate(segments):
+                colours = np.broadcast_to(np.round(255 * np.array(one.colour)).astype(np.uint8), one.points.shape)
+                self._search_nodes.append(
+                    self._server.scene.add_line_segments(f"/search/{k}", one.points.astype(np.float32), colours)
+                )
+        self._panel.say(sentence(trace) if trace is not None else "")
 
     def set_goal(self, robot: str, pose: Pose) -> None:
         """Moves the handle of a robot's end effector to a pose in the world, as dragging it does.

@@ -42,6 +42,7 @@ Lattice::Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> 
       goal_connection_(std::move(options.goal_connection)),
       projection_(std::move(options.projection)),
       validator_(std::move(validator)),
+      observer_(std::move(options.observer)),
       table_(joints.size() + 1),
       scratch_key_(joints.size() + 1, 0),
       q_(static_cast<Eigen::Index>(joints.size())),
@@ -278,6 +279,7 @@ void Lattice::successors(search::StateId state, std::vector<search::Successor>& 
 void Lattice::connections(search::StateId state, std::vector<search::Successor>& out) {
   if (is_goal(state)) return;
   read_configuration(state, q_);
+  if (observer_.expanded) observer_.expanded(q_, distance_to_targets(state));
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     const double cost = distance(q_, targets_[t]);
     if (cost <= connection_distance_)
@@ -326,6 +328,12 @@ void Lattice::evaluate(std::span<const search::Edge> edges, std::span<double> co
     read_configuration(edges[i].to, to);
     costs[i] = validator_(worker, from, to) ? edges[i].cost : search::infinity;
   });
+  if (observer_.evaluated) tell(edges, costs);
+}
+
+void Lattice::tell(std::span<const search::Edge> edges, std::span<const double> costs) const {
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    observer_.evaluated(configuration(edges[i].from), configuration(edges[i].to), costs[i] != search::infinity);
 }
 
 std::vector<Eigen::VectorXd> Lattice::configurations(std::span<const search::StateId> path) const {

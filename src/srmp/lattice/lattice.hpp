@@ -27,6 +27,14 @@ struct ConnectedGoal {
 /// Further goal configurations near q, if any; they need not be free. The result must depend on q alone.
 using GoalConnection = std::function<std::vector<ConnectedGoal>(const Eigen::VectorXd& q)>;
 
+/// Told what a search does in a lattice, in the thread of the search. Either function may be empty.
+struct LatticeObserver {
+  /// The edges from q were generated; `to_targets` is Lattice::distance_to_targets.
+  std::function<void(const Eigen::VectorXd& q, double to_targets)> expanded{};
+  /// The motion was checked.
+  std::function<void(const Eigen::VectorXd& from, const Eigen::VectorXd& to, bool free)> evaluated{};
+};
+
 /// Weights of Lattice::distances_to_targets for a chain of `dof` joints, three rows: all joints weighted alike;
 /// proximal joints weighted more; distal joints weighted more.
 RowMatrix distance_weights(std::size_t dof);
@@ -67,6 +75,7 @@ class Lattice {
     std::vector<Eigen::VectorXd> waypoints{};      ///< free configurations that every state is connected with
     std::vector<CoarseLevel> coarser{};            ///< for searches at several resolutions, finer ones first
     Projection projection{};                       ///< onto constraints
+    LatticeObserver observer{};                    ///< has no effect on the graph
   };
 
   /// All roots and targets must be free configurations within limits. Batches of edges are distributed over `workers`.
@@ -126,6 +135,7 @@ class Lattice {
 
   void add_level(const PrimitiveSet& primitives, const Eigen::VectorXd& step);
   Family make_family(const PrimitiveFamily& family) const;
+  void tell(std::span<const search::Edge> edges, std::span<const double> costs) const;
   void add_goal_connections(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
@@ -149,6 +159,7 @@ class Lattice {
   std::map<std::vector<std::int32_t>, search::StateId> cells_;  // of a projection: who stands for each
   std::map<search::StateId, ConnectedGoal> connected_goals_;
   MotionValidator validator_;
+  LatticeObserver observer_;
   std::vector<Level> levels_;
   std::vector<double> unit_;  // of the grid, one entry per joint [rad or m]
   StateTable table_;          // key: root number, then grid coordinates; goals: see lattice.cpp

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "srmp/core/memory_of.hpp"
 #include "srmp/multi/safe_interval_search.hpp"
@@ -142,7 +143,8 @@ class ConflictSearch {
   /// Puts a node into OPEN; null: does nothing.
   void push(NodePtr node) {
     if (!node) return;
-    node->number = result_.statistics.tree_nodes++;
+    const std::uint64_t parent = std::exchange(node->number, result_.statistics.tree_nodes++);
+    if (options_.on_opened) tell(*node, parent);
     held_ += memory_of_node(*node) + memory_left_by(*node);
     open_.insert(node);
     beyond_.insert(std::move(node));
@@ -174,6 +176,12 @@ class ConflictSearch {
       focal_.erase(node);
     }
     if (!open_.contains(node) && !focal_.contains(node) && !beyond_.contains(node)) held_ -= memory_of_node(*node);
+  }
+
+  void tell(const TreeNode& node, std::uint64_t parent) const {
+    OpenedNode opened{node.number, parent, node.cost, node.conflicts.size(), {}};
+    if (!node.conflicts.empty()) opened.first = choose(node);
+    options_.on_opened(opened);
   }
 
   bool add_root() {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
@@ -9,6 +11,16 @@
 #include "srmp/multi/world.hpp"
 
 namespace srmp::multi {
+
+/// A node of the constraint tree that was put into OPEN.
+struct OpenedNode {
+  std::uint64_t number{};  ///< 0: the root
+  std::uint64_t parent{};
+  double cost{};
+  std::size_t conflicts{};        ///< pairs of agents whose paths conflict
+  std::optional<Conflict> first;  ///< the one that is resolved next; none without conflicts
+};
+using OnOpenedNode = std::function<void(const OpenedNode& node)>;
 
 /// The defaults make it CBS (optimal); low_focal and high_focal make it ECBS, and experience with it xECBS.
 struct ConflictSearchOptions {
@@ -33,6 +45,8 @@ struct ConflictSearchOptions {
   /// > 0: every so many nodes one is expanded for its lower bound rather than for few conflicts. Smaller raises the
   /// bound earlier, larger resolves conflicts earlier.
   std::uint64_t lower_bound_period{4};
+
+  OnOpenedNode on_opened{};  ///< told of every node; has no effect on the search
 
   /// cost <= bound() * optimum of the agents' graphs.
   double bound() const;

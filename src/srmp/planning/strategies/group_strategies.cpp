@@ -6,6 +6,7 @@
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
 #include "srmp/planning/strategies/composite_search.hpp"
+#include "srmp/planning/trace_recorders.hpp"
 #include "srmp/planning/world_paths.hpp"
 #include "srmp/planning/world_subset.hpp"
 
@@ -113,9 +114,10 @@ std::string no_paths_reason(const MultiRobotWorld& world, const PlannerOptions& 
 }  // namespace
 
 Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
-                                const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
+                                const PlannerOptions& options, multi::ConflictSearchOptions search_options,
                                 const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics) {
   WorldSubset subset(world, robots);
+  search_options.on_opened = constraint_tree_recorder(world, robots);
   const multi::ConflictSearchResult found = multi::conflict_search(subset, search_options, deadline);
   statistics.expansions += found.statistics.low.expansions;
   statistics.generated += found.statistics.low.generated;

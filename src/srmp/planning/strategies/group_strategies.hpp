@@ -92,7 +92,7 @@ multi::ConflictSearchOptions conflict_search_options(const PlannerOptions& optio
 
 /// A conflict-based search of these robots of a world, with its work added to the statistics.
 Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
-                                const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
+                                const PlannerOptions& options, multi::ConflictSearchOptions search_options,
                                 const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics);
 
 /// "lattices of 15 degrees".

@@ -6,6 +6,7 @@
 #include "srmp/io/primitives.hpp"
 #include "srmp/planning/endpoints/ik_goal_connection.hpp"
 #include "srmp/planning/phase_timer.hpp"
+#include "srmp/planning/trace_recorders.hpp"
 #include "srmp/trajectory/path.hpp"
 
 namespace srmp {
@@ -19,16 +20,16 @@ RobotLattices::RobotLattices(RobotContext& context, const RobotEndpoints& endpoi
 
 Lattice RobotLattices::plain(bool backward) {
   const std::vector<Joint>& joints = context_.robot.joints();
-  return make(backward, own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
+  return make(backward, 1.0, own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
 }
 
 Lattice RobotLattices::lattice(bool backward, double scale) {
   const std::vector<Joint>& joints = context_.robot.joints();
-  return make(backward, own_primitives() ? read_primitives() : rich_primitives(joints, step(scale), pairs()));
+  return make(backward, scale, own_primitives() ? read_primitives() : rich_primitives(joints, step(scale), pairs()));
 }
 
 Lattice RobotLattices::multi_resolution(bool backward) {
-  if (own_primitives()) return make(backward, read_primitives());
+  if (own_primitives()) return make(backward, 1.0, read_primitives());
   if (context_.task.constraints) return lattice(backward, finest_scale);
   const std::vector<Joint>& joints = context_.robot.joints();
   PrimitiveSet finest = rich_primitives(joints, step(finest_scale), pairs());
@@ -39,7 +40,7 @@ Lattice RobotLattices::multi_resolution(bool backward) {
     if (factor * resolution(finest_scale) > std::max(context_.common.resolution, 90.0)) break;
     coarser.push_back({step, rich_primitives(joints, step, pairs())});
   }
-  return make(backward, std::move(finest), std::move(coarser));
+  return make(backward, finest_scale, std::move(finest), std::move(coarser));
 }
 
 std::string RobotLattices::describe(bool backward, double scale) const {
@@ -84,15 +85,18 @@ void RobotLattices::count(const LatticePortfolio& searches) {
   context_.statistics.memory_bytes = std::max(context_.statistics.memory_bytes, work.memory);
 }
 
-Lattice RobotLattices::make(bool backward, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser) {
+Lattice RobotLattices::make(bool backward, double scale, PrimitiveSet primitives,
+                            std::vector<Lattice::CoarseLevel> coarser) {
   std::vector<Eigen::VectorXd> roots{endpoints_.start}, goals = endpoints_.targets;
   if (backward) roots.swap(goals);
+  const bool alone = context_.problem.robots.size() == 1;  // threads plan several robots, in no order
   return Lattice(
       context_.robot, std::move(roots), std::move(goals),
       {.primitives = std::move(primitives),
        .goal_connection = backward ? GoalConnection{} : goal_connection_,
        .coarser = std::move(coarser),
-       .projection = projection()},
+       .projection = projection(),
+       .observer = alone ? lattice_recorder(context_.task.robot, describe(backward, scale)) : LatticeObserver{}},
       [&checks = context_.checks](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return checks.is_motion_free(a, b, worker);
       },

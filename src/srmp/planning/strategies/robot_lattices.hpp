@@ -46,7 +46,7 @@ class RobotLattices : public LatticeFamily {
   void count(const LatticePortfolio& searches);
 
  private:
-  Lattice make(bool backward, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
+  Lattice make(bool backward, double scale, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
   Lattice::Projection projection() const;
   PrimitiveSet read_primitives() const;
   const std::vector<JointPair>& pairs();
