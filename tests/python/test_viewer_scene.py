@@ -264,7 +264,8 @@ def test_a_page_holds_everything_and_asks_for_nothing(planned, tmp_path):
     poses = np.frombuffer(base64.b64decode(data["poses"]), "<f4").reshape(len(data["times"]), data["frames"], 7)
     hand = scene.frames.index("arm/arm7_hand")
     assert np.allclose(poses[-1, hand, :3], one.end_effector_path()[-1], atol=1e-6)
-    assert [plot["title"].split(",")[0] for plot in data["plots"]] == ["velocity", "acceleration", "clearance [mm]"]
+    titles = [plot["title"].split(",")[0] for plot in data["plots"]]
+    assert titles == ["velocity", "acceleration", "jerk", "position [rad", "clearance [mm]"]
     smallest = min(data["plots"][2]["series"][0]["values"])
     assert smallest >= 1e3 * one.certificate.clearance_proved
     assert "proved free" in data["notes"][0][0]

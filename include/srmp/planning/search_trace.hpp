@@ -22,14 +22,14 @@ struct SearchTrace {
   /// An edge whose motion was checked.
   struct Edge {
     Eigen::VectorXd from, to;  ///< (dof,)
-    bool free{};
+    bool free{};               ///< whether the straight motion touches nothing
   };
   /// A lattice that was searched.
   struct Lattice {
-    std::string robot;
-    std::string name;  ///< such as "the lattice of 15 degrees from the start"
-    std::vector<Expansion> expansions{};
-    std::vector<Edge> edges{};  ///< in the order in which they were checked
+    std::string robot;                    ///< its name
+    std::string name;                     ///< such as "the lattice of 15 degrees from the start"
+    std::vector<Expansion> expansions{};  ///< in their order
+    std::vector<Edge> edges{};            ///< in the order in which they were checked
   };
   /// A node of a constraint tree that was opened, with its earliest conflict.
   struct ConstraintNode {
@@ -43,12 +43,12 @@ struct SearchTrace {
     double time_s{};                                  ///< when, at full speed [s]
   };
 
-  std::vector<Lattice> lattices;
-  std::vector<ConstraintNode> constraint_nodes;
-  std::size_t constraint_trees{};
-  std::size_t expansions{};            ///< of all lattices, also those that were not kept
+  std::vector<Lattice> lattices;                 ///< in the order in which their searches began
+  std::vector<ConstraintNode> constraint_nodes;  ///< of all trees, in the order in which they were opened
+  std::size_t constraint_trees{};                ///< number of the trees
+  std::size_t expansions{};                      ///< of all lattices, also those that were not kept
   std::size_t max_records{1'000'000};  ///< expansions, edges and nodes together; further ones are counted, not kept
-  std::size_t records{};
+  std::size_t records{};               ///< of these, counted
 };
 
 /// While it lives, plans of the thread that made it are recorded. Planning is the same with and without: the same

@@ -14,8 +14,7 @@ from srmp.viewer._failure import Failure, find_failure
 from srmp.viewer._motion import Motion, sample_motion, trajectories_of
 from srmp.viewer._plots import Plot, plots_of
 from srmp.viewer._scene import CONTACT, Body, Scene, read_scene
-from srmp.viewer._search import Segments
-from srmp.viewer._shapes import Colour
+from srmp.viewer._shapes import Colour, Segments
 
 if TYPE_CHECKING:
     from srmp import MultiTrajectory, PlannerInterface, Trajectory

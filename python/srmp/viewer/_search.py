@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from srmp import InvalidArgument, _srmp
 from srmp._files import write_text
+from srmp.viewer._shapes import Segments
 
 if TYPE_CHECKING:
     from srmp import ConstraintNode, LatticeTrace, PlannerInterface, SearchTrace
@@ -22,15 +23,6 @@ FREE, BLOCKED = (0.30, 0.45, 0.55), (0.90, 0.66, 0.62)
 _SHADES = 12  # of expanded states, by their distance to the targets
 _CROSS = 0.008  # [m] half the size of the mark of a state
 _MAX_EDGES = 20_000  # that are drawn: the first ones
-
-
-@dataclass(frozen=True, eq=False)
-class Segments:
-    """Straight lines of one colour."""
-
-    name: str
-    points: NDArray[np.float64]  # (n, 2, 3) [m]
-    colour: tuple[float, float, float]
 
 
 def searched(planner: PlannerInterface, trace: SearchTrace) -> list[Segments]:

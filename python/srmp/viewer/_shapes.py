@@ -35,6 +35,15 @@ class Mesh:
         return make_mesh(vertices, self.triangles[:, ::-1] if turned else self.triangles)
 
 
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Straight lines of one colour."""
+
+    name: str
+    points: NDArray[np.float64]  # (n, 2, 3) [m]
+    colour: Colour
+
+
 def make_mesh(vertices: ArrayLike, triangles: ArrayLike) -> Mesh:
     return Mesh(
         np.ascontiguousarray(np.asarray(vertices, dtype=np.float32).reshape(-1, 3)),
