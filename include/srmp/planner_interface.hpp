@@ -14,6 +14,7 @@
 #include "srmp/planning/options.hpp"
 #include "srmp/planning/request.hpp"
 #include "srmp/planning/result.hpp"
+#include "srmp/planning/sequence.hpp"
 #include "srmp/planning/statistics.hpp"
 #include "srmp/planning/user_heuristic.hpp"
 #include "srmp/planning/verify.hpp"
@@ -311,6 +312,21 @@ class PlannerInterface {
   /// 0 and at most 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
   Trajectory follow(const std::string& robot, ConstVector start, const std::vector<Pose>& poses,
                     const CartesianOptions& options = {}, const Interrupt& interrupt = {});
+  /// Motions, grasps and waits in a row, from `start` (dof,) [rad or m]: each segment begins where the one before ends,
+  /// in the scene as it is then. Where a later segment fails, earlier moves end elsewhere, at another target or another
+  /// solution of inverse kinematics, those near their starts first: a grasp takes a configuration from which the lift
+  /// works. Moves with a blend_radius are passed without a stop. Joints that are set are looked at in ten steps on
+  /// their way for contacts; attach an object before a gripper closes around it.
+  ///
+  /// The scene is as before afterwards, whether there is a sequence or not; last_request and last_result are none.
+  /// Planner, timing and limits are those of make_planner; the time limit is for each motion, and so many times as
+  /// there are segments for all. Throws PlanningError with the segment that was reached and why it failed, and
+  /// InvalidArgument, with the number of the segment, for segments that cannot be: unknown objects, links and joints,
+  /// goals as plan, poses as follow, no segments, negative times and radii.
+  SequenceResult plan_sequence(const std::string& robot, ConstVector start, const std::vector<Segment>& segments,
+                               const Interrupt& interrupt = {});
+  SequenceResult plan_sequence(ConstVector start, const std::vector<Segment>& segments,
+                               const Interrupt& interrupt = {});
   /// The fastest certified stop on the path of a motion, from the instant t [s] of it on: the robot brakes as hard as
   /// the velocity and acceleration limits allow at every instant, and stops at the earliest place of the path where it
   /// can. With the timing `ruckig` the jerk limits are kept too; the path must be straight there, as such motions are.

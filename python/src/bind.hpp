@@ -189,6 +189,7 @@ void bind_multi_trajectory(nb::module_& m);
 void bind_io(nb::module_& m);
 void bind_plan_many(nb::module_& m);
 void bind_search_trace(nb::module_& m);
+void bind_sequence(nb::module_& m);
 void bind_planner_interface(nb::module_& m);
 /// From now on all functions of the module raise WrongType where their arguments fit no signature.
 void restate_wrong_types(nb::module_& m);

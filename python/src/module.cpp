@@ -16,6 +16,7 @@ NB_MODULE(_srmp, m) {
   bind_parameterize(m);
   bind_io(m);
   bind_plan_many(m);
+  bind_sequence(m);
   bind_planner_interface(m);
   bind_collision_checker(m);
   bind_search_trace(m);

@@ -141,6 +141,31 @@ out where there is one robot. The GIL is released; Ctrl-C stops the plan.
 
 Raises as plan, and InvalidArgument for other joints, a motion without times or velocities, and a t outside it.)";
 
+constexpr const char* sequence_doc =
+    R"(Motions, grasps and waits in a row, from `start` (dof,) [rad or m]: each segment begins where the one before ends, in
+the scene as it is then. Where a later segment fails, earlier moves end elsewhere, at another target or another solution
+of inverse kinematics, those near their starts first: a grasp takes a configuration from which the lift works. Moves with
+a blend_radius are passed without a stop. Joints that are set are looked at in ten steps on their way for contacts;
+attach an object before a gripper closes around it. The name may be left out where there is one robot.
+
+The scene is as before afterwards, whether there is a sequence or not; last_request and last_result are None. Planner,
+timing and limits are those of make_planner; the time limit is for each motion, and so many times as there are segments
+for all. The GIL is released; Ctrl-C stops the plan.
+
+Raises PlanningError with the segment that was reached and why it failed, and InvalidArgument, with the number of the
+segment, for segments that cannot be: unknown objects, links and joints, goals as plan, poses as follow, no segments,
+negative times and radii.)";
+
+SequenceResult plan_sequence(PyPlannerInterface& self, const std::optional<std::string>& robot, const ArrayLike& start,
+                             const std::vector<Segment>& segments) {
+  return self.use([&](PlannerInterface& p) {
+    const std::string name = robot ? *robot : p.only_robot();
+    const Eigen::VectorXd q = start.vector("start of '" + name + "'");
+    const auto interrupted = [&self] { return self.stops_plans() || python_interrupted(); };
+    return run_plan(p, [&] { return p.plan_sequence(name, q, segments, interrupted); });
+  });
+}
+
 Trajectory stop(PyPlannerInterface& self, const std::optional<std::string>& robot, const Trajectory& trajectory,
                 double t) {
   return self.use([&](const PlannerInterface& p) {
@@ -303,6 +328,18 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
                   "constraints: collections.abc.Sequence[PathConstraint] = (), " SRMP_START_IN_MOTION
                   ") -> Trajectory"),
           plan_doc)
+      .def(
+          "plan_sequence",
+          [](Self& self, const std::string& robot, const ArrayLike& start, const std::vector<Segment>& segments) {
+            return plan_sequence(self, robot, start, segments);
+          },
+          nb::arg("name"), nb::arg("start"), nb::arg("segments"), sequence_doc)
+      .def(
+          "plan_sequence",
+          [](Self& self, const ArrayLike& start, const std::vector<Segment>& segments) {
+            return plan_sequence(self, std::nullopt, start, segments);
+          },
+          nb::arg("start"), nb::arg("segments"), sequence_doc)
       .def(
           "stop",
           [](Self& self, const std::string& robot, const Trajectory& trajectory, double t) {

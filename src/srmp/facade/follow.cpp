@@ -1,7 +1,7 @@
 // Motions along poses: PlannerInterface::plan_linear and follow.
 #include "srmp/core/error.hpp"
 #include "srmp/facade/planner_impl.hpp"
-#include "srmp/planning/cartesian/follow_poses.hpp"
+#include "srmp/facade/poses_to_follow.hpp"
 
 namespace srmp {
 
@@ -15,7 +15,8 @@ void require_tolerance(const char* name, double value, double most, const char* 
                         to_text(most) + " " + unit);
 }
 
-/// From where the link is at the start. Throws InvalidArgument as PlannerInterface::follow says.
+}  // namespace
+
 PosesToFollow poses_to_follow(const PlacedRobot& robot, ConstVector start, const std::vector<Pose>& poses,
                               const CartesianOptions& options) {
   require_tolerance("max_deviation", options.max_deviation, most_deviation, "m");
@@ -34,8 +35,6 @@ PosesToFollow poses_to_follow(const PlacedRobot& robot, ConstVector start, const
   }
   return {link, CartesianPath(std::move(path)), {options.max_deviation, options.max_rotation}};
 }
-
-}  // namespace
 
 Trajectory PlannerInterface::plan_linear(const std::string& robot, ConstVector start, const Pose& goal,
                                          const CartesianOptions& options, const Interrupt& interrupt) {

@@ -14,6 +14,7 @@
 #include "srmp/facade/start_in_motion.hpp"
 #include "srmp/planner_interface.hpp"
 #include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/pipeline.hpp"
@@ -124,6 +125,20 @@ struct PlannerInterface::Impl {
     owned.problem = std::make_unique<const PlanProblem>(
         PlanProblem{scene, {std::move(robot)}, *owned.checkers, *owned.options, heuristics, on_solution});
     return owned;
+  }
+
+  /// A path of one robot in time, with a certificate; corners are rounded by `blend_deviation` [m] at most.
+  Trajectory timed(const PlanRequest& request, const RowMatrix& waypoints, double blend_deviation,
+                   const Deadline::Interrupt& interrupt) {
+    PlannerOptions options = planner_options({request.robot});
+    std::visit([&](auto& typed) { typed.common.blend_deviation = blend_deviation; }, options);
+    const Deadline deadline(common_options(options).time_limit, interrupt);
+    const OwnedProblem owned = make_checkers(deadline, [&] { return problem_of(request, options); });
+    JointPaths paths;
+    paths.smoothed.push_back(path_of_one(waypoints));
+    ParallelWork work(1, statistics);
+    MultiTrajectory motions = certified_timing(*owned.problem, std::move(paths), 0, work, deadline, statistics);
+    return std::move(motions.robots.begin()->second);
   }
 
   /// One robot's of many.
