@@ -84,7 +84,7 @@ void bind_segment(nb::module_& m) {
       .value("detach", SegmentType::detach, "Detaches an object.")
       .value("allow", SegmentType::allow, "Allows collisions of two, or forbids them again.")
       .value("joints", SegmentType::joints, "Sets joints that are not planned.")
-      .value("wait", SegmentType::wait, "Stands still.");
+      .value("wait", SegmentType::wait, "The robot stands still.");
   nb::class_<Segment> segment(m, "Segment", "A segment of a sequence: PlannerInterface.plan_sequence.");
   bind_factories(segment);
   segment.def_ro("type", &Segment::type, "What it does.")
