@@ -142,18 +142,19 @@ class Store:
                 write_bytes(path, data)
 
     def write_shard(self, made: MadeShard) -> None:
-        """Writes a shard: under another name first, so that a file with a shard's name is always whole."""
+        """Writes a shard: under another name first, so that a file with a shard's name is always whole.
+
+        It is listed before it is written: Ctrl-C may come at any instant, also right after the file gets its name.
+        """
         sha256 = hashlib.sha256(made.data).hexdigest()
-        path = self.directory / shard_name(made.number, sha256)
-        try:
-            with self._explained():
-                write_bytes(path, made.data)
-        finally:  # Ctrl-C may come right after the file was renamed
-            if path.exists():
-                self.shards[made.number] = Shard(made.number, path.name, sha256, made.count)
+        shard = Shard(made.number, shard_name(made.number, sha256), sha256, made.count)
+        self.shards[made.number] = shard
+        with self._explained():
+            write_bytes(self.directory / shard.name, made.data)
 
     def write_index(self) -> None:
         """Writes index.json: the same for the same shards."""
+        self._forget_unwritten()
         shards = [self.shards[number] for number in sorted(self.shards)]
         content = {
             "format": FORMAT,
@@ -176,11 +177,16 @@ class Store:
             before = path.read_bytes() if path.exists() else b""
             write_bytes(path, before + json.dumps(plain(about)).encode() + b"\n")
 
+    def _forget_unwritten(self) -> None:
+        """Drops the shard whose writing failed or was interrupted."""
+        self.shards = {n: shard for n, shard in self.shards.items() if (self.directory / shard.name).exists()}
+
     @contextlib.contextmanager
     def _explained(self) -> Iterator[None]:
         try:
             yield
         except OSError as error:
+            self._forget_unwritten()
             reason = error.strerror or str(error)
             count = f" after {len(self.shards)} of {self._spec.shards} shards" if self.shards else ""
             rest = f"; {_GO_ON}" if self.shards else ""
