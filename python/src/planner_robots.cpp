@@ -25,6 +25,11 @@ void add(PlannerInterface& planner, const RobotDescription& description, const P
   }
 }
 
+std::optional<PlanarBounds> bounds_of(const std::optional<Eigen::Matrix2d>& corners) {
+  if (!corners) return std::nullopt;
+  return PlanarBounds{corners->row(0).transpose(), corners->row(1).transpose()};
+}
+
 }  // namespace
 
 void bind_robots(PlannerClass& cls) {
@@ -34,7 +39,7 @@ void bind_robots(PlannerClass& cls) {
             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
-            const std::string& urdf_directory, bool strict) {
+            const std::string& urdf_directory, const std::optional<Eigen::Matrix2d>& planar_bounds, bool strict) {
            if (name.ends_with(".urdf"))
              throw InvalidArgument("name of the robot is '" + name +
                                    "', the path of a URDF: the arguments are urdf_path, "
@@ -50,6 +55,7 @@ void bind_robots(PlannerClass& cls) {
                                               .joint_names = joint_names,
                                               .fixed_joints = fixed_joints,
                                               .package_dirs = package_dirs,
+                                              .planar_bounds = bounds_of(planar_bounds),
                                               .strict = strict};
            self.use([&](PlannerInterface& p) { add(p, description, base_pose); });
          },
@@ -57,7 +63,8 @@ void bind_robots(PlannerClass& cls) {
          nb::arg("group") = "", nb::arg("joint_names") = std::vector<std::string>{},
          nb::arg("fixed_joints") = std::map<std::string, double>{},
          nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
-         nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "", nb::kw_only(), nb::arg("strict") = false,
+         nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "", nb::kw_only(),
+         nb::arg("planar_bounds") = nb::none(), nb::arg("strict") = false,
          R"(Adds a robot from a URDF and, where there is one, an SRDF; `base_pose` is the pose of its root link in the world.
 
 name: unique; default the URDF's. end_effector: the link that goals refer to. Planned joints: joint_names, else the
@@ -69,8 +76,13 @@ The planned joints stand at the values nearest to 0 within their limits. Without
 and so may links that touch with all joints at 0 and in more than 95 % of the sampled configurations
 (get_always_colliding).
 
+planar_bounds: [[x, y], [x, y]], the smallest and the largest [m], of a robot that drives: its planar joint (of the
+URDF, or the virtual joint of the SRDF; otherwise one called 'base' that moves the root link) becomes '<joint>/x',
+'<joint>/y' and '<joint>/theta' [rad], which are planned before the other joints. The base is taken to move in any
+direction.
+
 What was read but not used is issued as RobotWarning and listed by warnings(name): unknown tags, names in the SRDF
-that the URDF does not have, planar and floating joints, which are not planned. With `strict`, mistakes among these
+that the URDF does not have, floating and, without planar_bounds, planar joints, which are not planned. With `strict`, mistakes among these
 raise FileError.
 
 Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,12 @@ class CollisionGeometry;
 }
 
 namespace srmp {
+
+/// Where a planar joint may move in its plane: a rectangle [m].
+struct PlanarBounds {
+  Eigen::Vector2d lower{0, 0};  ///< smallest x and y
+  Eigen::Vector2d upper{0, 0};  ///< largest x and y
+};
 
 /// Which files describe a robot, and which of its joints are planned.
 struct RobotDescription {
@@ -27,6 +34,10 @@ struct RobotDescription {
   std::vector<std::string> joint_names{};        ///< planned joints by name, in this order, instead of a group or chain
   std::map<std::string, double> fixed_joints{};  ///< positions [rad or m] of joints that are not planned
   std::vector<std::string> package_dirs{};  ///< searched for package:// and relative meshes, after the URDF's directory
+  /// Plans a robot that drives: its planar joint (of the URDF, or the virtual joint of the SRDF; otherwise one called
+  /// "base" that moves the root link) becomes "<joint>/x", "<joint>/y" [m] and "<joint>/theta" [rad], which are planned
+  /// before the other joints. The base is taken to move in any direction. Unset: a planar joint stays at its origin.
+  std::optional<PlanarBounds> planar_bounds{};
   bool strict{false};  ///< mistakes in the files that do not change their meaning are errors, not warnings
 };
 

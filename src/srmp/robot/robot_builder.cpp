@@ -4,6 +4,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/joint_names.hpp"
+#include "srmp/robot/planar_base.hpp"
 #include "srmp/robot/robot_impl.hpp"
 #include "srmp/robot/robot_model.hpp"
 #include "srmp/robot/xml.hpp"
@@ -277,18 +278,24 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
                        description.strict);
   m.warnings = m.urdf.warnings;
   m.name = m.self_contained.name = description.name.empty() ? m.urdf.name : description.name;
-  m.link_names = m.urdf.link_names();
   std::optional<Srdf> srdf;
   if (!description.srdf_path.empty() || !description.srdf_text.empty()) {
     srdf = Srdf::parse(texts.srdf_text, m.urdf, description.srdf_path.empty() ? "SRDF text" : description.srdf_path,
                        description.strict);
     m.warnings.insert(m.warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   }
+  if (texts.planar_bounds) {
+    expand_planar_joint(m.self_contained, m.urdf, srdf ? &*srdf : nullptr);
+    m.urdf = Urdf::parse(texts.urdf_text);
+    if (srdf) srdf = Srdf::parse(texts.srdf_text, m.urdf);
+    m.description.joint_names = texts.joint_names;
+  }
+  m.link_names = m.urdf.link_names();
   for (const UrdfJoint& joint : m.urdf.joints)
     if (joint.type == UrdfJointType::floating || joint.type == UrdfJointType::planar)
       m.warnings.push_back("joint '" + joint.name +
-                           "' has more than one degree of freedom; it is not planned and stays "
-                           "at its origin");
+                           "' has more than one degree of freedom; it is not planned and stays at its origin" +
+                           (joint.type == UrdfJointType::planar ? "; planar_bounds plans it" : ""));
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
   build_actuated_joints(m);

@@ -166,10 +166,9 @@ class UrdfReader {
     joint.parent = read_end(element, joint.name, "parent");
     joint.child = read_end(element, joint.name, "child");
     read_origin(element, nullptr, &joint.xyz, &joint.rpy);
-    if (joint.scalar()) {
-      read_axis(element, joint);
-      read_limit(element, joint);
-    }
+    if (joint.scalar() || joint.type == UrdfJointType::planar) read_axis(element, joint);
+    if (joint.scalar()) read_limit(element, joint);
+    if (joint.type == UrdfJointType::planar) read_planar_limit(element, joint);
     mimics_.push_back(joint.scalar() ? element.FirstChildElement("mimic") : nullptr);
     connect(element, std::move(joint));
   }
@@ -244,6 +243,11 @@ class UrdfReader {
     joint.upper = std::clamp(upper, -max_length, max_length);
     xml_.note(*e, "joint '" + joint.name + "' has the limits " + to_text(lower) + " to " + to_text(upper) +
                       " m; it is planned within " + to_text(max_length) + " m of 0");
+  }
+
+  /// The positions of a planar joint have no limits in a URDF.
+  void read_planar_limit(const XMLElement& element, UrdfJoint& joint) {
+    if (const XMLElement* e = element.FirstChildElement("limit")) joint.velocity = xml_.number(*e, "velocity");
   }
 
   void connect(const XMLElement& element, UrdfJoint joint) {

@@ -1,0 +1,124 @@
+// Planar joints of the URDF, virtual joints of the SRDF, and bases that are in neither become three planned joints.
+
+#include <boost/test/unit_test.hpp>
+#include <limits>
+#include <string>
+
+#include "srmp/core/error.hpp"
+#include "srmp/core/pose.hpp"
+#include "srmp/robot/robot_model.hpp"
+#include "support/throws.hpp"
+
+using namespace srmp;
+
+namespace {
+
+const std::string kTrolley = R"(<robot name='trolley'>
+  <link name='floor'/><link name='body'/><link name='arm'/>
+  <joint name='wheels' type='planar'><origin xyz='1 2 0.5' rpy='0 0 1.5707963267948966'/>
+    <parent link='floor'/><child link='body'/><axis xyz='0 0 1'/><limit velocity='0.7'/></joint>
+  <joint name='turn' type='revolute'><origin xyz='0 0 1'/><parent link='body'/><child link='arm'/><axis xyz='0 1 0'/>
+    <limit lower='-1' upper='1' velocity='1'/></joint>
+</robot>)";
+
+const std::string kStand = R"(<robot name='stand'>
+  <link name='body'/><link name='arm'/>
+  <joint name='turn' type='revolute'><origin xyz='0 0 1'/><parent link='body'/><child link='arm'/><axis xyz='0 1 0'/>
+    <limit lower='-1' upper='1' velocity='1'/></joint>
+</robot>)";
+
+RobotDescription driving(const std::string& urdf, const std::string& srdf = "") {
+  RobotDescription description;
+  description.urdf_text = urdf;
+  description.srdf_text = srdf;
+  description.planar_bounds = PlanarBounds{{-2, -1}, {3, 4}};
+  return description;
+}
+
+Eigen::Isometry3d arm_pose(const RobotModel& robot, const Eigen::VectorXd& q) {
+  const RobotDataPtr data = robot.make_data();
+  robot.forward(*data, q);
+  return robot.link_pose(*data, robot.link_index("arm"));
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(planar_base)
+
+BOOST_AUTO_TEST_CASE(a_planar_joint_is_three_planned_joints) {
+  const auto robot = RobotModel::load(driving(kTrolley));
+  BOOST_TEST(robot->joint_names() == (std::vector<std::string>{"wheels/x", "wheels/y", "wheels/theta", "turn"}),
+             boost::test_tools::per_element());
+  BOOST_TEST(robot->joints()[0].lower == -2.0);
+  BOOST_TEST(robot->joints()[1].upper == 4.0);
+  BOOST_TEST(robot->joints()[1].max_velocity == 0.7);
+  BOOST_TEST((robot->joints()[2].kind == JointKind::continuous));
+  BOOST_TEST(robot->warnings().empty());
+
+  const Eigen::Isometry3d origin = Pose::from_rpy({1, 2, 0.5}, {0, 0, M_PI / 2}).isometry();
+  const Eigen::Isometry3d drive = Pose::from_rpy({1.5, -0.5, 0}, {0, 0, 0.8}).isometry();
+  const Eigen::Isometry3d turn = Pose::from_rpy({0, 0, 1}, {0, 0.3, 0}).isometry();
+  const Eigen::Isometry3d pose = arm_pose(*robot, Eigen::Vector4d(1.5, -0.5, 0.8, 0.3));
+  BOOST_TEST((pose.matrix() - (origin * drive * turn).matrix()).norm() < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(the_axis_of_a_planar_joint_is_the_normal_of_its_plane) {
+  std::string wall = kTrolley;
+  wall.replace(wall.find("<axis xyz='0 0 1'/>"), 19, "<axis xyz='1 0 0'/>");
+  const auto robot = RobotModel::load(driving(wall));
+  const Eigen::Isometry3d still = arm_pose(*robot, Eigen::Vector4d::Zero());
+  const Eigen::Isometry3d origin = Pose::from_rpy({1, 2, 0.5}, {0, 0, M_PI / 2}).isometry();
+  for (const Eigen::Vector4d& q : {Eigen::Vector4d(1, 0, 0, 0), Eigen::Vector4d(0, 1, 0, 0)}) {
+    const Eigen::Vector3d moved =
+        origin.linear().transpose() * (arm_pose(*robot, q).translation() - still.translation());
+    BOOST_TEST(std::abs(moved.x()) < 1e-12);
+    BOOST_TEST(std::abs(moved.norm() - 1.0) < 1e-12);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_planar_virtual_joint_is_planned_with_the_group) {
+  const std::string srdf = R"(<robot name='stand'>
+    <virtual_joint name='world_joint' type='planar' parent_frame='odom' child_link='body'/>
+    <group name='arm'><joint name='turn'/></group><group name='base'><joint name='world_joint'/></group>
+    <group_state name='up' group='arm'><joint name='turn' value='0.5'/></group_state>
+    <group_state name='away' group='arm'><joint name='turn' value='0'/><joint name='world_joint' value='1 2 3'/></group_state>
+  </robot>)";
+  RobotDescription description = driving(kStand, srdf);
+  description.group = "arm";
+  const auto robot = RobotModel::load(description);
+  BOOST_TEST(
+      robot->joint_names() == (std::vector<std::string>{"world_joint/x", "world_joint/y", "world_joint/theta", "turn"}),
+      boost::test_tools::per_element());
+  BOOST_TEST((robot->group_states().at("up") - Eigen::Vector4d(0, 0, 0, 0.5)).norm() == 0.0);
+  BOOST_TEST((robot->group_states().at("away") - Eigen::Vector4d(1, 2, 3, 0)).norm() == 0.0);
+
+  description.group = "base";
+  BOOST_TEST(RobotModel::load(description)->joint_names().size() == 3u);
+  // What is saved describes the same robot, without the bounds.
+  const auto again = RobotModel::load(robot->self_contained_description());
+  BOOST_TEST(again->joint_names() == robot->joint_names(), boost::test_tools::per_element());
+}
+
+BOOST_AUTO_TEST_CASE(without_a_planar_joint_the_root_link_moves) {
+  RobotDescription description = driving(kStand);
+  const auto robot = RobotModel::load(description);
+  BOOST_TEST(robot->joint_names() == (std::vector<std::string>{"base/x", "base/y", "base/theta", "turn"}),
+             boost::test_tools::per_element());
+  description.joint_names = {"turn"};
+  BOOST_TEST(RobotModel::load(description)->joint_names() == robot->joint_names(), boost::test_tools::per_element());
+  description.joint_names = {"turn", "base/theta"};
+  BOOST_TEST(RobotModel::load(description)->joint_names() == description.joint_names, boost::test_tools::per_element());
+}
+
+BOOST_AUTO_TEST_CASE(bounds_that_hold_nothing_are_refused) {
+  RobotDescription description = driving(kTrolley);
+  description.planar_bounds->upper.y() = -1;
+  check_throws<InvalidArgument>([&] { RobotModel::load(description); },
+                                "planar_bounds: y is from -1 to -1 m; the lower bound must be below the upper one");
+  description.planar_bounds->upper.y() = std::numeric_limits<double>::quiet_NaN();
+  check_throws<InvalidArgument>([&] { RobotModel::load(description); }, "bounds must be finite numbers");
+  description.planar_bounds->upper.y() = 2000;
+  check_throws<InvalidArgument>([&] { RobotModel::load(description); }, "at most 1000 m are allowed");
+}
+
+BOOST_AUTO_TEST_SUITE_END()
