@@ -128,10 +128,10 @@ class Marks:
                 handle.remove()
             self._handles = []
             for k, touch in enumerate(touches):
-                ball = sphere(0.012, 16)
+                marker = sphere(0.012, 16)
                 self._handles.append(
                     self._server.scene.add_mesh_simple(
-                        f"/marks/point{k}", ball.vertices, ball.triangles, color=_rgb(CONTACT), position=touch.point
+                        f"/marks/point{k}", marker.vertices, marker.triangles, color=_rgb(CONTACT), position=touch.point
                     )
                 )
                 if k < _MAX_TEXTS:
