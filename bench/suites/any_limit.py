@@ -1,4 +1,4 @@
-"""Checks that a time limit which is not reached does not change the answer.
+"""Checks that a time limit which is not reached does not change the result.
 
     python bench/suites/any_limit.py --data DIR [--cases 40] [--repeats 2] [--out any_limit.json]
 
@@ -80,7 +80,7 @@ def outcome(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> Outcome:
 
 @dataclass
 class Compared:
-    """The different answers to a case, and the limits that each was given for."""
+    """The different results of a case, and the limits that each was given for."""
 
     need_s: float
     limits_of: dict[str, list[float]]
@@ -206,15 +206,15 @@ def spin() -> None:
 
 
 @contextlib.contextmanager
-def busy_neighbour(wanted: bool) -> Iterator[None]:
+def busy_neighbour(busy: bool) -> Iterator[None]:
     """A process that keeps a core busy."""
     process = multiprocessing.get_context("spawn").Process(target=spin, daemon=True)
-    if wanted:
+    if busy:
         process.start()
     try:
         yield
     finally:
-        if wanted:
+        if busy:
             process.terminate()
             process.join()
 

@@ -163,13 +163,13 @@ def run(data: str, robot: str, problems: str, planner: str, time_limit: float) -
 
 
 def cells(name: str, rows: list[dict[str, Any]]) -> list[str]:
-    asked = [row for row in rows if row["status"] != "left out"]
-    solved = [row for row in asked if row["status"] == "solved"]
+    given = [row for row in rows if row["status"] != "left out"]
+    solved = [row for row in given if row["status"] == "solved"]
     times = [[row[key] for row in solved] for key in ("plan_time_s", "total_time_s")]
     return [
         name,
-        f"{len(solved)}/{len(asked)}",
-        str(len(rows) - len(asked)),
+        f"{len(solved)}/{len(given)}",
+        str(len(rows) - len(given)),
         *(format_seconds(float(np.percentile(of, p))) if of else "-" for of in times for p in (50, 95)),
         f"{np.degrees(max((row['tilt_rad'] for row in solved), default=0.0)):.3f}°",
         str(sum(map(is_wrong, rows))),

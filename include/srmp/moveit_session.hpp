@@ -56,7 +56,7 @@ struct MoveItRobot {
   std::map<std::string, MoveItJointBounds> bounds;  ///< by joint
 };
 
-/// An answer to a motion plan request.
+/// The response to a motion plan request.
 struct MoveItResponse {
   MoveItErrorCode code{MoveItErrorCode::failure};  ///< success: there is a trajectory
   std::string message;                             ///< why there is none, as a sentence; "" where there is one

@@ -16,7 +16,7 @@ class PlanningContext : public planning_interface::PlanningContext {
       : planning_interface::PlanningContext("srmp", group), library_(std::move(library)) {}
 
   SolveResult solve(planning_interface::MotionPlanResponse& response) override {
-    const srmp::MoveItResponse result = answer();
+    const srmp::MoveItResponse result = respond();
     planning_time_of(response) = result.planning_time;
     error_code_of(response).val = static_cast<int>(result.code);
     const bool solved = result.code == srmp::MoveItErrorCode::success;
@@ -25,7 +25,7 @@ class PlanningContext : public planning_interface::PlanningContext {
   }
 
   SolveResult solve(planning_interface::MotionPlanDetailedResponse& response) override {
-    const srmp::MoveItResponse result = answer();
+    const srmp::MoveItResponse result = respond();
     error_code_of(response).val = static_cast<int>(result.code);
     const bool solved = result.code == srmp::MoveItErrorCode::success;
     if (!solved) return result_of_solve(false);
@@ -50,7 +50,7 @@ class PlanningContext : public planning_interface::PlanningContext {
   void clear() override { stop_ = false; }
 
  private:
-  srmp::MoveItResponse answer() {
+  srmp::MoveItResponse respond() {
     srmp::MoveItResponse response;
     try {
       start_ = getPlanningScene()->getCurrentStateUpdated(getMotionPlanRequest().start_state);

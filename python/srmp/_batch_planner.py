@@ -118,10 +118,10 @@ class BatchPlanner:
         world = self._scenes[scene]
         if not isinstance(poses, Mapping):
             raise srmp.InvalidArgument(f"poses is {poses!r}; it must be a mapping of names of objects to poses.")
-        wanted = {name: _as_pose(name, pose) for name, pose in poses.items()}
-        before = {name: world.get_object_pose(name) for name in wanted}
+        targets = {name: _as_pose(name, pose) for name, pose in poses.items()}
+        before = {name: world.get_object_pose(name) for name in targets}
         try:
-            for name, pose in wanted.items():
+            for name, pose in targets.items():
                 world.set_object_pose(name, pose)
         except srmp.Error:
             for name, pose in before.items():
@@ -150,8 +150,8 @@ class BatchPlanner:
             raise srmp.InvalidArgument("starts have a number that is not finite.")
         if (goals is None) == (poses is None):
             raise srmp.InvalidArgument("give either goals or poses.")
-        wanted = self._goals(_each("goals", goals) if poses is None else _poses(poses), begin)
-        return _batch(begin, self._plan_all(begin, wanted))
+        constraints = self._goals(_each("goals", goals) if poses is None else _poses(poses), begin)
+        return _batch(begin, self._plan_all(begin, constraints))
 
     def _plan_all(
         self, starts: np.ndarray, goals: Sequence[srmp.GoalConstraint]

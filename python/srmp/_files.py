@@ -1,8 +1,11 @@
 """Files written completely or not at all, and JSON results."""
 
+import contextlib
 import json
 import math
 import os
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +39,44 @@ def write_json(path: str | Path, value: Any) -> None:
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Writes a temporary file beside `path` and renames it, as the library does. Raises FileError."""
     _srmp._write_file(path, text)
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Writes a whole file and brings it to the disk, its name too. Raises OSError."""
+    with whole(path) as part, part.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    with contextlib.suppress(OSError):  # some file systems cannot do this for directories
+        directory = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(directory)
+        finally:
+            os.close(directory)
+
+
+@contextlib.contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """`path` with ".part", where the block makes a file or a directory: it is renamed to `path` when the block ends.
+
+    What a killed run left there is removed at first, and what the block has made when it raises.
+    """
+    part = path.with_name(path.name + ".part")
+    _remove(part)
+    try:
+        yield part
+        part.rename(path)
+    except BaseException:
+        _remove(part)
+        raise
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
 def _encode(value: Any, indent: str = "") -> str:

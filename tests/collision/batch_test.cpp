@@ -231,7 +231,8 @@ BOOST_AUTO_TEST_CASE(with_proofs_only_a_checker_proves_as_much) {
       const std::vector<double> turns{0, 0, 0, 0, 0, 0, 200.0};
       for (int i = 0; i < amount(120); ++i) {
         const auto q = random_q(same_for_each, 7 * 16, 2.0);
-        const auto lanes = checker.check_block(q, *workspace), proofs = checker.check_block(q, *workspace, true);
+        const auto lanes = checker.check_block(q, *workspace),
+                   proofs = checker.check_block(q, *workspace, {.proofs_only = true});
         BOOST_REQUIRE((lanes.colliding | lanes.undecided) == (proofs.colliding | proofs.undecided));
         const auto a = random_q(same_for_each, 7, 3.0), d = random_q(same_for_each, 7, i % 3 ? 0.1 : 1.0);
         const std::uint64_t before = checker.statistics(*workspace).blocks;

@@ -62,8 +62,8 @@ def test_the_page_has_tables_statements_figures_and_how_long_it_took(small, resu
             assert (out / f"experiments-{letter}.{suffix}").stat().st_size > 5000
     assert "This is a smaller run than the paper's" in text
     assert re.search(r"Setting up, planning and checking took \(a\) \d+ s", text)
-    verdicts = {statement["verdict"] for statement in results["statements"]}
-    assert verdicts <= {"reproduced", "exceeded", "not", "not measured"}
+    findings = {statement["finding"] for statement in results["statements"]}
+    assert findings <= {"reproduced", "exceeded", "not", "not measured"}
     assert len(results["statements"]) == text.count("** |")
     assert f"wrote {out / 'experiments.md'}" in said
     assert "MotionBenchMaker's problems for ur5, fetch were not run" in said
@@ -270,23 +270,23 @@ def test_invalid_problems_count_for_nobody():
     assert entry_of(rows, "RRT-Connect", "OMPL").valid == 0
 
 
-def verdicts(rows, letter="a"):
-    return [statement.verdict for statement in statements.statements(result_of(rows, letter))]
+def findings(rows, letter="a"):
+    return [statement.finding for statement in statements.statements(result_of(rows, letter))]
 
 
 def test_statements_have_verdicts():
-    assert verdicts(ROWS) == ["exceeded", "exceeded", "exceeded", "not measured", "not measured"]
+    assert findings(ROWS) == ["exceeded", "exceeded", "exceeded", "not measured", "not measured"]
     swapped = {"SRMP": ("RRT-Connect", "OMPL"), "OMPL": ("wA*", "SRMP")}
     worse = [{**r, **dict(zip(("planner", "library"), swapped[r["library"]], strict=True))} for r in ROWS[:8]]
-    assert verdicts(worse)[:3] == ["not", "not", "reproduced"]
+    assert findings(worse)[:3] == ["not", "not", "reproduced"]
     anytime = [row("ARA*", "SRMP", 0, time=1.0), row("RRT*", "OMPL", 0, time=5.0)]
-    assert verdicts(anytime)[3:] == ["exceeded", "reproduced"]
+    assert findings(anytime)[3:] == ["exceeded", "reproduced"]
     late = [{**r, "plan_time_s": 6.0 - r["plan_time_s"]} for r in anytime]
-    assert verdicts(late)[3:] == ["not", "not"]
+    assert findings(late)[3:] == ["not", "not"]
 
 
 def test_times_of_the_paper_are_compared():
     rows = [row("xECBS", "SRMP", 0, time=1.6, experiment="b")]
     found = statements.statements(result_of(rows, "b"))
     (binpick,) = [s for s in found if "in binpick" in s.paper and "on average" in s.paper]
-    assert binpick.verdict == "reproduced"
+    assert binpick.finding == "reproduced"

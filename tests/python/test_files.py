@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 import srmp
-from srmp._files import write_json
+from srmp._files import whole, write_bytes, write_json
 from srmp.cli import main
 from srmp.result import plan_result
 
@@ -299,3 +299,22 @@ def test_plan_saves_what_replay_reads(tmp_path):
     assert result.exit_code == 0, result.output
     assert srmp.Trajectory.load(tmp_path / "plan.json") == srmp.Trajectory.load(tmp_path / "p.srmp.json")
     assert run("replay", tmp_path / "p.srmp.json").exit_code == 0
+
+
+def test_what_is_made_whole_is_there_completely_or_not_at_all(tmp_path):
+    path, part = tmp_path / "set", tmp_path / "set.part"
+    part.mkdir()
+    (part / "left by a killed run").touch()
+    with whole(path) as made:
+        assert not made.exists()
+        made.mkdir()
+        (made / "a").write_text("1")
+        assert not path.exists()
+    assert [item.name for item in path.iterdir()] == ["a"]
+    with pytest.raises(KeyboardInterrupt), whole(tmp_path / "file") as made:
+        made.write_text("half")
+        raise KeyboardInterrupt
+    write_bytes(tmp_path / "bytes", b"1")
+    write_bytes(tmp_path / "bytes", b"2")
+    assert (tmp_path / "bytes").read_bytes() == b"2"
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["bytes", "set"]

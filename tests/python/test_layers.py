@@ -1,4 +1,4 @@
-"""Include directions: nothing lower in the house includes anything higher, and nothing includes in a circle."""
+"""Include directions, circles of includes, who reads the clock, and how long files and functions are."""
 
 import ast
 import re
@@ -174,4 +174,90 @@ def test_public_headers_include_public_headers_only():
     public = {name_of(file) for file in SOURCES[0].rglob("*.hpp")}
     for file in SOURCES[0].rglob("*.hpp"):
         assert set(included_by(file)) <= public, name_of(file)
-    assert len(public) <= 40, "the public face grows: is all of this for users?"
+
+
+MAX_LINES_OF_FILE, MAX_LINES_OF_FUNCTION = 600, 60
+PROGRAM = ("include", "src", "python", "bench", "docs", "examples", "moveit")
+
+
+def program_files(*suffixes, directories=PROGRAM):
+    return [f for name in directories for f in sorted((ROOT / name).rglob("*")) if f.suffix in suffixes]
+
+
+def blank(match):
+    return re.sub(r"[^\n]", " ", match[0])
+
+
+def cpp_functions(text):
+    """(head, lines) of each function defined in a C++ source, without those inside functions.
+
+    A function is an outermost block whose head ends as a parameter list or a list of initialisers does.
+    """
+    text = re.sub(
+        r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', blank, text, flags=re.S
+    )
+    text = re.sub(r"(?m)^[ \t]*#(?:.*\\\n)*.*", blank, text)
+    found, open_blocks, last = [], [], 0
+    for match in re.finditer(r"[{};]", text):
+        begin = last + len(text[last : match.start()]) - len(text[last : match.start()].lstrip())
+        head, last = " ".join(text[begin : match.start()].split()), match.end()
+        if match[0] == "{":
+            outermost = not any(is_function for _, is_function, _ in open_blocks)
+            ends = re.search(r"\)(\s|const|noexcept|override|final|&|->[\w:<>,\s*&]+)*$|\) : \w", head)
+            type_or_namespace = re.match(r"(template <.*> )?(namespace|class|struct|enum|union)\b", head)
+            open_blocks.append((begin, bool(outermost and ends and not type_or_namespace), head))
+        elif match[0] == "}":
+            begin, is_function, head = open_blocks.pop()
+            if is_function:
+                found.append((head, text.count("\n", begin, match.end()) + 1))
+    assert not open_blocks
+    return found
+
+
+def python_functions(text):
+    functions = [n for n in ast.walk(ast.parse(text)) if isinstance(n, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    return [(node.name, node.end_lineno - node.lineno + 1) for node in functions]
+
+
+def test_functions_are_found():
+    text = """
+struct Point { double x{}; Point(double x) : x(x) {} };
+// void not_this() {
+int f(int a,
+      int b) {
+  const auto g = [&](int c) { return "}" + c; };
+  for (;;) {
+  }
+}
+"""
+    assert [lines for _, lines in cpp_functions(text)] == [1, 6]
+    assert cpp_functions(text)[1][0] == "int f(int a, int b)"
+    assert python_functions("def f():\n    x = 1\n    return x\n") == [("f", 3)]
+
+
+def test_files_are_short():
+    files = program_files(".hpp", ".cpp", ".h", ".py")
+    assert len(files) > 500
+    lengths = {str(file.relative_to(ROOT)): len(file.read_text().splitlines()) for file in files}
+    assert not {name: lines for name, lines in lengths.items() if lines > MAX_LINES_OF_FILE}
+
+
+def test_functions_fit_a_screen():
+    """But for the tables of bindings, whose functions are named bind_…."""
+    long, found = [], 0
+    cpp = program_files(".hpp", ".cpp", directories=("include", "src", "python", "bench", "examples"))
+    for file in [*cpp, *program_files(".py")]:
+        functions = (python_functions if file.suffix == ".py" else cpp_functions)(file.read_text())
+        found += len(functions)
+        long += [
+            f"{file.relative_to(ROOT)}: {head} has {lines} lines"
+            for head, lines in functions
+            if lines > MAX_LINES_OF_FUNCTION and not re.search(r"\bvoid bind_\w+\(", head)
+        ]
+    assert found > 3000
+    assert long == []
+
+
+def test_few_headers_are_installed():
+    installed = {file for file in SOURCES[0].rglob("*") if file.is_file()}
+    assert len(installed) <= 40, "the public face grows: is all of this for users?"

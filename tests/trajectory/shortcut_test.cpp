@@ -10,6 +10,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/trajectory/path.hpp"
+#include "srmp/trajectory/skip_waypoints.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -156,6 +157,39 @@ std::set<std::vector<double>> segments_of(const RowMatrix& path) {
 }
 
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(the_farthest_waypoint_is_that_of_a_linear_search) {
+  for (std::size_t last = 1; last <= 20; ++last)
+    for (std::size_t from = 0; from < last; ++from)
+      for (std::size_t reach = from + 1; reach <= last; ++reach)
+        for (const bool last_first : {true, false}) {
+          std::size_t tried = 0;
+          const auto can_reach = [&](std::size_t waypoint) {
+            BOOST_REQUIRE(from + 1 < waypoint);
+            BOOST_REQUIRE(waypoint <= last);
+            ++tried;
+            return waypoint <= reach;
+          };
+          BOOST_TEST(farthest_waypoint(from, last, can_reach, {.last_first = last_first}) == reach);
+          BOOST_TEST(tried <= 6);  // the last one, and bisection of 20
+          if (last_first && reach == last) BOOST_TEST(tried <= 1);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(skipped_waypoints_leave_free_segments_and_both_ends) {
+  std::mt19937 random(3);
+  for (int k = 0; k < 50; ++k) {
+    const std::size_t last = 1 + random() % 30;
+    std::vector<char> free((last + 1) * (last + 1));
+    for (char& f : free) f = random() % 3 == 0;
+    const auto is_free = [&](std::size_t a, std::size_t b) { return free[a * (last + 1) + b] != 0; };
+    const std::vector<std::size_t> kept = skip_waypoints(last, is_free);
+    BOOST_TEST(kept.front() == 0);
+    BOOST_TEST(kept.back() == last);
+    for (std::size_t i = 1; i < kept.size(); ++i)
+      BOOST_TEST((kept[i] == kept[i - 1] + 1 || (kept[i] > kept[i - 1] && is_free(kept[i - 1], kept[i]))));
+  }
+}
 
 BOOST_AUTO_TEST_CASE(an_empty_world_gives_the_straight_line_with_one_check) {
   const ShortcutResult result = shortcut(rows({{0, 0}, {1, 0}, {1, 1}, {2, 1}}), always);

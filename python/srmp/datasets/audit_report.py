@@ -52,7 +52,7 @@ def write(audit: Audit, path: str | Path) -> None:
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     faults = "".join(f"<li>{html.escape(str(fault))}</li>" for fault in audit.faults)
     more = f"<p>… and {audit.more_faults} more</p>" if audit.more_faults else ""
-    verdict = "No faults were found." if audit.passed else f"{len(audit.faults) + audit.more_faults} faults were found."
+    summary = "No faults were found." if audit.passed else f"{len(audit.faults) + audit.more_faults} faults were found."
     write_text(
         path,
         f"""<!doctype html>
@@ -60,7 +60,7 @@ def write(audit: Audit, path: str | Path) -> None:
 <style>body{{font-family:sans-serif;margin:2em;max-width:70em}}td,th{{padding:.2em .8em;text-align:right}}
 td:first-child,th:first-child{{text-align:left}}img{{max-width:100%}}</style></head>
 <body><h1>Audit of {html.escape(audit.directory.name)}</h1>
-<p>{audit.records} records were read; the collisions of {audit.checked} motions were checked. {verdict}</p>
+<p>{audit.records} records were read; the collisions of {audit.checked} motions were checked. {summary}</p>
 <table><tr>{head}</tr>{body}</table>
 {_figure(audit)}
 <h2>Faults</h2><ul>{faults or "<li>none</li>"}</ul>{more}

@@ -89,7 +89,7 @@ class _Run:
         self._began = time.monotonic()
         self._made = self._solved = self._worker_memory = 0
         self._work_seconds = 0.0
-        self._late: list[int] = []
+        self._timed_out: list[int] = []
 
     def collect(self, shards: Iterator[MadeShard], workers: int | None, ray: str | None) -> None:
         indexed = time.monotonic()
@@ -97,8 +97,8 @@ class _Run:
         self._tell(there)
         try:
             for made in shards:
-                if made.late:
-                    self._late += made.late
+                if made.timed_out:
+                    self._timed_out += made.timed_out
                     continue
                 self._store.write_shard(made)
                 self._made += made.count
@@ -117,11 +117,11 @@ class _Run:
 
     def _require_in_time(self) -> None:
         """The clock is no part of a record: what reaches the time limit is not stored, and the run says so."""
-        if not self._late:
+        if not self._timed_out:
             return
-        late = sorted(self._late)
-        listed = ", ".join(map(str, late[:_LISTED])) + (", …" if len(late) > _LISTED else "")
-        what = f"record {listed}" if len(late) == 1 else f"{len(late)} records ({listed})"
+        timed_out = sorted(self._timed_out)
+        listed = ", ".join(map(str, timed_out[:_LISTED])) + (", …" if len(timed_out) > _LISTED else "")
+        what = f"record {listed}" if len(timed_out) == 1 else f"{len(timed_out)} records ({listed})"
         raise srmp.Error(
             f"{what} reached planner.time_limit, {self._spec.time_limit:g} s, and no record may depend on the clock: "
             f"{len(self._store.shards)} of {self._spec.shards} shards are there; with a larger planner.time_limit, "

@@ -16,7 +16,7 @@ from srmp.datasets.scene import pose_of
 
 STEP = 0.02
 """Between configurations that are checked for collisions: the most that a joint moves [rad or m]."""
-_SLACK = 1e-6  # relative, of limits
+_TOLERANCE = 1e-6  # relative, of limits
 _MISS = 1e-6  # of starts and goals [rad or m]
 _POSE_MISS = (1e-3, 1e-2)  # of goal poses [m, rad]: the tolerances of a goal
 _DISTANCE = 1e-5  # [m] by which a distance may be below what a certificate says
@@ -84,14 +84,14 @@ class MotionChecks:
         hardest = np.abs(accelerations).max(axis=(0, 1))
         checks = (
             ("a joint of '{}' leaves its position limits", outside, np.full(len(lower), 1e-9)),
-            ("a joint of '{}' is faster than its limit", fastest - velocity, _SLACK * velocity),
-            ("a joint of '{}' accelerates beyond its limit", hardest - 2 * velocity, _SLACK * 2 * velocity),
+            ("a joint of '{}' is faster than its limit", fastest - velocity, _TOLERANCE * velocity),
+            ("a joint of '{}' accelerates beyond its limit", hardest - 2 * velocity, _TOLERANCE * 2 * velocity),
         )
         faults = []
-        for text, excess, slack in checks:
-            if np.any(excess > slack):
-                joint = self._names[name][int(np.argmax(excess - slack))]
-                faults.append(f"{text.format(name)}: {joint}, by {float(np.max(excess)):.3g}.")
+        for text, difference, tolerance in checks:
+            if np.any(difference > tolerance):
+                joint = self._names[name][int(np.argmax(difference - tolerance))]
+                faults.append(f"{text.format(name)}: {joint}, by {float(np.max(difference)):.3g}.")
         return faults
 
     def _peak_speeds(self, speeds: np.ndarray) -> np.ndarray:

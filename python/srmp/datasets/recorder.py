@@ -47,7 +47,7 @@ class MadeShard:
     """Time of the process for it; not part of the data."""
     memory: int
     """The most memory that the process had so far [byte]."""
-    late: tuple[int, ...] = ()
+    timed_out: tuple[int, ...] = ()
     """Records that reached the time limit."""
 
 
@@ -78,16 +78,16 @@ class Recorder:
     def shard(self, number: int) -> MadeShard:
         """The shard of this number."""
         began = time.monotonic()
-        records, late = [], []
+        records, timed_out = [], []
         for index in self._spec.numbers(number):
             try:
                 records.append(self.record(index))
             except TimeLimitReached:
-                late.append(index)
-        data = b"" if late else to_bytes(records, self._identity, number)
+                timed_out.append(index)
+        data = b"" if timed_out else to_bytes(records, self._identity, number)
         solved = sum(record["status"] == "solved" for record in records)
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-        return MadeShard(number, data, len(records), solved, time.monotonic() - began, memory, tuple(late))
+        return MadeShard(number, data, len(records), solved, time.monotonic() - began, memory, tuple(timed_out))
 
     def record(self, index: int) -> dict[str, Any]:
         """The record of this index, laid out as schema.SCHEMA. Raises TimeLimitReached."""

@@ -6,7 +6,6 @@ import contextlib
 import fcntl
 import hashlib
 import json
-import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import srmp
-from srmp._files import plain, write_json
+from srmp._files import plain, write_bytes, write_json
 from srmp.datasets.fields import Fields
 from srmp.datasets.recorder import MadeShard
 from srmp.datasets.schema import need_pyarrow, versions
@@ -191,27 +190,6 @@ class Store:
             count = f" after {len(self.shards)} of {self._spec.shards} shards" if self.shards else ""
             rest = f"; {_GO_ON}" if self.shards else ""
             raise srmp.FileError(f"{self.directory} cannot be written{count}: {reason}{rest}.") from error
-
-
-def write_bytes(path: Path, data: bytes) -> None:
-    """Writes a temporary file beside the path, brings it to the disk, and renames it. Raises OSError."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        part.rename(path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
-    with contextlib.suppress(OSError):  # some file systems cannot do this for directories
-        directory = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(directory)
-        finally:
-            os.close(directory)
 
 
 def read_index(directory: Path) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import srmp
 from srmp._files import write_text
 from srmp._names import did_you_mean
 
-ALWAYS = 0.95  # of the samples; the share that the library itself takes for always
+ALWAYS = 0.95  # of the samples; the fraction that the library itself takes for always
 REASONS = ("Adjacent", "Always", "Default", "Never")
 
 
@@ -46,7 +46,7 @@ class AllowedCollisions:
             f"  {len(self.checked):5} stay checked:",
         ]
         often = sorted(self.checked.items(), key=lambda item: (-item[1], item[0]))
-        return "\n".join(lines + [f"        {a} – {b}: {share:.1%} of the samples" for (a, b), share in often])
+        return "\n".join(lines + [f"        {a} – {b}: {fraction:.1%} of the samples" for (a, b), fraction in often])
 
     def to_srdf(self) -> str:
         """The SRDF as text: disable_collisions with their reasons, and the group where one was asked for."""
@@ -179,15 +179,15 @@ def _judge(
     checked: dict[tuple[str, str], float] = {}
     for i, a in enumerate(bodies):
         for b in bodies[i + 1 :]:
-            share = touched[a, b] / samples
-            if (a, b) in always or share > ALWAYS:
+            fraction = touched[a, b] / samples
+            if (a, b) in always or fraction > ALWAYS:
                 pairs[a, b] = "Always"
             elif planner.allowed_collision(f"{name}/{a}", f"{name}/{b}"):
                 pairs[a, b] = "Adjacent"
             elif (a, b) in at_zero:
                 pairs[a, b] = "Default"
-            elif share == 0:
+            elif fraction == 0:
                 pairs[a, b] = "Never"
             else:
-                checked[a, b] = share
+                checked[a, b] = fraction
     return pairs, checked

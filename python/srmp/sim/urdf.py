@@ -12,6 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from srmp import NotSupported, Pose, cover_directory
+from srmp._files import write_text
 from srmp.sim.shapes import Box, Capsule, Cylinder, Mesh, Plane, Shape, Sphere, as_mesh, hull
 from srmp.sim.simulator import Articulation, Joint
 
@@ -90,9 +91,7 @@ def _mesh_file(mesh: Mesh) -> Path:
     path = mesh_directory() / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.obj"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".tmp", delete=False) as file:
-            file.write(text)
-        Path(file.name).replace(path)
+        write_text(path, text)
     return path
 
 

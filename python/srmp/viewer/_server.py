@@ -74,7 +74,7 @@ class Viewer:
         self._path_nodes: list[str] = []
         self._search_nodes: list[Any] = []  # handles of what was searched
         self._found: list[NDArray[np.float64]] = []  # paths (n, dof) of the plan that runs, each better than the last
-        self._worse: list[NDArray[np.float64]] = []  # (n, 3) [m] the ways of end effectors along all but the best
+        self._worse: list[NDArray[np.float64]] = []  # (n, 3) [m] the paths of end effectors along all but the best
         self._handles: dict[str, Any] = {}
         self._panel = Panel(self._server, self._kinds, self)
         self._set_camera(drawing)
@@ -243,7 +243,7 @@ class Viewer:
             self._panel.say(f"{failure.status}: {failure.reason}", failed=True)
 
     def _show_paths(self, drawing: Drawing) -> None:
-        """The ways of end effectors, and those of worse paths that the planner found before."""
+        """The paths of end effectors, and those of worse paths that the planner found before."""
         for name in self._path_nodes:
             self._server.scene.remove_by_name(name)
         worse = [(f"/paths/worse{k}", path, _WORSE_COLOUR) for k, path in enumerate(self._worse)]

@@ -188,8 +188,8 @@ def load_mesh_file(path: str) -> tuple[tuple[Mesh, Colour | None], ...]:
     found = [part for part in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not found:
         raise srmp.FileError(f"{path}: it holds no triangles")
-    share = max(500, _MAX_TRIANGLES // len(found))
-    return tuple((simplified(make_mesh(part.vertices, part.faces), share), _colour_of(part)) for part in found)
+    limit = max(500, _MAX_TRIANGLES // len(found))
+    return tuple((simplified(make_mesh(part.vertices, part.faces), limit), _colour_of(part)) for part in found)
 
 
 def _colour_of(part: Any) -> Colour | None:

@@ -40,11 +40,11 @@ class Stage:
         """Removes what is gone, adds what is new, and moves what is elsewhere."""
         with self._lock, self._server.atomic():
             self.scene = scene
-            wanted = {body.name: body for body in scene.bodies if self._chosen(body)}
-            for name in [name for name, (body, _) in self._bodies.items() if not _same(body, wanted.get(name))]:
+            shown = {body.name: body for body in scene.bodies if self._chosen(body)}
+            for name in [name for name, (body, _) in self._bodies.items() if not _same(body, shown.get(name))]:
                 self._bodies.pop(name)[1].remove()
-            self._show_frames({body.frame for body in wanted.values() if body.frame})
-            for name, body in wanted.items():
+            self._show_frames({body.frame for body in shown.values() if body.frame})
+            for name, body in shown.items():
                 if name not in self._bodies:
                     self._bodies[name] = (body, self._added(body))
                 elif not np.array_equal(self._bodies[name][0].pose, body.pose):
@@ -128,10 +128,10 @@ class Marks:
                 handle.remove()
             self._handles = []
             for k, touch in enumerate(touches):
-                ball = sphere(0.012, 16)
+                marker = sphere(0.012, 16)
                 self._handles.append(
                     self._server.scene.add_mesh_simple(
-                        f"/marks/point{k}", ball.vertices, ball.triangles, color=_rgb(CONTACT), position=touch.point
+                        f"/marks/point{k}", marker.vertices, marker.triangles, color=_rgb(CONTACT), position=touch.point
                     )
                 )
                 if k < _MAX_TEXTS:

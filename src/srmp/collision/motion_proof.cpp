@@ -336,7 +336,7 @@ Prover::Check Prover::check(const Pair& pair, double motion, double required) {
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
     return measure(pair, motion, required);
   // No distance could prove it.
-  if (bound > pair.padding || !workspace_.in_contact(pair, false))
+  if (bound > pair.padding || !workspace_.in_contact(pair, {.use_tables = false}))
     return {CollisionStatus::undecided, 0.0, false, bound + motion / 2.0 - pair.padding};
   note_distance(pair, pair.padding);
   return {CollisionStatus::colliding};

@@ -58,7 +58,8 @@ bool SceneChecker::do_is_motion_free(ConstVector a, ConstVector b, Workspace& wo
   if (!model_.bodies.overlaps.empty()) return false;
   auto& scene = static_cast<SceneWorkspace&>(workspace);
   scene.start_motion(a, b);
-  return scene.is_motion_free(query.start_is_free, query.spheres_only || model_.mode == CheckMode::conservative);
+  return scene.is_motion_free({.start_is_free = query.start_is_free,
+                               .spheres_only = query.spheres_only || model_.mode == CheckMode::conservative});
 }
 
 void SceneChecker::do_are_free(ConstRows q, std::span<bool> free, Workspace& workspace, const StateQuery& query) const {
@@ -77,11 +78,12 @@ void SceneChecker::do_are_free(ConstRows q, std::span<bool> free, Workspace& wor
     }
     return;
   }
+  const StateQuery block_query{.spheres_only = query.spheres_only || model_.mode == CheckMode::conservative};
   for (std::size_t first = 0; first < free.size(); first += BatchChecker::block) {
     rare_interruption_point();
     const std::size_t count = std::min<std::size_t>(BatchChecker::block, free.size() - first);
     scene.check_block(q.middleRows(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(count)),
-                      free.subspan(first, count), query.spheres_only || model_.mode == CheckMode::conservative);
+                      free.subspan(first, count), block_query);
   }
 }
 

@@ -151,9 +151,9 @@ bool SceneWorkspace::table_proves(const Pair& pair, double from, double to) {
   return proved;
 }
 
-bool SceneWorkspace::in_contact(const Pair& pair, bool use_tables) {
+bool SceneWorkspace::in_contact(const Pair& pair, const ContactOptions& options) {
   if (distance_bound(pair) > pair.padding + NarrowPhase::tolerance) return false;
-  if (pair.table && use_tables && is_free_by_table(pair, here_, here_)) return false;
+  if (pair.table && options.use_tables && is_free_by_table(pair, here_, here_)) return false;
   if (!pair.solid && hull_distance(pair, pair.padding + NarrowPhase::tolerance, infinity) == infinity) return false;
   return distance(pair, pair.padding, pair.padding + NarrowPhase::contact_distance) < infinity;
 }
@@ -465,18 +465,18 @@ bool SceneWorkspace::resolve_with_coal() {
   return resolve_open();
 }
 
-bool SceneWorkspace::is_motion_free(bool start_is_free, bool spheres_only) {
-  start_is_free_ = start_is_free;
+bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
+  start_is_free_ = query.start_is_free;
   reserve_ = proof_reserve;
   close_.clear();
   if (active_ == 0) {
-    if (start_is_free) return true;
+    if (query.start_is_free) return true;
     place(start_);
     return is_free_here();
   }
   if (!model_.batch || !model_.spheres_reach(start_) || !model_.spheres_reach(start_ + delta_))
     return resolve_with_coal();
-  if (spheres_only) {
+  if (query.spheres_only) {
     ++statistics.motions_by_spheres;
     return prove_with_spheres();
   }
@@ -497,18 +497,19 @@ bool SceneWorkspace::resolve_lane(ConstVector q, std::span<const UndecidedPair> 
   return true;
 }
 
-void SceneWorkspace::check_block(ConstRows q, std::span<bool> free, bool spheres_only) {
+void SceneWorkspace::check_block(ConstRows q, std::span<bool> free, const StateQuery& query) {
   const BatchChecker& batch = *model_.batch;
-  const auto lanes = batch.check_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, spheres_only);
+  const auto lanes =
+      batch.check_block({q.data(), static_cast<std::size_t>(q.size())}, *batch_, {.proofs_only = query.spheres_only});
   ++statistics.blocks;
   std::span<const UndecidedPair> open = batch.undecided(*batch_);
-  if (!spheres_only) statistics.undecided += open.size();
+  if (!query.spheres_only) statistics.undecided += open.size();
   for (std::size_t lane = 0; lane < free.size(); ++lane) {
     std::size_t count = 0;  // open pairs of this lane; they come in order of lanes
     while (count < open.size() && open[count].t == static_cast<double>(lane)) ++count;
     const bool undecided = lanes.undecided >> lane & 1;
     free[lane] = !undecided && !(lanes.colliding >> lane & 1);
-    if (undecided && !spheres_only)
+    if (undecided && !query.spheres_only)
       free[lane] = resolve_lane(q.row(static_cast<Eigen::Index>(lane)).transpose(), open.first(count));
     else
       ++statistics.states_by_spheres;

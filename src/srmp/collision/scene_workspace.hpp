@@ -9,6 +9,10 @@
 
 namespace srmp::detail {
 
+struct ContactOptions {
+  bool use_tables{true};  ///< may tables of pairs decide?
+};
+
 /// A thread's scratch memory of a SceneChecker: the bodies at one configuration, and the checks that need them there.
 /// Once warm, checks of configurations and motions allocate nothing.
 ///
@@ -35,9 +39,8 @@ class SceneWorkspace final : public Checker::Workspace {
   double distance(const Pair& pair, double margin, double enough);
   /// Planes that separate a pair of solids that are no farther apart than `margin`.
   Separation separate(const Pair& pair, double margin);
-  /// Are the two in contact, padding counted? By Coal; hulls, and tables unless `use_tables` is false, decide most
-  /// pairs.
-  bool in_contact(const Pair& pair, bool use_tables = true);
+  /// Are the two in contact, padding counted? By Coal; hulls and tables decide most pairs.
+  bool in_contact(const Pair& pair, const ContactOptions& options = {});
   bool is_free_here();
 
   const Body& body_a(const Pair& pair) const { return bodies_.moving[pair.a]; }
@@ -67,9 +70,9 @@ class SceneWorkspace final : public Checker::Workspace {
 
   void start_motion(ConstVector a, ConstVector b);
   /// Of the motion started last.
-  bool is_motion_free(bool start_is_free, bool spheres_only);
+  bool is_motion_free(const MotionQuery& query);
   /// Checks up to 16 configurations, the rows of q.
-  void check_block(ConstRows q, std::span<bool> free, bool spheres_only);
+  void check_block(ConstRows q, std::span<bool> free, const StateQuery& query);
 
  private:
   /// A part of the motion around t, over which a pair is still to be checked.

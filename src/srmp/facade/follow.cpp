@@ -7,7 +7,7 @@ namespace srmp {
 
 namespace {
 
-constexpr double most_deviation = 0.1, most_rotation = 0.5;  // [m, rad]: what is planned are lines, not tubes
+constexpr CartesianTolerance greatest{0.1, 0.5};  // [m, rad]: what is planned are lines, not tubes
 
 void require_tolerance(const char* name, double value, double most, const char* unit) {
   if (value > 0.0 && value <= most) return;
@@ -19,8 +19,8 @@ void require_tolerance(const char* name, double value, double most, const char* 
 
 PosesToFollow poses_to_follow(const PlacedRobot& robot, ConstVector start, const std::vector<Pose>& poses,
                               const CartesianOptions& options) {
-  require_tolerance("max_deviation", options.max_deviation, most_deviation, "m");
-  require_tolerance("max_rotation", options.max_rotation, most_rotation, "rad");
+  require_tolerance("max_deviation", options.max_deviation, greatest.position, "m");
+  require_tolerance("max_rotation", options.max_rotation, greatest.rotation, "rad");
   const RobotModel& model = *robot.model;
   const std::string& link = options.link.empty() ? model.end_effector() : options.link;
   if (model.link_support(model.link_index(link)) == 0)
@@ -48,13 +48,13 @@ Trajectory PlannerInterface::follow(const std::string& robot, ConstVector start,
   const Deadline deadline(common_options(planner).time_limit, interrupt);
   require_planner_for_one(planner);
   impl.require_state(robot, start);
-  const PosesToFollow wanted = poses_to_follow(*impl.placed(robot), start, poses, options);
+  const PosesToFollow followed = poses_to_follow(*impl.placed(robot), start, poses, options);
   const PlanRequest request{robot, start, {GoalConstraint::any()}};
   impl.request.reset();
   impl.result.reset();
   impl.statistics = {};
   const OwnedProblem owned = impl.make_checkers(deadline, [&] { return impl.problem_of(request, planner); });
-  return follow_poses(*owned.problem, wanted, deadline, impl.statistics);
+  return follow_poses(*owned.problem, followed, deadline, impl.statistics);
 }
 
 }  // namespace srmp

@@ -77,13 +77,13 @@ const AttachedObject* find(const std::vector<AttachedObject>& all, const std::st
 }
 
 /// Detaches what is no longer attached as it was; it then is in the world.
-SceneFile detachments(const SceneFile& held, const SceneFile& wanted) {
+SceneFile detachments(const SceneFile& held, const SceneFile& target) {
   SceneFile change;
-  change.path = wanted.path;
-  change.robot_model_name = wanted.robot_model_name;
+  change.path = target.path;
+  change.robot_model_name = target.robot_model_name;
   change.is_diff = true;
   for (const AttachedObject& attached : held.robot_state.attached) {
-    const AttachedObject* still = find(wanted.robot_state.attached, attached.object.id);
+    const AttachedObject* still = find(target.robot_state.attached, attached.object.id);
     if (still && same(attached, *still)) continue;
     AttachedObject detached;
     detached.object.id = attached.object.id;
@@ -94,9 +94,9 @@ SceneFile detachments(const SceneFile& held, const SceneFile& wanted) {
 }
 
 /// Removes the objects that are gone.
-void remove_gone(const SceneFile& held, const SceneFile& wanted, SceneFile& change) {
+void remove_gone(const SceneFile& held, const SceneFile& target, SceneFile& change) {
   const auto remove = [&](const std::string& id) {
-    if (find(wanted.objects, id) || find(wanted.robot_state.attached, id)) return;
+    if (find(target.objects, id) || find(target.robot_state.attached, id)) return;
     CollisionObject gone;
     gone.id = id;
     gone.operation = io::ObjectOperation::remove;
@@ -108,30 +108,30 @@ void remove_gone(const SceneFile& held, const SceneFile& wanted, SceneFile& chan
 
 }  // namespace
 
-std::vector<SceneFile> scene_difference(const SceneFile& held, const SceneFile& wanted,
+std::vector<SceneFile> scene_difference(const SceneFile& held, const SceneFile& target,
                                         const std::vector<std::string>& planned) {
-  const bool frames_stay = same(held.fixed_frames, wanted.fixed_frames);
-  SceneFile change = wanted;  // what is set anew costs nothing: joints, frames, allowed collisions, padding
+  const bool frames_stay = same(held.fixed_frames, target.fixed_frames);
+  SceneFile change = target;  // what is set anew costs nothing: joints, frames, allowed collisions, padding
   change.is_diff = true;
   change.objects.clear();
   change.robot_state.attached.clear();
-  remove_gone(held, wanted, change);
-  SceneFile before = detachments(held, wanted);
-  for (const CollisionObject& object : wanted.objects) {
+  remove_gone(held, target, change);
+  SceneFile before = detachments(held, target);
+  for (const CollisionObject& object : target.objects) {
     const CollisionObject* earlier = find(held.objects, object.id);
     const bool moved = find(before.robot_state.attached, object.id) || !(frames_stay || object.frame.empty());
     if (!earlier || moved || !same(*earlier, object)) change.objects.push_back(object);
   }
-  for (const AttachedObject& attached : wanted.robot_state.attached) {
+  for (const AttachedObject& attached : target.robot_state.attached) {
     const AttachedObject* earlier = find(held.robot_state.attached, attached.object.id);
     if (!earlier || !same(*earlier, attached)) change.robot_state.attached.push_back(attached);
   }
   const bool stays =
       frames_stay && change.objects.empty() && change.robot_state.attached.empty() &&
-      before.robot_state.attached.empty() && other_joints(held, planned) == other_joints(wanted, planned) &&
-      same(held.robot_state.multi_dof_joints, wanted.robot_state.multi_dof_joints) &&
-      held.robot_state.multi_dof_frame == wanted.robot_state.multi_dof_frame &&
-      same(held.allowed_collisions, wanted.allowed_collisions) && held.link_padding == wanted.link_padding;
+      before.robot_state.attached.empty() && other_joints(held, planned) == other_joints(target, planned) &&
+      same(held.robot_state.multi_dof_joints, target.robot_state.multi_dof_joints) &&
+      held.robot_state.multi_dof_frame == target.robot_state.multi_dof_frame &&
+      same(held.allowed_collisions, target.allowed_collisions) && held.link_padding == target.link_padding;
   if (stays) return {};
   if (before.robot_state.attached.empty()) return {std::move(change)};
   return {std::move(before), std::move(change)};

@@ -7,9 +7,9 @@
 namespace srmp {
 
 /// The scenes, each a difference, that io::apply must be given in this order so that a scene which `held` made becomes
-/// one that `wanted` makes; none where they agree. Both are whole scenes. The positions of the `planned` joints do not
+/// one that `target` makes; none where they agree. Both are whole scenes. The positions of the `planned` joints do not
 /// count, because they are where a plan starts; what the robot state says of other joints does.
-std::vector<io::SceneFile> scene_difference(const io::SceneFile& held, const io::SceneFile& wanted,
+std::vector<io::SceneFile> scene_difference(const io::SceneFile& held, const io::SceneFile& target,
                                             const std::vector<std::string>& planned);
 
 }  // namespace srmp

@@ -43,24 +43,24 @@ io::SceneFile within_limits(io::SceneFile scene, const RobotModel& robot) {
 }
 
 /// Why a scene cannot be applied: the first kind of name in it that does not exist.
-Code scene_code(const io::SceneFile& wanted, const Scene& scene, const std::string& robot) {
+Code scene_code(const io::SceneFile& target, const Scene& scene, const std::string& robot) {
   io::FrameLookup frames(scene, {}, robot);
   const auto known = [&](const std::string& frame) {
     const auto defines = [&](const io::FixedFrame& fixed) { return fixed.frame == frame || fixed.child == frame; };
     const auto is_in = [&](const io::CollisionObject& object) { return frame.starts_with(object.id); };
-    return frames.find(frame) || std::any_of(wanted.fixed_frames.begin(), wanted.fixed_frames.end(), defines) ||
-           std::any_of(wanted.objects.begin(), wanted.objects.end(), is_in);
+    return frames.find(frame) || std::any_of(target.fixed_frames.begin(), target.fixed_frames.end(), defines) ||
+           std::any_of(target.objects.begin(), target.objects.end(), is_in);
   };
-  for (const io::CollisionObject& object : wanted.objects)
+  for (const io::CollisionObject& object : target.objects)
     if (!known(object.frame)) return Code::frame_transform_failure;
-  for (const io::AttachedObject& attached : wanted.robot_state.attached) {
+  for (const io::AttachedObject& attached : target.robot_state.attached) {
     const auto link = frames.find(attached.link);
     if (!link || link->link.empty()) return Code::invalid_link_name;
     if (!attached.object.shapes.empty() && !known(attached.object.frame)) return Code::frame_transform_failure;
   }
-  for (const auto& [link, padding] : wanted.link_padding)
+  for (const auto& [link, padding] : target.link_padding)
     if (const auto frame = frames.find(link); !frame || frame->link.empty()) return Code::invalid_link_name;
-  if (!wanted.robot_state.multi_dof_joints.empty() && !known(wanted.robot_state.multi_dof_frame))
+  if (!target.robot_state.multi_dof_joints.empty() && !known(target.robot_state.multi_dof_frame))
     return Code::frame_transform_failure;
   return Code::invalid_object_name;
 }
@@ -239,10 +239,10 @@ Names MoveItGroup::planned_joints() const {
 // --- the scene
 
 std::vector<std::string> MoveItGroup::update(const io::SceneFile& given) {
-  io::SceneFile wanted = given;
-  wanted.robot_model_name = arms_.front().robot;  // where several arms have a link, the first one has its geometry
-  for (const Arm& arm : arms_) wanted = within_limits(std::move(wanted), planner_.robot(arm.robot));
-  const std::vector<io::SceneFile> changes = scene_difference(held_, wanted, planned_joints());
+  io::SceneFile target = given;
+  target.robot_model_name = arms_.front().robot;  // where several arms have a link, the first one has its geometry
+  for (const Arm& arm : arms_) target = within_limits(std::move(target), planner_.robot(arm.robot));
+  const std::vector<io::SceneFile> changes = scene_difference(held_, target, planned_joints());
   if (!changes.empty()) {
     Scene scene = planner_.scene();
     scene.clear_allowed_collisions();
@@ -252,20 +252,20 @@ std::vector<std::string> MoveItGroup::update(const io::SceneFile& given) {
     try {
       for (const io::SceneFile& change : changes) notes = io::apply(change, scene);
     } catch (const InvalidArgument& error) {
-      throw MoveItRefusal(scene_code(wanted, planner_.scene(), arms_.front().robot), error.what());
+      throw MoveItRefusal(scene_code(target, planner_.scene(), arms_.front().robot), error.what());
     } catch (const NotSupported& error) {
       throw MoveItRefusal(Code::collision_checking_unavailable, error.what());
     }
-    place_arms(wanted, scene);
+    place_arms(target, scene);
     planner_.set_scene(std::move(scene));
     notes_ = std::move(notes);
   }
-  held_ = std::move(wanted);
+  held_ = std::move(target);
   return notes_;
 }
 
 /// io::apply moves one robot for each name; the arms of one robot have a base and joints in common.
-void MoveItGroup::place_arms(const io::SceneFile& wanted, Scene& scene) const {
+void MoveItGroup::place_arms(const io::SceneFile& target, Scene& scene) const {
   const Pose base = scene.robot(arms_.front().robot).base;
   for (std::size_t i = 1; i < arms_.size(); ++i) {
     const std::string& robot = arms_[i].robot;
@@ -273,7 +273,7 @@ void MoveItGroup::place_arms(const io::SceneFile& wanted, Scene& scene) const {
     scene.set_robot_padding(robot, scene.robot(arms_.front().robot).padding);
     std::map<std::string, double> joints;
     for (const Joint& joint : scene.robot(robot).model->other_joints())
-      if (const auto given = wanted.robot_state.joints.find(joint.name); given != wanted.robot_state.joints.end())
+      if (const auto given = target.robot_state.joints.find(joint.name); given != target.robot_state.joints.end())
         joints.insert(*given);
     scene.set_joint_positions(robot, joints);
   }

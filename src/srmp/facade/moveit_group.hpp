@@ -66,7 +66,7 @@ class MoveItGroup {
 
   /// Brings the scene up to date. Returns what had no effect, as sentences. Throws MoveItRefusal, and then the scene
   /// stays.
-  std::vector<std::string> update(const io::SceneFile& wanted);
+  std::vector<std::string> update(const io::SceneFile& target);
   /// Plans; throws MoveItRefusal, PlanningError and InvalidArgument.
   Trajectory plan(const io::RequestFile& request, const OptionMap& options, const PlannerInterface::Interrupt& stop);
   /// Of the last plan.
@@ -84,7 +84,7 @@ class MoveItGroup {
   void add_robot(const MoveItModel& model, RobotDescription description);
   void allow_between(const MoveItModel& model);
   std::vector<std::string> planned_joints() const;
-  void place_arms(const io::SceneFile& wanted, Scene& scene) const;
+  void place_arms(const io::SceneFile& target, Scene& scene) const;
   Eigen::VectorXd start_of(const std::string& robot) const;
   io::RequestFile part_of(const io::RequestFile& request, const Arm& arm, const io::FrameLookup& frames) const;
   void read_goals(const io::RequestFile& request);

@@ -154,8 +154,8 @@ struct MoveItSession::Impl {
     return *known;
   }
 
-  void answer(io::SceneFile scene, const io::RequestFile& given, const PlannerInterface::Interrupt& stop,
-              MoveItResponse& response) {
+  void respond(io::SceneFile scene, const io::RequestFile& given, const PlannerInterface::Interrupt& stop,
+               MoveItResponse& response) {
     const io::RequestFile request = named(given);
     require_valid(scene, given);
     if (scene.path.empty()) scene.path = "the scene";
@@ -223,7 +223,7 @@ MoveItResponse MoveItSession::solve(const io::SceneFile& scene, const io::Reques
       if (stopped()) throw PlanningError(Status::cancelled, "the request was stopped");
     });
     while (!lock.try_lock_for(std::chrono::milliseconds(5))) rare_interruption_point();
-    impl_->answer(scene, request, stopped, response);
+    impl_->respond(scene, request, stopped, response);
   } catch (const MoveItRefusal& refusal) {
     refuse(refusal.code, refusal.what());
   } catch (const PlanningError& error) {

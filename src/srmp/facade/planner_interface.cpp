@@ -365,9 +365,8 @@ Trajectory PlannerInterface::plan(const std::string& robot, ConstVector start, c
   return plan(PlanRequest{robot, start, goals}, interrupt, on_solution);
 }
 
-Trajectory PlannerInterface::plan(const PlanRequest& wanted, const Interrupt& interrupt,
-                                  const OnSolution& on_solution) {
-  PlanRequest request = wanted;  // a copy: the caller's may be last_request
+Trajectory PlannerInterface::plan(const PlanRequest& given, const Interrupt& interrupt, const OnSolution& on_solution) {
+  PlanRequest request = given;  // a copy: the caller's may be last_request
   if (request.options) validate(*request.options);
   const PlannerOptions options = request.options ? *request.options : planner_options({request.robot});
   const Deadline deadline(common_options(options).time_limit, interrupt);

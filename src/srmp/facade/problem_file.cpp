@@ -252,8 +252,8 @@ MultiPlanRequest read_multi_request(io::JsonReader& reader, const Scene& scene) 
   describe(reader, request);
   reader.guarded([&] {
     require_multi_request(scene, request);
-    Scene settled = scene;
-    stand_at_ends(settled, request.starts, request.obstacles, {});
+    Scene at_ends = scene;
+    stand_at_ends(at_ends, request.starts, request.obstacles, {});
   });
   return request;
 }
@@ -280,7 +280,7 @@ ResultText<Motion> read_result_text(io::JsonReader& reader) {
   return text;
 }
 
-/// An answer may be edited into another one, but not into one that is no motion of its robot.
+/// A result may be edited into another one, but not into one that is no motion of its robot.
 void require_motion(const io::JsonReader& place, const RobotModel& robot, const Trajectory& motion) {
   place.guarded([&] {
     motion.validate();

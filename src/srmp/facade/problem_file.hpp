@@ -25,7 +25,7 @@ void require_request(const Scene& scene, const std::string& robot, ConstVector s
 /// only the names are checked; the rest is stand_at_ends'.
 void require_multi_request(const Scene& scene, const MultiPlanRequest& request);
 
-/// What a problem file holds: a world, how its robots plan, and the last question with its answer.
+/// What a problem file holds: a world, how its robots plan, and the last request with its result.
 struct Problem {
   Scene scene;
   PlannerTable planners;

@@ -11,20 +11,15 @@ namespace srmp {
 
 namespace {
 
-constexpr int max_attempts = 200;     // motions that are planned, with all alternatives
-constexpr double distinct = 0.05;     // [rad or m] between ends that count as different
-constexpr int gripper_samples = 10;   // of joints that are set: where contacts are looked for
-constexpr double longest_rest = 1e6;  // [s]
-
 std::string name_of(const std::vector<Segment>& segments, std::size_t i) {
   return "segment " + std::to_string(i) + " (" + std::string(to_string(segments[i].type)) + ")";
 }
 
 /// What is wrong with a segment of its own, as the end of a sentence; "": nothing.
-std::string fault_of(const Segment& segment, const Segment* next) {
+std::string fault_of(const Segment& segment, const Segment* next, double max_duration) {
   if (!(segment.blend_radius >= 0.0 && std::isfinite(segment.blend_radius)))
     return "blend_radius is " + to_text(segment.blend_radius) + "; it must be 0 m or above";
-  if (!(segment.duration >= 0.0 && segment.duration <= longest_rest))
+  if (!(segment.duration >= 0.0 && segment.duration <= max_duration))
     return "duration is " + to_text(segment.duration) + "; it must be 0 s or above";
   if (segment.blend_radius > 0.0 && segment.type != SegmentType::move)
     return "only moves are blended; follow() passes poses without a stop";
@@ -61,11 +56,12 @@ void with_name(const std::vector<Segment>& segments, std::size_t i, Work&& work)
 
 SequenceSearch::SequenceSearch(PlannerInterface& planner, const std::string& robot,
                                const std::vector<Segment>& segments, const SetScene& set_scene, double time_limit,
-                               const PlannerInterface::Interrupt& interrupt)
+                               const PlannerInterface::Interrupt& interrupt, const SequenceSearchOptions& options)
     : planner_(planner),
       robot_(robot),
       segments_(segments),
       set_scene_(set_scene),
+      options_(options),
       deadline_(time_limit * static_cast<double>(segments.size()), interrupt),
       interrupt_(interrupt),
       motions_(segments.size()),
@@ -74,7 +70,7 @@ SequenceSearch::SequenceSearch(PlannerInterface& planner, const std::string& rob
 void SequenceSearch::require_segments(const Eigen::VectorXd& start) {
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     const Segment* next = i + 1 < segments_.size() ? &segments_[i + 1] : nullptr;
-    const std::string fault = fault_of(segments_[i], next);
+    const std::string fault = fault_of(segments_[i], next, options_.max_duration);
     if (!fault.empty()) throw InvalidArgument(name_of(segments_, i) + ": " + fault);
     require_not_planned(i);
     with_name(segments_, i, [&] {
@@ -127,8 +123,10 @@ bool SequenceSearch::solve_move(std::size_t i, const Eigen::VectorXd& q) {
   std::vector<Eigen::VectorXd> tried{end_of(i)};
   if (solve(i + 1, tried.back())) return true;
   for (const Eigen::VectorXd& other : ends(request.goals, q)) {
-    if (attempts_ >= max_attempts || deadline_.stop_requested()) return false;
-    const auto near = [&](const Eigen::VectorXd& end) { return (end - other).cwiseAbs().maxCoeff() < distinct; };
+    if (attempts_ >= options_.max_attempts || deadline_.stop_requested()) return false;
+    const auto near = [&](const Eigen::VectorXd& end) {
+      return (end - other).cwiseAbs().maxCoeff() < options_.distinct;
+    };
     if (std::any_of(tried.begin(), tried.end(), near)) continue;
     tried.push_back(other);
     ++alternatives_;
@@ -216,12 +214,12 @@ bool SequenceSearch::set_joints(std::size_t i, const Eigen::VectorXd& q) {
   std::map<std::string, double> from;
   const std::vector<Joint>& others = before.model->other_joints();
   for (std::size_t j = 0; j < others.size(); ++j) from[others[j].name] = before.other_positions[static_cast<int>(j)];
-  for (int k = 1; k <= gripper_samples; ++k) {
+  for (int k = 1; k <= options_.gripper_samples; ++k) {
     std::map<std::string, double> positions = segments_[i].positions;
     for (auto& [joint, position] : positions)
       if (const auto known = from.find(joint); known != from.end())
-        position = known->second + (position - known->second) * k / gripper_samples;
-    planner_.set_joint_positions(robot_, k == gripper_samples ? segments_[i].positions : positions);
+        position = known->second + (position - known->second) * k / options_.gripper_samples;
+    planner_.set_joint_positions(robot_, k == options_.gripper_samples ? segments_[i].positions : positions);
     const std::vector<Contact> contacts = planner_.contacts(robot_, q);
     if (contacts.empty()) continue;
     fail(i, Status::start_invalid, contacts.front().describe());

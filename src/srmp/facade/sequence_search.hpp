@@ -9,6 +9,13 @@
 
 namespace srmp {
 
+struct SequenceSearchOptions {
+  int max_attempts{200};     ///< > 0 motions that are planned, with all alternatives: more find more, and take longer
+  double distinct{0.05};     ///< [rad or m] between ends that count as different: less tries more ends that are alike
+  int gripper_samples{10};   ///< > 0 steps of joints that are set, where contacts are searched: more miss fewer
+  double max_duration{1e6};  ///< [s] of a segment that waits: what is longer is a mistake in the input
+};
+
 /// Plans a sequence segment by segment (PlannerInterface::plan_sequence). Where a later one fails, an earlier motion
 /// ends elsewhere: at another target, or at another solution of inverse kinematics. The planner's scene is what it is
 /// then; its owner restores it.
@@ -18,7 +25,8 @@ class SequenceSearch {
 
   /// All arguments must outlive it. `time_limit` [s] is for each segment.
   SequenceSearch(PlannerInterface& planner, const std::string& robot, const std::vector<Segment>& segments,
-                 const SetScene& set_scene, double time_limit, const PlannerInterface::Interrupt& interrupt);
+                 const SetScene& set_scene, double time_limit, const PlannerInterface::Interrupt& interrupt,
+                 const SequenceSearchOptions& options = {});
 
   /// Throws InvalidArgument for segments that cannot be, before anything is planned.
   void require_segments(const Eigen::VectorXd& start);
@@ -48,6 +56,7 @@ class SequenceSearch {
   const std::string& robot_;
   const std::vector<Segment>& segments_;
   const SetScene& set_scene_;
+  const SequenceSearchOptions options_;
   const Deadline deadline_;
   const PlannerInterface::Interrupt& interrupt_;
   std::vector<Trajectory> motions_;

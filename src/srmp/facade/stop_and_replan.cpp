@@ -100,10 +100,10 @@ Trajectory PlannerInterface::replan(const Trajectory& motion, double t, PlanRequ
   throw Error("internal error: no instant was tried. Please report this");
 }
 
-Trajectory PlannerInterface::replan(const std::string& robot, const Trajectory& motion, double t, const Goal& wanted,
+Trajectory PlannerInterface::replan(const std::string& robot, const Trajectory& motion, double t, const Goal& to_reach,
                                     const Interrupt& interrupt) {
   require_instant(motion, t, impl_->model(robot));
-  return replan(motion, t, {.robot = robot, .goals = {goal(robot, wanted, motion.sample(t))}}, interrupt);
+  return replan(motion, t, {.robot = robot, .goals = {goal(robot, to_reach, motion.sample(t))}}, interrupt);
 }
 
 Trajectory PlannerInterface::replan(const Trajectory& motion, double t, const Goal& goal, const Interrupt& interrupt) {

@@ -60,7 +60,7 @@ class IndependenceDetection {
       RobotEndpoints& endpoints = alone[i].endpoints;
       tasks.push_back({.start = std::move(endpoints.start),
                        .targets = std::move(endpoints.targets),
-                       .backbone = unstack_waypoints(alone[i].waypoints),
+                       .single_robot_path = unstack_waypoints(alone[i].waypoints),
                        .anywhere = problem_.robots[i].may_end_anywhere()});
       const std::string file = common_options(problem_.options, problem_.robots[i].robot).mprim_path;
       if (file.empty()) continue;
@@ -87,7 +87,7 @@ class IndependenceDetection {
   FoundPath alone(std::size_t i) const {
     const WorldTask& task = world_->task(i);
     const std::vector<Eigen::VectorXd> stay{task.start};
-    return {.path = joint_path(*world_, i, task.anywhere ? stay : task.backbone),
+    return {.path = joint_path(*world_, i, task.anywhere ? stay : task.single_robot_path),
             .lower = world_->direct(i),
             .found_by = "each robot alone"};
   }

@@ -17,7 +17,7 @@ MotionChecks::MotionChecks(const Checker& checker, const Deadline& deadline, std
 
 bool MotionChecks::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker) {
   Worker& w = workers_[worker];
-  if (w.constraints && !w.constraints->keeps(a, b, constraint_shares.motions)) return false;
+  if (w.constraints && !w.constraints->keeps(a, b, constraint_fractions.motions)) return false;
   const CheckStatistics& checks = checker_.statistics(*w.workspace);
   const std::uint64_t by_spheres = checks.motions_by_spheres;
   try {

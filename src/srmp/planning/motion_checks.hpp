@@ -12,11 +12,11 @@ namespace srmp {
 struct PlanStatistics;
 
 /// How much of the tolerance of path constraints a search uses; the rest is for what comes after it.
-struct ConstraintShares {
+struct ConstraintFractions {
   double configurations{0.6};  ///< to which configurations are projected
   double motions{0.85};        ///< that motions between them keep; the rounding of corners has the rest
 };
-inline constexpr ConstraintShares constraint_shares;
+inline constexpr ConstraintFractions constraint_fractions;
 
 /// The checks of one plan: scratch memory for each of its workers, and a count of the results. Throws
 /// MotionCheckStopped as Checker::stop_at says, unless there are several workers, which must not throw.

@@ -48,7 +48,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
         task_(std::move(task)),
         lattice_(robot_, {task_.start}, task_.targets, {.primitives = primitives(options), .waypoints = waypoints()},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
-    add_rest(task_.backbone);
+    add_rest(task_.single_robot_path);
     for (const auto& path : task_.alternatives) add_rest(path);
   }
 
@@ -77,7 +77,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
         }
       paths.push_back(std::move(states));
     };
-    add(task_.backbone);
+    add(task_.single_robot_path);
     for (const auto& path : task_.alternatives) add(path);
     return paths;
   }
@@ -133,7 +133,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   double step_time{};  // [s]
 
  private:
-  /// Leaves the edges to the nearest waypoint of the backbone, and to those 1, 2, 4, … waypoints from there.
+  /// Leaves the edges to the nearest waypoint of the single-robot path, and to those 1, 2, 4, … waypoints from there.
   void drop_far_waypoints(StateId state, std::vector<search::Successor>& out, std::ptrdiff_t first) const {
     const auto begin = static_cast<StateId>(1 + task_.targets.size());
     const auto end = static_cast<StateId>(begin + waypoints().size());
@@ -167,7 +167,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
     const auto add = [&](const std::vector<Eigen::VectorXd>& path) {
       if (path.size() > 2) inner.insert(inner.end(), path.begin() + 1, path.end() - 1);
     };
-    add(task_.backbone);
+    add(task_.single_robot_path);
     for (const auto& path : task_.alternatives) add(path);
     return inner;
   }

@@ -14,9 +14,10 @@ namespace srmp {
 
 /// What a robot is to do, found for it alone.
 struct WorldTask {
-  Eigen::VectorXd start;                  ///< free
-  std::vector<Eigen::VectorXd> targets;   ///< free
-  std::vector<Eigen::VectorXd> backbone;  ///< a free path from start to a target that leads the search; may be empty
+  Eigen::VectorXd start;                 ///< free
+  std::vector<Eigen::VectorXd> targets;  ///< free
+  std::vector<Eigen::VectorXd>
+      single_robot_path;  ///< a free path from start to a target that leads the search; may be empty
   std::vector<std::vector<Eigen::VectorXd>> alternatives{};  ///< other such paths
   bool anywhere{};                                           ///< every configuration is a goal
   /// Of its lattice; none: rich_primitives at the world's resolution.
@@ -33,7 +34,7 @@ class MultiRobotWorld : public multi::World {
     double resolution{};            ///< lattice step of revolute joints [rad]
     double prismatic_resolution{};  ///< [m]
     double scale{1.0};              ///< the lattices' own primitives have steps of so many times the resolution
-    /// Edges lead to a few waypoints of the backbone from each state, not to all.
+    /// Edges lead to a few waypoints of the single-robot path from each state, not to all.
     bool sparse{};
     /// Robots conflict wherever spheres do not prove them apart, but for moves from a start or to a goal: where the
     /// robots must be, it matters how near they are exactly; elsewhere spheres are quicker.
@@ -64,15 +65,16 @@ class MultiRobotWorld : public multi::World {
   /// Full turns added to continuous joints, so that every row follows the one before by the short way.
   RowMatrix unwrapped(std::size_t robot, ConstRows rows) const;
   const WorldTask& task(std::size_t robot) const;
-  double alone(std::size_t robot) const;   ///< length of its way as if it were alone [rad, prismatic joints m]
-  double direct(std::size_t robot) const;  ///< straight from its start to its nearest goal: no way is shorter
+  double alone(std::size_t robot) const;   ///< length of its path as if it were alone [rad, prismatic joints m]
+  double direct(std::size_t robot) const;  ///< straight from its start to its nearest goal: no path is shorter
   const Options& options() const { return options_; }
   const GroupCheckers& checkers() const { return checkers_; }
 
   /// Are two straight motions at the same time free of collisions with each other?
   bool are_collision_free(std::size_t a, const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, std::size_t b,
                           const Eigen::VectorXd& from_b, const Eigen::VectorXd& to_b, const MotionQuery& query = {});
-  /// Of each point of b: are the two surely apart when a is at q? By spheres alone: quick, and never true wrongly.
+  /// Of each point of b: are the two surely collision-free when a is at q? By spheres alone: quick, and never true
+  /// wrongly.
   std::vector<char> collision_free_with(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
                                         std::span<const Eigen::VectorXd> points);
   bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& q);

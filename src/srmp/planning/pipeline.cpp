@@ -44,7 +44,7 @@ class Pipeline {
     return certified_timing(problem_, std::move(paths), recovery_segments, work_, deadline_, statistics_);
   }
 
-  /// One robot, which is in motion at its start: of some ways to turn towards the path that was found, the fastest.
+  /// One robot, which is in motion at its start: of some paths that turn towards the one that was found, the fastest.
   MultiTrajectory plan_in_motion() {
     LeadOutOfMotion lead(problem_, deadline_);
     lead.require_free();

@@ -10,10 +10,10 @@
 
 namespace srmp {
 
-/// Records a robot's lattice under this name, where a trace is wanted; otherwise an observer that does nothing.
+/// Records a robot's lattice under this name, where a trace is recorded; otherwise an observer that does nothing.
 LatticeObserver lattice_recorder(const std::string& robot, const std::string& name);
 
-/// Records the constraint tree of some robots of a world, where a trace is wanted; otherwise empty. The arguments
+/// Records the constraint tree of some robots of a world, where a trace is recorded; otherwise empty. The arguments
 /// outlive it.
 multi::OnOpenedNode constraint_tree_recorder(const MultiRobotWorld& world, const std::vector<std::size_t>& robots);
 

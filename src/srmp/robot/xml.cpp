@@ -38,7 +38,7 @@ const tinyxml2::XMLElement* find_xacro(const tinyxml2::XMLElement& root) {
 constexpr const char* kExpandFirst = "; expand the file first (xacro FILE.xacro > FILE) and give the result";
 
 /// People write their names in comments, in whatever encoding: what is no UTF-8 there becomes a question mark.
-void mend_comments(std::string& text) {
+void fix_comments(std::string& text) {
   for (std::size_t bad = find_invalid_utf8(text); bad != std::string::npos; bad = find_invalid_utf8(text)) {
     const std::size_t open = text.rfind("<!--", bad), close = text.find("-->", bad);
     if (open == std::string::npos || close == std::string::npos || text.find("-->", open) != close) return;
@@ -59,7 +59,7 @@ std::string read_text(const std::string& path, const std::string& kind) {
   text << file.rdbuf();
   if (!file) throw FileError(kind + " file '" + path + "' cannot be read");
   std::string content = text.str();
-  mend_comments(content);
+  fix_comments(content);
   return content;
 }
 

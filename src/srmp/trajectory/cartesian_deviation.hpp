@@ -29,9 +29,9 @@ class CartesianDeviationProof {
   /// Of the straight joint-space motion from a to b.
   CartesianDeviation over(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t segment);
   /// How far a joint-space motion of length 1 moves the link, at most [m].
-  double most_travel() const { return travel_.norm(); }
+  double max_travel() const { return travel_.norm(); }
   /// How far it turns the link, at most [rad].
-  double most_turn() const { return turn_.norm(); }
+  double max_turn() const { return turn_.norm(); }
 
  private:
   struct End {

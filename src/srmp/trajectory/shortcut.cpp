@@ -7,6 +7,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/trajectory/path.hpp"
+#include "srmp/trajectory/skip_waypoints.hpp"
 
 namespace srmp {
 
@@ -38,7 +39,7 @@ class Shortcutter {
   double length(const Path& path) const;
   bool visible(const Point& a, const Point& b);
 
-  void skip_waypoints(Path& path);
+  void skip(Path& path);
   void tighten_corners(Path& path);
   void pull_corners(Path& path);
   bool improve(Path& path, void (Shortcutter::*pass)(Path&));
@@ -79,22 +80,11 @@ bool Shortcutter::visible(const Point& a, const Point& b) {
   return is_free_(a, b);
 }
 
-/// From each kept waypoint to the farthest visible one, by bisection: visibility along a path is nearly monotone, and a
-/// waypoint missed here is found when corners are removed.
-void Shortcutter::skip_waypoints(Path& path) {
-  Path kept{path.front()};
-  for (std::size_t i = 0; i + 1 < path.size();) {
-    std::size_t reached = i + 1, blocked = path.size();
-    // The far end first: it was tried from the start already, but from here it is the best that can be.
-    if (i > 0 && i + 2 < path.size() && visible(path[i].q, path.back().q)) reached = path.size() - 1;
-    if (reached + 1 < path.size()) blocked = path.size() - 1;
-    while (reached + 1 < blocked) {
-      const std::size_t middle = reached + (blocked - reached) / 2;
-      (visible(path[i].q, path[middle].q) ? reached : blocked) = middle;
-    }
-    kept.push_back(path[reached]);
-    i = reached;
-  }
+/// A waypoint that bisection misses is found when corners are removed.
+void Shortcutter::skip(Path& path) {
+  const auto is_free = [&](std::size_t from, std::size_t to) { return visible(path[from].q, path[to].q); };
+  Path kept;
+  for (const std::size_t i : skip_waypoints(path.size() - 1, is_free)) kept.push_back(path[i]);
   path = std::move(kept);
 }
 
@@ -230,11 +220,8 @@ bool Shortcutter::improve(Path& path, void (Shortcutter::*pass)(Path&)) {
 
 void Shortcutter::run(Path& path) {
   if (path.size() < 3) return;
-  if (visible(path.front().q, path.back().q)) {
-    path = {path.front(), path.back()};
-    return;
-  }
-  skip_waypoints(path);
+  skip(path);
+  if (path.size() < 3) return;
   // Pulling costs the most checks, so it waits until the cheap moves are used up.
   for (int round = 0; round < options_.max_rounds && !stopped_; ++round)
     if (!improve(path, &Shortcutter::tighten_corners) && !improve(path, &Shortcutter::pull_corners)) return;

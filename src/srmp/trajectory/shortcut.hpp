@@ -32,6 +32,8 @@ struct ShortcutResult {
 /// Makes a path shorter by moving along straight lines wherever MotionFree allows, without any randomness: the straight
 /// line from start to goal; then from each kept waypoint to the farthest visible one; then, round after round,
 /// every corner is removed, slid along its segments or cut; when that no longer helps, pulled towards its chord.
+/// Paths of several robots, which also depend on when each is where, have moves of their own (joint_shortcut.hpp); what
+/// both do first is in skip_waypoints.hpp.
 ///
 /// The result starts and ends where the path did and is never longer. Each of its segments is either one of the input
 /// or was called free itself: nothing is inferred from longer or shorter motions. Stops at the deadline with the best

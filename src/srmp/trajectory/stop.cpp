@@ -135,7 +135,7 @@ Knots brake(const Trajectory& motion, double t, const MotionLimits& limits) {
     Knots knots = BrakingOnPath(motion, t, acceleration).run();
     const double use = detail::limit_use(knots, limits, false);
     if (use <= 1.0 + stop_tolerance) return knots;
-    acceleration /= 1.0 + 2.0 * (use * use - 1.0);  // the excess changes little by little
+    acceleration /= 1.0 + 2.0 * (use * use - 1.0);  // how much of the limits is used changes with it gradually
   }
   throw Error("no stop was found that keeps the limits");
 }

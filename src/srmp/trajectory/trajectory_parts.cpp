@@ -78,8 +78,8 @@ void require_no_jump(const RowMatrix& end, const RowMatrix& begin, double allowe
              " than this one ends with: " + names[static_cast<std::size_t>(j)] + " jumps by " + to_text(jump));
 }
 
-/// The fraction by which a motion would have to be slower to keep the limits.
-double excess(const Trajectory& motion, const MotionLimits& limits) {
+/// By how much a motion uses the limits: where this is above 1, it must be slower by this factor to keep them.
+double largest_use(const Trajectory& motion, const MotionLimits& limits) {
   Certificate use;
   check_limits(motion, limits, {.limits = false}, use);
   return std::max(use.velocity.fraction, std::sqrt(use.acceleration.fraction));
@@ -108,7 +108,7 @@ Trajectory Trajectory::resample(double dt, const MotionLimits& limits) const {
   auto steps = static_cast<Eigen::Index>(std::ceil(duration() / dt * (1.0 - rounding)));
   while (true) {
     Trajectory even = in_even_steps(*this, steps, dt);
-    const double use = excess(even, limits);
+    const double use = largest_use(even, limits);
     if (use <= 1.0 + rounding) {
       even.waypoints = waypoints;
       even.certificate = certificate_of_limits(*this, even);

@@ -79,11 +79,11 @@ def run(
 
 
 def _experiments(letters: str) -> list[Experiment]:
-    wanted = [letter.strip() for letter in letters.split(",")]
-    for letter in wanted:
+    chosen = [letter.strip() for letter in letters.split(",")]
+    for letter in chosen:
         if letter not in EXPERIMENTS:
             raise srmp.InvalidArgument(f"experiment '{letter}' is not one of {', '.join(EXPERIMENTS)}.")
-    return [experiment for letter, experiment in EXPERIMENTS.items() if letter in wanted]
+    return [experiment for letter, experiment in EXPERIMENTS.items() if letter in chosen]
 
 
 def _require_known(planners: Sequence[str], experiments: Sequence[Experiment]) -> None:

@@ -184,7 +184,7 @@ def _solve(query: Query, task: Task) -> Found:
 def _solve_by_ompl(query: Query, task: Task, seed: int) -> Found:
     module = ompl_module()
     assert module is not None
-    answer = module.plan(
+    result = module.plan(
         query.planner,
         query.names,
         query.joined(query.starts),
@@ -194,8 +194,8 @@ def _solve_by_ompl(query: Query, task: Task, seed: int) -> Found:
         1 + zlib.crc32(f"{seed}/{task.instance}".encode()) % 2**31,
         "coal" if task.contestant.library == COAL else "srmp",
     )
-    paths = query.parted(np.array(answer["waypoints"])) if answer["status"] == "solved" else None
-    return Found(answer["status"], "", answer["plan_time_s"], paths)
+    paths = query.parted(np.array(result["waypoints"])) if result["status"] == "solved" else None
+    return Found(result["status"], "", result["plan_time_s"], paths)
 
 
 def _without_jumps(planner: srmp.PlannerInterface, robot: str, path: np.ndarray) -> np.ndarray:

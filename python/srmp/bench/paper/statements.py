@@ -19,13 +19,13 @@ AT_LIMIT = 0.95  # of the time limit: the planner used it up
 
 @dataclass(frozen=True)
 class Statement:
-    """What the paper says, what was measured here, and the verdict, by a rule that `rule` states."""
+    """What the paper says, what was measured here, and the finding, by a rule that `rule` states."""
 
     experiment: str
     paper: str
     ours: str
     rule: str
-    verdict: str
+    finding: str
 
 
 def statements(result: Mapping[str, Any]) -> list[Statement]:
@@ -44,18 +44,18 @@ class _Measured:
         self.time_limit: Mapping[str, float] = result["header"]["options"]["time_limit"]
 
     def entries(
-        self, letter: str, wanted: Callable[[Contestant], bool], scenario: str = ""
+        self, letter: str, matches: Callable[[Contestant], bool], scenario: str = ""
     ) -> Iterator[tuple[Contestant, Entry]]:
         """Those of planners that were run."""
         for contestant in EXPERIMENTS[letter].contestants:
             for entry in self._entries:
                 of = (entry.experiment, entry.library, entry.planner) == (letter, contestant.library, contestant.name)
-                if of and not entry.not_run and wanted(contestant) and scenario in ("", entry.scenario):
+                if of and not entry.not_run and matches(contestant) and scenario in ("", entry.scenario):
                     yield contestant, entry
 
-    def values(self, letter: str, wanted: Callable[[Contestant], bool], field: str, scenario: str = "") -> list[float]:
+    def values(self, letter: str, matches: Callable[[Contestant], bool], field: str, scenario: str = "") -> list[float]:
         """A field of these entries, without NaN."""
-        found = [getattr(entry, field) for _, entry in self.entries(letter, wanted, scenario)]
+        found = [getattr(entry, field) for _, entry in self.entries(letter, matches, scenario)]
         return [value for value in found if not math.isnan(value)]
 
     def scenarios(self, letter: str) -> list[str]:
@@ -91,8 +91,8 @@ def _named(name: str, library: str) -> Callable[[Contestant], bool]:
     return lambda contestant: (contestant.name, contestant.library) == (name, library)
 
 
-def _all(letter: str, wanted: Callable[[Contestant], bool]) -> list[Contestant]:
-    return [contestant for contestant in EXPERIMENTS[letter].contestants if wanted(contestant)]
+def _all(letter: str, matches: Callable[[Contestant], bool]) -> list[Contestant]:
+    return [contestant for contestant in EXPERIMENTS[letter].contestants if matches(contestant)]
 
 
 _PAIRS_C = (("wA*", "RRT-Connect"), ("MHA*", "BiEST"), ("ARA*", "RRT*"))
@@ -108,7 +108,7 @@ def _pairs(letter: str) -> list[tuple[Contestant, Contestant]]:
 # --- statements -------------------------------------------------------------------------------------------------------
 
 
-def _verdict(reproduced: bool, exceeded: bool = False) -> str:
+def _finding(reproduced: bool, exceeded: bool = False) -> str:
     return EXCEEDED if exceeded else REPRODUCED if reproduced else NOT
 
 
@@ -134,7 +134,7 @@ def _variation(letter: str, paper: str) -> Callable[[_Measured], Statement]:
                 largest.append(max(ours) < min(theirs))
         if not parts:
             return Statement(letter, paper, "–", rule, UNKNOWN)
-        return Statement(letter, paper, "; ".join(parts), rule, _verdict(all(mean), all(largest)))
+        return Statement(letter, paper, "; ".join(parts), rule, _finding(all(mean), all(largest)))
 
     return make
 
@@ -151,7 +151,7 @@ def _shorter(letter: str, paper: str, reproduced: float = 0.8) -> Callable[[_Mea
             return Statement(letter, paper, "–", rule, UNKNOWN)
         fraction = float(np.mean([ratio < 1 for ratio in different]))
         ours = f"shorter in {fraction:.1%} of {len(different)} pairs; median ratio {np.median(different):.2f}"
-        return Statement(letter, paper, ours, rule, _verdict(fraction >= reproduced, fraction >= 0.95))
+        return Statement(letter, paper, ours, rule, _finding(fraction >= reproduced, fraction >= 0.95))
 
     return make
 
@@ -166,7 +166,7 @@ def _times(letter: str, paper: str, field: str, word: str) -> Callable[[_Measure
             return Statement(letter, paper, "–", rule, UNKNOWN)
         ratio = float(np.mean(ours) / np.mean(theirs))
         text = f"{seconds(float(np.mean(ours)))}, OMPL {seconds(float(np.mean(theirs)))}: ratio {ratio:.2g}"
-        return Statement(letter, paper, text, rule, _verdict(ratio <= 3, ratio <= 1))
+        return Statement(letter, paper, text, rule, _finding(ratio <= 3, ratio <= 1))
 
     return make
 
@@ -180,8 +180,8 @@ def _ends_early(paper: str, name: str, library: str, early: bool) -> Callable[[_
         if not rows:
             return Statement("a", paper, "–", rule, UNKNOWN)
         fraction = float(np.mean([row["plan_time_s"] < AT_LIMIT * measured.time_limit["a"] for row in rows]))
-        verdict = _verdict(fraction > 0, fraction >= 0.5) if early else _verdict(fraction == 0)
-        return Statement("a", paper, f"{name} ended early in {fraction:.1%} of {len(rows)} plans", rule, verdict)
+        finding = _finding(fraction > 0, fraction >= 0.5) if early else _finding(fraction == 0)
+        return Statement("a", paper, f"{name} ended early in {fraction:.1%} of {len(rows)} plans", rule, finding)
 
     return make
 
@@ -193,8 +193,8 @@ def _success(letter: str, paper: str, reproduced: float) -> Callable[[_Measured]
         found = measured.values(letter, lambda c: c.search, "success")
         if not found:
             return Statement(letter, paper, "–", rule, UNKNOWN)
-        verdict = _verdict(min(found) >= reproduced, reproduced < 1 and min(found) == 1)
-        return Statement(letter, paper, _range(found, _percent), rule, verdict)
+        finding = _finding(min(found) >= reproduced, reproduced < 1 and min(found) == 1)
+        return Statement(letter, paper, _range(found, _percent), rule, finding)
 
     return make
 
@@ -209,7 +209,7 @@ def _ompl_fails(measured: _Measured) -> Statement:
     if not found:
         return Statement("b", paper, "–", rule, UNKNOWN)
     text = ", ".join(f"{name} fails {fraction:.0%}" for name, fraction in found)
-    return Statement("b", paper, text, rule, _verdict(all(fraction >= 0.2 for _, fraction in found)))
+    return Statement("b", paper, text, rule, _finding(all(fraction >= 0.2 for _, fraction in found)))
 
 
 def _xecbs_time(scenario: str, paper_s: float) -> Callable[[_Measured], Statement]:
@@ -219,7 +219,7 @@ def _xecbs_time(scenario: str, paper_s: float) -> Callable[[_Measured], Statemen
         (found,) = measured.values("b", _named("xECBS", SRMP), "time_mean_s", scenario) or [math.nan]
         if math.isnan(found):
             return Statement("b", paper, "–", rule, UNKNOWN)
-        return Statement("b", paper, seconds(found), rule, _verdict(found <= 1.25 * paper_s, found <= paper_s))
+        return Statement("b", paper, seconds(found), rule, _finding(found <= 1.25 * paper_s, found <= paper_s))
 
     return make
 
@@ -238,7 +238,7 @@ def _xecbs_slower(measured: _Measured) -> Statement:
             slower.append(ours[0] > min(theirs))
     if not parts:
         return Statement("b", paper, "–", rule, UNKNOWN)
-    return Statement("b", paper, "; ".join(parts), rule, _verdict(any(slower), not any(slower)))
+    return Statement("b", paper, "; ".join(parts), rule, _finding(any(slower), not any(slower)))
 
 
 def _magnitudes(measured: _Measured) -> Statement:
@@ -252,7 +252,7 @@ def _magnitudes(measured: _Measured) -> Statement:
     if not means:
         return Statement("c", paper, "–", rule, UNKNOWN)
     text = ", ".join(f"{name} {mean:.2f}" for name, mean in means)
-    return Statement("c", paper, text, rule, _verdict(all(mean >= 10 for _, mean in means)))
+    return Statement("c", paper, text, rule, _finding(all(mean >= 10 for _, mean in means)))
 
 
 _STATEMENTS: Mapping[str, Sequence[Callable[[_Measured], Statement]]] = {
@@ -283,6 +283,6 @@ _STATEMENTS: Mapping[str, Sequence[Callable[[_Measured], Statement]]] = {
 
 def markdown(found: Sequence[Statement]) -> str:
     """A table of the statements of an experiment."""
-    lines = ["| the paper | here | rule | verdict |", "|---|---|---|---|"]
-    lines += [f"| {s.paper} | {s.ours} | {s.rule} | **{s.verdict}** |" for s in found]
+    lines = ["| the paper | here | rule | finding |", "|---|---|---|---|"]
+    lines += [f"| {s.paper} | {s.ours} | {s.rule} | **{s.finding}** |" for s in found]
     return "\n".join(lines)

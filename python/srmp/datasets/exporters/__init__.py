@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import srmp
+from srmp._files import whole
 from srmp._names import did_you_mean
 from srmp.datasets.dataset import Dataset
 from srmp.datasets.exporters.arrays import to_hdf5, to_numpy
@@ -44,28 +43,14 @@ def export(
     path = Path(out)
     if path.exists():
         raise srmp.FileError(f"{path} exists already; name a new one.")
-    part = path.with_name(path.name + ".part")
     written = 0
     try:
-        _remove(part)
-        part.parent.mkdir(parents=True, exist_ok=True)
-        for count in TARGETS[target](dataset, part):
-            written += count
-            if progress:
-                progress(written, len(dataset))
-        part.rename(path)
-    except srmp.Error:
-        _remove(part)
-        raise
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole(path) as part:
+            for count in TARGETS[target](dataset, part):
+                written += count
+                if progress:
+                    progress(written, len(dataset))
     except OSError as error:
-        _remove(part)
         raise srmp.FileError(f"{path} cannot be written: {error.strerror or error}.") from error
     return written
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        with contextlib.suppress(OSError):
-            path.unlink(missing_ok=True)

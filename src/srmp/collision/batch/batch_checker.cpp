@@ -153,7 +153,7 @@ bool by_time_and_pair(const UndecidedPair& a, const UndecidedPair& b) {
 }  // namespace
 
 BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurations, Workspace& w,
-                                              bool proofs_only) const {
+                                              const BlockOptions& options) const {
   const std::size_t n = dof(), count = n ? configurations.size() / n : 0;
   if (n == 0 || count * n != configurations.size() || count == 0 || count > block)
     throw InvalidArgument("batch checker: a block holds 1 to 16 configurations of " + std::to_string(n) + " entries");
@@ -168,7 +168,7 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
     }
   }
   const unsigned used = (1u << count) - 1;
-  const batch::KernelResult result = w.run(*impl_, false, proofs_only ? (1u << kLanes) - 1 : 0);
+  const batch::KernelResult result = w.run(*impl_, false, options.proofs_only ? (1u << kLanes) - 1 : 0);
   w.collect(*impl_, result, used, [](int lane) { return Interval{static_cast<double>(lane), 0}; });
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
   const unsigned colliding = result.colliding & used;

@@ -31,6 +31,12 @@ struct BatchStatistics {
   std::uint64_t motions_free{}, motions_colliding{}, motions_undecided{};  ///< not proved (proves_free): undecided
 };
 
+struct BlockOptions {
+  /// Only which configurations are free matters; which of the two bits another one has, and which of its pairs
+  /// undecided() lists, is then arbitrary (but deterministic).
+  bool proofs_only{false};
+};
+
 /// Checks 16 configurations at a time in float32, with sound rounding: what it calls free is free, what it calls
 /// colliding collides, and the pairs that it leaves undecided are listed. All instruction sets give the same bits.
 ///
@@ -60,10 +66,9 @@ class BatchChecker {
   struct Lanes {
     std::uint16_t colliding{}, undecided{};
   };
-  /// Checks up to 16 configurations, each dof() long, one after the other. `proofs_only`: only which ones are free
-  /// matters; which of the two bits another one has, and which of its pairs undecided() lists, is then arbitrary (but
-  /// deterministic).
-  Lanes check_block(std::span<const double> configurations, Workspace& workspace, bool proofs_only = false) const;
+  /// Checks up to 16 configurations, each dof() long, one after the other.
+  Lanes check_block(std::span<const double> configurations, Workspace& workspace,
+                    const BlockOptions& options = {}) const;
 
   /// Checks the straight motion from a by `difference` (joint space) in one block: 16 equal intervals.
   CollisionStatus motion_block(std::span<const double> a, std::span<const double> difference,

@@ -12,11 +12,8 @@ namespace srmp {
 
 namespace {
 
-constexpr int iterations = 20;  // of inverse kinematics from the layer before
 /// [m] to tenths of a millimetre.
 std::string rounded(double length) { return to_text(std::round(1e4 * length) / 1e4); }
-
-constexpr int few_seeds = 4, many_seeds = 64;  // of inverse kinematics that asks whether there is any configuration
 
 }  // namespace
 
@@ -55,13 +52,13 @@ void CartesianGraph::add_layers(const CartesianGraphOptions& options) {
     const double turn = 2.0 * std::atan2(step.q.vec().norm(), std::abs(step.q.w()));
     const double length = std::max(step.p.norm() - 4e-5, 0.0);  // both ends miss their poses
     const double angle = std::max(turn - 4e-4, 0.0);
-    to_end_[k] = to_end_[k + 1] + std::max(length / deviation_.most_travel(), angle / deviation_.most_turn());
+    to_end_[k] = to_end_[k + 1] + std::max(length / deviation_.max_travel(), angle / deviation_.max_turn());
   }
 }
 
 std::vector<Eigen::VectorXd> CartesianGraph::at_layer(std::size_t layer, const Eigen::VectorXd& reference,
                                                       int seeds) const {
-  IkOptions options{.max_solutions = seeds, .seeds = seeds, .max_iterations = seeds > 1 ? 100 : iterations};
+  IkOptions options{.max_solutions = seeds, .seeds = seeds, .max_iterations = seeds > 1 ? 100 : options_.ik_iterations};
   options.other_positions = context_.checks.checker().other_positions();
   return inverse_kinematics(context_.robot, layers_[layer].pose, reference, options,
                             context_.robot.link_names()[options_.link], context_.deadline);
@@ -153,7 +150,7 @@ std::string CartesianGraph::obstruction_behind(const State& state) {
   const std::size_t next = state.layer + 1;
   const std::vector<Eigen::VectorXd> near = at_layer(next, state.q, 1);
   if (near.empty())
-    return at_layer(next, state.q, many_seeds).empty()
+    return at_layer(next, state.q, options_.many_seeds).empty()
                ? "no configuration within the joint limits puts it at the next pose"
                : "no configuration near the one before puts it at the next pose: a joint limit or a singularity is in "
                  "the way";
@@ -167,8 +164,8 @@ std::string CartesianGraph::obstruction_behind(const State& state) {
 std::string CartesianGraph::unreachable_pose() {
   for (std::size_t layer = farthest_ + 1; layer < layers_.size(); ++layer) {
     context_.stop_if_late("the search along the poses");
-    if (invalidity_at(layer, few_seeds).empty()) continue;
-    const std::string why = invalidity_at(layer, many_seeds);
+    if (invalidity_at(layer, options_.few_seeds).empty()) continue;
+    const std::string why = invalidity_at(layer, options_.many_seeds);
     if (!why.empty()) return place_of(layer, "cannot be ") + ": " + why;
   }
   return "";

@@ -20,6 +20,12 @@ struct CartesianGraphOptions {
   double turn{0.07};               ///< [rad] between layers, at most
   /// [rad, prismatic joints m]: how far the joints move, in sum, in one step of the redundancy.
   double redundancy_step{0.06};
+  /// Of inverse kinematics from a configuration of the layer before, which is near: more find a few more, for more
+  /// time.
+  int ik_iterations{20};
+  /// Seeds of inverse kinematics that finds out whether a pose can be reached at all: a few, and many where these find
+  /// nothing. More miss fewer configurations, for more time.
+  int few_seeds{4}, many_seeds{64};
 };
 
 /// The graph of a robot's configurations along a Cartesian path: layer k holds configurations that put the link at the

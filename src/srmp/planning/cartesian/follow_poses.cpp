@@ -17,10 +17,10 @@ namespace {
 struct FollowTuning {
   std::vector<double> steps{0.02, 0.01, 0.005};  ///< [m] between poses, one search each: coarse ones are quicker
   double turn_of_step{3.5};                      ///< [rad/m]: poses are no farther apart in rotation
-  /// Before it is asked whether every pose can be reached at all: most paths are found within fewer.
+  /// Before poses are searched that cannot be reached at all: most paths are found within fewer.
   std::uint64_t first_expansions{500};
-  double weight{15.0};  ///< of the heuristic: much of it follows the nearest configurations
-  double share{0.5};    ///< of the tolerance that the straight segments may use; rounded corners have the rest
+  double weight{15.0};   ///< of the heuristic: much of it follows the nearest configurations
+  double fraction{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
   /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
   std::vector<double> corners{0.5, 0.1, 0.02, 0.0};
 };
@@ -41,8 +41,8 @@ class FollowPoses {
   Trajectory run() {
     RowMatrix waypoints = path();
     statistics_.plan_time_s = deadline_.elapsed();
-    for (const double share : tuning.corners) {
-      Trajectory motion = in_time(waypoints, share * poses_.tolerance.position);
+    for (const double fraction : tuning.corners) {
+      Trajectory motion = in_time(waypoints, fraction * poses_.tolerance.position);
       const CartesianDeviation deviation = deviation_of(motion);
       if (!keeps(deviation)) continue;
       if (motion.certificate) {
@@ -66,7 +66,7 @@ class FollowPoses {
       CartesianGraph graph(context_, endpoints.start, in_base_, graph_options(step));
       const search::Result result = search_in(graph);
       if (result.status == Status::solved) return waypoints(graph, result, step);
-      if (deadline_.stop_requested()) fail_late(graph);
+      if (deadline_.stop_requested()) throw_stopped(graph);
       reason = graph.unreachable_pose();
       if (!reason.empty()) break;
       reason = graph.obstruction();
@@ -74,7 +74,7 @@ class FollowPoses {
     throw PlanningError(Status::exhausted, reason);
   }
 
-  [[noreturn]] void fail_late(CartesianGraph& graph) const {
+  [[noreturn]] void throw_stopped(CartesianGraph& graph) const {
     const std::string states = " (" + std::to_string(statistics_.expansions) + " states expanded)";
     if (deadline_.cancelled())
       throw PlanningError(Status::cancelled, "the plan was cancelled during the search along the poses" + states);
@@ -84,7 +84,7 @@ class FollowPoses {
 
   CartesianGraphOptions graph_options(double step) const {
     return {.link = context_.robot.link_index(poses_.link.empty() ? context_.robot.end_effector() : poses_.link),
-            .tolerance = {tuning.share * poses_.tolerance.position, tuning.share * poses_.tolerance.rotation},
+            .tolerance = {tuning.fraction * poses_.tolerance.position, tuning.fraction * poses_.tolerance.rotation},
             .step = step,
             .turn = tuning.turn_of_step * step};
   }

@@ -22,7 +22,7 @@ std::unique_ptr<const Checker> beside(const Scene& scene, const std::string& rob
   return make_checker(scene, robot, {.mode = CheckMode::coal, .other_robots = {other}, .other_robots_only = true});
 }
 
-/// Why a motion cannot be held against others; nothing: it can.
+/// Why a motion cannot be verified against others; nothing: it can.
 std::optional<Fault> unfitness(const Trajectory& motion, const RobotModel& robot) {
   if (auto fault = unreadable(motion, robot)) return fault;
   const double begin = motion.times[0];

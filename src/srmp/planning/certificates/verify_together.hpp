@@ -9,7 +9,7 @@
 
 namespace srmp {
 
-// Judgement of robots of a scene that move on one clock from time 0 on, and rest where their motions end: each by
+// Certificates of robots of a scene that move on one clock from time 0 on, and rest where their motions end: each by
 // itself among robots that stand still, and then against every other. By Coal alone.
 
 /// certify of one robot. `others`, by robot name, are whole, and all motions have times.
@@ -35,7 +35,7 @@ class MotionsTogether {
   const std::map<std::string, Trajectory>& motions_;
   double gap_tolerance_;
   std::map<std::pair<std::string, std::string>, MotionProof> proofs_;
-  std::map<std::string, Fault> unfit_;  // why a motion cannot be held against others
+  std::map<std::string, Fault> unfit_;  // why a motion cannot be verified against others
 };
 
 }  // namespace srmp

@@ -46,7 +46,7 @@ std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedConstrai
   for (int i = 0; i < options.seeds && std::ssize(found) < options.max_solutions; ++i) {
     if (deadline.stop_requested()) break;
     Eigen::VectorXd q = seed(robot, reference, i);
-    if (!checker.project(q, constraint_shares.configurations)) continue;
+    if (!checker.project(q, constraint_fractions.configurations)) continue;
     const bool is_new = std::none_of(found.begin(), found.end(), [&](const Eigen::VectorXd& other) {
       return robot.difference(other, q).cwiseAbs().maxCoeff() < options.distinct;
     });

@@ -10,7 +10,7 @@ namespace {
 
 struct ConnectionTarget {
   IkGoal goal;
-  double max_apart;  // [m]
+  double max_distance;  // [m]
   int number;
 };
 
@@ -19,7 +19,7 @@ class IkGoalConnection {
   IkGoalConnection(const PlacedRobot& robot, const Eigen::VectorXd& step)
       : robot_(*robot.model),
         step_(step),
-        tip_(robot_.link_index(robot_.end_effector())),
+        link_(robot_.link_index(robot_.end_effector())),
         data_(robot_.make_data(robot.other_positions).release(), RobotDataDeleter{}) {
     for (std::size_t j = 0; j < robot_.dof(); ++j) {
       const bool prismatic = robot_.joints()[j].kind == JointKind::prismatic;
@@ -31,16 +31,16 @@ class IkGoalConnection {
   void add(IkGoal goal, int number) {
     goal.options.seeds = goal.options.max_solutions = 1;
     goal.options.max_iterations = 20;
-    const double max_apart = turn_ * goal.in_base.p.norm() + slide_;
-    targets_.push_back({std::move(goal), max_apart, number});
+    const double max_distance = turn_ * goal.in_base.p.norm() + slide_;
+    targets_.push_back({std::move(goal), max_distance, number});
   }
 
   std::vector<ConnectedGoal> operator()(const Eigen::VectorXd& q) const {
     robot_.forward(*data_, q);
-    const Eigen::Isometry3d tip = robot_.link_pose(*data_, tip_);
+    const Eigen::Isometry3d end_effector = robot_.link_pose(*data_, link_);
     std::vector<ConnectedGoal> found;
     for (const ConnectionTarget& target : targets_) {
-      if (!is_near(tip, target)) continue;
+      if (!is_near(end_effector, target)) continue;
       for (const Eigen::VectorXd& there : inverse_kinematics(robot_, target.goal.in_base, q, target.goal.options))
         if ((robot_.difference(q, there).array().abs() <= 2.0 * step_.array()).all())
           found.push_back({there, target.number});
@@ -49,21 +49,21 @@ class IkGoalConnection {
   }
 
  private:
-  bool is_near(const Eigen::Isometry3d& tip, const ConnectionTarget& target) const {
+  bool is_near(const Eigen::Isometry3d& end_effector, const ConnectionTarget& target) const {
     const Pose& goal_pose = target.goal.in_base;
     const IkOptions& options = target.goal.options;
-    const Eigen::Vector3d apart = goal_pose.q.conjugate() * (tip.translation() - goal_pose.p);
+    const Eigen::Vector3d offset = goal_pose.q.conjugate() * (end_effector.translation() - goal_pose.p);
     bool turned = false;  // orientations with free axes are left to inverse kinematics
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      if (!options.position_tolerance.is_free(axis) && std::abs(apart[axis]) > target.max_apart) return false;
+      if (!options.position_tolerance.is_free(axis) && std::abs(offset[axis]) > target.max_distance) return false;
       turned |= options.rotation_tolerance.is_free(axis);
     }
-    return turned || goal_pose.q.angularDistance(Eigen::Quaterniond(tip.linear())) <= 2.0 * turn_;
+    return turned || goal_pose.q.angularDistance(Eigen::Quaterniond(end_effector.linear())) <= 2.0 * turn_;
   }
 
   const RobotModel& robot_;
   Eigen::VectorXd step_;
-  std::size_t tip_;
+  std::size_t link_;
   std::shared_ptr<RobotData> data_;
   double turn_{0.0}, slide_{0.0};
   std::vector<ConnectionTarget> targets_;

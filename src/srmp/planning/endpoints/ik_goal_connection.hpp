@@ -20,7 +20,7 @@ IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const 
 /// For states whose end effector is near a pose or position target: the configuration that inverse kinematics, started
 /// from that very state, finds there. Near is what a lattice step makes good: the position is missed by no more than
 /// one `step` of a revolute joint at the target's distance from the base (and one of a prismatic joint), the
-/// orientation by no more than two. No joint of the answer is more than two steps away. ConnectedGoal::goal counts all
+/// orientation by no more than two. No joint of the result is more than two steps away. ConnectedGoal::goal counts all
 /// targets of all goals. Empty, and so free of charge, when all goals are joint goals.
 GoalConnection make_ik_goal_connection(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
                                        const Eigen::VectorXd& step);

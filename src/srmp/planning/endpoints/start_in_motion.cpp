@@ -36,8 +36,8 @@ void LeadOutOfMotion::require_free() {
 std::vector<RowMatrix> LeadOutOfMotion::followed_by(const RowMatrix& waypoints) {
   RowMatrix whole(waypoints.rows() + 1, waypoints.cols());
   whole << begin_.position.transpose(), waypoints;
-  std::vector<RowMatrix> ways{whole};
-  if (waypoints.rows() < 2) return ways;
+  std::vector<RowMatrix> paths{whole};
+  if (waypoints.rows() < 2) return paths;
   const Eigen::VectorXd next = waypoints.row(1).transpose();
   try {
     for (const double lead : farther_leads) {
@@ -45,11 +45,11 @@ std::vector<RowMatrix> LeadOutOfMotion::followed_by(const RowMatrix& waypoints) 
       if (!violation(turn).empty() || !is_motion_free(task_.start, turn)) break;
       if (!is_motion_free(turn, next)) continue;
       whole.row(1) = turn.transpose();
-      ways.push_back(whole);
+      paths.push_back(whole);
     }
   } catch (const MotionCheckStopped&) {  // what was found by then will do
   }
-  return ways;
+  return paths;
 }
 
 std::string LeadOutOfMotion::violation(const Eigen::VectorXd& q) {

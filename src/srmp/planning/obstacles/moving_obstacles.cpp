@@ -16,11 +16,6 @@ namespace srmp {
 
 namespace {
 
-constexpr double delay_step = 0.1;  // [s]
-// Paths around the obstacles must arrive earlier by more than these: they are longer, and take time to plan.
-constexpr double min_gain = 0.1;           // [s]
-constexpr double min_gain_fraction = 0.1;  // of the time until all are there
-
 Trajectory stationary_at(const Trajectory& motion, Eigen::Index row) {
   return stationary(motion.joint_names, motion.positions.middleRows(row, 1), 0.0);
 }
@@ -30,8 +25,9 @@ Trajectory stationary_at(const Trajectory& motion, Eigen::Index row) {
 class PlanAround {
  public:
   PlanAround(const PlanProblem& problem, const PlanTogether& plan_together, const Deadline& deadline,
-             PlanStatistics& statistics)
+             PlanStatistics& statistics, const WaitingOptions& options)
       : problem_(problem),
+        options_(options),
         common_(common_options(problem.options)),
         obstacles_(problem.obstacles),
         plan_together_(plan_together),
@@ -177,11 +173,11 @@ class PlanAround {
     for (const auto& [name, motion] : obstacles_) latest = std::max(latest, end_of(motion));
     std::optional<Collision> waiting;
     for (int i = 0;; ++i) {
-      const double delay = std::min(i * delay_step, latest);
+      const double delay = std::min(i * options_.delay_step, latest);
       const auto collision = first_collision_after(delay);
       if (!collision) return delay;
       if (i == 0) waiting = first_while_waiting();
-      const double next = std::min((i + 1) * delay_step, latest);
+      const double next = std::min((i + 1) * options_.delay_step, latest);
       if (delay < latest && (!waiting || next <= waiting->time)) continue;
       if (waiting)
         fail(Status::exhausted,
@@ -236,7 +232,7 @@ class PlanAround {
 
   // --- each by itself
 
-  double gain() const { return std::max(min_gain, min_gain_fraction * statistics_.makespan_s); }
+  double gain() const { return std::max(options_.min_gain, options_.min_gain_fraction * statistics_.makespan_s); }
 
   /// Would the motions end much earlier if they could begin at once?
   bool ends_late() const {
@@ -321,6 +317,7 @@ class PlanAround {
   }
 
   const PlanProblem& problem_;
+  const WaitingOptions options_;
   const CommonOptions& common_;
   const std::map<std::string, Trajectory>& obstacles_;
   const PlanTogether& plan_together_;
@@ -379,8 +376,9 @@ void stand_at_ends(Scene& scene, const std::map<std::string, Eigen::VectorXd>& s
 }
 
 MultiTrajectory plan_among_obstacles(const PlanProblem& problem, const PlanTogether& plan_together,
-                                     const Deadline& deadline, PlanStatistics& statistics) {
-  return PlanAround(problem, plan_together, deadline, statistics).run();
+                                     const Deadline& deadline, PlanStatistics& statistics,
+                                     const WaitingOptions& waiting) {
+  return PlanAround(problem, plan_together, deadline, statistics, waiting).run();
 }
 
 }  // namespace srmp

@@ -16,17 +16,10 @@
 
 namespace srmp {
 
-namespace {
-
-constexpr int max_roadmaps = 3;
-constexpr std::uint64_t max_checks = 20'000'000;       // for a robot
-constexpr std::uint64_t checks_for_earlier = 500'000;  // for all of them
-
-}  // namespace
-
 PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& group, const Deadline& deadline,
-                                     PlanStatistics& statistics)
+                                     PlanStatistics& statistics, const PrioritisedOptions& options)
     : problem_(problem),
+      options_(options),
       common_(common_options(problem.options)),
       group_(group),
       quick_(problem.scene, group.names(), problem.checkers.options, 1, problem.checkers.backend),
@@ -80,8 +73,9 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
   while (tried.insert(order).second && !deadline_.stop_requested()) {
     Motions found;
     const auto stuck = std::find_if_not(order.begin(), order.end(), [&](std::size_t i) {
-      std::uint64_t checks = max_checks;
-      return plan_one(i, at_once, {std::numeric_limits<double>::infinity(), max_roadmaps, checks, deadline_}, found);
+      std::uint64_t checks = options_.max_checks;
+      return plan_one(i, at_once, {std::numeric_limits<double>::infinity(), options_.max_roadmaps, checks, deadline_},
+                      found);
     });
     if (stuck == order.end()) return found;
     std::rotate(order.begin(), stuck, std::next(stuck));
@@ -90,7 +84,7 @@ std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan(const Motions&
 }
 
 std::optional<PrioritisedInTime::Motions> PrioritisedInTime::plan_earlier(const Motions& at_once, double before) {
-  std::uint64_t checks = checks_for_earlier;
+  std::uint64_t checks = options_.checks_for_earlier;
   Motions found;
   try {
     for (std::size_t i = 0; i < problem_.robots.size(); ++i)

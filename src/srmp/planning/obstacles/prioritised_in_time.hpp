@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -11,6 +12,14 @@
 
 namespace srmp {
 
+struct PrioritisedOptions {
+  int max_roadmaps{3};  ///< of a robot, each richer than the one before: more find more, and take longer
+  std::uint64_t max_checks{20'000'000};  ///< of a robot's search: more finds more, and takes longer to give up
+  /// Of all robots, where motions are known already and only earlier ones are searched: few, so that the plan as a
+  /// whole takes little longer than without.
+  std::uint64_t checks_for_earlier{500'000};
+};
+
 /// Robots that are planned in time one after the other, each around the moving obstacles and the robots planned
 /// before it (priorities: Erdmann, Lozano-Pérez 1987).
 class PrioritisedInTime {
@@ -20,7 +29,7 @@ class PrioritisedInTime {
   /// `group`: checkers, by Coal alone, of the problem's robots, in their order, and after them the moving obstacles.
   /// References outlive this.
   PrioritisedInTime(const PlanProblem& problem, const GroupCheckers& group, const Deadline& deadline,
-                    PlanStatistics& statistics);
+                    PlanStatistics& statistics, const PrioritisedOptions& options = {});
 
   /// Checks starts and goals as the pipeline does, but a start may be where the motion of an obstacle ends. Throws
   /// PlanningError.
@@ -39,6 +48,7 @@ class PrioritisedInTime {
   const RobotPath& path_of(std::size_t i);
 
   const PlanProblem& problem_;
+  const PrioritisedOptions options_;
   const CommonOptions& common_;
   const GroupCheckers& group_;
   const GroupCheckers quick_;  // the same robots, by the checkers that plan

@@ -3,36 +3,36 @@
 #include <algorithm>
 
 #include "srmp/trajectory/path.hpp"
+#include "srmp/trajectory/skip_waypoints.hpp"
 
 namespace srmp {
 
 namespace {
 
-class Shortener {
+class JointShortcutter {
  public:
-  Shortener(JointPath& path, MultiRobotWorld& world, const Deadline& deadline)
-      : path_(path), world_(world), deadline_(deadline) {}
+  JointShortcutter(JointPath& path, MultiRobotWorld& world, const Deadline& deadline,
+                   const JointShortcutOptions& options)
+      : path_(path), world_(world), deadline_(deadline), options_(options) {}
 
   void tighten() {
     for (std::size_t robot = 0; robot < path_.positions.size(); ++robot) tighten(robot);
   }
 
   void run() {
-    for (int round = 0; round < 3 && !late(); ++round) {
+    for (int round = 0; round < options_.max_rounds && !stopped(); ++round) {
       const double before = path_.length();
       straighten_all();
       if (path_.size() < 3) return;
       for (std::size_t robot = 0; robot < path_.positions.size(); ++robot) straighten(robot);
       drop_rows();
-      if (path_.length() > 0.98 * before) return;
+      if (path_.length() > (1.0 - options_.min_gain) * before) return;
     }
   }
 
  private:
-  static constexpr double min_detour = 0.05;  // that is worth tightening [rad, prismatic joints m]
-
   std::size_t number(std::size_t robot) const { return path_.robots[robot]; }
-  bool late() const { return deadline_.stop_requested(); }
+  bool stopped() const { return deadline_.stop_requested(); }
 
   Eigen::VectorXd at(std::size_t robot, std::size_t row) const {
     return path_.positions[robot].row(static_cast<Eigen::Index>(row)).transpose();
@@ -45,15 +45,15 @@ class Shortener {
 
   /// Is it short enough to be tried, and free, for one robot to go straight between two rows?
   bool can_straighten(std::size_t robot, std::size_t a, std::size_t b) {
-    if (late()) return false;
+    if (stopped()) return false;
     const Eigen::VectorXd from = at(robot, a), to = at(robot, b);
     if (!short_way(robot, from, to) || !world_.is_free_for_one(number(robot), from, to)) return false;
-    return is_apart(robot, a, b, [&](std::size_t row) { return between(robot, a, b, row); });
+    return is_free_of_others(robot, a, b, [&](std::size_t row) { return between(robot, a, b, row); });
   }
 
-  /// From the others as they go, when the robot is at `place(row)` in each row.
+  /// Does the robot collide with none of the others as they move, when it is at `place(row)` in each row?
   template <class Place>
-  bool is_apart(std::size_t robot, std::size_t a, std::size_t b, Place&& place) {
+  bool is_free_of_others(std::size_t robot, std::size_t a, std::size_t b, Place&& place) {
     for (std::size_t other = 0; other < path_.positions.size(); ++other) {
       if (other == robot || !world_.may_conflict(number(robot), number(other))) continue;
       for (std::size_t row = a; row < b; ++row)
@@ -69,26 +69,12 @@ class Shortener {
     return (world_.model(number(robot)).difference(from, to) - (to - from)).cwiseAbs().maxCoeff() < 1e-9;
   }
 
-  /// The farthest row that one can go straight to, by bisection; the last one first, unless it is said not to be worth
-  /// it.
-  template <class Can>
-  std::size_t farthest(std::size_t from, bool try_last, Can&& can) const {
-    const std::size_t last = path_.size() - 1;
-    std::size_t reached = from + 1, blocked = last + 1;
-    if (from + 1 < last && try_last) (can(last) ? reached : blocked) = last;
-    while (reached + 1 < blocked) {
-      const std::size_t middle = reached + (blocked - reached) / 2;
-      (can(middle) ? reached : blocked) = middle;
-    }
-    return reached;
-  }
-
   /// From each row to the farthest that the robot can go straight to.
   void straighten(std::size_t robot) {
     const std::size_t last = path_.size() - 1;
-    for (std::size_t a = 0; a < last && !late();) {
-      const std::size_t reached =
-          farthest(a, worth(robot, a, last), [&](std::size_t b) { return can_straighten(robot, a, b); });
+    for (std::size_t a = 0; a < last && !stopped();) {
+      const std::size_t reached = farthest_waypoint(a, last, [&](std::size_t b) { return can_straighten(robot, a, b); },
+                                                    {.last_first = !is_straight(robot, a, last)});
       for (std::size_t row = a + 1; row < reached; ++row) scratch_.push_back(between(robot, a, reached, row));
       for (std::size_t row = a + 1; row < reached; ++row)
         path_.positions[robot].row(static_cast<Eigen::Index>(row)) = scratch_[row - a - 1].transpose();
@@ -100,7 +86,7 @@ class Shortener {
   void tighten(std::size_t robot) {
     const std::size_t last = path_.size() - 1;
     for (std::size_t part = last; part >= 2; part = part > 2 ? (part + 1) / 2 : 1)
-      for (std::size_t a = 0; a < last && !late(); a += part / 2) tighten(robot, a, std::min(a + part, last));
+      for (std::size_t a = 0; a < last && !stopped(); a += part / 2) tighten(robot, a, std::min(a + part, last));
   }
 
   /// By bisection, if there is much to gain.
@@ -109,7 +95,8 @@ class Shortener {
     RowMatrix& rows = path_.positions[robot];
     const auto first = static_cast<Eigen::Index>(a + 1), count = static_cast<Eigen::Index>(b - a - 1);
     const RowMatrix bent = rows.middleRows(first, count);
-    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(robot, b) - at(robot, a)).norm() < min_detour) return;
+    if (path_length(rows.middleRows(first - 1, count + 2)) - (at(robot, b) - at(robot, a)).norm() < options_.min_detour)
+      return;
     RowMatrix straight = bent;
     for (std::size_t row = a + 1; row < b; ++row)
       straight.row(static_cast<Eigen::Index>(row - a - 1)) = between(robot, a, b, row).transpose();
@@ -126,20 +113,20 @@ class Shortener {
 
   bool is_free(std::size_t robot, std::size_t a, std::size_t b) {
     for (std::size_t row = a; row < b; ++row)
-      if (late() || !world_.is_free_for_one(number(robot), at(robot, row), at(robot, row + 1))) return false;
-    return is_apart(robot, a, b, [&](std::size_t row) { return at(robot, row); });
+      if (stopped() || !world_.is_free_for_one(number(robot), at(robot, row), at(robot, row + 1))) return false;
+    return is_free_of_others(robot, a, b, [&](std::size_t row) { return at(robot, row); });
   }
 
-  /// Is the part not straight and even already?
-  bool worth(std::size_t robot, std::size_t a, std::size_t b) const {
+  /// Is the part straight and even already?
+  bool is_straight(std::size_t robot, std::size_t a, std::size_t b) const {
     for (std::size_t row = a + 1; row < b; ++row)
-      if ((at(robot, row) - between(robot, a, b, row)).cwiseAbs().maxCoeff() > 1e-9) return true;
-    return false;
+      if ((at(robot, row) - between(robot, a, b, row)).cwiseAbs().maxCoeff() > 1e-9) return false;
+    return true;
   }
 
   bool can_straighten_all(std::size_t a, std::size_t b) {
     for (std::size_t robot = 0; robot < path_.positions.size(); ++robot) {
-      if (late()) return false;
+      if (stopped()) return false;
       const Eigen::VectorXd from = at(robot, a), to = at(robot, b);
       if (!short_way(robot, from, to) || !world_.is_free_for_one(number(robot), from, to)) return false;
     }
@@ -153,13 +140,7 @@ class Shortener {
 
   /// Takes out the rows between those that all robots can go straight between.
   void straighten_all() {
-    std::vector<std::size_t> kept{0};
-    const std::size_t last = path_.size() - 1;
-    for (std::size_t a = 0; a < last;) {
-      a = farthest(a, true, [&](std::size_t b) { return can_straighten_all(a, b); });
-      kept.push_back(a);
-    }
-    keep(kept);
+    keep(skip_waypoints(path_.size() - 1, [&](std::size_t a, std::size_t b) { return can_straighten_all(a, b); }));
   }
 
   /// Rows where no robot turns or changes its speed.
@@ -190,18 +171,21 @@ class Shortener {
   JointPath& path_;
   MultiRobotWorld& world_;
   const Deadline& deadline_;
+  const JointShortcutOptions options_;
   std::vector<Eigen::VectorXd> scratch_;
 };
 
 }  // namespace
 
-JointPath shortened(JointPath path, MultiRobotWorld& world, const Deadline& deadline) {
-  if (path.size() > 2) Shortener(path, world, deadline).run();
+JointPath shortened(JointPath path, MultiRobotWorld& world, const Deadline& deadline,
+                    const JointShortcutOptions& options) {
+  if (path.size() > 2) JointShortcutter(path, world, deadline, options).run();
   return path;
 }
 
-JointPath tightened(JointPath path, MultiRobotWorld& world, const Deadline& deadline) {
-  if (path.size() > 2) Shortener(path, world, deadline).tighten();
+JointPath tightened(JointPath path, MultiRobotWorld& world, const Deadline& deadline,
+                    const JointShortcutOptions& options) {
+  if (path.size() > 2) JointShortcutter(path, world, deadline, options).tighten();
   return path;
 }
 

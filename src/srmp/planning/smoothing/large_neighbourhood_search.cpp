@@ -28,8 +28,8 @@ class NeighbourhoodSearch {
       : path_(path), robot_(robot), world_(world), options_(options), task_(world.task(number(robot))) {
     add_vertices(configurations);
     int single_robot_steps = 0;
-    for (std::size_t k = 1; k < task_.backbone.size(); ++k)
-      single_robot_steps += world.duration(number(robot), task_.backbone[k - 1], task_.backbone[k]);
+    for (std::size_t k = 1; k < task_.single_robot_path.size(); ++k)
+      single_robot_steps += world.duration(number(robot), task_.single_robot_path[k - 1], task_.single_robot_path[k]);
     end_ = static_cast<int>(std::ceil(path.steps.back())) + single_robot_steps;
     max_cost_ = options.max_length_ratio * path.length(robot);
   }
@@ -81,7 +81,7 @@ class NeighbourhoodSearch {
     add_vertex(rows.bottomRows(1).transpose());
     for (Eigen::Index row = 1; row + 1 < rows.rows(); ++row)
       if (is_waypoint(row)) add_vertex(rows.row(row).transpose());
-    for (const Eigen::VectorXd& q : task_.backbone) add_vertex(q);
+    for (const Eigen::VectorXd& q : task_.single_robot_path) add_vertex(q);
     for (const Eigen::VectorXd& q : configurations)
       if (length_through(q) < options_.max_length_ratio * path_.length(robot_)) add_vertex(q);
     cost_to_go_.assign(vertices_.size(), search::infinity);

@@ -32,7 +32,7 @@ class Anytime {
   }
 
  private:
-  /// False: no better path is wanted, or none can be found.
+  /// False: no better path is needed, or none can be found.
   bool run_round(std::uint64_t expansions, double finer) {
     for (const double fraction : options_.fractions)
       while (true) {

@@ -80,8 +80,8 @@ Roadmap CompositeRoadmap::single_robot_roadmap(std::size_t robot) const {
   Roadmap map;
   map.vertices = {task.start};
   map.edges.resize(1);
-  for (std::size_t k = 1; k < task.backbone.size() && !task.anywhere; ++k) {
-    const Eigen::VectorXd waypoint = task.backbone[k];
+  for (std::size_t k = 1; k < task.single_robot_path.size() && !task.anywhere; ++k) {
+    const Eigen::VectorXd waypoint = task.single_robot_path[k];
     add_edge(map, robot, map.goal, waypoint);
     map.goal = static_cast<Vertex>(map.vertices.size() - 1);
   }

@@ -6,8 +6,6 @@ namespace srmp {
 
 namespace {
 
-constexpr double stays = 0.1;  // fraction of the samples in which a robot is at its start; as many, at its goal
-
 using Sampler = std::function<Eigen::VectorXd(search::RandomSequence&)>;
 
 /// Of each robot as if it were alone.
@@ -18,12 +16,13 @@ std::vector<Sampler> samplers(const CompositeSpace& space) {
   return found;
 }
 
-Eigen::VectorXd sample(const CompositeSpace& space, const std::vector<Sampler>& alone, search::RandomSequence& random) {
+Eigen::VectorXd sample(const CompositeSpace& space, const std::vector<Sampler>& alone, double stay_fraction,
+                       search::RandomSequence& random) {
   Eigen::VectorXd q = space.start();
   for (std::size_t i = 0; i < space.size(); ++i) {
     const double choice = random.next();
-    if (choice < stays) continue;
-    if (choice < 2 * stays && !space.task(i).anywhere)
+    if (choice < stay_fraction) continue;
+    if (choice < 2 * stay_fraction && !space.task(i).anywhere)
       space.part(q, i) = space.task(i).targets.front();
     else
       space.part(q, i) = alone[i](random);
@@ -33,15 +32,14 @@ Eigen::VectorXd sample(const CompositeSpace& space, const std::vector<Sampler>& 
 
 }  // namespace
 
-search::RrtSpace rrt_space(const CompositeSpace& space) {
+search::RrtSpace rrt_space(const CompositeSpace& space, const CompositeSamplingOptions& options) {
   search::RrtSpace trees;
   trees.starts = {space.start()};
   trees.goals = space.targets();
-  trees.max_step = 1.0;  // over all joints [rad, prismatic joints m]
+  trees.max_step = options.max_step;
   for (const Joint& joint : space.joints()) trees.wraps.push_back(joint.kind == JointKind::continuous);
-  trees.sample = [&space, alone = samplers(space)](search::RandomSequence& random) {
-    return sample(space, alone, random);
-  };
+  trees.sample = [&space, alone = samplers(space), stay_fraction = options.stay_fraction](
+                     search::RandomSequence& random) { return sample(space, alone, stay_fraction, random); };
   trees.is_motion_free = [&space](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return space.is_motion_free(a, b);
   };

@@ -21,10 +21,10 @@ class CompositeLattices : public LatticeFamily {
     make_weights();
   }
 
-  Lattice lattice(bool backward, double scale) override {
+  Lattice lattice(const LatticeChoice& choice) override {
     std::vector<Eigen::VectorXd> roots{space_.start()}, targets = space_.targets();
-    if (backward) roots.swap(targets);
-    return Lattice(space_.joints(), std::move(roots), std::move(targets), {.primitives = primitives(scale)},
+    if (choice.backward) roots.swap(targets);
+    return Lattice(space_.joints(), std::move(roots), std::move(targets), {.primitives = primitives(choice.scale)},
                    [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
                      return space_.is_motion_free(a, b);
                    });
@@ -38,18 +38,18 @@ class CompositeLattices : public LatticeFamily {
             }};
   }
 
-  FoundPath path_of(const search::Result& result, const Lattice& lattice, bool backward, double scale) const override {
+  FoundPath path_of(const search::Result& result, const Lattice& lattice, const LatticeChoice& choice) const override {
     std::vector<Eigen::VectorXd> rows = lattice.configurations(result.path);
-    if (backward) std::reverse(rows.begin(), rows.end());
+    if (choice.backward) std::reverse(rows.begin(), rows.end());
     rows.front() = space_.start();  // unwrapped from the start on
-    FoundPath found{.path = space_.path(rows), .graph = describe(backward, scale), .found_by = "composite lattice"};
+    FoundPath found{.path = space_.path(rows), .graph = describe(choice), .found_by = "composite lattice"};
     found.cost = found.path.length();
     return found;
   }
 
-  std::string describe(bool backward, double scale) const override {
-    return "the composite lattice of " + to_text(scale) + " times the resolution from " +
-           (backward ? "the goals" : "the start");
+  std::string describe(const LatticeChoice& choice) const override {
+    return "the composite lattice of " + to_text(choice.scale) + " times the resolution from " +
+           (choice.backward ? "the goals" : "the start");
   }
   std::string no_path_sentence(const search::Result& result, const std::string& no_path) const override {
     return no_path + " path (" + std::string(to_string(result.status)) + ")";

@@ -4,12 +4,9 @@
 
 namespace srmp {
 
-namespace {
-constexpr std::size_t max_targets = 16;
-}
-
-CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others)
-    : world_(world), robots_(std::move(robots)), others_(std::move(others)) {
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others,
+                               const CompositeSpaceOptions& options)
+    : world_(world), robots_(std::move(robots)), others_(std::move(others)), max_targets_(options.max_targets) {
   for (const std::size_t robot : robots_) {
     const std::vector<Joint>& joints = world.model(robot).joints();
     first_.push_back(std::ssize(joints_));
@@ -23,7 +20,7 @@ CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> 
 
 /// The first goals of each robot first.
 void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
-  if (targets_.size() >= max_targets) return;
+  if (targets_.size() >= max_targets_) return;
   if (i == size()) {
     targets_.push_back(std::move(q));
     return;
@@ -33,10 +30,10 @@ void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
   const Eigen::VectorXd& all = q;
   for (const Eigen::VectorXd& choice : choices) {
     part(q, i) = choice;
-    bool apart = true;
-    for (std::size_t k = 0; k < i && apart; ++k)
-      apart = world_.are_collision_free(robots_[k], part(all, k), part(all, k), robots_[i], choice, choice);
-    if (apart) add_targets(i + 1, q);
+    bool free = true;
+    for (std::size_t k = 0; k < i && free; ++k)
+      free = world_.are_collision_free(robots_[k], part(all, k), part(all, k), robots_[i], choice, choice);
+    if (free) add_targets(i + 1, q);
   }
 }
 
@@ -64,7 +61,7 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   return true;
 }
 
-bool CompositeSpace::is_apart(const Eigen::VectorXd& q) const {
+bool CompositeSpace::is_free_of_others(const Eigen::VectorXd& q) const {
   for (std::size_t i = 0; i < size(); ++i)
     for (const Standing& other : others_)
       if (!world_.are_collision_free(robots_[i], part(q, i), part(q, i), other.robot, other.q, other.q)) return false;

@@ -6,6 +6,11 @@
 
 namespace srmp {
 
+struct CompositeSpaceOptions {
+  /// Combinations of the robots' goals, > 0: more find a goal that is easier to reach, and take longer to search.
+  std::size_t max_targets{16};
+};
+
 /// Robots as one robot with all their joints: where it begins, where it may end, and which of its motions are free.
 /// Robots whose goal is anywhere end where they start.
 class CompositeSpace {
@@ -17,7 +22,8 @@ class CompositeSpace {
   };
   using Others = std::vector<Standing>;
   /// The world outlives this.
-  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {});
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {},
+                 const CompositeSpaceOptions& options = {});
 
   std::size_t size() const { return robots_.size(); }
   const MultiRobotWorld& world() const { return world_; }
@@ -26,7 +32,7 @@ class CompositeSpace {
   const WorldTask& task(std::size_t i) const { return world_.task(robots_[i]); }
   Eigen::Index first(std::size_t i) const { return first_[i]; }  ///< joint of robot i; first(size()): of all
   const Eigen::VectorXd& start() const { return start_; }
-  const std::vector<Eigen::VectorXd>& targets() const { return targets_; }  ///< goals of all robots that go together
+  const std::vector<Eigen::VectorXd>& targets() const { return targets_; }  ///< goals of all robots, collision-free
 
   Eigen::VectorBlock<Eigen::VectorXd> part(Eigen::VectorXd& q, std::size_t i) const {
     return q.segment(first_[i], first_[i + 1] - first_[i]);
@@ -38,8 +44,8 @@ class CompositeSpace {
   /// `a` is free. Where the robots must be, it matters how near they are exactly; elsewhere spheres are quicker.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
 
-  /// Is the configuration collision-free with the others, which stand still?
-  bool is_apart(const Eigen::VectorXd& q) const;
+  /// Is the configuration free of collisions with the others, which stand still?
+  bool is_free_of_others(const Eigen::VectorXd& q) const;
 
   JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
 
@@ -54,6 +60,7 @@ class CompositeSpace {
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;
   std::vector<Eigen::VectorXd> targets_;
+  std::size_t max_targets_;
 };
 
 }  // namespace srmp

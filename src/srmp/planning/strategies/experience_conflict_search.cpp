@@ -12,15 +12,19 @@ namespace srmp {
 
 namespace {
 
-struct ExperienceBudget {
+/// What the search trades; budgets are counted in work.
+struct ExperienceOptions {
   std::uint64_t known_path_evaluations{4096};
   std::uint64_t lattice_evaluations{4096};  ///< of the first round on each lattice; it grows fourfold
   std::uint64_t parts{16};                  ///< a search of one robot has this part of them, at most
   std::uint64_t path_expansions{48};        ///< of each search for a path around another robot
+  /// Robots whose sequences are tried, of which there are as many as subsets of them: more may solve larger groups
+  /// without a lattice, and take twice as long for each.
+  std::size_t max_in_sequence{4};
+  /// Steps of the lattices, as multiples of the resolution: coarse ones are quick, fine ones find narrow passages.
+  std::vector<double> lattice_scales{3.0, 1.5, 0.75};
 };
-const ExperienceBudget experience_budget;
-constexpr std::size_t max_in_sequence = 4;  // robots
-const std::vector<double> lattice_scales{3.0, 1.5, 0.75};
+const ExperienceOptions experience_options;
 
 /// With waypoints no farther apart than `step`: robots may wait there.
 std::vector<Eigen::VectorXd> densified(const RobotModel& model, const std::vector<Eigen::VectorXd>& path, double step) {
@@ -43,9 +47,10 @@ ExperienceConflictSearch::ExperienceConflictSearch(MultiRobotWorld& world, const
     : world_(world), robots_(robots), options_(options), statistics_(statistics) {
   for (std::size_t i = 0; i < world.size(); ++i) {
     tasks_.push_back(world.task(i));
-    tasks_.back().backbone = densified(world.model(i), tasks_.back().backbone, world.options().resolution);
+    tasks_.back().single_robot_path =
+        densified(world.model(i), tasks_.back().single_robot_path, world.options().resolution);
   }
-  for (const double scale : lattice_scales) lattices_.push_back({scale, nullptr});
+  for (const double scale : experience_options.lattice_scales) lattices_.push_back({scale, nullptr});
   if (world.has_own_primitives()) lattices_.resize(1);
 }
 
@@ -53,14 +58,14 @@ Attempt ExperienceConflictSearch::attempt(const AttemptBudget& budget, const Dea
   if (budget.round == 0) {
     Attempt found = along_known_paths(deadline);
     if (found.status != Status::solved && add_paths_around_each(deadline)) found = along_known_paths(deadline);
-    if (found.status != Status::solved && robots_.size() > 2 && robots_.size() <= max_in_sequence &&
+    if (found.status != Status::solved && robots_.size() > 2 && robots_.size() <= experience_options.max_in_sequence &&
         add_paths_in_sequence(deadline))
       found = along_known_paths(deadline);
     if (found.status == Status::solved) return found;
   }
   Attempt last;
   for (Scaled& lattices : lattices_) {
-    last = on_lattices(lattices, experience_budget.lattice_evaluations << 2 * budget.round, deadline);
+    last = on_lattices(lattices, experience_options.lattice_evaluations << 2 * budget.round, deadline);
     if (last.status == Status::solved) break;
   }
   return last;
@@ -69,16 +74,16 @@ Attempt ExperienceConflictSearch::attempt(const AttemptBudget& budget, const Dea
 Attempt ExperienceConflictSearch::along_known_paths(const Deadline& deadline) {
   multi::ConflictSearchOptions options = conflict_search_options(options_);
   options.known_paths_only = true;
-  options.max_evaluations = experience_budget.known_path_evaluations;
-  options.max_priority_evaluations = options.max_evaluations / experience_budget.parts;
-  const auto world = make_world(lattice_scales.front(), deadline);
+  options.max_evaluations = experience_options.known_path_evaluations;
+  options.max_priority_evaluations = options.max_evaluations / experience_options.parts;
+  const auto world = make_world(experience_options.lattice_scales.front(), deadline);
   return search(*world, options, "conflict-based search along known paths", deadline);
 }
 
 Attempt ExperienceConflictSearch::on_lattices(Scaled& lattices, std::uint64_t evaluations, const Deadline& deadline) {
   multi::ConflictSearchOptions options = conflict_search_options(options_);
   options.max_evaluations = evaluations;
-  options.max_priority_evaluations = evaluations / experience_budget.parts;
+  options.max_priority_evaluations = evaluations / experience_options.parts;
   if (!lattices.world) lattices.world = make_world(lattices.scale, deadline);
   return search(*lattices.world, options, "conflict-based search on lattices", deadline);
 }
@@ -138,7 +143,7 @@ bool ExperienceConflictSearch::add_paths_in_sequence(const Deadline& deadline) {
 
 const Eigen::VectorXd& ExperienceConflictSearch::goal(std::size_t robot) const {
   const WorldTask& task = tasks_[robot];
-  return task.anywhere || task.backbone.empty() ? task.start : task.backbone.back();
+  return task.anywhere || task.single_robot_path.empty() ? task.start : task.single_robot_path.back();
 }
 
 /// Can the robot get to its goal while others stand still? Adds a path on which it can, unless one is known.
@@ -146,15 +151,15 @@ ExperienceConflictSearch::Pass ExperienceConflictSearch::can_pass(std::size_t ro
                                                                   const CompositeSpace::Others& others,
                                                                   const Deadline& deadline) {
   WorldTask& task = tasks_[robot];
-  if (task.backbone.size() < 2 || task.anywhere) return Pass::on_known_path;
+  if (task.single_robot_path.size() < 2 || task.anywhere) return Pass::on_known_path;
   if (deadline.stop_requested()) return Pass::no;
   const CompositeSpace space(world_, {robot}, others);
-  if (!space.is_apart(task.start) || !space.is_apart(goal(robot))) return Pass::no;
-  if (passes(task.backbone, space)) return Pass::on_known_path;
+  if (!space.is_free_of_others(task.start) || !space.is_free_of_others(goal(robot))) return Pass::no;
+  if (passes(task.single_robot_path, space)) return Pass::on_known_path;
   for (const std::vector<Eigen::VectorXd>& path : task.alternatives)
     if (passes(path, space)) return Pass::on_known_path;
   const CompositeResult found =
-      composite_search(space, {.max_expansions = experience_budget.path_expansions}, deadline);
+      composite_search(space, {.max_expansions = experience_options.path_expansions}, deadline);
   statistics_.expansions += found.statistics.expansions;
   statistics_.generated += found.statistics.generated;
   if (found.status != Status::solved) return Pass::no;

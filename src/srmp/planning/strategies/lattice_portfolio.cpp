@@ -12,8 +12,9 @@ std::vector<LatticeMember> members_of(const LatticePortfolioOptions& options) {
   for (const double scale : options.scales)
     for (std::size_t d = 0; d < options.directions.size(); ++d)
       for (std::size_t variant = 0; variant < options.variants; ++variant)
-        members.push_back(
-            {.backward = options.directions[d], .scale = scale, .slice = options.slices[d], .variant = variant});
+        members.push_back({.choice = {.backward = options.directions[d], .scale = scale},
+                           .slice = options.slices[d],
+                           .variant = variant});
   return members;
 }
 
@@ -37,15 +38,14 @@ LatticePortfolio::LatticePortfolio(LatticeFamily& family, const LatticePortfolio
 Attempt LatticePortfolio::attempt(const AttemptBudget&, const Deadline& deadline) {
   const auto found = searches_.round(deadline);
   if (!found) return {.status = Status::timed_out};
-  const auto describe = [&](const LatticeMember& member) { return family_.describe(member.backward, member.scale); };
+  const auto describe = [&](const LatticeMember& member) { return family_.describe(member.choice); };
   exhausted_graphs_.clear();
   for (std::size_t i = 0; i < members_.size(); ++i)
     if (found->exhausted[i]) exhausted_graphs_.push_back(describe(members_[i]));
   if (found->result.status == Status::solved) {
     winner_ = found->winner;
     const LatticeMember& winner = members_[winner_];
-    return {.status = Status::solved,
-            .found = family_.path_of(found->result, *winner.lattice, winner.backward, winner.scale)};
+    return {.status = Status::solved, .found = family_.path_of(found->result, *winner.lattice, winner.choice)};
   }
   std::set<std::string> lattices;  // several searches may share one
   for (const LatticeMember& member : members_) lattices.insert(describe(member));
@@ -77,7 +77,7 @@ std::uint64_t LatticePortfolio::states() const {
 }
 
 std::unique_ptr<search::ResumableSearch> LatticePortfolio::begin(LatticeMember& member) const {
-  member.lattice.reset(new Lattice(family_.lattice(member.backward, member.scale)));
+  member.lattice.reset(new Lattice(family_.lattice(member.choice)));
   return options_.search ? options_.search(member) : alternating_search(member);
 }
 

@@ -13,26 +13,30 @@
 
 namespace srmp {
 
-/// Lattices over one joint space: of one robot, or of several robots as one. They begin at the start or, backward, at
-/// the goals, and have steps of `scale` times the resolution that the options name.
+/// Which lattice of a family.
+struct LatticeChoice {
+  bool backward{};    ///< from the goals, not from the start
+  double scale{1.0};  ///< > 0: its steps, as multiples of the resolution that the options name
+};
+
+/// Lattices over one joint space: of one robot, or of several robots as one.
 class LatticeFamily {
  public:
   virtual ~LatticeFamily() = default;
-  virtual Lattice lattice(bool backward, double scale) = 0;
+  virtual Lattice lattice(const LatticeChoice& choice) = 0;
   /// Of LatticePortfolio's own searches.
   virtual search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice) = 0;
-  /// Of a solved search in lattice(backward, scale).
-  virtual FoundPath path_of(const search::Result& result, const Lattice& lattice, bool backward,
-                            double scale) const = 0;
-  virtual std::string describe(bool backward, double scale) const = 0;
+  /// Of a solved search in lattice(choice).
+  virtual FoundPath path_of(const search::Result& result, const Lattice& lattice,
+                            const LatticeChoice& choice) const = 0;
+  virtual std::string describe(const LatticeChoice& choice) const = 0;
   /// Why a search that is not solved has no path; `no_path` begins the sentence.
   virtual std::string no_path_sentence(const search::Result& result, const std::string& no_path) const = 0;
 };
 
 /// One search of a portfolio and what it needs to live.
 struct LatticeMember {
-  bool backward{};
-  double scale{1.0};
+  LatticeChoice choice{};
   std::uint64_t slice{};                           ///< expansions in a round
   std::size_t variant{};                           ///< < LatticePortfolioOptions::variants
   std::unique_ptr<Lattice> lattice{};              ///< it cannot move

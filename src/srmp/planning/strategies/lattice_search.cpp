@@ -16,21 +16,21 @@ namespace {
 using search::AnyHeuristic;
 using AnySearch = std::unique_ptr<search::ResumableSearch>;
 
-using MakeLattice = std::function<Lattice(bool backward, double scale)>;
+using MakeLattice = std::function<Lattice(const LatticeChoice&)>;
 
 /// A robot's lattices with other primitives.
 class OtherLattices : public LatticeFamily {
  public:
   OtherLattices(RobotLattices& lattices, MakeLattice make) : lattices_(lattices), make_(std::move(make)) {}
 
-  Lattice lattice(bool backward, double scale) override { return make_(backward, scale); }
+  Lattice lattice(const LatticeChoice& choice) override { return make_(choice); }
   search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice) override {
     return lattices_.inadmissible_heuristics(lattice);
   }
-  FoundPath path_of(const search::Result& result, const Lattice& lattice, bool backward, double scale) const override {
-    return lattices_.path_of(result, lattice, backward, scale);
+  FoundPath path_of(const search::Result& result, const Lattice& lattice, const LatticeChoice& choice) const override {
+    return lattices_.path_of(result, lattice, choice);
   }
-  std::string describe(bool backward, double scale) const override { return lattices_.describe(backward, scale); }
+  std::string describe(const LatticeChoice& choice) const override { return lattices_.describe(choice); }
   std::string no_path_sentence(const search::Result& result, const std::string& no_path) const override {
     return lattices_.no_path_sentence(result, no_path);
   }
@@ -61,7 +61,7 @@ LatticeSearch::LatticeSearch(RobotContext& context, const RobotEndpoints& endpoi
       several_(searches_several_lattices(context.options)) {}
 
 Attempt LatticeSearch::attempt(const AttemptBudget&, const Deadline& deadline) {
-  OtherLattices lattices(lattices_, [this](bool backward, double scale) { return make_lattice(backward, scale); });
+  OtherLattices lattices(lattices_, [this](const LatticeChoice& choice) { return make_lattice(choice); });
   LatticePortfolio searches(lattices, portfolio_options());
   PlanStatistics& statistics = context_.statistics;
   const double elsewhere = statistics.shortcut_time_s + statistics.heuristic_time_s;
@@ -92,9 +92,9 @@ bool LatticeSearch::anytime() const {
   return std::holds_alternative<ARAStar>(context_.options) || std::holds_alternative<AMRAStar>(context_.options);
 }
 
-Lattice LatticeSearch::make_lattice(bool backward, double scale) {
-  if (std::holds_alternative<AMRAStar>(context_.options)) return lattices_.multi_resolution(backward);
-  return several_ ? lattices_.lattice(backward, scale) : lattices_.plain(backward);
+Lattice LatticeSearch::make_lattice(const LatticeChoice& choice) {
+  if (std::holds_alternative<AMRAStar>(context_.options)) return lattices_.multi_resolution(choice.backward);
+  return several_ ? lattices_.lattice(choice) : lattices_.plain(choice.backward);
 }
 
 LatticePortfolioOptions LatticeSearch::portfolio_options() {
@@ -206,7 +206,7 @@ bool LatticeSearch::take(const search::Result& better, const LatticeMember& memb
 }
 
 FoundPath LatticeSearch::found_path(const search::Result& result, const LatticeMember& member) const {
-  FoundPath found = lattices_.path_of(result, *member.lattice, member.backward, member.scale);
+  FoundPath found = lattices_.path_of(result, *member.lattice, member.choice);
   bound(found);
   return found;
 }

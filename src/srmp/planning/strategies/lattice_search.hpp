@@ -27,7 +27,7 @@ class LatticeSearch : public Strategy {
 
  private:
   bool anytime() const;
-  Lattice make_lattice(bool backward, double scale);
+  Lattice make_lattice(const LatticeChoice& choice);
   LatticePortfolioOptions portfolio_options();
   /// Both directions, the one that begins at the end with less clearance more often.
   void prefer_narrow_end(LatticePortfolioOptions& options);

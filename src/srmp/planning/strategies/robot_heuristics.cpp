@@ -27,15 +27,15 @@ AnyHeuristic users(const std::string& name, const UserHeuristic& user, Lattice& 
   return [&lattice, &user, name, goals = stack_waypoints(lattice.targets())](std::span<const search::StateId> states,
                                                                              std::span<double> out) {
     std::fill(out.begin(), out.end(), 0.0);  // what goals have
-    std::vector<std::size_t> asked;
+    std::vector<std::size_t> others;
     for (std::size_t i = 0; i < states.size(); ++i)
-      if (!lattice.is_goal(states[i])) asked.push_back(i);
-    if (asked.empty()) return;
-    RowMatrix rows(static_cast<Eigen::Index>(asked.size()), goals.cols());
-    for (std::size_t k = 0; k < asked.size(); ++k)
-      rows.row(static_cast<Eigen::Index>(k)) = lattice.configuration(states[asked[k]]).transpose();
+      if (!lattice.is_goal(states[i])) others.push_back(i);
+    if (others.empty()) return;
+    RowMatrix rows(static_cast<Eigen::Index>(others.size()), goals.cols());
+    for (std::size_t k = 0; k < others.size(); ++k)
+      rows.row(static_cast<Eigen::Index>(k)) = lattice.configuration(states[others[k]]).transpose();
     const Eigen::VectorXd values = evaluate(name, user, rows, goals);
-    for (std::size_t k = 0; k < asked.size(); ++k) out[asked[k]] = values[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < others.size(); ++k) out[others[k]] = values[static_cast<Eigen::Index>(k)];
   };
 }
 

@@ -20,17 +20,18 @@ RobotLattices::RobotLattices(RobotContext& context, const RobotEndpoints& endpoi
 
 Lattice RobotLattices::plain(bool backward) {
   const std::vector<Joint>& joints = context_.robot.joints();
-  return make(backward, 1.0, own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
+  return make({.backward = backward},
+              own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
 }
 
-Lattice RobotLattices::lattice(bool backward, double scale) {
+Lattice RobotLattices::lattice(const LatticeChoice& choice) {
   const std::vector<Joint>& joints = context_.robot.joints();
-  return make(backward, scale, own_primitives() ? read_primitives() : rich_primitives(joints, step(scale), pairs()));
+  return make(choice, own_primitives() ? read_primitives() : rich_primitives(joints, step(choice.scale), pairs()));
 }
 
 Lattice RobotLattices::multi_resolution(bool backward) {
-  if (own_primitives()) return make(backward, 1.0, read_primitives());
-  if (context_.task.constraints) return lattice(backward, finest_scale);
+  if (own_primitives()) return make({.backward = backward}, read_primitives());
+  if (context_.task.constraints) return lattice({backward, finest_scale});
   const std::vector<Joint>& joints = context_.robot.joints();
   PrimitiveSet finest = rich_primitives(joints, step(finest_scale), pairs());
   const Eigen::VectorXd whole = finest.families.front().moves.front();  // on the grid, all joints at once
@@ -40,28 +41,28 @@ Lattice RobotLattices::multi_resolution(bool backward) {
     if (factor * resolution(finest_scale) > std::max(context_.common.resolution, 90.0)) break;
     coarser.push_back({step, rich_primitives(joints, step, pairs())});
   }
-  return make(backward, finest_scale, std::move(finest), std::move(coarser));
+  return make({backward, finest_scale}, std::move(finest), std::move(coarser));
 }
 
-std::string RobotLattices::describe(bool backward, double scale) const {
-  const std::string end = backward ? "the goals" : "the start";
+std::string RobotLattices::describe(const LatticeChoice& choice) const {
+  const std::string end = choice.backward ? "the goals" : "the start";
   if (own_primitives()) return "the lattice of '" + context_.common.mprim_path + "' from " + end;
-  return "the lattice of " + to_text(resolution(scale)) + " degrees" +
+  return "the lattice of " + to_text(resolution(choice.scale)) + " degrees" +
          (context_.task.constraints ? ", projected onto the constraints, from " : " from ") + end;
 }
 
-FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& lattice, bool backward,
-                                 double scale) const {
+FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& lattice,
+                                 const LatticeChoice& choice) const {
   std::vector<Eigen::VectorXd> waypoints = lattice.configurations(result.path);
-  const search::StateId goal = backward ? result.path.front() : result.path.back();
+  const search::StateId goal = choice.backward ? result.path.front() : result.path.back();
   const ConnectedGoal* connected = lattice.connected_goal(goal);
-  if (backward) std::reverse(waypoints.begin(), waypoints.end());
+  if (choice.backward) std::reverse(waypoints.begin(), waypoints.end());
   RowMatrix rows = stack_waypoints(waypoints);
-  if (backward) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
-  const std::string graph = describe(backward, scale);
+  if (choice.backward) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
+  const std::string graph = describe(choice);
   return {.path = path_of_one(std::move(rows)),
-          .goal_index =
-              connected ? connected->goal : endpoints_.goal_indices[backward ? goal : goal - lattice.root_count()],
+          .goal_index = connected ? connected->goal
+                                  : endpoints_.goal_indices[choice.backward ? goal : goal - lattice.root_count()],
           .cost = result.cost,
           .lower = result.cost / result.bound,
           .graph = graph,
@@ -85,18 +86,18 @@ void RobotLattices::count(const LatticePortfolio& searches) {
   context_.statistics.memory_bytes = std::max(context_.statistics.memory_bytes, work.memory);
 }
 
-Lattice RobotLattices::make(bool backward, double scale, PrimitiveSet primitives,
+Lattice RobotLattices::make(const LatticeChoice& choice, PrimitiveSet primitives,
                             std::vector<Lattice::CoarseLevel> coarser) {
   std::vector<Eigen::VectorXd> roots{endpoints_.start}, goals = endpoints_.targets;
-  if (backward) roots.swap(goals);
+  if (choice.backward) roots.swap(goals);
   const bool alone = context_.problem.robots.size() == 1;  // threads plan several robots, in no order
   return Lattice(
       context_.robot, std::move(roots), std::move(goals),
       {.primitives = std::move(primitives),
-       .goal_connection = backward ? GoalConnection{} : goal_connection_,
+       .goal_connection = choice.backward ? GoalConnection{} : goal_connection_,
        .coarser = std::move(coarser),
        .projection = projection(),
-       .observer = alone ? lattice_recorder(context_.task.robot, describe(backward, scale)) : LatticeObserver{}},
+       .observer = alone ? lattice_recorder(context_.task.robot, describe(choice)) : LatticeObserver{}},
       [&checks = context_.checks](std::size_t worker, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
         return checks.is_motion_free(a, b, worker);
       },
@@ -107,7 +108,7 @@ Lattice RobotLattices::make(bool backward, double scale, PrimitiveSet primitives
 Lattice::Projection RobotLattices::projection() const {
   ConstraintChecker* constraints = context_.checks.constraints();
   if (!constraints) return {};
-  return {[constraints](Eigen::VectorXd& q) { return constraints->project(q, constraint_shares.configurations); },
+  return {[constraints](Eigen::VectorXd& q) { return constraints->project(q, constraint_fractions.configurations); },
           0.5 * step()};
 }
 
@@ -125,10 +126,10 @@ Eigen::VectorXd RobotLattices::step(double scale) const {
                       scale * context_.common.prismatic_resolution);
 }
 
-/// [degrees]; coarser than asked for, but no more than a quarter turn: no step may take the other way round.
+/// [degrees]; `scale` times the option, but no more than a quarter turn: no step may take the other way round.
 double RobotLattices::resolution(double scale) const {
-  const double asked = context_.common.resolution;
-  return std::min(scale * asked, std::max(asked, 90.0));
+  const double option = context_.common.resolution;
+  return std::min(scale * option, std::max(option, 90.0));
 }
 
 }  // namespace srmp

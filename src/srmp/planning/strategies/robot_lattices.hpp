@@ -27,14 +27,13 @@ class RobotLattices : public LatticeFamily {
   Lattice multi_resolution(bool backward);
   static constexpr double finest_scale = 0.4;
   /// With rich_primitives.
-  Lattice lattice(bool backward, double scale) override;
+  Lattice lattice(const LatticeChoice& choice) override;
   search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice) override {
     return heuristics_.inadmissible_heuristics(lattice);
   }
-  std::string describe(bool backward, double scale = 1.0) const override;  ///< as Solution::graph
+  std::string describe(const LatticeChoice& choice) const override;  ///< as Solution::graph
   /// The lower bound of the path is the search's own.
-  FoundPath path_of(const search::Result& result, const Lattice& lattice, bool backward,
-                    double scale = 1.0) const override;
+  FoundPath path_of(const search::Result& result, const Lattice& lattice, const LatticeChoice& choice) const override;
   std::string no_path_sentence(const search::Result& result, const std::string& no_path) const override {
     return context_.no_path_sentence(result, no_path);
   }
@@ -46,7 +45,7 @@ class RobotLattices : public LatticeFamily {
   void count(const LatticePortfolio& searches);
 
  private:
-  Lattice make(bool backward, double scale, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
+  Lattice make(const LatticeChoice& choice, PrimitiveSet primitives, std::vector<Lattice::CoarseLevel> coarser = {});
   Lattice::Projection projection() const;
   PrimitiveSet read_primitives() const;
   const std::vector<JointPair>& pairs();

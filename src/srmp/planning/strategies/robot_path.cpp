@@ -12,7 +12,7 @@ namespace srmp {
 
 namespace {
 
-/// A first path is wanted soon: a tenth of the checks save most of what can be saved.
+/// A first path is needed soon: a tenth of the checks save most of what can be saved.
 const ShortcutOptions quick_shortcut{
     .min_gain = 1e-2, .max_rounds = 2, .halvings = 3, .pull_gain = 2e-2, .cut_gain = 1.0, .continuous = {}};
 

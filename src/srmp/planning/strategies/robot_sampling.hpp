@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "srmp/robot/robot_model.hpp"
@@ -7,9 +8,19 @@
 
 namespace srmp {
 
-/// A robot's joints, for two trees to grow in from `start` and `goals`. Four samples in five are within a quarter turn
-/// of the straight ways, the others anywhere within the limits (of joints with wide ones: a turn beyond those).
+struct RobotSamplingOptions {
+  double max_step{
+      0.7};  ///< over all joints [rad, prismatic joints m]: longer steps need fewer checks, and fail more often
+  /// Samples are in the box around the straight motions to the goals, made wider by `near_margin` on each side [rad,
+  /// prismatic joints m]: a smaller margin finds short paths sooner, and detours later.
+  double near_margin{M_PI / 2};
+  /// This fraction of the samples is in a box made wider by `far_margin`: more of them find large detours sooner.
+  double far_fraction{0.2}, far_margin{2 * M_PI};
+};
+
+/// A robot's joints, for two trees to grow in from `start` and `goals`. Samples are within the joint limits.
 /// is_motion_free is left to the caller. The model outlives this.
-search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start, std::vector<Eigen::VectorXd> goals);
+search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start, std::vector<Eigen::VectorXd> goals,
+                           const RobotSamplingOptions& options = {});
 
 }  // namespace srmp

@@ -65,7 +65,7 @@ search::RrtSpace RrtConnectStrategy::space() const {
   if (ConstraintChecker* constraints = context_.checks.constraints()) {
     space.max_step = std::min(space.max_step, constraints->constraints().step());
     space.project = [constraints](Eigen::VectorXd& q) {
-      return constraints->project(q, constraint_shares.configurations);
+      return constraints->project(q, constraint_fractions.configurations);
     };
   }
   return space;
