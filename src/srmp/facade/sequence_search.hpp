@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -52,6 +54,7 @@ class SequenceSearch {
   const PlannerInterface::Interrupt& interrupt_;
   std::vector<Trajectory> motions_;
   std::vector<Scene> scenes_;
+  std::map<std::vector<std::string>, std::shared_ptr<const RobotModel>> models_;  // by joints that are set
   int attempts_{}, alternatives_{};
   bool failed_{};
   std::size_t deepest_{};  // segment that was reached
