@@ -67,11 +67,15 @@ NumpyArray to_numpy_rows(RowMatrix rows);
 OptionMap to_option_map(nb::handle dictionary);
 nb::dict to_dict(const OptionMap& map);
 /// The type of a goal in any form, and of several, as signatures have it.
-#define SRMP_GOAL "GoalConstraint | Pose | numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | str"
+#define SRMP_GOAL                                                                           \
+  "GoalConstraint | Pose | numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | " \
+  "collections.abc.Mapping[str, Pose] | str"
 #define SRMP_GOALS SRMP_GOAL " | collections.abc.Sequence[GoalConstraint | Pose | str]"
 
 /// A goal in any form, or several; `what` names it in messages.
 std::vector<Goal> to_goals(nb::handle goal, const std::string& what = "a goal");
+/// A dictionary of poses by link name. Throws InvalidArgument for anything else.
+std::map<std::string, Pose> to_link_poses(nb::handle value);
 /// Makes a GoalConstraint of a goal in any form for a robot, as PlannerInterface::goal does.
 using ToConstraint = std::function<GoalConstraint(const std::string& robot, const Goal& goal,
                                                   const std::optional<Eigen::VectorXd>& start)>;
@@ -178,6 +182,7 @@ PlacedRobot placed_robot(nb::handle planner, nb::handle robot);
 void bind_certificate(nb::module_& m);
 void bind_collision_checker(nb::module_& m);
 void bind_cover(nb::module_& m);
+void bind_end_effector(nb::module_& m);
 void bind_errors(nb::module_& m);
 void bind_pose(nb::module_& m);
 void bind_goal(nb::module_& m);

@@ -141,14 +141,32 @@ std::optional<Goal> to_goal(nb::handle value) {
   if (!nb::hasattr(value, "keys")) return std::nullopt;
   std::map<std::string, double> positions;
   const nb::object dictionary = nb::module_::import_("builtins").attr("dict")(value);
+  bool has_pose = false;
+  for (nb::handle each : dictionary.attr("values")()) has_pose = has_pose || nb::try_cast(each, pose);
+  if (has_pose) return Goal(to_link_poses(dictionary));
   if (!nb::try_cast(dictionary, positions))
-    throw InvalidArgument("a goal by joint names must be numbers by name, but is " + brief(value));
+    throw InvalidArgument("a goal by joint names must be numbers by name, and one by link names Poses, but is " +
+                          brief(value));
   return Goal(positions);
 }
 
 bool is_list(nb::handle value) { return nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value); }
 
 }  // namespace
+
+std::map<std::string, Pose> to_link_poses(nb::handle value) {
+  if (!nb::hasattr(value, "keys"))
+    throw InvalidArgument("poses of links must be a dictionary by link name, but are " + brief(value));
+  std::map<std::string, Pose> poses;
+  for (nb::handle item : nb::module_::import_("builtins").attr("dict")(value).attr("items")()) {
+    std::string link;
+    if (!nb::try_cast(item[0], link)) throw InvalidArgument("a link's name is a string, but is " + brief(item[0]));
+    if (!nb::try_cast(item[1], poses[link]))
+      throw InvalidArgument("a goal gives either Poses of links or numbers of joints by name, not both; that of '" +
+                            link + "' is " + brief(item[1]));
+  }
+  return poses;
+}
 
 std::vector<Goal> to_goals(nb::handle goal, const std::string& what) {
   if (const auto one = to_goal(goal)) return {*one};
@@ -174,8 +192,8 @@ std::vector<Goal> to_goals(nb::handle goal, const std::string& what) {
   } catch (const InvalidArgument&) {  // the sentence below says more
   }
   throw InvalidArgument(what +
-                        " must be a GoalConstraint, a Pose, a configuration, positions by joint name, the name of a "
-                        "state, or a non-empty list of these, but is " +
+                        " must be a GoalConstraint, a Pose, a configuration, positions by joint name, Poses by link "
+                        "name, the name of a state, or a non-empty list of these, but is " +
                         brief(goal));
 }
 
@@ -184,6 +202,7 @@ GoalConstraint constraint_without_scene(const std::string& robot, const Goal& go
   if (const auto* constraint = std::get_if<GoalConstraint>(&goal)) return *constraint;
   if (const auto* pose = std::get_if<Pose>(&goal)) return GoalConstraint::pose(*pose);
   if (const auto* q = std::get_if<Eigen::VectorXd>(&goal)) return GoalConstraint::joints(*q);
+  if (const auto* poses = std::get_if<std::map<std::string, Pose>>(&goal)) return GoalConstraint::poses(*poses);
   throw InvalidArgument("a request knows no joints and states of '" + robot + "': give it PlannerInterface.goal('" +
                         robot + "', …) instead of their names");
 }

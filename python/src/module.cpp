@@ -9,6 +9,7 @@ NB_MODULE(_srmp, m) {
   bind_pose(m);
   bind_goal(m);
   bind_path_constraint(m);
+  bind_end_effector(m);
   bind_options(m);
   bind_certificate(m);
   bind_trajectory(m);

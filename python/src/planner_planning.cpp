@@ -78,8 +78,8 @@ of make_planner, or by `auto`; other robots stand still. The name may be left ou
 request gives the same result, bit for bit. The GIL is released; Ctrl-C stops the plan.
 
 goal: a GoalConstraint; a Pose of the end effector, world frame; a configuration (dof,) [rad or m]; positions [rad or
-m] by joint name, where joints not named stay as at the start; the name of a state of the SRDF (get_group_states); or
-a list of these.
+m] by joint name, where joints not named stay as at the start; the name of a state of the SRDF (get_group_states);
+Poses in the world frame by link name, which are reached at the same time; or a list of these.
 
 on_solution(solution, waypoints) receives every path that is better than those before, while planners that improve
 theirs run; when it returns False, that path is good enough. solution has time_s, cost_rad, bound and graph (see

@@ -55,6 +55,21 @@ joints: -inf, inf.)")
           nb::arg("name"),
           R"(Limits of all joints that set_joint_positions moves, planned or not: name to (lower, upper) [rad or m].)")
       .def(
+          "get_end_links",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return p.robot(name).end_links(); });
+          },
+          nb::arg("name"),
+          R"(The link that was given as end effector, or the last link of the planned joints' chain. Where none was given and
+the planned joints branch: the links of the SRDF's end effectors that they move, or else the last link of each branch.
+With several of these, goals have to name their link.)")
+      .def(
+          "end_effectors",
+          [](Self& self, const std::string& name) {
+            return self.use([&](auto& p) { return p.robot(name).end_effectors(); });
+          },
+          nb::arg("name"), "The end effectors of the SRDF, such as grippers, in its order. Empty without an SRDF.")
+      .def(
           "get_group_states",
           [](Self& self, const std::string& name) {
             return self.use([&](auto& p) {

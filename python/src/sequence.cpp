@@ -72,7 +72,18 @@ of at most this, and of the planner's blend_deviation, of any point of the robot
       .def_static("joints", &Segment::joints, nb::arg("positions"), nb::kw_only(), nb::arg("duration") = 0.5,
                   "Sets joints that are not planned, such as a gripper's, by name [rad or m]; the robot rests for\n"
                   "`duration` [s] meanwhile.")
-      .def_static("wait", &Segment::wait, nb::arg("duration"), "The robot rests for `duration` [s].");
+      .def_static("wait", &Segment::wait, nb::arg("duration"), "The robot rests for `duration` [s].")
+      .def_static(
+          "gripper",
+          [](const std::variant<std::string, double>& target, const std::string& end_effector, double duration) {
+            return std::visit([&](const auto& to) { return Segment::gripper(to, end_effector, duration); }, target);
+          },
+          nb::arg("target"), nb::kw_only(), nb::arg("end_effector") = "", nb::arg("duration") = 0.5,
+          nb::sig("def gripper(target: str | float, *, end_effector: str = '', duration: float = 0.5) -> Segment"),
+          R"(Moves an end effector of the SRDF (default: the only one, see PlannerInterface.end_effectors) to a state of its
+group, such as "open", or its fingers to an opening width [m], while the robot rests for `duration` [s].
+
+"open" and "close" exist where there is an opening width, also without states of these names.)");
 }
 
 void bind_segment(nb::module_& m) {
@@ -84,7 +95,8 @@ void bind_segment(nb::module_& m) {
       .value("detach", SegmentType::detach, "Detaches an object.")
       .value("allow", SegmentType::allow, "Allows collisions of two, or forbids them again.")
       .value("joints", SegmentType::joints, "Sets joints that are not planned.")
-      .value("wait", SegmentType::wait, "The robot stands still.");
+      .value("wait", SegmentType::wait, "The robot stands still.")
+      .value("gripper", SegmentType::gripper, "Moves an end effector to a state or an opening width.");
   nb::class_<Segment> segment(m, "Segment", "A segment of a sequence: PlannerInterface.plan_sequence.");
   bind_factories(segment);
   segment.def_ro("type", &Segment::type, "What it does.")
@@ -94,6 +106,9 @@ void bind_segment(nb::module_& m) {
       .def_ro("link", &Segment::link, "The link of attach; otherwise \"\".")
       .def_ro("touch_links", &Segment::touch_links, "The links of attach that the object may touch besides.")
       .def_ro("positions", &Segment::positions, "Of joints [rad or m], by name.")
+      .def_ro("end_effector", &Segment::end_effector, "Of gripper; \"\": the only one.")
+      .def_ro("state", &Segment::state, "Of gripper; \"\": a width is given.")
+      .def_ro("width", &Segment::width, "Of gripper [m]; None: a state is given.")
       .def_ro("duration", &Segment::duration, "How long the robot rests [s].")
       .def_ro("blend_radius", &Segment::blend_radius, "Of a move [m]; 0: it stops at its end.")
       .def("__repr__", [](const Segment& self) {

@@ -66,6 +66,27 @@ BOOST_AUTO_TEST_CASE(wrong_forms_are_refused) {
   check_throws<srmp::InvalidArgument>([] { PlannerInterface().plan(rest, "folded"); }, "call add_articulation first");
 }
 
+BOOST_AUTO_TEST_CASE(poses_of_links_are_reached_at_the_same_time) {
+  PlannerInterface planner = planar_with_states();
+  const std::map<std::string, srmp::Pose> goal{{"tip", planner.compute_fk("planar", turned, "tip")}};
+  const srmp::Trajectory motion = planner.plan(rest, goal);
+  BOOST_TEST(
+      planner.compute_fk("planar", motion.positions.bottomRows<1>().transpose()).p.isApprox(goal.at("tip").p, 1e-4));
+  BOOST_TEST(planner.goal("planar", goal).links.size() == 1u);
+  const auto refused = [&](const srmp::Goal& wrong, const std::string& sentence) {
+    check_throws<srmp::InvalidArgument>([&] { planner.plan(rest, wrong); }, sentence);
+  };
+  refused(std::map<std::string, srmp::Pose>{}, "names no link; such as 'tip'");
+  refused(std::map<std::string, srmp::Pose>{{"a", {}}}, "'a' is a joint, whose goal is a number");
+  refused(std::map<std::string, srmp::Pose>{{"tpi", {}}}, "did you mean 'tip'");
+  refused(std::map<std::string, double>{{"tip", 1.0}}, "'tip' is a link, whose goal is a Pose");
+  GoalConstraint twice = GoalConstraint::pose({}, "tip");
+  twice.links.emplace_back("tip");
+  refused(twice, "names the link 'tip' twice");
+  twice.links.back() = "base";
+  refused(twice, "a target for 2 links is 14 numbers, 7 for each, but got 7");
+}
+
 BOOST_AUTO_TEST_CASE(warnings_are_listed) {
   srmp::RobotDescription description = robots::planar_description();
   description.srdf_text = "<robot name='planar'><passive_joint name='wheel'/></robot>";

@@ -37,6 +37,8 @@ ONLY_PYTHON = {
     "get_qpos": "C++: Scene::robot(name).q",
     "get_always_colliding": "C++: RobotModel::always_colliding",
     "get_end_effector": "C++: RobotModel::end_effector",
+    "get_end_links": "C++: RobotModel::end_links",
+    "end_effectors": "C++: RobotModel::end_effectors",
     "get_group_states": "C++: RobotModel::group_states",
     "get_joint_limits": "C++: RobotModel::joints",
     "get_all_joint_limits": "C++: RobotModel::joints and other_joints",

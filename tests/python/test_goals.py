@@ -73,7 +73,7 @@ def test_joints_not_named_stay_as_at_the_start(alone, rest):
         ({"arm7_jiont1": 0.1}, "has no joint 'arm7_jiont1', did you mean 'arm7_joint1'?"),
         ({"arm7_palm_joint": 0.1}, "joint 'arm7_palm_joint' of robot 'arm' is fixed"),
         ({"arm7_joint1": float("nan")}, "goal of 'arm': arm7_joint1 is NaN"),
-        ({"arm7_joint1": "far"}, "must be numbers by name, but is {'arm7_joint1': 'far'}"),
+        ({"arm7_joint1": "far"}, "must be numbers by name, and one by link names Poses, but is {'arm7_joint1': 'far'}"),
         ({}, "names no joint"),
         (None, "goal"),
         ("", "there is no state ''"),

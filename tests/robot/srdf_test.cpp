@@ -94,6 +94,32 @@ BOOST_AUTO_TEST_CASE(groups_select_joints_and_end_effectors) {
   BOOST_TEST(Load("")()->joint_names() == (Names{"a", "b", "c"}), boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(groups_with_branches_have_several_ends) {
+  const auto ends_with = [](const std::string& more) { return Load(kGroups + more, group("all"))()->end_links(); };
+  BOOST_TEST(ends_with("") == (Names{"three", "finger"}), boost::test_tools::per_element());
+  const auto robot = Load(kGroups, group("all"))();
+  BOOST_TEST(robot->end_effector() == "three");
+  BOOST_TEST(robot->link_or_end_effector("two") == robot->link_index("two"));
+  check_throws<InvalidArgument>([&] { robot->link_or_end_effector(""); },
+                                "its planned joints move several: name the link, such as 'three' and 'finger'");
+  const std::string gripper = "<end_effector name='gripper' parent_link='two' group='hand' parent_group='arm'/>";
+  BOOST_TEST(ends_with(gripper) == (Names{"two"}), boost::test_tools::per_element());
+  const std::string both = gripper + "<end_effector name='other' parent_link='three' group='hand'/>";
+  BOOST_TEST(ends_with(both) == (Names{"two", "three"}), boost::test_tools::per_element());
+}
+
+BOOST_AUTO_TEST_CASE(end_effectors_have_joints_and_states) {
+  const auto robot = Load(kGroups + std::string("<end_effector name='gripper' parent_link='two' group='hand'/>"
+                                                "<group_state name='half' group='hand'><joint name='f' "
+                                                "value='0.02'/></group_state>"))();
+  BOOST_TEST_REQUIRE(robot->end_effectors().size() == 1u);
+  const EndEffector& gripper = robot->end_effectors()[0];
+  BOOST_TEST(gripper.link == "two");
+  BOOST_TEST(gripper.joints == (Names{"f"}), boost::test_tools::per_element());
+  BOOST_TEST(gripper.states.at("half").at("f") == 0.02);
+  BOOST_TEST(!gripper.opening);  // both slide in the same direction
+}
+
 BOOST_AUTO_TEST_CASE(joint_names_keep_their_order) {
   RobotDescription description;
   description.joint_names = {"c", "a"};
@@ -111,9 +137,6 @@ BOOST_AUTO_TEST_CASE(unknown_names_are_rejected_with_the_nearest) {
   };
   refuses(group("amr"), "robot 'r' has no group 'amr', did you mean 'arm'?");
   refuses(group("locomotion"), "has no group 'locomotion'; known are 'arm', 'hand' and 'all'");
-  refuses(group("all"),
-          "do not form one chain, so that the end effector is ambiguous; give end_effector, such as 'three' and "
-          "'finger'");
   RobotDescription d;
   d.end_effector = "thre";
   refuses(d, "end effector 'thre' is not a link of robot 'r', did you mean 'three'?");

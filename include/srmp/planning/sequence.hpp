@@ -16,17 +16,18 @@ namespace srmp {
 
 /// What a segment of a sequence does.
 enum class SegmentType {
-  move,    ///< moves to one of several goals, as PlannerInterface::plan
-  linear,  ///< moves a link along a straight line, as PlannerInterface::plan_linear
-  follow,  ///< moves a link along poses, as PlannerInterface::follow
-  attach,  ///< attaches an object, as PlannerInterface::attach_object
-  detach,  ///< detaches an object, as PlannerInterface::detach_object
-  allow,   ///< allows collisions of two, or forbids them again, as PlannerInterface::set_allowed_collision
-  joints,  ///< sets joints that are not planned, such as a gripper's, as PlannerInterface::set_joint_positions
-  wait,    ///< stands still
+  move,     ///< moves to one of several goals, as PlannerInterface::plan
+  linear,   ///< moves a link along a straight line, as PlannerInterface::plan_linear
+  follow,   ///< moves a link along poses, as PlannerInterface::follow
+  attach,   ///< attaches an object, as PlannerInterface::attach_object
+  detach,   ///< detaches an object, as PlannerInterface::detach_object
+  allow,    ///< allows collisions of two, or forbids them again, as PlannerInterface::set_allowed_collision
+  joints,   ///< sets joints that are not planned, such as a gripper's, as PlannerInterface::set_joint_positions
+  wait,     ///< stands still
+  gripper,  ///< moves an end effector of the SRDF to a state or an opening width
 };
 
-/// The name in messages: "move", "linear", "follow", "attach", "detach", "allow", "joints" or "wait".
+/// The name in messages: "move", "linear", "follow", "attach", "detach", "allow", "joints", "wait" or "gripper".
 std::string_view to_string(SegmentType type);
 
 /// A segment of a sequence (PlannerInterface::plan_sequence). Make one with the functions below, then set the fields
@@ -48,7 +49,10 @@ struct Segment {
   std::vector<std::string> touch_links{};     ///< attach: links that the object may touch besides
   std::optional<Pose> pose_in_link{};         ///< attach: of the object; none: as it is then
   std::map<std::string, double> positions{};  ///< joints: by joint name [rad or m]
-  double duration{};                          ///< joints, wait: [s] >= 0, in which the planned joints rest
+  double duration{};                          ///< joints, wait, gripper: [s] >= 0, in which the planned joints rest
+  std::string end_effector{};                 ///< gripper: of the SRDF; "" = the only one
+  std::string state{};                        ///< gripper: of its group in the SRDF
+  std::optional<double> width{};              ///< gripper: instead of a state, its opening [m], see GripperOpening
 
   /// A motion to a goal.
   static Segment move(const Goal& goal);
@@ -69,6 +73,11 @@ struct Segment {
   static Segment joints(const std::map<std::string, double>& positions, double duration = 0.5);
   /// The robot rests [s].
   static Segment wait(double duration);
+  /// An end effector of the SRDF ("" = the only one) moves to a state of its group, while the robot rests this long
+  /// [s]. "open" and "close" exist where it has an opening width, also without states of these names.
+  static Segment gripper(const std::string& state, const std::string& end_effector = "", double duration = 0.5);
+  /// The fingers of an end effector of the SRDF ("" = the only one) open to a width [m], see GripperOpening.
+  static Segment gripper(double width, const std::string& end_effector = "", double duration = 0.5);
 
   /// Does the robot move?
   bool moves() const { return type <= SegmentType::follow; }

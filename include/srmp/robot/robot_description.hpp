@@ -29,7 +29,7 @@ struct RobotDescription {
   std::string srdf_path{};                       ///< file; without an SRDF, allowed collisions are sampled
   std::string srdf_text{};                       ///< the SRDF itself, instead of srdf_path
   std::string name{};                            ///< unique in a scene; "" = the robot name of the URDF
-  std::string end_effector{};                    ///< link of goal poses; "" = last link of the group, or the only leaf
+  std::string end_effector{};                    ///< link of goal poses; "" = RobotModel::end_links
   std::string group{};                           ///< SRDF planning group; "" = chain to the end effector
   std::vector<std::string> joint_names{};        ///< planned joints by name, in this order, instead of a group or chain
   std::map<std::string, double> fixed_joints{};  ///< positions [rad or m] of joints that are not planned
@@ -46,6 +46,27 @@ struct VirtualJoint {
   std::string name;          ///< as in the SRDF
   std::string type;          ///< "fixed", "planar" or "floating"
   std::string parent_frame;  ///< the frame outside of the robot
+};
+
+/// How far two opposed fingers open. Between the two positions the width changes in proportion.
+struct GripperOpening {
+  double max_width{};                      ///< [m] > 0
+  std::map<std::string, double> closed{};  ///< by joint name [m]: where they are nearest to each other, width 0
+  std::map<std::string, double> opened{};  ///< by joint name [m]: where the width is max_width
+};
+
+/// An end effector of an SRDF, such as a gripper.
+struct EndEffector {
+  std::string name;                 ///< as in the SRDF
+  std::string link;                 ///< to which it is attached: the SRDF's parent_link
+  std::string group;                ///< of its own links and joints
+  std::string parent_group{};       ///< of the arm that carries it; "" = the SRDF does not say
+  std::vector<std::string> joints;  ///< of its group, with one degree of freedom, that are not mimic joints
+  /// The group's states, such as "open": by name, then by joint name [rad or m]. A state may give some of the joints.
+  std::map<std::string, std::map<std::string, double>> states;
+  /// Of two prismatic fingers on one link that move against each other; the width is how far they have moved apart from
+  /// where they are nearest, which is the gap between them if they touch there. nullopt: they are no such fingers.
+  std::optional<GripperOpening> opening;
 };
 
 /// How a scalar joint moves: about an axis with or without limits, or along one.

@@ -79,8 +79,17 @@ class RobotModel {
   // --- links and geometry
   const std::vector<std::string>& link_names() const;     ///< in the order of the URDF
   std::size_t link_index(const std::string& link) const;  ///< throws InvalidArgument with the nearest name
-  const std::string& end_effector() const;                ///< link of goal poses
-  const std::vector<LinkGeometry>& geometries() const;    ///< in the order of the URDF
+  const std::string& end_effector() const;                ///< link of goal poses; the first of end_links()
+  /// The link that was given as end effector, or the last link of the planned joints' chain. Where none was given and
+  /// the planned joints branch: the links of the SRDF's end effectors that they move, or else the last link of each
+  /// branch. With several of these, goals have to name their link.
+  const std::vector<std::string>& end_links() const;
+  /// The index of a link; of "": of the end effector. Throws InvalidArgument for unknown links, with the nearest name,
+  /// and for "" where end_links() has several.
+  std::size_t link_or_end_effector(const std::string& link) const;
+  /// The end effectors of the SRDF, in its order. Empty without an SRDF.
+  const std::vector<EndEffector>& end_effectors() const;
+  const std::vector<LinkGeometry>& geometries() const;  ///< in the order of the URDF
   /// Joints that planned joints move, parents before children; at most 64.
   const std::vector<ActuatedJoint>& actuated_joints() const;
   /// The joint support of a link: bit k is set when actuated_joints()[k] moves it.

@@ -22,7 +22,7 @@ PosesToFollow poses_to_follow(const PlacedRobot& robot, ConstVector start, const
   require_tolerance("max_deviation", options.max_deviation, greatest.position, "m");
   require_tolerance("max_rotation", options.max_rotation, greatest.rotation, "rad");
   const RobotModel& model = *robot.model;
-  const std::string& link = options.link.empty() ? model.end_effector() : options.link;
+  const std::string& link = model.link_names()[model.link_or_end_effector(options.link)];
   if (model.link_support(model.link_index(link)) == 0)
     throw InvalidArgument("link '" + link + "' of robot '" + model.name() +
                           "' cannot follow poses: no planned joint moves it");

@@ -21,10 +21,26 @@ GoalConstraint by_name(const RobotModel& model, const std::map<std::string, doub
     }
     if (find_joint(model.other_joints(), joint))
       throw InvalidArgument(goal + ": joint '" + joint + "' is not planned; planned are " + quoted_list(names));
+    const std::vector<std::string>& links = model.link_names();
+    if (std::find(links.begin(), links.end(), joint) != links.end())
+      throw InvalidArgument(goal + ": '" + joint + "' is a link, whose goal is a Pose; numbers are for joints");
     model.refuse_joint(joint);
   }
   require_finite({rest.data(), names.size()}, goal, names);
   return GoalConstraint::joints(rest);
+}
+
+/// Poses by link name.
+GoalConstraint by_link(const RobotModel& model, const std::map<std::string, Pose>& poses) {
+  const std::string goal = "goal of '" + model.name() + "'";
+  if (poses.empty()) throw InvalidArgument(goal + " names no link; such as " + quoted_list(model.end_links()));
+  const std::vector<std::string>& joints = model.joint_names();
+  for (const auto& [link, pose] : poses)
+    if (std::find(joints.begin(), joints.end(), link) != joints.end())
+      throw InvalidArgument(goal + ": '" + link + "' is a joint, whose goal is a number; poses are for links");
+  GoalConstraint constraint = GoalConstraint::poses(poses);
+  for (const std::string& link : constraint.links) model.link_index(link);  // throws with the nearest name
+  return constraint;
 }
 
 GoalConstraint by_state(const RobotModel& model, const std::string& state) {
@@ -54,6 +70,7 @@ GoalConstraint PlannerInterface::goal(const std::string& robot, const Goal& goal
       return by_name(model, positions, rest);
     }
     GoalConstraint operator()(const std::string& state) const { return by_state(model, state); }
+    GoalConstraint operator()(const std::map<std::string, Pose>& poses) const { return by_link(model, poses); }
   } to_constraint{*instance.model, start.value_or(instance.q)};
   return std::visit(to_constraint, goal);
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "srmp/core/error.hpp"
+#include "srmp/facade/grippers.hpp"
 #include "srmp/facade/planner_impl.hpp"
 #include "srmp/facade/sequence_search.hpp"
 
@@ -84,11 +85,24 @@ void cut_in_place(const Trajectory& whole, std::vector<Trajectory>& motions, std
   }
 }
 
+std::vector<Segment> with_gripper_positions(const RobotModel& robot, std::vector<Segment> segments) {
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (segments[i].type != SegmentType::gripper) continue;
+    try {
+      segments[i].positions = gripper_positions(robot, segments[i]);
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument("segment " + std::to_string(i) + " (gripper): " + error.what());
+    }
+  }
+  return segments;
+}
+
 }  // namespace
 
 SequenceResult PlannerInterface::plan_sequence(const std::string& robot, ConstVector start,
-                                               const std::vector<Segment>& segments, const Interrupt& interrupt) {
+                                               const std::vector<Segment>& given, const Interrupt& interrupt) {
   impl_->require_state(robot, start);
+  const std::vector<Segment> segments = with_gripper_positions(this->robot(robot), given);
   if (segments.empty()) throw InvalidArgument("the sequence has no segments");
   if (std::none_of(segments.begin(), segments.end(), [](const Segment& s) { return s.moves() || s.duration != 0.0; }))
     throw InvalidArgument("no segment of the sequence moves the robot or waits");

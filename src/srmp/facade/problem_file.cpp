@@ -66,6 +66,22 @@ void require_planner_for(const std::vector<std::string>& robots, const PlannerOp
                           " were named; use 'xECBS' for many");
 }
 
+namespace {
+
+/// Throws InvalidArgument unless the targets suit the joints, and planned joints move the links.
+void require_goal(const RobotModel& model, const GoalConstraint& goal, const std::string& robot) {
+  const std::string what = "goal of '" + robot + "'";
+  if (goal.type == GoalType::joints)
+    for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, what);
+  if (goal.type != GoalType::pose && goal.type != GoalType::position) return;
+  if (goal.links.empty()) model.link_or_end_effector("");
+  for (const std::string& link : goal.links)
+    if (model.link_support(model.link_index(link)) == 0)
+      throw InvalidArgument(what + ": no planned joint moves the link '" + link + "'");
+}
+
+}  // namespace
+
 void require_request(const Scene& scene, const std::string& robot, ConstVector start,
                      const std::vector<GoalConstraint>& goals) {
   const RobotModel& model = *scene.robot(robot).model;
@@ -74,8 +90,7 @@ void require_request(const Scene& scene, const std::string& robot, ConstVector s
     goal.validate();
     if (goal.targets.empty())
       throw InvalidArgument("a goal of type '" + std::string(to_string(goal.type)) + "' is for plan_multi");
-    if (goal.type == GoalType::joints)
-      for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + robot + "'");
+    require_goal(model, goal, robot);
   }
   model.require_configuration(start, "start of '" + robot + "'");
 }
@@ -97,8 +112,7 @@ void require_multi_request(const Scene& scene, const MultiPlanRequest& request) 
     const GoalConstraint& goal = found->second;
     goal.validate();
     one_moves |= goal.type != GoalType::hold;
-    if (goal.type == GoalType::joints)
-      for (const Eigen::VectorXd& target : goal.targets) model.require_configuration(target, "goal of '" + name + "'");
+    require_goal(model, goal, name);
   }
   if (!one_moves)
     throw InvalidArgument(
@@ -119,6 +133,7 @@ void describe(Archive& archive, Ref<Archive, GoalConstraint> goal) {
   archive("targets", goal.targets);
   archive("position_tolerance", goal.position_tolerance.axes);
   archive("rotation_tolerance", goal.rotation_tolerance.axes);
+  describe_list(archive, "links", goal.links);
 }
 
 template <class Archive>

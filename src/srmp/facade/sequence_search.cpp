@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/facade/grippers.hpp"
 #include "srmp/facade/poses_to_follow.hpp"
 #include "srmp/planning/constraints/place_constraints.hpp"
+#include "srmp/planning/endpoints/goal_configurations.hpp"
 
 namespace srmp {
 
@@ -147,6 +149,15 @@ std::vector<Eigen::VectorXd> SequenceSearch::ends(const std::vector<GoalConstrai
         found.push_back(target);
         continue;
       }
+      if (!goal.links.empty()) {
+        const RobotInstance& robot = planner_.scene().robot(robot_);
+        std::string why;
+        for (Eigen::VectorXd& solution :
+             goal_configurations({robot.model, robot.base, robot.other_positions}, nullptr, goal, target, q,
+                                 IkOptions{}.max_solutions, deadline_, why))
+          found.push_back(std::move(solution));
+        continue;
+      }
       IkOptions options;
       if (goal.type == GoalType::position) options.rotation_tolerance = std::numeric_limits<double>::infinity();
       Pose pose;
@@ -194,8 +205,9 @@ void SequenceSearch::fail(std::size_t i, Status status, const std::string& reaso
 bool SequenceSearch::act(std::size_t i, const Eigen::VectorXd& q) {
   const Segment& segment = segments_[i];
   planner_.set_qpos(robot_, q);
-  if (segment.type == SegmentType::joints && !set_joints(i, q)) return false;
-  if (segment.type != SegmentType::joints) change_scene(segment, q);
+  const bool sets_joints = segment.type == SegmentType::joints || segment.type == SegmentType::gripper;
+  if (sets_joints && !set_joints(i, q)) return false;
+  if (!sets_joints) change_scene(segment, q);
   if (!(segment.duration > 0.0)) return true;
   Trajectory rest = rest_of(planner_.get_joint_names(robot_), q, segment.duration);
   const Certificate certificate = planner_.verify(robot_, rest, {.start = q});
@@ -208,24 +220,36 @@ bool SequenceSearch::act(std::size_t i, const Eigen::VectorXd& q) {
   return true;
 }
 
-/// Sets joints step by step, as they move.
+/// Sets joints, whose motion from where they are is proved free.
 bool SequenceSearch::set_joints(std::size_t i, const Eigen::VectorXd& q) {
-  const RobotInstance& before = planner_.scene().robot(robot_);
+  const std::map<std::string, double>& positions = segments_[i].positions;
+  const Scene before = planner_.scene();
+  const RobotInstance& robot = before.robot(robot_);
+  const std::vector<Joint>& others = robot.model->other_joints();
   std::map<std::string, double> from;
-  const std::vector<Joint>& others = before.model->other_joints();
-  for (std::size_t j = 0; j < others.size(); ++j) from[others[j].name] = before.other_positions[static_cast<int>(j)];
+  std::vector<std::string> moving;
+  for (std::size_t j = 0; j < others.size(); ++j) {
+    const auto to = positions.find(others[j].name);
+    if (to == positions.end() || to->second == robot.other_positions[static_cast<Eigen::Index>(j)]) continue;
+    from[to->first] = robot.other_positions[static_cast<Eigen::Index>(j)];
+    moving.push_back(to->first);
+  }
   for (int k = 1; k <= options_.gripper_samples; ++k) {
-    std::map<std::string, double> positions = segments_[i].positions;
-    for (auto& [joint, position] : positions)
-      if (const auto known = from.find(joint); known != from.end())
-        position = known->second + (position - known->second) * k / options_.gripper_samples;
-    planner_.set_joint_positions(robot_, k == options_.gripper_samples ? segments_[i].positions : positions);
+    std::map<std::string, double> between = positions;
+    for (const auto& [joint, start] : from)
+      between[joint] = start + (positions.at(joint) - start) * k / options_.gripper_samples;
+    planner_.set_joint_positions(robot_, k == options_.gripper_samples ? positions : between);
     const std::vector<Contact> contacts = planner_.contacts(robot_, q);
     if (contacts.empty()) continue;
     fail(i, Status::start_invalid, contacts.front().describe());
     return false;
   }
-  return true;
+  if (moving.empty()) return true;
+  std::shared_ptr<const RobotModel>& model = models_[moving];
+  if (!model) model = with_planned_joints(*robot.model, moving);
+  if (is_finger_motion_free(before, robot_, model, positions)) return true;
+  fail(i, Status::start_invalid, "the motion of " + quoted_list(moving) + " cannot be proved free");
+  return false;
 }
 
 void SequenceSearch::change_scene(const Segment& segment, const Eigen::VectorXd& q) {
@@ -235,7 +259,8 @@ void SequenceSearch::change_scene(const Segment& segment, const Eigen::VectorXd&
       return planner_.attach_object(segment.object, robot_, segment.link, segment.touch_links, segment.pose_in_link);
     case SegmentType::detach: return planner_.detach_object(segment.object);
     case SegmentType::allow: return planner_.set_allowed_collision(segment.object, segment.other, segment.allowed);
-    case SegmentType::joints: return planner_.set_joint_positions(robot_, segment.positions);
+    case SegmentType::joints:
+    case SegmentType::gripper: return planner_.set_joint_positions(robot_, segment.positions);
     default: return;
   }
 }

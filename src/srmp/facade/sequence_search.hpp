@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,7 +14,7 @@ namespace srmp {
 struct SequenceSearchOptions {
   int max_attempts{200};     ///< > 0 motions that are planned, with all alternatives: more find more, and take longer
   double distinct{0.05};     ///< [rad or m] between ends that count as different: less tries more ends that are alike
-  int gripper_samples{10};   ///< > 0 steps of joints that are set, where contacts are searched: more miss fewer
+  int gripper_samples{10};   ///< > 0 steps of joints that are set, where contacts that can be named are searched
   double max_duration{1e6};  ///< [s] of a segment that waits: what is longer is a mistake in the input
 };
 
@@ -61,6 +63,7 @@ class SequenceSearch {
   const PlannerInterface::Interrupt& interrupt_;
   std::vector<Trajectory> motions_;
   std::vector<Scene> scenes_;
+  std::map<std::vector<std::string>, std::shared_ptr<const RobotModel>> models_;  // by joints that are set
   int attempts_{}, alternatives_{};
   bool failed_{};
   std::size_t deepest_{};  // segment that was reached

@@ -12,6 +12,7 @@ std::string_view to_string(SegmentType type) {
     case SegmentType::allow: return "allow";
     case SegmentType::joints: return "joints";
     case SegmentType::wait: return "wait";
+    case SegmentType::gripper: return "gripper";
   }
   return "?";
 }
@@ -67,6 +68,20 @@ Segment Segment::joints(const std::map<std::string, double>& positions, double d
   Segment segment{.type = SegmentType::joints};
   segment.positions = positions;
   segment.duration = duration;
+  return segment;
+}
+
+Segment Segment::gripper(const std::string& state, const std::string& end_effector, double duration) {
+  Segment segment{.type = SegmentType::gripper};
+  segment.state = state;
+  segment.end_effector = end_effector;
+  segment.duration = duration;
+  return segment;
+}
+
+Segment Segment::gripper(double width, const std::string& end_effector, double duration) {
+  Segment segment = gripper("", end_effector, duration);
+  segment.width = width;
   return segment;
 }
 

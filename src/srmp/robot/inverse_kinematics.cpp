@@ -233,7 +233,7 @@ std::vector<Eigen::VectorXd> inverse_kinematics(const RobotModel& robot, const P
   robot.require_configuration(reference, "reference");
   const auto pose = target.to_list();
   require_finite(pose, "target");
-  Solver solver(robot, target, reference, options, robot.link_index(link.empty() ? robot.end_effector() : link));
+  Solver solver(robot, target, reference, options, robot.link_or_end_effector(link));
 
   std::vector<Eigen::VectorXd> solutions;
   for (int i = 0; i < options.seeds && !deadline.stop_requested(); ++i) {

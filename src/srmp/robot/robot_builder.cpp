@@ -21,8 +21,8 @@ constexpr double kDefaultVelocity = 1.0;        // [rad/s or m/s], of planned jo
 
 /// The joints and the end effector that a description selects.
 struct Selection {
-  std::vector<std::size_t> joints;  // of the URDF
-  std::size_t end_effector{};       // link
+  std::vector<std::size_t> joints;     // of the URDF
+  std::vector<std::size_t> end_links;  // RobotModel::end_links
 };
 
 std::string leaf_names(const Impl& impl) {
@@ -83,31 +83,16 @@ std::vector<std::size_t> named_joints(const Impl& impl) {
 }
 
 /// The links at the ends of the joints' chains: no other of the joints comes after them.
-Names ends_of(const Impl& impl, const std::vector<std::size_t>& joints) {
-  Names ends;
+std::vector<std::size_t> ends_of(const Impl& impl, const std::vector<std::size_t>& joints) {
+  std::vector<std::size_t> ends;
   for (const std::size_t candidate : joints) {
     const bool is_last = std::none_of(joints.begin(), joints.end(), [&](std::size_t other) {
       const auto chain = impl.urdf.chain_to(impl.urdf.joints[other].parent);
       return std::find(chain.begin(), chain.end(), candidate) != chain.end();
     });
-    if (is_last) ends.push_back(impl.link_names[impl.urdf.joints[candidate].child]);
+    if (is_last) ends.push_back(impl.urdf.joints[candidate].child);
   }
   return ends;
-}
-
-/// The link that the last of the joints moves. Throws InvalidArgument unless the joints form one chain.
-std::size_t last_link_of(const Impl& impl, const std::vector<std::size_t>& joints, const std::string& what) {
-  const Urdf& urdf = impl.urdf;
-  for (const std::size_t candidate : joints) {
-    const auto chain = urdf.chain_to(urdf.joints[candidate].child);
-    const bool holds_all = std::all_of(joints.begin(), joints.end(), [&](std::size_t joint) {
-      return std::find(chain.begin(), chain.end(), joint) != chain.end();
-    });
-    if (holds_all) return urdf.joints[candidate].child;
-  }
-  throw InvalidArgument(what + " of robot '" + impl.name +
-                        "' do not form one chain, so that the end effector is ambiguous; give end_effector, such as " +
-                        quoted_list(ends_of(impl, joints)));
 }
 
 std::vector<std::size_t> group_joints(const Impl& impl, const SrdfGroup& group, const Srdf& srdf) {
@@ -119,9 +104,46 @@ std::vector<std::size_t> group_joints(const Impl& impl, const SrdfGroup& group, 
   return joints;
 }
 
-std::size_t group_end_effector(const Impl& impl, const SrdfGroup& group, const std::vector<std::size_t>& joints) {
-  if (group.chains.size() == 1) return *impl.urdf.find_link(group.chains[0].second);
-  return last_link_of(impl, joints, "the joints of group '" + group.name + "'");
+/// The last links of the group's chains, and of those of its subgroups.
+void add_chain_ends(const Impl& impl, const SrdfGroup& group, const Srdf& srdf, std::vector<std::size_t>& ends) {
+  for (const auto& [base, last] : group.chains) ends.push_back(*impl.urdf.find_link(last));
+  for (const std::string& name : group.subgroups)
+    if (const SrdfGroup* subgroup = srdf.find_group(name)) add_chain_ends(impl, *subgroup, srdf, ends);
+}
+
+/// Of a group whose joints branch: the links of the SRDF's end effectors on the branches, or else the last links of the
+/// branches, with what is fixed to them and ends a chain of the group.
+std::vector<std::size_t> branch_ends(const Impl& impl, const SrdfGroup& group, const Srdf& srdf,
+                                     const std::vector<std::size_t>& joints) {
+  std::vector<std::size_t> ends = ends_of(impl, joints), hands;
+  const auto is_on_branch = [&](std::size_t link) {
+    const auto to_link = movable_chain(impl.urdf, link);
+    return std::any_of(ends.begin(), ends.end(), [&](std::size_t end) {
+      const auto to_end = movable_chain(impl.urdf, end);
+      return to_link.size() <= to_end.size() && std::equal(to_link.begin(), to_link.end(), to_end.begin()) &&
+             std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) {
+               return std::find(to_link.begin(), to_link.end(), joint) != to_link.end();
+             });
+    });
+  };
+  for (const SrdfEndEffector& effector : srdf.end_effectors) {
+    const std::size_t link = *impl.urdf.find_link(effector.parent_link);
+    if (is_on_branch(link) && std::find(hands.begin(), hands.end(), link) == hands.end()) hands.push_back(link);
+  }
+  if (!hands.empty()) return hands;
+  std::vector<std::size_t> chain_ends;
+  add_chain_ends(impl, group, srdf, chain_ends);
+  for (std::size_t& end : ends)
+    for (const std::size_t last : chain_ends)
+      if (movable_chain(impl.urdf, last) == movable_chain(impl.urdf, end)) end = last;
+  return ends;
+}
+
+std::vector<std::size_t> group_ends(const Impl& impl, const SrdfGroup& group, const Srdf& srdf,
+                                    const std::vector<std::size_t>& joints) {
+  if (group.chains.size() == 1) return {*impl.urdf.find_link(group.chains[0].second)};
+  std::vector<std::size_t> ends = ends_of(impl, joints);
+  return ends.size() == 1 ? ends : branch_ends(impl, group, srdf, joints);
 }
 
 /// Without a group, joint names or an end effector: the only group, or the chain to the only leaf.
@@ -129,11 +151,11 @@ Selection select_default(const Impl& impl, const Srdf* srdf) {
   if (srdf && srdf->groups.size() == 1) {
     const SrdfGroup& group = srdf->groups[0];
     auto joints = group_joints(impl, group, *srdf);
-    const std::size_t end_effector = group_end_effector(impl, group, joints);
-    return {std::move(joints), end_effector};
+    auto ends = group_ends(impl, group, *srdf, joints);
+    return {std::move(joints), std::move(ends)};
   }
   const auto leaves = impl.urdf.leaves();
-  if (leaves.size() == 1) return {movable_chain(impl.urdf, leaves[0]), leaves[0]};
+  if (leaves.size() == 1) return {movable_chain(impl.urdf, leaves[0]), {leaves[0]}};
   const std::string groups = srdf && !srdf->groups.empty() ? " or a group: " + quoted_list(srdf->group_names()) : "";
   throw InvalidArgument("robot '" + impl.name + "' has several leaf links; give an end_effector, such as " +
                         leaf_names(impl) + groups);
@@ -160,12 +182,12 @@ Selection select(const Impl& impl, const Srdf* srdf) {
     return select_default(impl, srdf);
   }
   if (!d.end_effector.empty()) {
-    selection.end_effector = require_end_effector(impl, srdf);
-    if (selection.joints.empty()) selection.joints = movable_chain(impl.urdf, selection.end_effector);
+    selection.end_links = {require_end_effector(impl, srdf)};
+    if (selection.joints.empty()) selection.joints = movable_chain(impl.urdf, selection.end_links[0]);
   } else if (group) {
-    selection.end_effector = group_end_effector(impl, *group, selection.joints);
+    selection.end_links = group_ends(impl, *group, *srdf, selection.joints);
   } else {
-    selection.end_effector = last_link_of(impl, selection.joints, "joint_names");
+    selection.end_links = ends_of(impl, selection.joints);
   }
   return selection;
 }
@@ -311,8 +333,9 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
 
 void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
   const Selection selection = select(m, srdf);
-  m.end_effector_index = selection.end_effector;
-  m.end_effector = m.link_names[selection.end_effector];
+  for (const std::size_t link : selection.end_links) m.end_links.push_back(m.link_names[link]);
+  m.end_effector_index = selection.end_links[0];
+  m.end_effector = m.end_links[0];
   if (selection.joints.empty())
     throw InvalidArgument("robot '" + m.name + "': no movable joint leads to end effector '" + m.end_effector + "'");
   for (const std::size_t index : selection.joints) {
@@ -332,6 +355,7 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
   set_defaults(m, srdf);
   if (!srdf) return;
   collect_group_states(m, *srdf);
+  list_end_effectors(m, *srdf);
   m.virtual_joint = srdf->virtual_joint;
   for (const SrdfGroup& group : srdf->groups) {
     if (!group.fault.empty()) continue;

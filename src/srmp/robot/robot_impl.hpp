@@ -45,6 +45,8 @@ struct RobotModelImpl {
 
   std::vector<std::string> link_names;  // as in urdf.links
   std::string end_effector;
+  std::vector<std::string> end_links;
+  std::vector<EndEffector> end_effectors;
   std::size_t end_effector_index{};
 
   std::vector<ActuatedJoint> actuated_joints;
@@ -81,6 +83,8 @@ struct RobotModelBuilder {
   /// RobotModel::load.
   static std::shared_ptr<RobotModel> build(const RobotDescription& description);
 
+  /// RobotModel::end_effectors.
+  static void list_end_effectors(Impl& impl, const Srdf& srdf);
   /// Selects the planned joints, the other joints with their defaults, and the end effector. `srdf` may be null.
   static void choose_joints(Impl& impl, const Srdf* srdf);
   /// Sets the actuated joints, the followers and the joint supports.

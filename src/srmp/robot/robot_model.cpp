@@ -33,11 +33,20 @@ const std::map<std::string, std::vector<std::string>>& RobotModel::groups() cons
 const std::optional<VirtualJoint>& RobotModel::virtual_joint() const { return impl_->virtual_joint; }
 const std::vector<std::string>& RobotModel::link_names() const { return impl_->link_names; }
 const std::string& RobotModel::end_effector() const { return impl_->end_effector; }
+const std::vector<std::string>& RobotModel::end_links() const { return impl_->end_links; }
+const std::vector<EndEffector>& RobotModel::end_effectors() const { return impl_->end_effectors; }
 const std::vector<LinkGeometry>& RobotModel::geometries() const { return impl_->geometries; }
 const std::vector<ActuatedJoint>& RobotModel::actuated_joints() const { return impl_->actuated_joints; }
 const std::vector<std::pair<std::size_t, std::size_t>>& RobotModel::self_pairs() const { return impl_->self_pairs; }
 const std::vector<std::pair<std::string, std::string>>& RobotModel::always_colliding() const {
   return impl_->always_colliding;
+}
+
+std::size_t RobotModel::link_or_end_effector(const std::string& link) const {
+  if (!link.empty()) return link_index(link);
+  if (end_links().size() == 1) return impl_->end_effector_index;
+  throw InvalidArgument("robot '" + name() + "' was given no end effector, and its planned joints move several: name " +
+                        "the link, such as " + quoted_list(end_links()));
 }
 
 std::size_t RobotModel::link_index(const std::string& link) const {

@@ -119,6 +119,69 @@ double worst_tolerance(const PathConstraint& c) {
   }
 }
 
+/// Whether second_order bounds this constraint, within parts of a motion in which the joints turn by at most
+/// `max_turn` in all: rows that are smooth, which are not those of cones, lines and distances, nor rotation vectors far
+/// from zero, and joints that turn, each of which moves itself alone.
+bool has_second_order(const PlacedConstraints& all, std::size_t constraint) {
+  constexpr double small_rotation = 0.17;  // [rad] about an axis: the rotation vector is then below 0.3
+  const PathConstraint& c = all.constraints()[constraint].constraint;
+  const bool is_box = c.type == PathConstraintType::box;
+  const bool is_rotation = c.type == PathConstraintType::orientation || c.type == PathConstraintType::pose;
+  if (!is_box && !(is_rotation && c.rotation_tolerance.axes.maxCoeff() <= small_rotation)) return false;
+  std::vector<char> is_seen(all.robot().dof(), 0);
+  for (const ActuatedJoint& joint : all.robot().actuated_joints()) {
+    if (all.rates()[constraint][static_cast<Eigen::Index>(joint.joint)] == 0.0) continue;
+    if (joint.prismatic || is_seen[joint.joint] || joint.ratio != 1.0) return false;
+    is_seen[joint.joint] = 1;
+  }
+  return true;
+}
+
+constexpr double max_turn = 0.12;  // [rad] of all joints together, where second_order holds
+
+/// How far a constraint's deviation can rise above those of both ends of a part of a motion, in which the joints change
+/// by at most `change` (dof,) [rad] at a steady speed; nothing: this is not known.
+///
+/// Of a chain of joints that turn, the second derivative of a point by two of them is at most its distance from the
+/// farther one along the chain, and that of the rotation vector, below 0.5, at most 1.11 times the square of the sum of
+/// their speeds. Both are bounded by the smaller of the two joints' rates, and what a function with the second
+/// derivative m has above its chord by m / 8.
+double second_order(const Eigen::VectorXd& rates, const Eigen::VectorXd& change) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < change.size(); ++i)
+    for (Eigen::Index j = 0; j < change.size(); ++j)
+      sum += std::abs(change[i] * change[j]) * std::min(rates[i], rates[j]);
+  return 0.125 * sum;
+}
+
+/// ConstraintChecker::keeps of constraints that have a second order: the motion is halved until it is proved.
+class SecondOrderProof {
+ public:
+  SecondOrderProof(ConstraintChecker& checker, const Eigen::VectorXd& a, const Eigen::VectorXd& change, double most)
+      : checker_(checker), a_(a), change_(change), most_(most) {
+    for (const Eigen::VectorXd& rate : checker.constraints().rates()) {
+      largest_ = std::max(largest_, second_order(rate, change));
+      turn_ = std::max(turn_, (rate.array() > 0.0).select(change.array().abs(), 0.0).sum());
+    }
+  }
+
+  bool keeps(double from, double to, double at_from, double at_to) {
+    const double part = to - from, rise = largest_ * part * part;
+    if (part * turn_ <= max_turn && std::max(at_from, at_to) + rise <= most_) return true;
+    if (rise <= smallest && part * turn_ <= max_turn) return true;
+    const double middle = 0.5 * (from + to);
+    q_ = a_ + middle * change_;
+    const double at_middle = checker_.deviation(q_);
+    return at_middle <= most_ && keeps(from, middle, at_from, at_middle) && keeps(middle, to, at_middle, at_to);
+  }
+
+ private:
+  ConstraintChecker& checker_;
+  const Eigen::VectorXd &a_, &change_;
+  Eigen::VectorXd q_;
+  double most_, largest_{}, turn_{};
+};
+
 std::string amount(double value, bool position) {
   const double rounded = std::round(1e3 * value * (position ? 1e3 : 180.0 / M_PI)) / 1e3;
   return to_text(rounded) + (position ? " mm" : " degrees");
@@ -236,6 +299,12 @@ bool ConstraintChecker::keeps(const Eigen::VectorXd& a, const Eigen::VectorXd& b
   const double at_a = deviation(a), at_b = deviation(b);
   if (std::max(at_a, at_b) > 1.0) return false;
   change_ = constraints_.robot().difference(a, b);
+  bool all_second = true;
+  for (std::size_t i = 0; i < rows_.size(); ++i) all_second &= has_second_order(constraints_, i);
+  if (all_second) {
+    SecondOrderProof proof(*this, a, change_, std::max({most, at_a, at_b}));
+    return proof.keeps(0.0, 1.0, at_a, at_b);
+  }
   largest_rate_ = 0.0;
   for (const Eigen::VectorXd& rate : constraints_.rates())
     largest_rate_ = std::max(largest_rate_, rate.dot(change_.cwiseAbs()));
@@ -266,17 +335,27 @@ void ConstraintChecker::add_part(std::span<const detail::Cubic> joints, const Sa
                                  double start, std::vector<ConstraintDeviation>& worst) {
   const double time = to.time - from.time, middle = 0.5 * (from.time + to.time);
   change_.resize(static_cast<Eigen::Index>(joints.size()));
+  Eigen::VectorXd accelerated = change_;  // by how much a joint's change is not steady, at most
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const detail::Cubic& cubic = joints[j];
     const double acceleration =
         std::max(std::abs(cubic.acceleration(from.time)), std::abs(cubic.acceleration(to.time)));
     change_[static_cast<Eigen::Index>(j)] = time * (std::abs(cubic.velocity(middle)) + 0.5 * acceleration * time);
+    accelerated[static_cast<Eigen::Index>(j)] = time * time * acceleration;
   }
   bool enough = true;
   std::vector<double> most(worst.size());
   for (std::size_t i = 0; i < worst.size(); ++i) {
-    const double changes = constraints_.rates()[i].dot(change_);
+    const Eigen::VectorXd& rates = constraints_.rates()[i];
+    double changes = rates.dot(change_);
     most[i] = 0.5 * (from.deviations[i] + to.deviations[i] + changes);
+    // Relative poses, which have tight tolerances, need the second order; others are as they always were.
+    if (constraints_.constraints()[i].frame && std::max(from.deviations[i], to.deviations[i]) <= 1.5 &&
+        (rates.array() > 0.0).select(change_, 0.0).sum() <= max_turn && has_second_order(constraints_, i)) {
+      const double rise = second_order(rates, change_) + 0.125 * rates.dot(accelerated);
+      most[i] = std::min(most[i], std::max(from.deviations[i], to.deviations[i]) + rise);
+      changes = std::min(changes, rise);
+    }
     const bool broken = std::max(from.deviations[i], to.deviations[i]) > 1.0 + certificate_fineness;
     enough &= most[i] * worst[i].tolerance <= worst[i].deviation || changes <= smallest ||
               (changes <= certificate_fineness && (most[i] <= 1.0 || broken));

@@ -16,17 +16,29 @@ double fraction_of(const Eigen::Vector3d& miss, const AxisTolerance& tolerance) 
   return (miss.cwiseAbs().array() / tolerance.axes.array()).maxCoeff();
 }
 
-double miss_of(const GoalConstraint& goal, const Eigen::VectorXd& target, const Checker& checker, ConstVector q) {
-  const RobotModel& robot = checker.robot();
-  if (goal.type == GoalType::joints) return robot.difference(q, target).cwiseAbs().maxCoeff();
-  const Pose end_effector = checker.base() * robot.compute_fk(q, "", checker.other_positions());
-  if (goal.type == GoalType::position) return fraction_of(end_effector.p - target.head<3>(), goal.position_tolerance);
-  const Pose goal_pose = Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
-  const Pose off = goal_pose.inverse() * end_effector;
+/// By how much a link that is at `pose` misses its part of a target.
+double link_miss(const GoalConstraint& goal, std::span<const double> target, const Pose& pose) {
+  if (goal.type == GoalType::position)
+    return fraction_of(pose.p - Eigen::Vector3d(target.data()), goal.position_tolerance);
+  const Pose off = Pose::from_list(target).inverse() * pose;
   const Eigen::AngleAxisd turn(off.q);
   const double angle = std::remainder(turn.angle(), 2.0 * M_PI);
   return std::max(fraction_of(off.p, goal.position_tolerance),
                   fraction_of(angle * turn.axis(), goal.rotation_tolerance));
+}
+
+double miss_of(const GoalConstraint& goal, const Eigen::VectorXd& target, const Checker& checker, ConstVector q) {
+  const RobotModel& robot = checker.robot();
+  if (goal.type == GoalType::joints) return robot.difference(q, target).cwiseAbs().maxCoeff();
+  double worst = 0.0;
+  const std::size_t links = std::max<std::size_t>(1, goal.links.size());
+  const std::size_t each = static_cast<std::size_t>(target.size()) / links;
+  for (std::size_t i = 0; i < links; ++i) {
+    const Pose pose =
+        checker.base() * robot.compute_fk(q, goal.links.empty() ? "" : goal.links[i], checker.other_positions());
+    worst = std::max(worst, link_miss(goal, {target.data() + i * each, each}, pose));
+  }
+  return worst;
 }
 
 /// The values of a row in another order.

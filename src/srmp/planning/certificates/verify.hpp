@@ -9,7 +9,7 @@
 namespace srmp {
 
 /// How far q misses the nearest of the goals: joint goals in rad (m), the worst joint; poses and positions as a
-/// fraction of their tolerances, the worst axis. NaN when there is none.
+/// fraction of their tolerances, the worst axis of all links. NaN when there is none.
 struct GoalError {
   double error{std::numeric_limits<double>::quiet_NaN()};
   double allowed{};

@@ -10,15 +10,18 @@ namespace srmp {
 
 namespace {
 
-PlacedConstraints with_target(const PlacedConstraints& constraints, const Pose& target, const IkOptions& options) {
-  std::vector<PlacedConstraint> all = constraints.constraints();
-  all.push_back({.constraint = PathConstraint::pose(target, options.position_tolerance, options.rotation_tolerance),
-                 .link = constraints.robot().link_index(constraints.robot().end_effector()),
-                 .body = Eigen::Isometry3d::Identity(),
-                 .frame = std::nullopt,
-                 .target = target.isometry(),
-                 .text = "the goal"});
-  return {constraints.robot(), constraints.other_positions(), std::move(all)};
+PlacedConstraints with_targets(const PlacedRobot& robot, const PlacedConstraints* constraints,
+                               const std::vector<IkGoal>& targets) {
+  std::vector<PlacedConstraint> all;
+  if (constraints) all = constraints->constraints();
+  for (const auto& [link, in_base, options] : targets)
+    all.push_back({.constraint = PathConstraint::pose(in_base, options.position_tolerance, options.rotation_tolerance),
+                   .link = robot.model->link_or_end_effector(link),
+                   .body = Eigen::Isometry3d::Identity(),
+                   .frame = std::nullopt,
+                   .target = in_base.isometry(),
+                   .text = "the goal"});
+  return {*robot.model, robot.other_positions, std::move(all)};
 }
 
 /// The reference, then a fixed sequence within the limits; continuous joints within half a turn of the reference.
@@ -36,11 +39,14 @@ Eigen::VectorXd seed(const RobotModel& robot, const Eigen::VectorXd& reference, 
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedConstraints& constraints, const Pose& target,
-                                                            const Eigen::VectorXd& reference, const IkOptions& options,
+std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& placed,
+                                                            const PlacedConstraints* constraints,
+                                                            const std::vector<IkGoal>& targets,
+                                                            const Eigen::VectorXd& reference,
                                                             const Deadline& deadline) {
-  const RobotModel& robot = constraints.robot();
-  const PlacedConstraints all = with_target(constraints, target, options);
+  const RobotModel& robot = *placed.model;
+  const IkOptions& options = targets.front().options;
+  const PlacedConstraints all = with_targets(placed, constraints, targets);
   ConstraintChecker checker(all);
   std::vector<Eigen::VectorXd> found;
   for (int i = 0; i < options.seeds && std::ssize(found) < options.max_solutions; ++i) {

@@ -3,15 +3,17 @@
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
-#include "srmp/robot/inverse_kinematics.hpp"
+#include "srmp/planning/endpoints/ik_goal_connection.hpp"
 #include "srmp/trajectory/placed_constraints.hpp"
 
 namespace srmp {
 
-/// As inverse_kinematics of the end effector, for configurations that keep path constraints too: the target is one
-/// constraint more, onto which the seeds are projected. The same every time.
-std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedConstraints& constraints, const Pose& target,
-                                                            const Eigen::VectorXd& reference, const IkOptions& options,
-                                                            const Deadline& deadline);
+/// As inverse_kinematics, for configurations that bring several links to their targets at the same time and keep path
+/// constraints (null: there are none): each target is one constraint more, onto which the seeds are projected. The
+/// options of the first target count, with the tolerances of each. The same every time.
+std::vector<Eigen::VectorXd> constrained_inverse_kinematics(const PlacedRobot& robot,
+                                                            const PlacedConstraints* constraints,
+                                                            const std::vector<IkGoal>& targets,
+                                                            const Eigen::VectorXd& reference, const Deadline& deadline);
 
 }  // namespace srmp

@@ -36,7 +36,7 @@ class Placement {
   using Body = std::pair<std::size_t, Pose>;
 
   Body body(const std::string& name) const {
-    if (name.empty()) return {model_.link_index(model_.end_effector()), {}};
+    if (name.empty()) return {model_.link_or_end_effector(name), {}};
     if (const auto held = held_object(name)) return *held;
     if (scene_.objects().contains(name))
       throw InvalidArgument("a path constraint is about the object '" + name + "', which '" + name_ +

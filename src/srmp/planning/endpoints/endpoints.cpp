@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "srmp/core/error.hpp"
-#include "srmp/planning/constraints/constrained_inverse_kinematics.hpp"
-#include "srmp/planning/endpoints/ik_goal_connection.hpp"
+#include "srmp/planning/endpoints/goal_configurations.hpp"
 #include "srmp/planning/endpoints/start_recovery.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/validity.hpp"
@@ -46,31 +45,6 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints) {
   recover_start(context, endpoints, why);
 }
 
-/// Configurations that meet the target, free or not; `why` says why there are none.
-std::vector<Eigen::VectorXd> configurations(const RobotContext& context, const Eigen::VectorXd& start,
-                                            const GoalConstraint& goal, const Eigen::VectorXd& target,
-                                            std::string& why) {
-  const RobotModel& robot = context.robot;
-  if (goal.type == GoalType::joints) return {robot.clamped(target, limit_tolerance)};
-  auto [in_base, options] = ik_goal(goal, target, *context.task.placed);
-  options.max_solutions = context.common.ik_solutions;
-  if (context.task.constraints) {  // before those that the constraints may refuse
-    auto kept = constrained_inverse_kinematics(*context.task.constraints, in_base, start, options, context.deadline);
-    if (!kept.empty()) return kept;
-  }
-  auto found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
-  if (found.empty()) {  // nothing meets it exactly: whatever is within the tolerances
-    options.position_tolerance = goal.position_tolerance;
-    if (goal.type == GoalType::pose) options.rotation_tolerance = goal.rotation_tolerance;
-    found = inverse_kinematics(robot, in_base, start, options, "", context.deadline);
-  }
-  if (found.empty())
-    why = "no configuration within the joint limits brings '" + robot.end_effector() + "' to [" + to_text(target[0]) +
-          ", " + to_text(target[1]) + ", " + to_text(target[2]) + "] (" + std::to_string(options.seeds) +
-          " seeds tried)";
-  return found;
-}
-
 void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
   int index = 0;
@@ -78,7 +52,9 @@ void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
   for (const GoalConstraint& goal : context.task.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       std::string why;
-      for (Eigen::VectorXd& q : configurations(context, endpoints.start, goal, target, why)) {
+      for (Eigen::VectorXd& q :
+           goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target, endpoints.start,
+                               context.common.ik_solutions, context.deadline, why)) {
         std::string invalid = context.checks.constraints() ? context.checks.constraints()->violation(q) : "";
         if (invalid.empty()) invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
         if (invalid.empty()) {

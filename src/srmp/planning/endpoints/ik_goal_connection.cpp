@@ -10,6 +10,7 @@ namespace {
 
 struct ConnectionTarget {
   IkGoal goal;
+  std::size_t link;
   double max_distance;  // [m]
   int number;
 };
@@ -19,7 +20,6 @@ class IkGoalConnection {
   IkGoalConnection(const PlacedRobot& robot, const Eigen::VectorXd& step)
       : robot_(*robot.model),
         step_(step),
-        link_(robot_.link_index(robot_.end_effector())),
         data_(robot_.make_data(robot.other_positions).release(), RobotDataDeleter{}) {
     for (std::size_t j = 0; j < robot_.dof(); ++j) {
       const bool prismatic = robot_.joints()[j].kind == JointKind::prismatic;
@@ -32,16 +32,17 @@ class IkGoalConnection {
     goal.options.seeds = goal.options.max_solutions = 1;
     goal.options.max_iterations = 20;
     const double max_distance = turn_ * goal.in_base.p.norm() + slide_;
-    targets_.push_back({std::move(goal), max_distance, number});
+    const std::size_t link = robot_.link_or_end_effector(goal.link);
+    targets_.push_back({std::move(goal), link, max_distance, number});
   }
 
   std::vector<ConnectedGoal> operator()(const Eigen::VectorXd& q) const {
     robot_.forward(*data_, q);
-    const Eigen::Isometry3d end_effector = robot_.link_pose(*data_, link_);
     std::vector<ConnectedGoal> found;
     for (const ConnectionTarget& target : targets_) {
-      if (!is_near(end_effector, target)) continue;
-      for (const Eigen::VectorXd& there : inverse_kinematics(robot_, target.goal.in_base, q, target.goal.options))
+      const IkGoal& goal = target.goal;
+      if (!is_near(robot_.link_pose(*data_, target.link), target)) continue;
+      for (const Eigen::VectorXd& there : inverse_kinematics(robot_, goal.in_base, q, goal.options, goal.link))
         if ((robot_.difference(q, there).array().abs() <= 2.0 * step_.array()).all())
           found.push_back({there, target.number});
     }
@@ -63,7 +64,6 @@ class IkGoalConnection {
 
   const RobotModel& robot_;
   Eigen::VectorXd step_;
-  std::size_t link_;
   std::shared_ptr<RobotData> data_;
   double turn_{0.0}, slide_{0.0};
   std::vector<ConnectionTarget> targets_;
@@ -71,28 +71,34 @@ class IkGoalConnection {
 
 }  // namespace
 
-IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot) {
+std::vector<IkGoal> ik_goals(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot) {
   const bool position_only = goal.type == GoalType::position;
-  const Pose world = position_only ? Pose{target, Eigen::Quaterniond::Identity()}
-                                   : Pose::from_list({target.data(), static_cast<std::size_t>(target.size())});
-  IkGoal result{robot.base.inverse() * world, {}};
-  IkOptions& options = result.options;
+  IkOptions options;
   options.other_positions = robot.other_positions;
   options.position_tolerance = goal.position_tolerance.tightened(options.position_tolerance.axes[0]);
   options.rotation_tolerance = position_only ? AxisTolerance(search::infinity)
                                              : goal.rotation_tolerance.tightened(options.rotation_tolerance.axes[0]);
+  const std::size_t links = std::max<std::size_t>(1, goal.links.size());
+  const std::size_t each = static_cast<std::size_t>(target.size()) / links;
+  std::vector<IkGoal> result;
+  for (std::size_t i = 0; i < links; ++i) {
+    const std::span<const double> numbers(target.data() + i * each, each);
+    const Pose world = position_only ? Pose{Eigen::Vector3d(numbers.data()), Eigen::Quaterniond::Identity()}
+                                     : Pose::from_list(numbers);
+    result.push_back({goal.links.empty() ? "" : goal.links[i], robot.base.inverse() * world, options});
+  }
   return result;
 }
 
 GoalConnection make_ik_goal_connection(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
                                        const Eigen::VectorXd& step) {
-  const auto by_joints = [](const GoalConstraint& goal) { return goal.type == GoalType::joints; };
-  if (std::all_of(goals.begin(), goals.end(), by_joints)) return {};
+  const auto is_left_out = [](const GoalConstraint& g) { return g.type == GoalType::joints || g.links.size() > 1; };
+  if (std::all_of(goals.begin(), goals.end(), is_left_out)) return {};
   IkGoalConnection connection(robot, step);
   int number = 0;
   for (const GoalConstraint& goal : goals)
     for (const Eigen::VectorXd& target : goal.targets) {
-      if (!by_joints(goal)) connection.add(ik_goal(goal, target, robot), number);
+      if (!is_left_out(goal)) connection.add(ik_goals(goal, target, robot).front(), number);
       ++number;
     }
   return connection;

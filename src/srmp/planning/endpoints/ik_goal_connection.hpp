@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "srmp/lattice/lattice.hpp"
@@ -8,20 +9,22 @@
 
 namespace srmp {
 
-/// A pose or position target as inverse kinematics wants it.
+/// A pose or position target of a link as inverse kinematics wants it.
 struct IkGoal {
-  Pose in_base;       ///< of the end effector, robot base frame
+  std::string link;   ///< "" = the end effector
+  Pose in_base;       ///< of the link, robot base frame
   IkOptions options;  ///< met as closely as IkOptions' defaults say, or more loosely along free axes only
 };
 
-/// Of a goal that is no joint goal.
-IkGoal ik_goal(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot);
+/// Of a goal that is no joint goal: one for each link, at least one.
+std::vector<IkGoal> ik_goals(const GoalConstraint& goal, const Eigen::VectorXd& target, const PlacedRobot& robot);
 
 /// For states whose end effector is near a pose or position target: the configuration that inverse kinematics, started
 /// from that very state, finds there. Near is what a lattice step makes good: the position is missed by no more than
 /// one `step` of a revolute joint at the target's distance from the base (and one of a prismatic joint), the
 /// orientation by no more than two. No joint of the result is more than two steps away. ConnectedGoal::goal counts all
-/// targets of all goals. Empty, and so free of charge, when all goals are joint goals.
+/// targets of all goals. Goals for several links are left out. Empty, and so free of charge, when no other than these
+/// and joint goals is there.
 GoalConnection make_ik_goal_connection(const PlacedRobot& robot, const std::vector<GoalConstraint>& goals,
                                        const Eigen::VectorXd& step);
 
