@@ -4,9 +4,9 @@
 
 Each row is one size: how long the scene took to be made, the first plan in it, and a later plan (the best of
 --repeats), all in CPU seconds of one thread, and the memory of the process. The robots are the package's own arm,
-chains of joints, and a gantry for the passage, so that nothing else is needed. --most below 1 leaves out the largest sizes of each series
-(0.1: those above a tenth of the largest). --figure also writes the same figure as SVG. Aims: nowhere worse than linear
-where the physics is local; a cloud of 10^6 points in 300 ms.
+chains of joints, and a gantry for the passage, so that nothing else is needed. --most below 1 leaves out the largest
+sizes of each series (0.1: those above a tenth of the largest). --figure also writes the same figure as SVG. Aims:
+nowhere worse than linear where the physics is local; a cloud of 10^6 points in 300 ms.
 """
 
 from __future__ import annotations

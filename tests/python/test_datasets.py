@@ -1,7 +1,9 @@
 """Data sets: the same bytes however they are made, whole files or none, one sentence for everything that is wrong."""
 
 import contextlib
+import ctypes
 import dataclasses
+import gc
 import json
 import os
 import random
@@ -156,6 +158,33 @@ def test_another_place_and_another_seed(made, tmp_path):
     assert Spec.from_dict(json.loads(json.dumps(spec.to_dict())), spec.files).identity == spec.identity
     a, b = (random_numbers(spec.identity, index).random(4) for index in (3, 4))
     assert not np.any(a == b)
+
+
+class _Allocated(ctypes.Structure):
+    """struct mallinfo2 of glibc."""
+
+    names = ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks", "keepcost")
+    _fields_ = [(name, ctypes.c_size_t) for name in names]
+
+
+def allocated_bytes():
+    """What this process has allocated; not what the allocator keeps."""
+    gc.collect()
+    ask = getattr(ctypes.CDLL(None), "mallinfo2", None) or pytest.skip("needs mallinfo2 (glibc 2.33)")
+    ask.restype = _Allocated
+    found = ask()
+    return found.uordblks + found.hblkhd
+
+
+def test_a_worker_does_not_grow_with_its_records(made):
+    """After the same record, so that the scene that is there is the same too."""
+    recorder = Recorder(read_spec(spec_of(count=1000, per_shard=60, scenes=ALL_KINDS)), made.directory)
+    after = []
+    for number in range(1, 5):
+        recorder.shard(number)
+        recorder.record(0)
+        after.append(allocated_bytes())
+    assert after[-1] - min(after[:2]) < 20_000  # of 120 records and more; a scene has some 100 000
 
 
 # --- the clock
