@@ -7,6 +7,7 @@
 #include "srmp/io/moveit.hpp"
 #include "srmp/planning/goal.hpp"
 #include "srmp/planning/options.hpp"
+#include "srmp/trajectory/path_constraint.hpp"
 
 namespace srmp {
 
@@ -19,6 +20,8 @@ struct MoveItProblem {
   /// given, and planner_id where it is an id of this library.
   OptionMap options;
   std::vector<std::string> ignored_joints;  ///< named by the start state, but not movable joints of this robot
+  std::vector<PathConstraint> constraints;  ///< of the whole motion: PlanRequest::constraints
+  Eigen::VectorXd start_velocity;           ///< (dof,) [rad/s or m/s]: PlanRequest::start_velocity; empty: at rest
 };
 
 }  // namespace srmp

@@ -17,23 +17,25 @@ namespace srmp {
 
 /// The codes of moveit_msgs/MoveItErrorCodes that a MoveItSession returns, with their numbers.
 enum class MoveItErrorCode {
-  success = 1,                           ///< there is a trajectory
-  failure = 99999,                       ///< the robot's files cannot be read
-  planning_failed = -1,                  ///< no path exists in the searched graph, or the request is not supported
-  timed_out = -6,                        ///< the allowed planning time passed
-  preempted = -7,                        ///< the caller stopped the plan
-  start_state_in_collision = -10,        ///< the start is in collision
-  start_state_invalid = -26,             ///< the start is outside of limits, incomplete or not at rest
-  goal_in_collision = -12,               ///< every configuration that meets a goal is in collision
-  goal_state_invalid = -27,              ///< a joint goal is outside of limits
-  invalid_group_name = -15,              ///< the robot has no such planning group
-  invalid_goal_constraints = -16,        ///< a goal is wrong in itself, or not supported
-  invalid_robot_state = -17,             ///< the scene's robot state is wrong
-  invalid_link_name = -18,               ///< the robot has no such link
-  invalid_object_name = -19,             ///< an object of the scene is wrong, or not there
-  frame_transform_failure = -21,         ///< a frame is not known
-  collision_checking_unavailable = -22,  ///< the scene holds what is not supported
-  no_ik_solution = -31,                  ///< no configuration within limits meets a goal
+  success = 1,                            ///< there is a trajectory
+  failure = 99999,                        ///< the robot's files cannot be read
+  planning_failed = -1,                   ///< no path exists in the searched graph, or the request is not supported
+  timed_out = -6,                         ///< the allowed planning time passed
+  preempted = -7,                         ///< the caller stopped the plan
+  start_state_in_collision = -10,         ///< the start is in collision
+  start_violates_path_constraints = -11,  ///< the start breaks a path constraint
+  start_state_invalid = -26,              ///< the start is outside of limits, incomplete, or too fast
+  goal_in_collision = -12,                ///< every configuration that meets a goal is in collision
+  goal_violates_path_constraints = -13,   ///< a configuration that meets a goal breaks a path constraint
+  goal_state_invalid = -27,               ///< a joint goal is outside of limits
+  invalid_group_name = -15,               ///< the robot has no such planning group
+  invalid_goal_constraints = -16,         ///< a goal is wrong in itself, or not supported
+  invalid_robot_state = -17,              ///< the scene's robot state is wrong
+  invalid_link_name = -18,                ///< the robot has no such link
+  invalid_object_name = -19,              ///< an object of the scene is wrong, or not there
+  frame_transform_failure = -21,          ///< a frame is not known
+  collision_checking_unavailable = -22,   ///< the scene holds what is not supported
+  no_ik_solution = -31,                   ///< no configuration within limits meets a goal
 };
 
 /// The name in moveit_msgs/MoveItErrorCodes, such as "GOAL_IN_COLLISION".

@@ -12,6 +12,19 @@ namespace srmp_moveit {
 namespace {
 
 using srmp::Pose;
+using Code = srmp::MoveItErrorCode;
+
+/// Runs `translate`; its errors are refused with the code `invalid`, or `unsupported`.
+template <class Translate>
+auto refused_with(Code invalid, Code unsupported, Translate&& translate) {
+  try {
+    return translate();
+  } catch (const srmp::NotSupported& error) {
+    throw Refusal(unsupported, error.what());
+  } catch (const srmp::Error& error) {
+    throw Refusal(invalid, error.what());
+  }
+}
 
 template <class Vector>
 Eigen::Vector3d vector_of(const Vector& v) {
@@ -57,6 +70,18 @@ Pose nth(const Poses& poses, std::size_t i) {
   return i < poses.size() ? pose_of(poses[i]) : Pose{};
 }
 
+std::vector<srmp::io::PlacedShape> shapes_of(const Library& library, const moveit_messages::CollisionObject& message) {
+  return refused_with(Code::invalid_object_name, Code::collision_checking_unavailable, [&] {
+    std::vector<srmp::io::PlacedShape> shapes;
+    for (std::size_t i = 0; i < message.primitives.size(); ++i)
+      shapes.push_back(
+          {shape_of(library, message.primitives[i], "object '" + message.id + "'"), nth(message.primitive_poses, i)});
+    for (std::size_t i = 0; i < message.meshes.size(); ++i)
+      shapes.push_back({shape_of(message.meshes[i]), nth(message.mesh_poses, i)});
+    return shapes;
+  });
+}
+
 srmp::io::CollisionObject object_of(const Library& library, const moveit_messages::CollisionObject& message) {
   srmp::io::CollisionObject object;
   object.id = message.id;
@@ -64,11 +89,7 @@ srmp::io::CollisionObject object_of(const Library& library, const moveit_message
   object.pose = pose_of(message.pose);
   object.planes = message.planes.size();
   object.operation = static_cast<srmp::io::ObjectOperation>(message.operation);  // the same numbers
-  for (std::size_t i = 0; i < message.primitives.size(); ++i)
-    object.shapes.push_back(
-        {shape_of(library, message.primitives[i], "object '" + message.id + "'"), nth(message.primitive_poses, i)});
-  for (std::size_t i = 0; i < message.meshes.size(); ++i)
-    object.shapes.push_back({shape_of(message.meshes[i]), nth(message.mesh_poses, i)});
+  object.shapes = shapes_of(library, message);
   for (std::size_t i = 0; i < message.subframe_names.size(); ++i)
     object.subframes[message.subframe_names[i]] = nth(message.subframe_poses, i);
   return object;
@@ -84,10 +105,15 @@ srmp::io::RobotState state_of(const Library& library, const moveit_messages::Rob
   state.is_diff = message.is_diff;
   const auto& joints = message.joint_state;
   if (joints.name.size() != joints.position.size())
-    throw srmp::InvalidArgument("a joint state names " + std::to_string(joints.name.size()) + " joints, but has " +
-                                std::to_string(joints.position.size()) + " positions");
+    throw Refusal(Code::invalid_robot_state, "a joint state names " + std::to_string(joints.name.size()) +
+                                                 " joints, but has " + std::to_string(joints.position.size()) +
+                                                 " positions");
   for (std::size_t i = 0; i < joints.name.size(); ++i) state.joints[joints.name[i]] = joints.position[i];
-  for (const double velocity : joints.velocity) state.speed = std::max(state.speed, std::abs(velocity));
+  if (!joints.velocity.empty() && joints.velocity.size() != joints.name.size())
+    throw Refusal(Code::invalid_robot_state, "a joint state names " + std::to_string(joints.name.size()) +
+                                                 " joints, but has " + std::to_string(joints.velocity.size()) +
+                                                 " velocities");
+  for (std::size_t i = 0; i < joints.velocity.size(); ++i) state.velocities[joints.name[i]] = joints.velocity[i];
   const auto& others = message.multi_dof_joint_state;
   state.multi_dof_frame = others.header.frame_id;
   for (std::size_t i = 0; i < others.joint_names.size() && i < others.transforms.size(); ++i)
@@ -104,8 +130,13 @@ srmp::io::AllowedCollisionMatrix matrix_of(const moveit_messages::AllowedCollisi
   srmp::io::AllowedCollisionMatrix matrix;
   matrix.names = {message.entry_names.begin(), message.entry_names.end()};
   for (const auto& row : message.entry_values) matrix.entries.emplace_back(row.enabled.begin(), row.enabled.end());
+  if (message.default_entry_names.size() != message.default_entry_values.size())
+    throw Refusal(Code::invalid_object_name,
+                  "the allowed collision matrix has " + std::to_string(message.default_entry_names.size()) +
+                      " default_entry_names, but " + std::to_string(message.default_entry_values.size()) +
+                      " default_entry_values");
   for (std::size_t i = 0; i < message.default_entry_names.size(); ++i)
-    matrix.defaults[message.default_entry_names[i]] = message.default_entry_values.at(i);
+    matrix.defaults[message.default_entry_names[i]] = message.default_entry_values[i];
   return matrix;
 }
 
@@ -137,7 +168,7 @@ void add_octomap(const planning_scene::PlanningScene& scene, srmp::io::SceneFile
   }
 }
 
-srmp::io::GoalAlternative goal_of(const Library& library, const moveit_messages::Constraints& message) {
+srmp::io::GoalAlternative constraints_of(const Library& library, const moveit_messages::Constraints& message) {
   srmp::io::GoalAlternative goal;
   goal.name = message.name;
   goal.visibilities = message.visibility_constraints.size();
@@ -237,8 +268,11 @@ srmp::io::RequestFile request_of(const Library& library, const moveit_messages::
   request.start_state = state_of(library, start);
   const auto& box = message.workspace_parameters;
   request.workspace = {box.header.frame_id, vector_of(box.min_corner), vector_of(box.max_corner)};
-  for (const auto& goal : message.goal_constraints) request.goals.push_back(goal_of(library, goal));
-  request.path_constraints = goal_of(library, message.path_constraints);
+  refused_with(Code::invalid_goal_constraints, Code::invalid_goal_constraints, [&] {
+    for (const auto& goal : message.goal_constraints) request.goals.push_back(constraints_of(library, goal));
+  });
+  refused_with(Code::planning_failed, Code::planning_failed,
+               [&] { request.path_constraints = constraints_of(library, message.path_constraints); });
   request.trajectory_constraints = message.trajectory_constraints.constraints.size();
   request.reference_trajectories = message.reference_trajectories.size();
   request.max_cartesian_speed = message.max_cartesian_speed;

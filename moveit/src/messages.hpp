@@ -1,12 +1,19 @@
 #pragma once
 
+#include <stdexcept>
+
 #include "library.hpp"
 #include "ros_version.hpp"
 
 namespace srmp_moveit {
 
-// ROS messages as the library's plain structures. What a message says and the structure cannot hold is refused with
-// srmp::NotSupported, what is wrong with srmp::InvalidArgument; the session checks all else.
+/// What of a message is wrong, or cannot be held by the library's structures; the session checks all else.
+struct Refusal : std::runtime_error {
+  Refusal(srmp::MoveItErrorCode code, const std::string& sentence) : std::runtime_error(sentence), code(code) {}
+  srmp::MoveItErrorCode code;
+};
+
+// ROS messages as the library's plain structures. Throw Refusal.
 
 /// MoveIt's robot model, with its limits, and the texts that it was made of.
 srmp::MoveItRobot robot_of(const moveit::core::RobotModel& model, const std::string& urdf_text,

@@ -56,12 +56,9 @@ class PlanningContext : public planning_interface::PlanningContext {
       start_ = getPlanningScene()->getCurrentStateUpdated(getMotionPlanRequest().start_state);
       response = library_->solve(scene_of(*library_, *getPlanningScene()),
                                  request_of(*library_, getMotionPlanRequest(), *getPlanningScene()), stop_);
-    } catch (const srmp::NotSupported& error) {
-      response.code = srmp::MoveItErrorCode::collision_checking_unavailable;
-      response.message = error.what();
-    } catch (const srmp::Error& error) {
-      response.code = srmp::MoveItErrorCode::invalid_goal_constraints;
-      response.message = error.what();
+    } catch (const Refusal& refusal) {
+      response.code = refusal.code;
+      response.message = refusal.what();
     }
     if (response.code != srmp::MoveItErrorCode::success)
       log_warning(library_->name_of(response.code) + ": " + response.message);
@@ -117,7 +114,6 @@ class PlannerManager : public planning_interface::PlannerManager {
   bool canServiceRequest(const planning_interface::MotionPlanRequest& request) const override {
     const auto& path = request.path_constraints;
     return model_->hasJointModelGroup(request.group_name) && path.joint_constraints.empty() &&
-           path.position_constraints.empty() && path.orientation_constraints.empty() &&
            path.visibility_constraints.empty() && request.trajectory_constraints.constraints.empty();
   }
 

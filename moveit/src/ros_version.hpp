@@ -1,7 +1,8 @@
 #pragma once
 
 // All that differs between MoveIt 1 (Noetic), MoveIt 2 Humble, and MoveIt 2 Jazzy and later. CMake defines
-// SRMP_ROS_VERSION (1 or 2) and, for MoveIt 2.11 and later, SRMP_MOVEIT_RESPONSE_WITHOUT_UNDERSCORES.
+// SRMP_ROS_VERSION (1 or 2); from MoveIt 2.7.1 on SRMP_MOVEIT_RESPONSE_WITHOUT_UNDERSCORES (moveit2#1939), and
+// from 2.9.0 on SRMP_MOVEIT_SOLVE_RETURNS_VOID (moveit2#2429). Headers end with .hpp from 2.12.0 on.
 
 #include <map>
 #include <string>
@@ -52,9 +53,15 @@ namespace sensor_messages = sensor_msgs::msg;
 
 // --- responses
 
-#ifdef SRMP_MOVEIT_RESPONSE_WITHOUT_UNDERSCORES
+#ifdef SRMP_MOVEIT_SOLVE_RETURNS_VOID
 using SolveResult = void;
 inline void result_of_solve(bool) {}
+#else
+using SolveResult = bool;
+inline bool result_of_solve(bool solved) { return solved; }
+#endif
+
+#ifdef SRMP_MOVEIT_RESPONSE_WITHOUT_UNDERSCORES
 template <class Response>
 auto& trajectory_of(Response& response) {
   return response.trajectory;
@@ -76,8 +83,6 @@ auto& processing_times_of(Response& response) {
   return response.processing_time;
 }
 #else
-using SolveResult = bool;
-inline bool result_of_solve(bool solved) { return solved; }
 template <class Response>
 auto& trajectory_of(Response& response) {
   return response.trajectory_;

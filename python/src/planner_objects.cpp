@@ -233,6 +233,15 @@ void bind_moveit_problem(nb::module_& m) {
 given, and planner_id where it is an id of this library.)")
       .def_ro("ignored_joints", &MoveItProblem::ignored_joints,
               "Joints named by the start state, but not movable joints of this robot.")
+      .def_ro("constraints", &MoveItProblem::constraints,
+              "PathConstraint objects, for plan: the request's path_constraints.")
+      .def_prop_ro(
+          "start_velocity",
+          [](const MoveItProblem& problem) -> std::optional<NumpyArray> {
+            if (problem.start_velocity.size() == 0) return std::nullopt;
+            return to_numpy(problem.start_velocity);
+          },
+          "With which the motion begins, for plan: (dof,) [rad/s or m/s]; None: at rest.")
       .def("__repr__", [](const MoveItProblem& problem) {
         const std::size_t goals = problem.goals.size();
         return "MoveItProblem(" + std::to_string(goals) + (goals == 1 ? " goal)" : " goals)");

@@ -87,6 +87,13 @@ def mbm(
     type=click.Path(exists=True, file_okay=False),
     help="Directory with MotionBenchMaker's robots; default: those of example-robot-data.",
 )
+@click.option(
+    "--geometry",
+    type=click.Choice(["urdf", "spheres"]),
+    default="urdf",
+    show_default=True,
+    help="Of the robots; spheres are those of MotionBenchMaker's spherized URDFs (--data).",
+)
 @execution_options
 @_OUT
 def multi(
@@ -98,6 +105,7 @@ def multi(
     time_limit: float,
     seed: int,
     data: str | None,
+    geometry: str,
     workers: int | None,
     ray: str | None,
     out: str | None,
@@ -118,6 +126,7 @@ def multi(
             time_limit=time_limit,
             seed=seed,
             data=data,
+            geometry=geometry,
             execution=execution,
             progress=_progress_bar,
             steps=steps,

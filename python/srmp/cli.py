@@ -190,7 +190,13 @@ def plan(
     chosen_options = {"planner_id": planner, "time_limit": time_limit} | problem.options
     world.make_planner(["robot"], chosen_options | _given("planner", "time_limit") | parse_key_values(options))
     try:
-        trajectory = world.plan("robot", problem.start, problem.goals)
+        trajectory = world.plan(
+            "robot",
+            problem.start,
+            problem.goals,
+            constraints=problem.constraints,
+            start_velocity=problem.start_velocity,
+        )
     except srmp.PlanningError:
         write_json(output, plan_result(world.get_planning_stats(), world.get_joint_names("robot"), None))
         if save:

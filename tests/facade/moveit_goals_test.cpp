@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "support/data.hpp"
+
 using namespace srmp;
 
 namespace {
@@ -60,7 +62,59 @@ Eigen::Matrix3d accepted_rotation(const Eigen::Vector3d& tolerance, Draw& draw) 
   return Eigen::AngleAxisd(angle, tilt / angle).toRotationMatrix() * turned;
 }
 
+/// A rotation of the link from the target of a path constraint that keeps it: at its edge, or anywhere in it.
+Eigen::Matrix3d kept_rotation(const PathConstraint& constraint, Draw& draw) {
+  const double part = draw.between(0, 1) < 0.5 ? 1.0 : draw.between(0, 1);
+  const Eigen::Vector3d any = Eigen::Vector3d(draw.between(-1, 1), draw.between(-1, 1), draw.between(-1, 1));
+  if (constraint.type == PathConstraintType::cone) {  // the axis tilted from the direction, and turned about it
+    const Eigen::Vector3d direction = constraint.target.q * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d tilted =
+        Eigen::AngleAxisd(part * constraint.tolerance, direction.cross(any).normalized()) * direction;
+    return Eigen::AngleAxisd(draw.between(-3.1, 3.1), tilted) *
+           Eigen::Quaterniond::FromTwoVectors(constraint.axis, tilted).toRotationMatrix();
+  }
+  Eigen::Vector3d turn = any;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const double most = constraint.rotation_tolerance.axes[axis];
+    turn[axis] *= std::isinf(most) ? 3.0 : most * (part == 1.0 ? 1.0 / std::abs(any[axis]) : 1.0);
+  }
+  if (turn.norm() > 3.1) turn *= 3.1 / turn.norm();
+  return constraint.target.q.toRotationMatrix() * Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+}
+
 }  // namespace
+
+BOOST_AUTO_TEST_CASE(what_keeps_a_path_constraint_keeps_that_of_moveit) {
+  Scene scene;
+  const auto model = RobotModel::load(arm7());
+  scene.add_robot(model);
+  const io::FrameLookup frames(scene, {}, model->name());
+  Draw draw;
+  std::map<PathConstraintType, int> seen;
+  for (int i = 0; i < 2000; ++i) {
+    io::RequestFile request;
+    io::OrientationConstraint constraint;
+    constraint.link = i % 5 == 0 ? "arm7_elbow" : "arm7_hand";
+    constraint.frame = i % 7 == 0 ? "arm7_shoulder" : "";
+    constraint.rotation_vector = i % 2 == 0;
+    constraint.orientation = i % 3 == 0 ? draw.rotation() : draw.quarter_turns();
+    for (double& tolerance : constraint.tolerance)
+      tolerance = draw.between(0, 1) < 0.4 ? draw.between(3.0, 7.0) : std::pow(10.0, draw.between(-4, 0.3));
+    if (allows_all(constraint)) continue;
+    request.path_constraints.orientations = {constraint};
+    const PathConstraint kept = moveit_path_constraints(request, scene, frames, model->name()).at(0);
+    kept.validate();
+    ++seen[kept.type];
+    BOOST_REQUIRE(kept.link == constraint.link);
+    for (int k = 0; k < 20; ++k) {
+      const Eigen::Matrix3d difference =
+          constraint.orientation.toRotationMatrix().transpose() * kept_rotation(kept, draw);
+      BOOST_REQUIRE_MESSAGE(moveit_accepts(constraint, difference), "tolerances " << constraint.tolerance.transpose());
+    }
+  }
+  BOOST_TEST(seen[PathConstraintType::cone] > 100);
+  BOOST_TEST(seen[PathConstraintType::orientation] > 100);
+}
 
 BOOST_AUTO_TEST_CASE(a_box_within_a_turned_box) {
   Draw draw;

@@ -246,7 +246,7 @@ BOOST_AUTO_TEST_CASE(unsupported_parts_of_requests_are_refused) {
                                 "a cone is not supported");
   request_refused<NotSupported>("joint_constraints: [], position",
                                 "joint_constraints: [{joint_name: a, position: 0}], position",
-                                "path_constraints are not supported");
+                                "joint_constraints in path_constraints are not supported");
   request_refused<NotSupported>("num_planning_attempts: 1", "trajectory_constraints: {constraints: [{}]}",
                                 "trajectory_constraints are not supported");
   request_refused<NotSupported>("num_planning_attempts: 1", "max_cartesian_speed: 0.5",

@@ -184,8 +184,8 @@ def test_broken_files_are_refused(content, message, write, data):
 def test_invalid_requests_are_refused(write, data, monkeypatch):
     with pytest.raises(srmp.InvalidArgument, match="did you mean 'binpick'"):
         scenarios.find("binpik", data=data)
-    with pytest.raises(srmp.InvalidArgument, match="robots 65: 'grid' takes 2 to 64"):
-        scenarios.find("grid", 65, data=data)
+    with pytest.raises(srmp.InvalidArgument, match="robots 129: 'grid' takes 2 to 128"):
+        scenarios.find("grid", 129, data=data)
     with pytest.raises(srmp.InvalidArgument, match="robots 5: 'binpick' takes 1 to 4"):
         scenarios.find("binpick", 5, data=data)
     with pytest.raises(srmp.InvalidArgument, match=r"robots 3: .* has 2"):
@@ -199,6 +199,17 @@ def test_invalid_requests_are_refused(write, data, monkeypatch):
     monkeypatch.setattr(scenes, "example_robot_data", lambda: None)
     with pytest.raises(srmp.FileError, match="pip install example-robot-data"):
         scenarios.find("grid")
+    with pytest.raises(srmp.InvalidArgument, match="geometry 'spheres': only MotionBenchMaker's robots have it"):
+        scenarios.find("grid", geometry="spheres")
+
+
+def test_robots_of_spheres(mbm_dir):
+    result = multi.run("grid", 2, problems="1", planner_id="auto", data=str(mbm_dir), geometry="spheres")
+    assert [row["status"] for row in result["rows"]] == ["solved"]
+    assert result["header"]["options"]["geometry"] == "spheres"
+    assert result["header"]["scenario"]["robots"]["panda_0"]["urdf"].name == "panda_spherized.urdf"
+    with pytest.raises(srmp.InvalidArgument, match="neither 'urdf' nor 'spheres'"):
+        multi.run("grid", 2, data=str(mbm_dir), geometry="balls")
 
 
 def test_the_command_line_refuses_too(tmp_path):

@@ -1,7 +1,9 @@
 """Data sets: the same bytes however they are made, whole files or none, one sentence for everything that is wrong."""
 
 import contextlib
+import ctypes
 import dataclasses
+import gc
 import json
 import os
 import random
@@ -71,6 +73,69 @@ def test_same_bytes_by_processes(made, tmp_path, workers):
     assert files_of(tmp_path / "set") == files_of(made.directory)
 
 
+ALL_KINDS = [
+    {"kind": kind, "scale": 0.9, **({} if kind == "cage" else {"meshes": 1})}
+    for kind in ("table", "shelf", "bin", "cage", "clutter")
+]
+LESS_CAPABLE = {
+    "portable": {"SRMP_SIMD": "portable"},
+    "AVX2": {"SRMP_SIMD": "avx2"},
+    "AVX-512": {"SRMP_SIMD": "avx512"},
+    "NumPy without": {"NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F"},
+    "Arrow without": {"ARROW_USER_SIMD_LEVEL": "NONE"},
+    "libraries without AVX-512": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW"},
+    "libraries without FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW,-AVX2,-FMA,-FMA4"},
+}
+"""What the environment can take away from this processor: the library's own kernels, and those of what it uses."""
+MADE_ELSEWHERE = """
+import json, sys
+from srmp import datasets
+from srmp.datasets.schema import math_version
+made = datasets.generate(json.loads(sys.argv[1]), sys.argv[2], workers=1)
+print(made.sha256, made.solved, math_version())
+"""
+
+
+@pytest.fixture(scope="module")
+def made_with(tmp_path_factory):
+    """Hash, motions and math of a small data set of every kind of scene, by a process with these variables."""
+
+    def make(variables):
+        arguments = [json.dumps(spec_of(count=10, scenes=ALL_KINDS)), str(tmp_path_factory.mktemp("set") / "set")]
+        command = [sys.executable, "-c", MADE_ELSEWHERE, *arguments]
+        done = subprocess.run(command, env={**os.environ, **variables}, capture_output=True, text=True)
+        if "which this CPU does not have" in done.stderr:
+            pytest.skip("this processor does not have these instructions")
+        assert done.returncode == 0, done.stderr
+        return done.stdout.split()
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def made_by_default(made_with):
+    return made_with({})
+
+
+@pytest.mark.parametrize("variables", LESS_CAPABLE.values(), ids=LESS_CAPABLE)
+def test_same_bytes_on_every_instruction_set(made_with, made_by_default, variables):
+    """Or other versions: where the C library has other last bits, the version of its math says so."""
+    made = made_with(variables)
+    assert int(made[1]) >= 8
+    assert (made[0] == made_by_default[0]) == (made[2] == made_by_default[2])
+    if "GLIBC_TUNABLES" not in variables:
+        assert made == made_by_default
+
+
+def test_workers_of_other_versions_are_refused():
+    from srmp.datasets.schema import versions
+    from srmp.datasets.workers import require_same_versions
+
+    require_same_versions(versions())
+    with pytest.raises(srmp.Error, match=r"other versions than the driver: numpy \S+ \(1\.0\); all must have the same"):
+        require_same_versions({**versions(), "numpy": "1.0"})
+
+
 def test_a_record_does_not_depend_on_those_before(made):
     dataset = datasets.open(made.directory)
     recorder = Recorder(dataset.spec, made.directory)
@@ -93,6 +158,33 @@ def test_another_place_and_another_seed(made, tmp_path):
     assert Spec.from_dict(json.loads(json.dumps(spec.to_dict())), spec.files).identity == spec.identity
     a, b = (random_numbers(spec.identity, index).random(4) for index in (3, 4))
     assert not np.any(a == b)
+
+
+class _Allocated(ctypes.Structure):
+    """struct mallinfo2 of glibc."""
+
+    names = ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks", "keepcost")
+    _fields_ = [(name, ctypes.c_size_t) for name in names]
+
+
+def allocated_bytes():
+    """What this process has allocated; not what the allocator keeps."""
+    gc.collect()
+    ask = getattr(ctypes.CDLL(None), "mallinfo2", None) or pytest.skip("needs mallinfo2 (glibc 2.33)")
+    ask.restype = _Allocated
+    found = ask()
+    return found.uordblks + found.hblkhd
+
+
+def test_a_worker_does_not_grow_with_its_records(made):
+    """After the same record, so that the scene that is there is the same too."""
+    recorder = Recorder(read_spec(spec_of(count=1000, per_shard=60, scenes=ALL_KINDS)), made.directory)
+    after = []
+    for number in range(1, 5):
+        recorder.shard(number)
+        recorder.record(0)
+        after.append(allocated_bytes())
+    assert after[-1] - min(after[:2]) < 20_000  # of 120 records and more; a scene has some 100 000
 
 
 # --- the clock
@@ -354,12 +446,18 @@ def test_a_directory_that_cannot_be_written(tmp_path):
             generate(spec_of(), place, workers=1)
 
 
-def test_directories_of_others_are_left_alone(made, tmp_path):
+def test_directories_of_others_are_left_alone(made, tmp_path, monkeypatch):
+    from srmp.datasets.schema import versions
+
     before = files_of(made.directory)
     with pytest.raises(srmp.FileError, match=r"another spec \(different: seed\)"):
         generate(spec_of(seed=5), made.directory, workers=1)
     with pytest.raises(srmp.FileError, match="more than the 1 shards"):
         generate(spec_of(count=2), made.directory, workers=1)
+    monkeypatch.setattr("srmp.datasets.store.versions", lambda: {**versions(), "math": "0"})
+    with pytest.raises(srmp.FileError, match=r'made by other versions \(.*"math": "\w{8}".*choose another directory'):
+        generate(spec_of(), made.directory, workers=1)
+    monkeypatch.undo()
     assert files_of(made.directory) == before
     (tmp_path / "shard-000000-00000000000000000000000000000000.parquet").write_text("")
     with pytest.raises(srmp.FileError, match="holds shards but no index"):

@@ -290,13 +290,39 @@ def workspace(world):
     world.refused("min_corner", workspace_parameters=corners | {"min_corner": [2, 0, 0]})
 
 
-@requests("path_constraints", "trajectory_constraints", "reference_trajectories")
+@requests("path_constraints")
 def constraints_of_the_path(world):
+    hand = world.hand()
+    turned = world.ready + 0.8 * np.eye(7)[0]
+    upright = orientation(*hand.q, tolerance=(0.1, 0.1, 7))
+    low = position(*hand.p, shape=("box", [2, 2, 0.1]))
+    world.planner.set_qpos("arm", world.ready)
+    problem = world.apply(joint_goal(world, turned), path_constraints=place(upright, low))
+    assert [constraint.type for constraint in problem.constraints] == ["box", "cone"]
+    motion = world.planner.plan("arm", problem.start, problem.goals, constraints=problem.constraints)
+    for q in motion.positions:
+        here = world.hand(q)
+        assert abs(here.p[2] - hand.p[2]) <= 0.05
+        assert np.arccos(np.clip(here.matrix()[:3, 2] @ hand.matrix()[:3, 2], -1, 1)) <= 0.1
+    assert world.apply(path_constraints=place()).constraints == []
+    ball = position(0.1, 0.2, 0.3, shape=("sphere", [0.4]), frame="arm7_base", link="arm7_elbow")
+    (kept,) = world.apply(path_constraints=place(ball)).constraints
+    assert (kept.type, kept.link) == ("distance", "arm7_elbow")
+    world.refused("is for 'arm7_hnad'", path_constraints=place(orientation(link="arm7_hnad")))
+    world.refused("'moon'", path_constraints=place(orientation(frame="moon")))
+    world.refused("joint_constraints in path_constraints", path_constraints=joint_goal(world, world.ready))
+    world.refused("is a cylinder", path_constraints=place(position(0, 0, 0, shape=("cylinder", [1, 1]))))
+    several = {"primitives": [{"type": "sphere", "dimensions": [1]}] * 2, "primitive_poses": [{}, {}]}
+    world.refused("several primitives", path_constraints=place(position(region=several)))
+    world.refused("visibility_constraints", path_constraints={"visibility_constraints": [{}]})
+
+
+@requests("trajectory_constraints", "reference_trajectories")
+def references(world):
     empty = {"name": "", "joint_constraints": []}
     assert world.apply(
         path_constraints=empty, trajectory_constraints={"constraints": []}, reference_trajectories=[]
     ).goals
-    world.refused("path_constraints", path_constraints=place(orientation()))
     world.refused("trajectory_constraints", trajectory_constraints={"constraints": [place(orientation())]})
     world.refused("reference_trajectories", reference_trajectories=[{"header": {}}])
 
@@ -326,8 +352,12 @@ def joint_state(world):
 @starts("joint_state.velocity")
 def velocity(world):
     state = {"name": ["arm7_joint1"], "position": [0.2]}
-    assert world.apply(start_state={"joint_state": state | {"velocity": [0.003]}}).goals
-    world.refused("at rest", start_state={"joint_state": state | {"velocity": [0.3]}})
+    assert world.apply(start_state={"joint_state": state | {"velocity": [0.003]}}).start_velocity is None
+    problem = world.apply(start_state={"joint_state": state | {"velocity": [0.3]}})
+    assert problem.start_velocity.tolist() == [0.3, 0, 0, 0, 0, 0, 0]
+    motion = world.planner.plan("arm", problem.start, problem.goals, start_velocity=problem.start_velocity)
+    assert motion.velocities[0].tolist() == problem.start_velocity.tolist()
+    world.refused("names 1 joints, but has 2 velocities", start_state={"joint_state": state | {"velocity": [1, 1]}})
 
 
 @starts(*(f"multi_dof_joint_state.{f}" for f in ("header", "joint_names", "transforms", "twist", "wrench")))

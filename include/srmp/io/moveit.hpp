@@ -50,7 +50,8 @@ struct AttachedObject {
 /// A state of the robot: joints, and the objects attached to it.
 struct RobotState {
   std::map<std::string, double> joints;          ///< joint → [rad or m]
-  double speed{};                                ///< largest of its velocities and twists [rad/s or m/s]
+  std::map<std::string, double> velocities;      ///< joint → [rad/s or m/s]; of a request's start only
+  double speed{};                                ///< largest of the twists of multi_dof_joints [rad/s or m/s]
   std::map<std::string, Pose> multi_dof_joints;  ///< floating and planar joints, such as SRDF virtual joints
   std::string multi_dof_frame;                   ///< of multi_dof_joints; "" = the planning frame
   std::vector<AttachedObject> attached;          ///< attached objects
@@ -145,8 +146,9 @@ struct RequestFile {
   double acceleration_scaling{1.0};             ///< in (0, 1]; MoveIt's 0 means 1
   std::optional<WorkspaceBounds> workspace;     ///< bounds of the workspace, if the file has them
   int attempts{};                               ///< num_planning_attempts, >= 0; planners are deterministic: no effect
+  /// Must hold all the way: positions in one box or sphere each, and orientations. Other constraints are not supported.
+  GoalAlternative path_constraints{};
   // What follows is not supported; the readers refuse files that hold it.
-  GoalAlternative path_constraints{};    ///< must hold all the way
   std::size_t trajectory_constraints{};  ///< their number
   std::size_t reference_trajectories{};  ///< their number
   double max_cartesian_speed{};          ///< [m/s]; 0 = not limited
@@ -159,7 +161,7 @@ Shape solid_primitive(int type, const std::vector<double>& dimensions);
 
 /// Both throw FileError, with file and line, for anything missing, misspelt (with the nearest known key), NaN, zero
 /// quaternions (they are [x, y, z, w], or a map), sizes not above 0, or numbers that do not match; and NotSupported for
-/// what is valid but not supported (planes, octomaps, scaled links; path constraints, …). docs/moveit.md says of every
+/// what is valid but not supported (planes, octomaps, scaled links, …). docs/moveit.md says of every
 /// field what it means here.
 SceneFile read_moveit_scene(const std::string& path);
 /// As read_moveit_scene.
@@ -179,13 +181,15 @@ std::vector<std::string> apply(const SceneFile& file, Scene& scene, const Pose& 
 /// A start state as the scene has it after apply_start.
 struct StartState {
   Eigen::VectorXd q;                       ///< (dof,) [rad or m]: planned joints; those left out are at their set_qpos
+  Eigen::VectorXd velocity;                ///< (dof,) [rad/s or m/s] of the planned joints; empty: at rest
   std::vector<std::string> unused_joints;  ///< named in the file, but not movable joints of this robot
 };
 
 /// Sets the start state of a request in the scene: the robot's base (by the position of its virtual joint), its joints
 /// that are not planned, and the objects attached to it; the planned joints are returned. Throws as apply(), for joints
 /// that look misspelt (nearly the name of one that the file leaves out), and NotSupported when the robot holds an
-/// object that the state, which is not a diff, leaves out; it then changes nothing.
+/// object that the state, which is not a diff, leaves out, and when joints move that are not planned; it then changes
+/// nothing.
 StartState apply_start(const RequestFile& file, Scene& scene, const std::string& robot,
                        const Pose& planning_frame = {});
 

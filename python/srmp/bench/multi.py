@@ -126,6 +126,7 @@ def run(
     time_limit: float = 20.0,
     seed: int = 0,
     data: str | Path | None = None,
+    geometry: str = "urdf",
     execution: Execution | None = None,
     progress: Progress[Numbered] | None = None,
     steps: Steps | None = None,
@@ -136,7 +137,7 @@ def run(
     finished.
     """
     execution = execution or Execution()
-    found = find(scenario, robots, seed, data)
+    found = find(scenario, robots, seed, data, geometry)
     settings = (planner_id, options or {}, time_limit)
     chosen = _choose(found, problems)
     runner = Runner(found, *settings, steps)
@@ -149,10 +150,11 @@ def run(
         "time_limit": time_limit,
         "seed": seed,
         "data": data,
+        "geometry": geometry,
     }
     rows, complete = run_rows(
         chosen,
-        functools.partial(_make_runner, (scenario, robots, seed, data), settings),
+        functools.partial(_make_runner, (scenario, robots, seed, data, geometry), settings),
         request=mbm.journal_request("several robots", described),
         solver=runner,
         execution=execution,

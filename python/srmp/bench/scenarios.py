@@ -51,11 +51,11 @@ class FileScenario:
 
     endless = False
 
-    def __init__(self, path: str | Path, data: str | Path | None = None) -> None:
+    def __init__(self, path: str | Path, data: str | Path | None = None, geometry: str = "urdf") -> None:
         self._path = Path(path)
         content = self._read()
         self.name = str(content.get("name", self._path.stem))
-        panda = find_model("panda", data)
+        panda = find_model("panda", data, geometry)
         try:
             self._load(content, panda)
         except (KeyError, TypeError, ValueError, IndexError) as error:
@@ -168,8 +168,9 @@ class GeneratedScenario:
         seed: int = 0,
         data: str | Path | None = None,
         repetitions: int | None = None,
+        geometry: str = "urdf",
     ) -> None:
-        """repetitions: of each base problem, instead of those of its kind."""
+        """repetitions: of each base problem, instead of those of its kind. geometry: as in find_model."""
         kind = KINDS[name]
         robots = kind.robots if robots is None else robots
         if robots not in kind.allowed:
@@ -181,7 +182,7 @@ class GeneratedScenario:
         self.numbers = range(1, kind.problems + 1)
         self._repetitions, self._seed = repetitions or kind.repetitions, seed
         names = (tuple(MODELS) if data is None else OF_DATA) if kind.mixed else ("panda",)
-        models = {model: find_model(model, data) for model in names[:robots]}
+        models = {model: find_model(model, data, geometry) for model in names[:robots]}
         layout = kind.make([Robot(f"{n}_{k}", models[n]) for k, n in zip(range(robots), itertools.cycle(names))])
         self.world, self._targets = layout.world, layout.targets
         self._base = functools.lru_cache(maxsize=1)(self._draw)
@@ -378,19 +379,25 @@ KINDS = {
     "ring": Kind(_ring, robots=4, allowed=range(2, 17)),
     "binpick": Kind(_binpick, robots=4, allowed=range(1, 5), repetitions=5, problems=75),
     "shelves": Kind(_shelves, robots=3, allowed=range(1, 5), repetitions=5, problems=75),
-    "grid": Kind(_grid, robots=8, allowed=range(2, 65)),
+    "grid": Kind(_grid, robots=8, allowed=range(2, 129)),
     "mixed": Kind(_ring, robots=4, allowed=range(2, 17), mixed=True),
 }
 
 
-def find(scenario: str, robots: int | None = None, seed: int = 0, data: str | Path | None = None) -> Scenario:
-    """The scenario of that name, or in that file."""
+def find(
+    scenario: str,
+    robots: int | None = None,
+    seed: int = 0,
+    data: str | Path | None = None,
+    geometry: str = "urdf",
+) -> Scenario:
+    """The scenario of that name, or in that file; geometry: of the robots, as in find_model."""
     if scenario in KINDS:
-        return GeneratedScenario(scenario, robots, seed, data)
+        return GeneratedScenario(scenario, robots, seed, data, geometry=geometry)
     if not Path(scenario).is_file():
         hint = did_you_mean(scenario, KINDS) or "."
         raise srmp.InvalidArgument(f"scenario '{scenario}' is neither a file nor one of {', '.join(KINDS)}{hint}")
-    found = FileScenario(scenario, data)
+    found = FileScenario(scenario, data, geometry)
     if robots not in (None, len(found.world.robots)):
         raise srmp.InvalidArgument(f"robots {robots}: {scenario} has {len(found.world.robots)}.")
     return found

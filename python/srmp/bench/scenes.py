@@ -235,10 +235,17 @@ OF_DATA = ("panda", "ur5")
 """Those that MotionBenchMaker's directory has too."""
 
 
-def find_model(name: str, data: str | Path | None) -> Model:
-    """The robot of MotionBenchMaker's directory `data`, else that of example-robot-data."""
+def find_model(name: str, data: str | Path | None, geometry: str = "urdf") -> Model:
+    """The robot of MotionBenchMaker's directory `data`, else that of example-robot-data.
+
+    geometry: "urdf", or "spheres" for MotionBenchMaker's spherized robot.
+    """
+    if geometry != "urdf" and data is None:
+        raise srmp.InvalidArgument(
+            f"geometry '{geometry}': only MotionBenchMaker's robots have it; say where they are (--data)."
+        )
     if data is not None:
-        files = robot_files(data, name, "urdf")
+        files = robot_files(data, name, geometry)
         return dataclasses.replace(
             MODELS[name],
             urdf=files.urdf,

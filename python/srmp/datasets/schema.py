@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import importlib.metadata
 import io
 import json
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -98,10 +100,25 @@ def schema() -> Any:
 @functools.cache
 def versions() -> dict[str, str]:
     """The versions that decide the bytes of records, and of the files that hold them."""
-    found = {"schema": str(SCHEMA_VERSION), "srmp": srmp.__version__}
+    found = {"schema": str(SCHEMA_VERSION), "srmp": srmp.__version__, "math": math_version()}
     for name in ("numpy", "pyarrow", "libpinocchio", "libcoal"):
         found[name] = importlib.metadata.version(name)
     return found
+
+
+def math_version() -> str:
+    """What the C library makes of sines, powers and the like, as a hash.
+
+    Their last bits are not the same everywhere: they depend on the C library and on whether the processor has fused
+    multiply-add, and motions depend on them.
+    """
+    functions = (math.sin, math.cos, math.tan, math.asin, math.acos, math.atan, math.exp, math.log)
+    digest = hashlib.sha256()
+    for k in range(1, 4001):
+        x = k / 4001
+        values = [function(x) for function in functions] + [math.sin(9 * x), math.cos(9 * x)]
+        digest.update(" ".join(value.hex() for value in [*values, math.atan2(x, 1 - x), x**2.4]).encode())
+    return digest.hexdigest()[:8]
 
 
 def versions_text() -> str:

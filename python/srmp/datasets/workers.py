@@ -9,11 +9,12 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import platform
 import signal
 import tempfile
 import threading
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from typing import Any
 import srmp
 from srmp.bench.runner import connect_to_ray, ctrl_c_later
 from srmp.datasets.recorder import MadeShard, Recorder
+from srmp.datasets.schema import versions
 from srmp.datasets.spec import Spec, unpack
 
 _AHEAD = 2
@@ -149,13 +151,26 @@ def made_by_processes(spec: Spec, directory: Path, numbers: Sequence[int], worke
 class _RayWorker:
     """An actor: keeps a Recorder, and the spec's files in a directory of its own."""
 
-    def __init__(self, spec: Spec) -> None:
+    def __init__(self, spec: Spec, driver: Mapping[str, str]) -> None:
+        """driver: the versions of its process."""
+        self._driver = driver
         self._directory = tempfile.TemporaryDirectory(prefix="srmp-")
         unpack(spec.files, Path(self._directory.name))
         self._recorder = Recorder(spec, Path(self._directory.name))
 
     def make(self, number: int) -> MadeShard:
+        require_same_versions(self._driver)
         return self._recorder.shard(number)
+
+
+def require_same_versions(driver: Mapping[str, str]) -> None:
+    """Raises Error where this process, a worker, would make other bytes than the driver."""
+    own = versions()
+    if different := [f"{name} {own.get(name)} ({driver[name]})" for name in driver if driver[name] != own.get(name)]:
+        raise srmp.Error(
+            f"a worker on {platform.node()} has other versions than the driver: {', '.join(different)}; "
+            "all must have the same, so that records are the same whoever makes them."
+        )
 
 
 def made_by_ray(spec: Spec, numbers: Sequence[int], address: str, workers: int | None) -> Iterator[MadeShard]:
@@ -164,7 +179,7 @@ def made_by_ray(spec: Spec, numbers: Sequence[int], address: str, workers: int |
         count = min(workers or int(ray.cluster_resources().get("CPU", 1)), len(numbers))
         shared = ray.put(spec)
         actor = ray.remote(num_cpus=1, max_restarts=-1, max_task_retries=-1)(_RayWorker)
-        yield from _from_actors(ray, [actor.remote(shared) for _ in range(count)], numbers)
+        yield from _from_actors(ray, [actor.remote(shared, versions()) for _ in range(count)], numbers)
 
 
 def _from_actors(ray: Any, actors: Sequence[Any], numbers: Sequence[int]) -> Iterator[MadeShard]:

@@ -5,8 +5,12 @@
 
 #include "srmp/io/moveit_frames.h"
 #include "srmp/planning/goal.hpp"
+#include "srmp/trajectory/path_constraint.hpp"
 
 namespace srmp {
+
+/// [rad] MoveIt's tolerance 0 is met by no number; this one stands for it.
+inline constexpr double least_rotation = 1e-4;
 
 /// The largest box, in the directions of `axes`' columns, of proportions as the shadow of the box with these half
 /// extents, that lies in it: its half extents. `axes` is a rotation; both boxes have the same centre.
@@ -27,5 +31,11 @@ bool allows_all(const io::OrientationConstraint& constraint);
 std::vector<GoalConstraint> moveit_goals(const io::RequestFile& request, const Scene& scene,
                                          const io::FrameLookup& frames, const std::string& robot,
                                          const Eigen::VectorXd& start);
+
+/// The path constraints of a request for a robot of the scene, of which `frames` knows where it starts: every motion
+/// that keeps them keeps MoveIt's. Frames that the planned joints move, move with them. Throws InvalidArgument for
+/// names that do not exist.
+std::vector<PathConstraint> moveit_path_constraints(const io::RequestFile& request, const Scene& scene,
+                                                    const io::FrameLookup& frames, const std::string& robot);
 
 }  // namespace srmp

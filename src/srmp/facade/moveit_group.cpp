@@ -6,6 +6,8 @@
 
 #include "srmp/facade/moveit_difference.hpp"
 #include "srmp/facade/moveit_goals.hpp"
+#include "srmp/io/moveit_rules.h"
+#include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/urdf_edit.hpp"
 
@@ -65,20 +67,26 @@ Code scene_code(const io::SceneFile& target, const Scene& scene, const std::stri
   return Code::invalid_object_name;
 }
 
-/// Why goals cannot be read.
-Code goal_code(const io::RequestFile& request, const io::FrameLookup& frames) {
+/// Why constraints cannot be read: the first kind of name in them that does not exist, or else `otherwise`.
+Code constraints_code(const std::vector<io::GoalAlternative>& alternatives, const io::FrameLookup& frames,
+                      Code otherwise) {
   const auto check = [&](const auto& constraints) {
     for (const auto& constraint : constraints) {
       if (!frames.find(constraint.frame)) return Code::frame_transform_failure;
       const auto link = frames.find(constraint.link);
       if (!link || link->link.empty()) return Code::invalid_link_name;
     }
-    return Code::invalid_goal_constraints;
+    return otherwise;
   };
-  for (const io::GoalAlternative& goal : request.goals)
+  for (const io::GoalAlternative& goal : alternatives)
     for (const Code code : {check(goal.positions), check(goal.orientations)})
-      if (code != Code::invalid_goal_constraints) return code;
-  return Code::invalid_goal_constraints;
+      if (code != otherwise) return code;
+  return otherwise;
+}
+
+bool holds_nothing(const io::GoalAlternative& constraints) {
+  return constraints.joints.empty() && constraints.positions.empty() && constraints.orientations.empty() &&
+         constraints.visibilities == 0;
 }
 
 /// One goal with the targets of all; plan_multi takes one for each robot.
@@ -339,11 +347,49 @@ void MoveItGroup::read_goals(const io::RequestFile& request) {
       arm.goals = moveit_goals(part, planner_.scene(), frames, arm.robot, arm.start);
       if (arms_.size() > 1) arm.goals = {one_goal(arm.goals)};
     } catch (const InvalidArgument& error) {
-      throw MoveItRefusal(goal_code(part, frames), error.what());
+      throw MoveItRefusal(constraints_code(part.goals, frames, Code::invalid_goal_constraints), error.what());
     } catch (const NotSupported& error) {
       throw MoveItRefusal(Code::invalid_goal_constraints, error.what());
     }
+    read_path_constraints(request, frames, arm);
   }
+}
+
+void MoveItGroup::read_path_constraints(const io::RequestFile& request, const io::FrameLookup& frames, Arm& arm) const {
+  arm.constraints.clear();
+  if (holds_nothing(request.path_constraints)) return;
+  if (arms_.size() > 1)
+    throw MoveItRefusal(Code::planning_failed, "path_constraints are not supported for groups of several arms");
+  try {
+    arm.constraints = moveit_path_constraints(request, planner_.scene(), frames, arm.robot);
+    place_constraints(planner_.scene(), arm.robot, arm.constraints);
+  } catch (const InvalidArgument& error) {
+    throw MoveItRefusal(constraints_code({request.path_constraints}, frames, Code::planning_failed), error.what());
+  }
+}
+
+Eigen::VectorXd MoveItGroup::start_velocity_of(const io::RequestFile& request) const {
+  return refused_with(Code::start_state_invalid, Code::start_state_invalid, "the request: ", [&] {
+    Eigen::VectorXd velocity;
+    for (const Arm& arm : arms_) {
+      velocity = io::start_velocity(request.start_state, planner_.robot(arm.robot));
+      if (arms_.size() > 1 && velocity.size())
+        throw NotSupported("starts in motion are not supported for groups of several arms");
+    }
+    return velocity;
+  });
+}
+
+Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop) {
+  const Arm& arm = arms_.front();
+  const PlanRequest wanted{.robot = arm.robot,
+                           .start = arm.start,
+                           .goals = arm.goals,
+                           .constraints = arm.constraints,
+                           .start_velocity = start_velocity_of(request)};
+  if (wanted.start_velocity.size() == 0) return planner_.plan(wanted, stop);
+  return refused_with(Code::start_state_invalid, Code::start_state_invalid,
+                      "the request: ", [&] { return planner_.plan(wanted, stop); });
 }
 
 Trajectory MoveItGroup::plan(const io::RequestFile& request, const OptionMap& options,
@@ -352,7 +398,8 @@ Trajectory MoveItGroup::plan(const io::RequestFile& request, const OptionMap& op
   Names robots;
   for (const Arm& arm : arms_) robots.push_back(arm.robot);
   planner_.make_planner(robots, options);
-  if (arms_.size() == 1) return planner_.plan(robots[0], arms_[0].start, arms_[0].goals, stop);
+  if (arms_.size() == 1) return plan_one(request, stop);
+  start_velocity_of(request);
   std::map<std::string, Eigen::VectorXd> starts;
   std::map<std::string, GoalConstraint> goals;
   for (const Arm& arm : arms_) {
@@ -369,8 +416,10 @@ MoveItErrorCode MoveItGroup::code_of(const PlanningError& error) const {
     case Status::timed_out: return Code::timed_out;
     case Status::cancelled: return Code::preempted;
     case Status::start_invalid:
-      for (const Arm& arm : arms_)
+      for (const Arm& arm : arms_) {
         if (planner_.robot(arm.robot).limit_violation(arm.start)) return Code::start_state_invalid;
+        if (breaks_path_constraints(arm, arm.start)) return Code::start_violates_path_constraints;
+      }
       return Code::start_state_in_collision;
     case Status::goal_invalid:
       for (const Arm& arm : arms_)
@@ -380,13 +429,25 @@ MoveItErrorCode MoveItGroup::code_of(const PlanningError& error) const {
   }
 }
 
-/// goal_in_collision where some configuration within limits meets a goal.
+bool MoveItGroup::breaks_path_constraints(const Arm& arm, const Eigen::VectorXd& q) const {
+  const auto placed = place_constraints(planner_.scene(), arm.robot, arm.constraints);
+  return placed && ConstraintChecker(*placed).deviation(q) > 1.0;
+}
+
+/// Why a configuration within limits that meets a goal cannot be reached.
+MoveItErrorCode MoveItGroup::goal_failure_at(const Arm& arm, const Eigen::VectorXd& q) const {
+  const bool breaks = breaks_path_constraints(arm, q) && !planner_.is_state_colliding(arm.robot, q);
+  return breaks ? Code::goal_violates_path_constraints : Code::goal_in_collision;
+}
+
+/// Of the first configuration within limits that meets a goal.
 MoveItErrorCode MoveItGroup::goal_failure(const Arm& arm) const {
   Code code = Code::goal_in_collision;
   for (const GoalConstraint& goal : arm.goals)
     for (const Eigen::VectorXd& target : goal.targets) {
       if (goal.type == GoalType::joints) {
-        code = planner_.robot(arm.robot).limit_violation(target) ? Code::goal_state_invalid : Code::goal_in_collision;
+        code =
+            planner_.robot(arm.robot).limit_violation(target) ? Code::goal_state_invalid : goal_failure_at(arm, target);
       } else {
         IkOptions options;
         options.max_solutions = 1;
@@ -395,10 +456,10 @@ MoveItErrorCode MoveItGroup::goal_failure(const Arm& arm) const {
                                          ? goal.rotation_tolerance
                                          : AxisTolerance(std::numeric_limits<double>::infinity());
         const Pose pose = goal.type == GoalType::pose ? Pose::from_list({target.data(), 7}) : Pose{target.head<3>()};
-        code = planner_.compute_ik(arm.robot, pose, arm.start, options).empty() ? Code::no_ik_solution
-                                                                                : Code::goal_in_collision;
+        const std::vector<Eigen::VectorXd> found = planner_.compute_ik(arm.robot, pose, arm.start, options);
+        code = found.empty() ? Code::no_ik_solution : goal_failure_at(arm, found.front());
       }
-      if (code == Code::goal_in_collision) return code;
+      if (code == Code::goal_in_collision || code == Code::goal_violates_path_constraints) return code;
     }
   return code;
 }

@@ -76,9 +76,10 @@ class MoveItGroup {
 
  private:
   struct Arm {
-    std::string robot;                    ///< its name in the planner
-    Eigen::VectorXd start{};              ///< of the last request
-    std::vector<GoalConstraint> goals{};  ///< of the last request
+    std::string robot;                          ///< its name in the planner
+    Eigen::VectorXd start{};                    ///< of the last request
+    std::vector<GoalConstraint> goals{};        ///< of the last request
+    std::vector<PathConstraint> constraints{};  ///< of the last request
   };
 
   void add_robot(const MoveItModel& model, RobotDescription description);
@@ -88,6 +89,11 @@ class MoveItGroup {
   Eigen::VectorXd start_of(const std::string& robot) const;
   io::RequestFile part_of(const io::RequestFile& request, const Arm& arm, const io::FrameLookup& frames) const;
   void read_goals(const io::RequestFile& request);
+  void read_path_constraints(const io::RequestFile& request, const io::FrameLookup& frames, Arm& arm) const;
+  Eigen::VectorXd start_velocity_of(const io::RequestFile& request) const;
+  Trajectory plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop);
+  bool breaks_path_constraints(const Arm& arm, const Eigen::VectorXd& q) const;
+  MoveItErrorCode goal_failure_at(const Arm& arm, const Eigen::VectorXd& q) const;
   MoveItErrorCode goal_failure(const Arm& arm) const;
 
   PlannerInterface planner_;

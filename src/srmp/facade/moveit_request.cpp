@@ -49,8 +49,14 @@ MoveItProblem moveit_problem(const io::RequestFile& request, const std::string& 
   frames.set_configuration(robot, start.q);
   if (request.workspace) frames.require(request.workspace->frame, request.path + ": the workspace");
   std::vector<GoalConstraint> goals = moveit_goals(request, changed, frames, robot, start.q);
+  std::vector<PathConstraint> constraints = moveit_path_constraints(request, changed, frames, robot);
   scene = std::move(changed);
-  return {std::move(start.q), std::move(goals), options_of(request), std::move(start.unused_joints)};
+  return {.start = std::move(start.q),
+          .goals = std::move(goals),
+          .options = options_of(request),
+          .ignored_joints = std::move(start.unused_joints),
+          .constraints = std::move(constraints),
+          .start_velocity = std::move(start.velocity)};
 }
 
 }  // namespace srmp

@@ -78,8 +78,11 @@ io::SceneFile with_start(io::SceneFile scene, const io::RobotState& start) {
 
 io::RequestFile named(io::RequestFile request) {
   if (request.path.empty()) request.path = "the request";
-  for (io::GoalAlternative& goal : request.goals)
+  const auto normalize = [](io::GoalAlternative& goal) {
     for (io::OrientationConstraint& constraint : goal.orientations) constraint.orientation.normalize();
+  };
+  std::for_each(request.goals.begin(), request.goals.end(), normalize);
+  normalize(request.path_constraints);
   return request;
 }
 
@@ -93,8 +96,10 @@ std::string_view to_string(MoveItErrorCode code) {
     case Code::timed_out: return "TIMED_OUT";
     case Code::preempted: return "PREEMPTED";
     case Code::start_state_in_collision: return "START_STATE_IN_COLLISION";
+    case Code::start_violates_path_constraints: return "START_STATE_VIOLATES_PATH_CONSTRAINTS";
     case Code::start_state_invalid: return "START_STATE_INVALID";
     case Code::goal_in_collision: return "GOAL_IN_COLLISION";
+    case Code::goal_violates_path_constraints: return "GOAL_VIOLATES_PATH_CONSTRAINTS";
     case Code::goal_state_invalid: return "GOAL_STATE_INVALID";
     case Code::invalid_group_name: return "INVALID_GROUP_NAME";
     case Code::invalid_goal_constraints: return "INVALID_GOAL_CONSTRAINTS";

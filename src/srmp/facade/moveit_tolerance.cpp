@@ -11,7 +11,6 @@ namespace srmp {
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-constexpr double kLeastRotation = 1e-4;  // [rad] MoveIt's tolerance 0 is met by no number
 constexpr double kMaxAngle = 1.0;  // [rad] of tolerances that are bounded: the angles' bounds hold well below pi/2
 
 /// A free axis of a constraint, and the axis of the end effector along it.
@@ -43,7 +42,7 @@ Eigen::Vector3d within_angles(const Eigen::Vector3d& box, const Eigen::Vector3d&
 Eigen::Vector3d limits_of(const io::OrientationConstraint& constraint) {
   Eigen::Vector3d limit = constraint.tolerance;
   for (double& axis : limit)
-    if (axis == 0.0) axis = kLeastRotation;
+    if (axis == 0.0) axis = least_rotation;
   return limit;
 }
 

@@ -3,6 +3,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/io/moveit_objects.h"
+#include "srmp/io/moveit_rules.h"
 #include "srmp/robot/joint_names.hpp"
 
 namespace srmp::io {
@@ -278,7 +279,8 @@ StartState apply_start_to(const RequestFile& file, Scene& scene, const std::stri
   FrameLookup frames(scene, planning_frame, robot);
   ObjectUpdate objects(scene, frames);
   const RobotModel& model = *scene.robot(robot).model;
-  StartState start{scene.robot(robot).q, StateUpdate(scene, frames).place_bases(file.start_state, robot)};
+  StartState start{scene.robot(robot).q, start_velocity(file.start_state, model),
+                   StateUpdate(scene, frames).place_bases(file.start_state, robot)};
   std::map<std::string, double> others;
   for (const auto& [name, position] : file.start_state.joints) {
     const auto planned = std::find(model.joint_names().begin(), model.joint_names().end(), name);

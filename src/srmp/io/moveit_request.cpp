@@ -56,12 +56,14 @@ class RequestReader : public MessageReader {
     request.planner_id = optional_text(root, "planner_id");
     request.pipeline_id = optional_text(root, "pipeline_id");
     request.start_state = robot_state(root["start_state"]);
-    require_at_rest(root["start_state"]);
+    read_velocities(root["start_state"], request.start_state);
+    require_base_at_rest(root["start_state"]);
     request.velocity_scaling = scaling(root, "max_velocity_scaling_factor");
     request.acceleration_scaling = scaling(root, "max_acceleration_scaling_factor");
     read_planning_time(root, request);
     read_workspace(root["workspace_parameters"], request);
     refuse_unsupported(root);
+    read_path_constraints(root["path_constraints"], request);
     read_goals(root, request);
     return request;
   }
@@ -78,22 +80,29 @@ class RequestReader : public MessageReader {
     return value == 0.0 ? 1.0 : value;
   }
 
-  /// A plan starts at rest. Sensors of a robot that stands report a little velocity.
-  void require_at_rest(const Node& state) const {
-    const auto fast = [&](const Node& list, const std::string& what) {
-      if (is_empty(list)) return;
-      for (const double velocity : file_.numbers(list, what))
-        if (std::abs(velocity) > rest_speed)
-          file_.unsupported(list, what + " holds " + to_text(velocity) + "; only starts at rest are supported");
-    };
-    if (is_empty(state)) return;
-    if (!is_empty(state["joint_state"])) fast(state["joint_state"]["velocity"], "the start state's velocity");
-    if (is_empty(state["multi_dof_joint_state"]) || is_empty(state["multi_dof_joint_state"]["twist"])) return;
+  /// One for each joint, or none.
+  void read_velocities(const Node& state, RobotState& start) const {
+    if (is_empty(state) || is_empty(state["joint_state"]) || is_empty(state["joint_state"]["velocity"])) return;
+    const Node list = state["joint_state"]["velocity"];
+    const std::vector<double> velocities = file_.numbers(list, "the start state's velocity");
+    const Names names = is_empty(state["joint_state"]["name"])
+                            ? Names{}
+                            : file_.texts(state["joint_state"]["name"], "the start state's joint names");
+    if (velocities.size() != names.size())
+      file_.fail(list, "the start state names " + std::to_string(names.size()) + " joints, but has " +
+                           std::to_string(velocities.size()) + " velocities");
+    for (std::size_t i = 0; i < names.size(); ++i) start.velocities[names[i]] = velocities[i];
+  }
+
+  void require_base_at_rest(const Node& state) const {
+    if (is_empty(state) || is_empty(state["multi_dof_joint_state"]) ||
+        is_empty(state["multi_dof_joint_state"]["twist"]))
+      return;
     for (const Node& twist : state["multi_dof_joint_state"]["twist"])
       for (const char* part : {"linear", "angular"}) {
         if (!twist.IsMap() || is_empty(twist[part])) continue;
         if (vector(twist[part], "a twist").norm() > rest_speed)
-          file_.unsupported(twist, "the start state's twist is not zero; only starts at rest are supported");
+          file_.unsupported(twist, "the start state's twist is not zero; bases must be at rest at the start");
       }
   }
 
@@ -116,16 +125,7 @@ class RequestReader : public MessageReader {
     request.workspace = bounds;
   }
 
-  bool holds_constraints(const Node& node) const {
-    if (is_empty(node)) return false;
-    file_.require_map(node, "constraints", constraints_keys);
-    return std::any_of(constraints_keys.begin() + 1, constraints_keys.end(),
-                       [&](const std::string& key) { return !is_empty(node[key]); });
-  }
-
   void refuse_unsupported(const Node& root) const {
-    if (holds_constraints(root["path_constraints"]))
-      file_.unsupported(root["path_constraints"], unsupported("path_constraints"));
     const Node trajectory = root["trajectory_constraints"];
     if (!is_empty(trajectory)) {
       file_.require_map(trajectory, "trajectory_constraints", Names{"constraints"});
@@ -144,8 +144,22 @@ class RequestReader : public MessageReader {
     for (const Node& goal : goals) request.goals.push_back(read_goal(goal));
   }
 
+  void read_path_constraints(const Node& node, RequestFile& request) const {
+    if (is_empty(node)) return;
+    request.path_constraints = read_constraints(node, "path_constraints");
+    if (const std::string fault = path_constraints_fault(request.path_constraints); !fault.empty())
+      file_.unsupported(node, fault);
+  }
+
   GoalAlternative read_goal(const Node& node) const {
-    file_.require_map(node, "a goal", constraints_keys);
+    GoalAlternative goal = read_constraints(node, "a goal");
+    if (goal.joints.empty() && goal.positions.empty() && goal.orientations.empty())
+      file_.fail(node, "a goal holds no constraints");
+    return goal;
+  }
+
+  GoalAlternative read_constraints(const Node& node, const std::string& what) const {
+    file_.require_map(node, what, constraints_keys);
     if (!is_empty(node["visibility_constraints"]))
       file_.unsupported(node["visibility_constraints"], unsupported("visibility_constraints"));
     GoalAlternative goal;
@@ -156,8 +170,6 @@ class RequestReader : public MessageReader {
              [&](const Node& entry) { goal.positions.push_back(position_constraint(entry)); });
     for_each(node["orientation_constraints"], "orientation_constraints",
              [&](const Node& entry) { goal.orientations.push_back(orientation_constraint(entry)); });
-    if (goal.joints.empty() && goal.positions.empty() && goal.orientations.empty())
-      file_.fail(node, "a goal holds no constraints");
     return goal;
   }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "srmp/core/error.hpp"
+#include "srmp/robot/joint_names.hpp"
 
 namespace srmp::io {
 
@@ -116,10 +117,12 @@ void require_valid(const RobotState& start) {
     require_finite_number(position, "the start state's position of joint '" + joint + "'");
   for (const auto& [joint, pose] : start.multi_dof_joints)
     require_finite_pose(pose, "the start state's transform of joint '" + joint + "'");
+  for (const auto& [joint, velocity] : start.velocities)
+    require_finite_number(velocity, "the start state's velocity of joint '" + joint + "'");
   for (const AttachedObject& attached : start.attached) require_valid(attached.object, true);
   if (!(std::abs(start.speed) <= rest_speed))
-    throw NotSupported("the start state has a velocity of " + to_text(start.speed) +
-                       "; only starts at rest are supported");
+    throw NotSupported("the start state has a twist of " + to_text(start.speed) +
+                       "; bases must be at rest at the start");
 }
 
 void require_valid(const GoalAlternative& goal) {
@@ -142,8 +145,9 @@ void require_valid(const RequestFile& request) {
   refuse_if(attempts_fault(request.attempts));
   if (request.workspace) refuse_if(workspace_fault(*request.workspace));
   const GoalAlternative& path = request.path_constraints;
-  if (!path.joints.empty() || !path.positions.empty() || !path.orientations.empty() || path.visibilities > 0)
-    throw NotSupported(unsupported("path_constraints"));
+  for (const PositionConstraint& constraint : path.positions) require_valid(constraint);
+  for (const OrientationConstraint& constraint : path.orientations) require_valid(constraint);
+  if (const std::string fault = path_constraints_fault(path); !fault.empty()) throw NotSupported(fault);
   if (request.trajectory_constraints > 0) throw NotSupported(unsupported("trajectory_constraints"));
   if (request.reference_trajectories > 0) throw NotSupported(unsupported("reference_trajectories"));
   if (request.max_cartesian_speed > 0.0) throw NotSupported(unsupported("max_cartesian_speed"));
@@ -168,6 +172,33 @@ void require_valid(const SceneFile& scene) {
     throw InvalidArgument(
         "the allowed collision matrix is not square: it must have a row and a column for each of its " +
         std::to_string(names) + " names");
+}
+
+std::string path_constraints_fault(const GoalAlternative& path) {
+  if (!path.joints.empty()) return "joint_constraints in path_constraints are not supported; narrow the joints' limits";
+  if (path.visibilities > 0) return "visibility_constraints in path_constraints are not supported";
+  for (const PositionConstraint& constraint : path.positions) {
+    if (constraint.regions.size() > 1)
+      return "several primitives in one region of path_constraints, which are alternatives, are not supported";
+    for (const PlacedShape& region : constraint.regions)
+      if (!std::holds_alternative<Box>(region.shape) && !std::holds_alternative<Sphere>(region.shape))
+        return "a region of path_constraints that is a " + shape_kind(region.shape) +
+               " is not supported; use a box or a sphere";
+  }
+  return "";
+}
+
+Eigen::VectorXd start_velocity(const RobotState& start, const RobotModel& robot) {
+  const std::vector<std::string>& planned = robot.joint_names();
+  Eigen::VectorXd velocity = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(planned.size()));
+  for (const auto& [joint, value] : start.velocities) {
+    if (const auto it = std::find(planned.begin(), planned.end(), joint); it != planned.end())
+      velocity[it - planned.begin()] = value;
+    else if (std::abs(value) > rest_speed && find_joint(robot.other_joints(), joint))
+      throw NotSupported("the start state has a velocity of " + to_text(value) + " of joint '" + joint +
+                         "', which is not planned; only planned joints may move at the start");
+  }
+  return velocity.size() && velocity.cwiseAbs().maxCoeff() > rest_speed ? velocity : Eigen::VectorXd();
 }
 
 Shape solid_primitive(int type, const std::vector<double>& dimensions) {

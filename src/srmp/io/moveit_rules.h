@@ -6,6 +6,7 @@
 #include <string>
 
 #include "srmp/io/moveit.hpp"
+#include "srmp/robot/robot_model.hpp"
 
 namespace srmp::io {
 
@@ -23,6 +24,8 @@ std::string attempts_fault(double attempts);
 std::string workspace_fault(const WorkspaceBounds& bounds);
 std::string length_fault(double quaternion_length);
 std::string padding_fault(const std::string& link, double padding);
+/// What of path constraints is not supported.
+std::string path_constraints_fault(const GoalAlternative& path);
 
 /// The sentences about what is never right.
 std::string unsupported(const std::string& field);
@@ -31,7 +34,7 @@ std::string scale_fault(const std::string& link);
 
 // Throw InvalidArgument for what is wrong and NotSupported for what is not supported.
 
-/// A start state: finite, and at rest.
+/// A start state: finite, and multi-dof joints at rest.
 void require_valid(const RobotState& start);
 /// A goal: at least one constraint, tolerances, unit quaternions, sizes.
 void require_valid(const GoalAlternative& goal);
@@ -39,5 +42,9 @@ void require_valid(const GoalAlternative& goal);
 void require_valid(const RequestFile& request);
 /// A scene but for its robot state's joints.
 void require_valid(const SceneFile& scene);
+
+/// The velocity of the planned joints [rad/s or m/s]; empty where all stand still, to rest_speed. Throws NotSupported
+/// for joints that are not planned and move.
+Eigen::VectorXd start_velocity(const RobotState& start, const RobotModel& robot);
 
 }  // namespace srmp::io

@@ -1,0 +1,328 @@
+"""Plan times and costs beside aims, in one table, and beside another installed build in pairs.
+
+    python bench/suites/speed.py --data DIR [--multi-data DIR] [--aims 1,2,3] [--problems 1-5] [--rounds 3]
+        [--baseline PYTHON] [--out speed.json]
+
+DIR holds MotionBenchMaker's robots and problems; --multi-data is a directory with panda_two_rod.json, panda_four.json
+and their robot in panda/. Aims: 1 one arm of spheres, until the path is ready; 2 exact meshes; 3 certified and timed,
+from call to return, the first plan in a changed scene, and one object moved among 100; 4 cost over time; 5 many arms.
+
+Times are CPU times of a process whose planner has one thread. Every case runs --rounds times in a process of its own;
+with --baseline, the Python of an environment that holds another build, both take turns. A problem's time is its best of
+all rounds; the last columns are the baseline's median and the median of the problems' ratios to it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import srmp
+from srmp._table import format_table
+from srmp.bench import mbm
+
+SCENARIOS = ("bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage", "table_pick", "table_under_pick")
+SPHERES = {"table_under_pick": 0.5, "cage": 1.2}  # [ms] aims for AVX2; 0.35 for the others
+ANYTIME = dict(zip(SCENARIOS, (4.23, 4.53, 4.33, 4.25, 5.87, 4.35, 4.54), strict=True))  # mean costs of AORRTC
+TIMES = (0.001, 0.01, 0.03, 0.1)  # [s] of aim 4
+PATH_ONLY = {"timing": "none", "certify": False}
+LIMIT = 20.0  # [s] of a plan
+REPEATS = 5  # of a plan in one process
+
+Measured = dict[str, dict[str, Any]]
+"""Problem: seconds (None: not solved), cost [rad] and what else a kind of case measures."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A row of the table."""
+
+    aim: int
+    name: str
+    kind: str
+    arguments: tuple[Any, ...]
+    goal: str
+
+
+def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
+    """Of the chosen aims."""
+    found = [
+        Case(1, f"{scenario}, spheres", "path", ("panda", "spheres", scenario), f"{SPHERES.get(scenario, 0.35)} ms")
+        for scenario in SCENARIOS
+    ]
+    found += [
+        Case(2, f"{scenario}, meshes", "path", ("panda", "urdf", scenario), "2 × spheres") for scenario in SCENARIOS
+    ]
+    found += [Case(2, f"{robot}, meshes", "path", (robot, "urdf", ""), goal) for robot, goal in OTHERS.items()]
+    found += [
+        Case(3, f"{scenario}, certified", "certified", ("panda", "spheres", scenario), "1 ms") for scenario in SCENARIOS
+    ]
+    found += [
+        Case(3, f"{scenario}, first plan", "first", ("panda", "urdf", scenario), "0.2 ms more")
+        for scenario in SCENARIOS
+    ]
+    found.append(Case(3, "one of 100 boxes moved", "moved", (), "0.05 ms"))
+    found += [
+        Case(4, f"{scenario}, at {1e3 * TIMES[-1]:g} ms", "anytime", ("panda", "spheres", scenario), f"cost {cost}")
+        for scenario, cost in ANYTIME.items()
+    ]
+    if multi_data:
+        files = {"two_rod": "8 ms", "four": "30 ms"}
+        found += [
+            Case(5, name, "arms", (str(Path(multi_data, f"panda_{name}.json")), None, multi_data), goal)
+            for name, goal in files.items()
+        ]
+    found += [Case(5, f"{name} of {count}", "arms", (name, count, None), goal) for name, count, goal in GENERATED]
+    return [case for case in found if case.aim in aims]
+
+
+OTHERS = {"ur5": "2 ms", "fetch": "10 ms"}
+GENERATED = (
+    ("binpick", 4, "mean 60 ms"),
+    ("shelves", 3, "mean 60 ms"),
+    ("grid", 64, "0.3 s"),
+    ("grid", 128, "1 s"),
+    ("ring", 16, "1 s"),
+)
+
+
+# --- measurements, in a process with one build ------------------------------------------------------------------------
+
+
+def cpu(call: Callable[[], Any]) -> tuple[float | None, Any]:
+    """CPU time and result; None for both where there is no plan."""
+    begin = time.process_time()
+    try:
+        result = call()
+    except srmp.PlanningError:
+        return None, None
+    return time.process_time() - begin, result
+
+
+def best(call: Callable[[], Any], repeats: int = REPEATS) -> tuple[float | None, Any]:
+    """Of the repeats after the first, which warms the caches."""
+    _, result = cpu(call)
+    if result is None:
+        return None, None
+    return min(seconds for seconds, _ in (cpu(call) for _ in range(repeats)) if seconds is not None), result
+
+
+def over_problems(
+    data: str, problems: str, robot: str, geometry: str, scenario: str, options: Mapping[str, Any], measure: Any
+) -> Measured:
+    """measure(planner, plan) for each problem."""
+    files = mbm.robot_files(data, robot, geometry)
+    runner = mbm.Runner(files, "auto", dict(options), LIMIT)
+    found: Measured = {}
+    named = (scenario,) if scenario else ()
+    with mbm.open_problems(files.directory, robot, named, mbm.parse_numbers(problems)) as chosen:
+        for problem in chosen:
+            planner, own = runner.set_up(problem)
+            found[problem.name] = measure(planner, lambda: planner.plan(robot, own.start, own.goals))  # noqa: B023
+    return found
+
+
+def cost(planner: srmp.PlannerInterface) -> float:
+    return planner.get_planning_stats()["path_cost_rad"]
+
+
+def path(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
+    def measure(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
+        seconds, _ = best(plan)
+        return {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
+
+    return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
+
+
+def certified(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
+    def measure(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
+        seconds, result = best(plan)
+        return {
+            "seconds": seconds,
+            "cost": None if seconds is None else cost(planner),
+            "proved": seconds is not None and bool(result.certificate.proved_free),
+        }
+
+    return over_problems(data, problems, robot, geometry, scenario, {}, measure)
+
+
+def first(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
+    """What the first plan in a scene costs more than a later one."""
+
+    def measure(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
+        once, _ = cpu(plan)
+        later, _ = best(plan)
+        return {"seconds": None if once is None or later is None else once - later, "cost": None}
+
+    return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
+
+
+def moved(data: str, problems: str) -> Measured:
+    """What a plan costs more when one of 100 boxes has moved since the last one."""
+    planner, random = srmp.PlannerInterface(), np.random.default_rng(0)
+    planner.add_articulation(
+        urdf_path=srmp.data_path("arm7.urdf"),
+        srdf_path=srmp.data_path("arm7.srdf"),
+        end_effector="arm7_hand",
+        name="arm",
+    )
+    for k in range(100):
+        planner.add_box(f"box{k}", [0.05] * 3, srmp.Pose(p=[*random.uniform(1.0, 2.0, 2), random.uniform(0, 1)]))
+    planner.make_planner("arm", {"planner_id": "auto", "time_limit": LIMIT, **PATH_ONLY})
+    start = np.array(planner.get_group_states("arm")["ready"])
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, start + 0.5 * np.eye(7)[0])
+    still, _ = best(lambda: planner.plan("arm", start, goal), 50)
+
+    def with_move() -> Any:
+        planner.set_object_pose("box0", srmp.Pose(p=[*random.uniform(1.0, 2.0, 2), 0.5]))
+        return planner.plan("arm", start, goal)
+
+    after, _ = best(with_move, 50)
+    return {"moved": {"seconds": None if still is None or after is None else after - still, "cost": None}}
+
+
+def anytime(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
+    """Costs at TIMES, by the planner's own clock; `seconds` is when the first path was there."""
+
+    def measure(planner: srmp.PlannerInterface, plan: Callable[[], Any]) -> dict[str, Any]:
+        _, result = cpu(plan)
+        if result is None:
+            return {"seconds": None, "cost": None}
+        known = [(each["time_s"], each["cost_rad"]) for each in planner.get_planning_stats()["solutions"]]
+        at = {f"{t:g}": min((c for s, c in known if s <= t), default=None) for t in TIMES}
+        return {"seconds": known[0][0], "cost": at[f"{TIMES[-1]:g}"], "costs": at}
+
+    options = {**PATH_ONLY, "improve_time": TIMES[-1]}
+    return over_problems(data, problems, robot, geometry, scenario, options, measure)
+
+
+def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: str | None) -> Measured:
+    from srmp.bench.scenarios import find
+
+    found = find(scenario, robots, 0, own_data or data)
+    planner = found.world.build()
+    planner.prepare()
+    names = [robot.name for robot in found.world.robots]
+    planner.make_planner(names, {"planner_id": "auto", "time_limit": LIMIT, **PATH_ONLY})
+    result: Measured = {}
+    for number in sorted(mbm.parse_numbers(problems)):
+        if number not in found.numbers:
+            continue
+        problem = found.problem(number)
+        goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, q) for name, q in problem.goals.items()}
+        seconds, _ = best(lambda: planner.plan_multi(problem.starts, goals), 1)  # noqa: B023
+        result[f"{number:04d}"] = {"seconds": seconds, "cost": None if seconds is None else cost(planner)}
+    return result
+
+
+KINDS = {function.__name__: function for function in (path, certified, first, moved, anytime, arms)}
+
+
+# --- rounds and pairs -------------------------------------------------------------------------------------------------
+
+
+def run_in_process(python: str, case: Case, data: str, problems: str) -> Measured:
+    """One round of a case by the build of this Python."""
+    task = json.dumps([case.kind, data, problems, *case.arguments])
+    command = [python, __file__, "--here", task]
+    done = subprocess.run(command, env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
+    if done.returncode:
+        raise srmp.Error(f"'{case.name}' by {python} failed: {done.stderr.strip().splitlines()[-1]}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def merge(rounds: Sequence[Measured]) -> Measured:
+    """Each problem with its best time; solved only where every round solved it."""
+    merged: Measured = {}
+    for problem, row in rounds[0].items():
+        times = [measured[problem]["seconds"] for measured in rounds]
+        merged[problem] = {**row, "seconds": None if None in times else min(times)}
+    return merged
+
+
+def run(
+    data: str, multi_data: str | None, aims: str, problems: str, rounds: int, baseline: str | None
+) -> dict[str, Any]:
+    """One row a case: what was measured by this build, and by the baseline."""
+    if not data:
+        raise srmp.InvalidArgument("data: say where MotionBenchMaker's robots and problems are.")
+    try:
+        numbers = [int(aim) for aim in aims.split(",")]
+    except ValueError:
+        numbers = [0]
+    if not all(1 <= aim <= 5 for aim in numbers):
+        raise srmp.InvalidArgument(f"aims '{aims}': they are 1 to 5, separated by commas.")
+    builds = {"own": sys.executable, **({"baseline": baseline} if baseline else {})}
+    rows = []
+    for case in cases(numbers, multi_data):
+        measured: dict[str, list[Measured]] = {build: [] for build in builds}
+        for number in range(rounds):
+            for build in builds if number % 2 else reversed(builds):  # neither is always the first
+                measured[build].append(run_in_process(builds[build], case, data, problems))
+        rows.append(
+            {"aim": case.aim, "name": case.name, "goal": case.goal} | {b: merge(r) for b, r in measured.items()}
+        )
+    options = {"aims": numbers, "problems": problems, "rounds": rounds, "baseline": baseline}
+    return {"header": mbm.header("speed", options=options), "rows": rows}
+
+
+def table(result: dict[str, Any]) -> str:
+    paired = any("baseline" in row for row in result["rows"])
+    lines = []
+    for row in result["rows"]:
+        own, other = row["own"], row.get("baseline")
+        seconds = [each["seconds"] for each in own.values() if each["seconds"] is not None]
+        costs = [each["cost"] for each in own.values() if each["cost"] is not None]
+        median, p95 = (in_ms(np.percentile(seconds, p)) if seconds else "–" for p in (50, 95))
+        cells = [str(row["aim"]), row["name"], f"{len(seconds)}/{len(own)}", median, p95]
+        cells += [f"{np.mean(costs):.2f}" if costs else "–", row["goal"]]
+        lines.append([*cells, *(pair_cells(own, other) if paired and other else [])])
+    head = ["aim", "case", "solved", "median", "95 %", "cost", "goal", *(["baseline", "ratio"] if paired else [])]
+    return format_table(head, lines)
+
+
+def in_ms(seconds: float) -> str:
+    return f"{1e3 * seconds:.2f} ms"
+
+
+def pair_cells(own: Measured, other: Measured) -> list[str]:
+    """The baseline's median, and the median ratio of the problems that both solve."""
+    pairs = [(own[p]["seconds"], other[p]["seconds"]) for p in own if p in other]
+    both = [(a, b) for a, b in pairs if a is not None and b]
+    if not both:
+        return ["–", "–"]
+    return [in_ms(float(np.median([b for _, b in both]))), f"{np.median([a / b for a, b in both]):.2f}"]
+
+
+def main() -> None:
+    if len(sys.argv) == 3 and sys.argv[1] == "--here":
+        kind, data, problems, *arguments = json.loads(sys.argv[2])
+        print(json.dumps(KINDS[kind](data, problems, *arguments)))
+        return
+    from report import run_and_report
+
+    parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
+    parser.add_argument("--data", required=True, help="the directory given to srmp bench mbm")
+    parser.add_argument(
+        "--multi-data", help="directory of panda_two_rod.json and panda_four.json; without it: left out"
+    )
+    parser.add_argument("--aims", default="1,2,3,4,5")
+    parser.add_argument("--problems", default="1-5", help="numbers in each scenario (default: %(default)s)")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--baseline", help="Python of an environment with another build")
+    run_and_report(parser, run, table)
+
+
+if __name__ == "__main__":
+    main()

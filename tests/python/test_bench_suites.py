@@ -1,0 +1,66 @@
+"""bench/suites/growth.py and speed.py in their smallest form: they run, and refuse what is wrong."""
+
+import json
+import sys
+
+import pytest
+
+import srmp
+
+
+def test_growth(suite, tmp_path):
+    growth = suite("growth")
+    result = growth.run("boxes,joints,arms,passage", 0.05, 1, tmp_path / "growth.png")
+    sizes = {(row["series"], row["size"]) for row in result["rows"]}
+    assert sizes == {("boxes", 10), ("boxes", 30), ("boxes", 100), ("boxes", 300), ("arms", 2), ("arms", 4)} | {
+        ("passage", 100),
+        ("passage", 30),
+    }
+    assert all(row["status"] == "solved" and row["plan_s"] > 0 for row in result["rows"])
+    assert set(result["exponents"]) == {"boxes", "arms", "passage"}
+    assert growth.table(result).count("\n") == len(result["rows"]) + 2
+    for name in ("growth.png", "growth.svg"):
+        assert (tmp_path / name).stat().st_size > 1000
+    with pytest.raises(srmp.InvalidArgument, match="only 'bxes': there are boxes, triangles"):
+        growth.run("bxes", 1, 1, None)
+
+
+def test_a_chain_of_joints_is_planned_for(suite):
+    growth = suite("growth")
+    assert growth.joints(10)().certificate.holds
+
+
+def test_speed_with_a_baseline_in_pairs(suite, stand_in_dir, monkeypatch):
+    speed = suite("speed")
+    monkeypatch.setattr(speed, "SCENARIOS", ("box",))
+    monkeypatch.setattr(speed, "OTHERS", {})
+    result = speed.run(str(stand_in_dir), None, "1,2", "1-2", 2, sys.executable)
+    assert [row["name"] for row in result["rows"]] == ["box, spheres", "box, meshes"]
+    for row in result["rows"]:
+        assert row["own"].keys() == row["baseline"].keys() == {"box/0001", "box/0002"}
+        assert all(own["seconds"] > 0 for own in row["own"].values())
+        assert [own["cost"] for own in row["own"].values()] == [other["cost"] for other in row["baseline"].values()]
+    assert "2/2" in speed.table(json.loads(json.dumps(result)))
+    with pytest.raises(srmp.InvalidArgument, match="aims '1,7': they are 1 to 5"):
+        speed.run(str(stand_in_dir), None, "1,7", "1", 1, None)
+    with pytest.raises(srmp.Error, match=r"'box, spheres' by .* failed: .*is not a directory"):
+        speed.run("/nowhere", None, "1", "1", 1, None)
+
+
+def test_the_other_measurements_of_speed(suite, stand_in_dir):
+    speed = suite("speed")
+    for kind in ("certified", "first"):
+        (row,) = speed.KINDS[kind](str(stand_in_dir), "1", "panda", "urdf", "box").values()
+        assert row["seconds"] is not None
+    (row,) = speed.anytime(str(stand_in_dir), "1", "panda", "urdf", "box").values()
+    assert row["cost"] == min(cost for cost in row["costs"].values() if cost is not None)
+    (row,) = speed.arms(str(stand_in_dir), "1", "grid", 2, None).values()
+    assert row["seconds"] > 0
+
+
+def test_a_problem_that_one_round_does_not_solve_counts_as_not_solved(suite):
+    speed = suite("speed")
+    solved, failed = {"a": {"seconds": 2.0, "cost": 1.0}}, {"a": {"seconds": None, "cost": None}}
+    assert speed.merge([solved, {"a": {"seconds": 1.0, "cost": 1.0}}])["a"]["seconds"] == 1.0
+    assert speed.merge([solved, failed])["a"]["seconds"] is None
+    assert speed.pair_cells(solved, failed) == ["–", "–"]
