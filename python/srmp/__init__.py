@@ -14,7 +14,7 @@ except ImportError:  # the libraries of other wheels are not beside this package
     preload()
     from srmp import _srmp
 
-from srmp._authors_words import explain_missing_methods
+from srmp._authors_words import explain_missing_names, missing_in_module
 from srmp._srmp import *  # noqa: F403
 from srmp._verify import verify as verify
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from srmp._batch_planner import BatchPlanner as BatchPlanner
     from srmp.options import *  # noqa: F403
 
-explain_missing_methods(_srmp.PlannerInterface)
-del explain_missing_methods
+explain_missing_names()
+del explain_missing_names
 
 _OPTIONS = tuple(_srmp.planner_info(planner_id).class_name for planner_id in _srmp.available_planners())
 _BATCH = ("Batch", "BatchPlanner")
@@ -54,7 +54,7 @@ def __getattr__(name: str) -> Any:
         return getattr(importlib.import_module("srmp._batch_planner"), name)
     if name == "datasets":
         return importlib.import_module("srmp.datasets")
-    raise AttributeError(f"module 'srmp' has no attribute '{name}'")
+    missing_in_module(name)
 
 
 def __dir__() -> list[str]:

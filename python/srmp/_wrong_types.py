@@ -55,7 +55,9 @@ class _Fault(NamedTuple):
 def _fault(function: str, parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[str, Any]) -> _Fault:
     positional = [parameter for parameter in parameters if not parameter.keyword_only]
     if len(args) > len(positional):
-        return _Fault(False, f" takes at most {len(positional)} arguments without a name, but got {len(args)}")
+        named = [parameter.name for parameter in parameters if parameter.keyword_only]
+        hint = f"; {_listed(named)} by name" if named else ""
+        return _Fault(False, f" takes at most {len(positional)} arguments without a name, but got {len(args)}{hint}")
     values = {parameter.name: value for parameter, value in zip(positional, args, strict=False)}
     known = [parameter.name for parameter in parameters]
     for name, value in keywords.items():

@@ -34,6 +34,27 @@ def test_build_requirements_are_listed_twice_alike():
     assert set(isolated) <= set(group)
 
 
+def test_wheels_are_built_for_the_declared_pythons():
+    """The classifiers, requires-python, cibuildwheel's list and build_wheels.py name the same versions."""
+    text = (REPOSITORY / "pyproject.toml").read_text()
+    declared = re.findall(r'"Programming Language :: Python :: (3\.\d+)"', text)
+    assert re.search(r'^requires-python = ">=(.+)"$', text, re.MULTILINE)[1] == declared[0]
+    for_servers = re.search(r"^\[tool\.cibuildwheel\]\n(.+?)\n\n", text, re.MULTILINE | re.DOTALL)[1]
+    assert re.findall(r'"cp3(\d+)-\*"', for_servers) == [version.removeprefix("3.") for version in declared]
+    here = (REPOSITORY / "packaging" / "build_wheels.py").read_text()
+    assert re.findall(r'"python(3\.\d+)"', re.search(r"^PYTHONS = .+$", here, re.MULTILINE)[0]) == declared
+    for script in re.findall(r"\{project\}/([\w/.]+)", for_servers):
+        assert (REPOSITORY / script).is_file()
+
+
+def test_the_workflow_of_the_wheels_runs_cibuildwheel():
+    yaml = pytest.importorskip("yaml")
+    workflow = yaml.safe_load((REPOSITORY / ".github" / "workflows" / "wheels.yml").read_text())
+    (job,) = workflow["jobs"].values()
+    assert {runner.split("-")[0] for runner in job["strategy"]["matrix"]["runner"]} == {"ubuntu", "macos"}
+    assert any("cibuildwheel --output-dir" in step.get("run", "") for step in job["steps"])
+
+
 @pytest.mark.parametrize(
     "file",
     ["lib/libsrmp.so", "include/srmp/core/pose.hpp", "lib/cmake/srmp/srmpConfig.cmake", "_srmp.pyi", "py.typed"],

@@ -5,7 +5,8 @@ import pytest
 
 import srmp
 from srmp.demo import GOAL, ROBOT, make_world, start_configuration
-from srmp.viewer._search import _places, sentence
+from srmp.viewer._search import drawing_of, sentence
+from srmp.viewer._tree import drawn_tree, node_places
 
 PLANNERS = ("wAstar", "ARAstar", "MHAstar", "wPASE", "AMRAstar")
 
@@ -155,9 +156,27 @@ def test_a_constraint_tree_is_drawn(tree, tmp_path):
     figure = trace.plot_constraints(tmp_path / "tree.svg")
     assert "constraint tree: " in figure.axes[0].get_title()
     assert "left – right" in (tmp_path / "tree.svg").read_text() or len(trace.constraint_nodes) > 40
-    places = _places(trace.constraint_nodes)
+    places = node_places(trace.constraint_nodes)
     assert places[0][1] == 0
     assert len(set(places.values())) == len(places)
+
+
+def test_a_page_has_the_constraint_tree_and_its_conflicts(tree):
+    planner, trace = tree
+    svg = drawn_tree(trace.constraint_nodes)
+    assert svg.count("<circle") == min(len(trace.constraint_nodes), 400)
+    assert "left – right, " in svg and "no conflict" in svg
+    drawing = drawing_of(trace, planner)
+    assert [title.split(":")[0] for title, _ in drawing.panels] == [
+        "certificate of 'left'",
+        "certificate of 'right'",
+        "constraint tree",
+    ]
+    (conflicts,) = drawing.segments
+    assert conflicts.name == "conflicts" and conflicts.points.shape[1:] == (2, 3)
+    assert (np.abs(conflicts.points - [0.4, 0, 0.2]) < 0.6).all()  # between the arms
+    assert "nodes of 1 constraint tree" in sentence(trace)
+    assert trace.to_html(planner).startswith("<!DOCTYPE html>")
 
 
 def test_wrong_calls_are_refused(traced):

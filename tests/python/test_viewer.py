@@ -206,6 +206,53 @@ def test_four_arms_are_updated_20_times_a_second():
     assert updates >= 20
 
 
+def test_a_search_is_drawn(planner, viewer):
+    planner.make_planner("arm", srmp.WAStar())
+    q = planner.get_qpos("arm")
+    with srmp.SearchTrace() as trace:
+        planner.plan("arm", q, q - [0.8, 0, 0, 0, 0, 0, 0])
+    viewer.show_search(trace)
+    assert "states expanded in" in viewer.status
+    assert len(viewer._search_nodes) >= 2  # edges, and states in at least one shade
+    viewer.show_search(None)
+    assert not viewer._search_nodes and viewer.status == ""
+    with srmp.SearchTrace() as empty:
+        pass
+    with pytest.raises(srmp.InvalidArgument, match="holds no lattice and no constraint tree"):
+        viewer.show_search(empty)
+    with pytest.raises(srmp.InvalidArgument, match="there is no constraint tree: show_search"):
+        viewer.show_conflict(0)
+
+
+def test_a_constraint_tree_and_its_conflicts_are_shown():
+    planner = srmp.PlannerInterface()
+    for name, x, yaw in (("left", 0.0, 0.0), ("right", 0.8, np.pi)):
+        planner.add_robot("arm7", name=name, base_pose=srmp.Pose.from_rpy([x, 0, 0], [0, 0, yaw]))
+    planner.make_planner(["left", "right"], srmp.ECBS())
+    over = [srmp.Pose.from_rpy([0.4, y, 0.2], [np.pi, 0, 0]) for y in (0.2, -0.2)]
+    ready = planner.get_group_states("left")["ready"]
+    starts = {
+        name: planner.compute_ik(name, pose, ready)[0] for name, pose in zip(("left", "right"), over, strict=True)
+    }
+    with srmp.SearchTrace() as trace:
+        planner.plan_multi(starts, {"left": over[1], "right": over[0]})
+    with Viewer(planner, port=0) as viewer:
+        assert viewer._panel._certificates.visible and "clearance" in viewer._panel._claims.content
+        viewer.show_search(trace)
+        assert "constraint tree" in viewer.status
+        assert viewer._panel._search.visible and "<svg" in viewer._panel._tree.content
+        viewer.show_conflict(0)
+        root = trace.constraint_nodes[0]
+        hand = viewer._stage._frames["left/arm7_hand"]
+        assert np.allclose(hand.position, planner.compute_fk("left", root.configurations["left"]).p, atol=1e-6)
+        assert f"node 0: {root.robots[0]} – {root.robots[1]}" in viewer._panel._tree.content
+        for wrong in (-1, len(trace.constraint_nodes), True, "0"):
+            with pytest.raises(srmp.InvalidArgument, match="node must be a whole number from 0 to "):
+                viewer.show_conflict(wrong)
+        viewer.show_search(None)
+        assert not viewer._panel._search.visible
+
+
 def test_bad_input_is_refused(planner, viewer):
     one = srmp.Trajectory(["a"], [[0], [1]])
     for call, words in [

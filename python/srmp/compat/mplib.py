@@ -232,7 +232,8 @@ class Planner(World):
         require_positive(time_step=options.time_step, planning_time=options.planning_time)
         if options.constraint_function or options.constraint_jacobian or options.constraint_tolerance != 1e-3:
             raise srmp.NotSupported(
-                "constraint_function, constraint_jacobian, constraint_tolerance: path constraints are not supported"
+                "constraint_function, constraint_jacobian, constraint_tolerance: functions cannot be proved to hold "
+                "between samples; Planner.srmp.plan takes constraints, a list of srmp.PathConstraint"
             )
         if options.rrt_range != 0.1:
             self._warn("rrt_range", "a search on a lattice takes its place, with steps of its own")

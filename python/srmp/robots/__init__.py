@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from srmp import InvalidArgument, NotSupported, PlannerInterface
+from srmp._authors_words import ARGUMENTS
 from srmp._names import did_you_mean
 from srmp.robots._list import Robot, read_list
 from srmp.robots.srdf import AllowedCollisions, sample_allowed_collisions
@@ -69,9 +70,10 @@ def add_robot(planner: PlannerInterface, robot: str, **arguments: Any) -> Robot:
     """PlannerInterface.add_robot: adds a known robot to the planner and returns what is known of it."""
     for key in arguments:
         if key not in _ARGUMENTS:
+            theirs = ARGUMENTS.get(("add_robot", key))
+            hint = f"; {theirs}" if theirs else did_you_mean(key, _ARGUMENTS)
             raise InvalidArgument(
-                f"add_robot has no argument '{key}'"
-                + (did_you_mean(key, _ARGUMENTS) or f"; it takes robot, {', '.join(_ARGUMENTS)}")
+                f"add_robot has no argument '{key}'{hint or '; it takes robot, ' + ', '.join(_ARGUMENTS)}"
             )
     known = find(robot)
     if known.refused:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from srmp._notebook import html_of
 from srmp._verify import summary
 from srmp.viewer._failure import Failure, find_failure
 from srmp.viewer._motion import Motion, sample_motion, trajectories_of
@@ -36,6 +37,7 @@ class Drawing:
     plots: list[Plot] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)  # sentences on the motion
     segments: list[Segments] = field(default_factory=list)  # of a search
+    panels: list[tuple[str, str]] = field(default_factory=list)  # titles and HTML: certificates, constraint trees
 
     @property
     def poses(self) -> NDArray[np.float64]:
@@ -67,7 +69,8 @@ def make_drawing(
     paths = {
         robot: motion.poses[:, scene.frames.index(f"{robot}/{planner.get_end_effector(robot)}"), :3] for robot in chosen
     }
-    return Drawing(scene, motion, None, paths, plots_of(planner, motion, clearances) if plots else [], _notes(chosen))
+    drawn = plots_of(planner, motion, clearances) if plots else []
+    return Drawing(scene, motion, None, paths, drawn, _notes(chosen), panels=_certificates(chosen) if plots else [])
 
 
 def appearance(drawing: Drawing, body: Body) -> tuple[Colour, float]:
@@ -83,6 +86,15 @@ def _notes(trajectories: Mapping[str, Trajectory]) -> list[str]:
     return [
         f"{robot}: {one.duration:.2f} s; " + (f"certificate: {summary(one.certificate)}" if one.certificate else "")
         for robot, one in trajectories.items()
+    ]
+
+
+def _certificates(trajectories: Mapping[str, Trajectory]) -> list[tuple[str, str]]:
+    """What each certificate claims, and where it is tightest."""
+    return [
+        (f"certificate of '{robot}'", html_of(one.certificate))
+        for robot, one in trajectories.items()
+        if one.certificate
     ]
 
 

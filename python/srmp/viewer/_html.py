@@ -61,6 +61,7 @@ def _data(drawing: Drawing, title: str) -> dict[str, Any]:
         "times": _rounded(motion.times if motion else np.zeros(1)).tolist(),
         "poses": _packed(drawing.poses.astype("<f4")),
         "plots": [_plot(plot) for plot in drawing.plots],
+        "panels": [{"title": title, "html": text} for title, text in drawing.panels],
         "switches": [(kind, kind in kinds[:1]) for kind in kinds] if len(kinds) > 1 else [],
         "view": view(drawing),
     }

@@ -26,6 +26,7 @@ class Actions(Protocol):
     def on_play(self) -> None: ...
     def on_seek(self, moment: float) -> None: ...
     def on_switch(self, kind: str, visible: bool) -> None: ...
+    def on_node(self, place: int) -> None: ...
 
 
 class Panel:
@@ -59,6 +60,14 @@ class Panel:
         self._plots = gui.add_folder("Limits and clearance", visible=False)
         self._shown_cursor = -1.0
         self._plot_handles: list[Any] = []
+        self._certificates = gui.add_folder("Certificate", visible=False, expand_by_default=False)
+        with self._certificates:
+            self._claims = gui.add_html("")
+        self._search = gui.add_folder("Constraint tree", visible=False)
+        with self._search:
+            self._tree = gui.add_html("")
+            self._node = gui.add_slider("node", 0, 1, 1, 0)
+        self._node.on_update(lambda event: event.client is None or actions.on_node(int(self._node.value)))
 
     @property
     def speed(self) -> float:
@@ -72,6 +81,17 @@ class Panel:
         self._status.content = (
             f'<div style="padding: 0.3em 1em; color: {colour}; overflow-wrap: anywhere">{html.escape(text)}</div>'
         )
+
+    def show_panels(self, panels: Sequence[tuple[str, str]]) -> None:
+        """Certificates of the motion: titles and HTML."""
+        self._claims.content = _framed("".join(f"<b>{html.escape(title)}</b>{text}" for title, text in panels))
+        self._certificates.visible = bool(panels)
+
+    def show_tree(self, text: str, place: int, count: int) -> None:
+        """A constraint tree as HTML, and which of its `count` nodes is chosen; "": there is none."""
+        self._tree.content = _framed(text)
+        self._search.visible = bool(text)
+        self._node.max, self._node.value = max(count - 1, 1), place
 
     def show_motion(self, motion: Motion | None, plots: Sequence[Plot], notes: Sequence[str]) -> None:
         """The clock and the plots of a motion; None: there is none."""
@@ -97,6 +117,10 @@ class Panel:
             self._shown_cursor = moment
             for handle in self._plot_handles:
                 handle.data = _with_cursor(handle.data[:-1], moment)
+
+
+def _framed(text: str) -> str:
+    return f'<div style="padding: 0 1em; font-size: 0.8em; overflow: auto; max-height: 24em">{text}</div>'
 
 
 def _added(gui: Any, plot: Plot) -> Any:

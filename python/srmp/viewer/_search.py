@@ -1,9 +1,8 @@
-"""What searches did, for the eye: states that were expanded, edges that were tried, constraint trees."""
+"""What searches did, for the eye: states that were expanded, edges that were tried, conflicts of robots."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,29 +13,34 @@ from numpy.typing import NDArray
 from srmp import InvalidArgument, _srmp
 from srmp._files import write_text
 from srmp.viewer._shapes import Segments
+from srmp.viewer._tree import BLOCKED_COLOUR, conflict_points, drawn_tree, plot_constraints, trees_of
+
+__all__ = ["drawing_of", "plot", "plot_constraints", "searched", "sentence", "to_html"]
 
 if TYPE_CHECKING:
-    from srmp import ConstraintNode, LatticeTrace, PlannerInterface, SearchTrace
+    from srmp import LatticeTrace, PlannerInterface, SearchTrace
     from srmp.viewer._drawing import Drawing
 
 FREE, BLOCKED = (0.30, 0.45, 0.55), (0.90, 0.66, 0.62)
 _SHADES = 12  # of expanded states, by their distance to the targets
 _CROSS = 0.008  # [m] half the size of the mark of a state
+_CONFLICT = 0.03  # and of the mark of a conflict
 _MAX_EDGES = 20_000  # that are drawn: the first ones
 
 
 def searched(planner: PlannerInterface, trace: SearchTrace) -> list[Segments]:
     """Edges that were tried, by whether they are free, and expanded states, bright where they are near the targets.
 
-    All where the end effector is then. Raises InvalidArgument where no lattice was searched, and UnknownRobot where the
-    planner has not its robot.
+    All where the end effector is then; of constraint trees, the places of the conflicts. Raises InvalidArgument where
+    neither was searched, and UnknownRobot where the planner has not its robot.
     """
     _require_trace(trace)
     lattices = [lattice for lattice in trace.lattices if len(lattice.expanded)]
-    if not lattices:
+    conflicts = conflict_points(planner, trace.constraint_nodes)
+    if not lattices and not trace.constraint_nodes:
         raise InvalidArgument(
-            "this SearchTrace holds no lattice: RRT-Connect found the path, or nothing was planned for one robot "
-            "alone; make_planner with 'wAstar' searches one"
+            "this SearchTrace holds no lattice and no constraint tree: RRT-Connect or a roadmap found the path; "
+            "make_planner with 'wAstar' searches a lattice, with 'ECBS' a constraint tree"
         )
     edges = {True: np.zeros((0, 2, 3)), False: np.zeros((0, 2, 3))}
     states, distances = [], []
@@ -46,20 +50,33 @@ def searched(planner: PlannerInterface, trace: SearchTrace) -> list[Segments]:
         tried = _edges(planner, lattice)
         for free in edges:
             edges[free] = np.concatenate([edges[free], tried[(lattice.edges_free > 0.5)[:_MAX_EDGES] == free]])
-    drawn = [Segments("edges in collision", edges[False], BLOCKED), Segments("free edges", edges[True], FREE)]
-    return [one for one in drawn if len(one.points)] + _shaded(np.concatenate(states), np.concatenate(distances))
+    drawn = [
+        Segments("edges in collision", edges[False], BLOCKED),
+        Segments("free edges", edges[True], FREE),
+        Segments("conflicts", _crosses(conflicts, _CONFLICT), BLOCKED_COLOUR),
+    ]
+    shaded = _shaded(np.concatenate(states), np.concatenate(distances)) if states else []
+    return [one for one in drawn if len(one.points)] + shaded
 
 
 def sentence(trace: SearchTrace) -> str:
     """What there is to see."""
-    lattices = sum(len(lattice.expanded) > 0 for lattice in trace.lattices)
-    states = sum(len(lattice.expanded) for lattice in trace.lattices)
-    edges = sum(len(lattice.edges_free) for lattice in trace.lattices)
-    blocked = edges - int(sum(lattice.edges_free.sum() for lattice in trace.lattices))
-    return (
-        f"{states} states expanded in {lattices} lattice{'s' * (lattices > 1)}, bright near the targets; "
-        f"{edges} edges tried, {blocked} of them in collision (red)"
-    )
+    parts = []
+    if lattices := sum(len(lattice.expanded) > 0 for lattice in trace.lattices):
+        states = sum(len(lattice.expanded) for lattice in trace.lattices)
+        edges = sum(len(lattice.edges_free) for lattice in trace.lattices)
+        blocked = edges - int(sum(lattice.edges_free.sum() for lattice in trace.lattices))
+        parts.append(
+            f"{states} states expanded in {lattices} lattice{'s' * (lattices > 1)}, bright near the targets; "
+            f"{edges} edges tried, {blocked} of them in collision (red)"
+        )
+    if nodes := trace.constraint_nodes:
+        trees = len(trees_of(nodes))
+        parts.append(
+            f"{len(nodes)} nodes of {trees} constraint tree{'s' * (trees > 1)}, "
+            f"{sum(node.conflicts > 0 for node in nodes)} of them with a conflict (red crosses)"
+        )
+    return "; ".join(parts)
 
 
 def _tips(planner: PlannerInterface, lattice: LatticeTrace, rows: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -74,8 +91,7 @@ def _edges(planner: PlannerInterface, lattice: LatticeTrace) -> NDArray[np.float
 
 def _shaded(states: NDArray[np.float64], distances: NDArray[np.float64]) -> list[Segments]:
     """Crosses at states, in as many colours as there are shades."""
-    arms = _CROSS * np.eye(3)
-    crosses = np.stack([states[:, None] - arms, states[:, None] + arms], axis=2)  # (n, 3, 2, 3)
+    crosses = _crosses(states, _CROSS).reshape(-1, 3, 2, 3)
     largest = max(float(distances.max()), 1e-9)
     shades = np.minimum((_SHADES * distances / largest).astype(int), _SHADES - 1)
     return [
@@ -86,6 +102,12 @@ def _shaded(states: NDArray[np.float64], distances: NDArray[np.float64]) -> list
         )
         for shade in np.unique(shades)
     ]
+
+
+def _crosses(points: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+    """(3 n, 2, 3): three segments of half length `size` [m] through each point."""
+    arms = size * np.eye(3)
+    return np.stack([points[:, None] - arms, points[:, None] + arms], axis=2).reshape(-1, 2, 3)
 
 
 def _heat(value: float) -> tuple[float, float, float]:
@@ -105,7 +127,8 @@ def drawing_of(trace: SearchTrace, planner: PlannerInterface) -> Drawing:
         raise InvalidArgument(f"planner must be a PlannerInterface, but is {planner!r}")
     segments = searched(planner, trace)
     drawing = make_drawing(planner)
-    return replace(drawing, segments=segments, notes=[*drawing.notes, sentence(trace)])
+    panels = [*drawing.panels, *((title, drawn_tree(nodes)) for title, nodes in trees_of(trace.constraint_nodes))]
+    return replace(drawing, segments=segments, panels=panels, notes=[*drawing.notes, sentence(trace)])
 
 
 def plot(trace: SearchTrace, planner: PlannerInterface, path: str | os.PathLike[str] | None = None) -> Any:
@@ -128,75 +151,6 @@ def to_html(trace: SearchTrace, planner: PlannerInterface, path: str | os.PathLi
         return text
     write_text(path, text)
     return None
-
-
-# --- constraint trees -------------------------------------------------------------------------------------------------
-
-
-def plot_constraints(trace: SearchTrace, path: str | os.PathLike[str] | None = None) -> Any:
-    """SearchTrace.plot_constraints: a panel for each tree, its root above; a node says who collide first, and when."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    from srmp.plot import write_figure
-
-    _require_trace(trace)
-    trees = [nodes for nodes in _trees(trace.constraint_nodes) if nodes]
-    if not trees:
-        raise InvalidArgument(
-            "this SearchTrace holds no constraint tree: the robots were planned otherwise; make_planner with 'ECBS' "
-            "searches one"
-        )
-    figure = Figure(figsize=(10, 5.5 * len(trees)), dpi=120, facecolor="white")
-    FigureCanvasAgg(figure)  # no window, no global state
-    for nodes, axes in zip(trees, figure.subplots(len(trees), 1, squeeze=False)[:, 0], strict=True):
-        _draw_tree(axes, nodes)
-    figure.tight_layout()
-    if path is not None:
-        write_figure(figure, Path(path))
-    return figure
-
-
-def _trees(nodes: Iterable[ConstraintNode]) -> list[list[ConstraintNode]]:
-    by_tree: dict[int, list[ConstraintNode]] = {}
-    for node in nodes:
-        by_tree.setdefault(node.tree, []).append(node)
-    return list(by_tree.values())
-
-
-def _places(nodes: list[ConstraintNode]) -> dict[int, tuple[float, int]]:
-    """(across, depth) of each node by its number: leaves beside each other, parents above the middle of theirs."""
-    children: dict[int, list[int]] = {node.number: [] for node in nodes}
-    for node in nodes:
-        if node.number and node.parent in children:
-            children[node.parent].append(node.number)
-    depth: dict[int, int] = {}
-    for node in nodes:  # a parent was opened before its children
-        depth[node.number] = depth.get(node.parent, -1) + 1 if node.number else 0
-    across: dict[int, float] = {}
-    leaves = 0
-    for node in sorted(nodes, key=lambda node: -node.number):
-        own = [across[child] for child in children[node.number]]
-        across[node.number] = float(np.mean(own)) if own else float(leaves)
-        leaves += not own
-    return {number: (across[number], depth[number]) for number in across}
-
-
-def _draw_tree(axes: Any, nodes: list[ConstraintNode]) -> None:
-    places = _places(nodes)
-    for node in nodes:
-        x, y = places[node.number]
-        if node.number and node.parent in places:
-            above = places[node.parent]
-            axes.plot([above[0], x], [-above[1], -y], color=FREE, linewidth=1.0, zorder=1)
-        axes.plot(x, -y, "o", color="#b3402e" if node.conflicts else "#0b7a75", markersize=6, zorder=2)
-        if len(nodes) <= 40:
-            said = f"{' – '.join(node.robots)}\n{node.time_s:.2f} s" if node.conflicts else "no conflict"
-            axes.annotate(said, (x, -y), (5, 3), textcoords="offset points", fontsize=7)
-    solved = sum(node.conflicts == 0 for node in nodes)
-    axes.set_title(f"constraint tree: {len(nodes)} nodes opened, {solved} without conflict", fontsize=10)
-    axes.margins(0.12)
-    axes.set_axis_off()
 
 
 def _require_trace(trace: object) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import html
 import io
 import queue
 import threading
@@ -22,6 +23,7 @@ from srmp.viewer._panel import Panel
 from srmp.viewer._scene import ROBOT_KINDS, copied, frame_poses, read_scene
 from srmp.viewer._search import searched, sentence
 from srmp.viewer._stage import Marks, Stage
+from srmp.viewer._tree import drawn_tree, said, trees_of
 
 if TYPE_CHECKING:
     from srmp import MultiTrajectory, PlannerInterface, Pose, Trajectory
@@ -73,6 +75,7 @@ class Viewer:
         self._marks = Marks(self._server)
         self._path_nodes: list[str] = []
         self._search_nodes: list[Any] = []  # handles of what was searched
+        self._nodes: list[srmp.ConstraintNode] = []  # of the constraint trees that are shown
         self._found: list[NDArray[np.float64]] = []  # paths (n, dof) of the plan that runs, each better than the last
         self._worse: list[NDArray[np.float64]] = []  # (n, 3) [m] the paths of end effectors along all but the best
         self._handles: dict[str, Any] = {}
@@ -121,7 +124,9 @@ class Viewer:
     def show_search(self, trace: srmp.SearchTrace | None) -> None:
         """Draws what was searched, where the end effector is there; None: no longer. Stays until the next call.
 
-        Raises InvalidArgument where no lattice was searched, and UnknownRobot where the scene has not its robot.
+        Of a constraint tree, the panel has the tree with a slider for its nodes: the robots stand where the first
+        conflict of the chosen node is, with the touching links marked. Raises InvalidArgument where neither a lattice
+        nor a constraint tree was searched, and UnknownRobot where the scene has not its robot.
         """
         segments = searched(self._world, trace) if trace is not None else []
         with self._server.atomic():
@@ -132,7 +137,22 @@ class Viewer:
                 self._search_nodes.append(
                     self._server.scene.add_line_segments(f"/search/{k}", one.points.astype(np.float32), colours)
                 )
+        self._nodes = list(trace.constraint_nodes) if trace is not None else []
+        self._panel.show_tree(*self._tree_at(0))
         self._panel.say(sentence(trace) if trace is not None else "")
+
+    def show_conflict(self, node: int) -> None:
+        """The robots where those of the first conflict at a node of the search's constraint trees are.
+
+        node: 0 is the first that was opened. Raises InvalidArgument for a number that is none of a node.
+        """
+        if isinstance(node, bool) or not isinstance(node, int) or not 0 <= node < len(self._nodes):
+            raise srmp.InvalidArgument(
+                f"node must be a whole number from 0 to {len(self._nodes) - 1}, but is {node!r}"
+                if self._nodes
+                else "there is no constraint tree: show_search shows a SearchTrace that has one"
+            )
+        self._run(lambda: self._show_conflict(node), wait=True)
 
     def set_goal(self, robot: str, pose: Pose) -> None:
         """Moves the handle of a robot's end effector to a pose in the world, as dragging it does.
@@ -201,6 +221,9 @@ class Viewer:
     def on_switch(self, kind: str, visible: bool) -> None:
         self._run(lambda: self._switch(kind, visible))
 
+    def on_node(self, place: int) -> None:
+        self._run(lambda: self._show_conflict(place))
+
     # --- what the worker does, one job after the other
 
     def _run(self, job: Callable[[], None], wait: bool = False) -> None:
@@ -230,6 +253,7 @@ class Viewer:
         self._show_handles()
         self._time = 0.0
         self._panel.show_motion(drawing.motion, drawing.plots, drawing.notes)
+        self._panel.show_panels(drawing.panels)
         self._show_paths(drawing)
         self._show_failure(drawing.failure)
         self._playing = drawing.motion is not None
@@ -241,6 +265,29 @@ class Viewer:
         if failure:
             self._stage.place(failure.poses)
             self._panel.say(f"{failure.status}: {failure.reason}", failed=True)
+
+    def _tree_at(self, place: int) -> tuple[str, int, int]:
+        """The tree of a node as HTML, the node's place, and how many nodes there are."""
+        if not self._nodes:
+            return "", 0, 0
+        node = self._nodes[place]
+        (title, nodes), *_ = [tree for tree in trees_of(self._nodes) if tree[1][0].tree == node.tree]
+        return (
+            f"{title}<br>node {node.number}: {html.escape(said(node))}{drawn_tree(nodes, node)}",
+            place,
+            len(self._nodes),
+        )
+
+    def _show_conflict(self, place: int) -> None:
+        if place >= len(self._nodes):
+            return
+        self._playing = False
+        configurations = self._nodes[place].configurations
+        touches = touches_together(self._world, configurations)
+        self._stage.place(frame_poses(self._world, configurations))
+        self._marks.show(touches)
+        self._stage.paint(label for touch in touches for label in touch.bodies)
+        self._panel.show_tree(*self._tree_at(place))
 
     def _show_paths(self, drawing: Drawing) -> None:
         """The paths of end effectors, and those of worse paths that the planner found before."""
