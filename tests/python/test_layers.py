@@ -175,3 +175,11 @@ def test_public_headers_include_public_headers_only():
     for file in SOURCES[0].rglob("*.hpp"):
         assert set(included_by(file)) <= public, name_of(file)
     assert len(public) <= 40, "the public face grows: is all of this for users?"
+
+
+def test_what_the_moveit_plugin_includes_is_compiled_as_cpp17():
+    def included(*files):
+        return {name for file in files for name in re.findall(r"#include [<\"](srmp/[^>\"]+)", file.read_text())}
+
+    plugin = (ROOT / "moveit").rglob("*.[hc]pp")
+    assert included(*plugin) == included(ROOT / "tests" / "support" / "cxx17.cpp") != set()
