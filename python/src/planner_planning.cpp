@@ -491,7 +491,9 @@ time_s, cost_rad, bound and graph of every path that was better than those befor
 reached, counted over all goals; -1: none).
 
 After plan_multi also robot_cost_rad (by robot; path_cost_rad is their sum), tree_nodes (of the constraint tree),
-makespan_s and flow_time_s (sum of the robots' times of arrival) [s].)")
+independence_detection (robots that did not conflict kept the paths found for each alone), large_neighbourhood_search
+(paths planned jointly were rerouted, one robot at a time), makespan_s and flow_time_s (sum of the robots' times of
+arrival) [s].)")
       .def(
           "print_available_planners",
           [](Self&) {

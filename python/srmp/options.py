@@ -243,12 +243,18 @@ class CBS(_Options):
 
     Literature: CBS: Sharon, Stern, Felner, Sturtevant 2015.
 
-    Guarantee: sum of costs = optimum.
+    Guarantee: sum of costs = optimum, without `independence_detection`.
     """
 
     planner_id: ClassVar[str] = "CBS"
     robots: dict[str, dict[str, str]] = dataclasses.field(default_factory=dict)
     """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
+    independence_detection: bool = False
+    """Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+    otherwise all robots that can reach each other are."""
+    large_neighbourhood_search: bool = True
+    """After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+    move as before."""
     num_threads: int = 1
     """At most this many threads plan parts for many robots at the same time; the result does not depend on it
     [> 0 and <= 1024]."""
@@ -260,7 +266,7 @@ class ECBS(_Options):
 
     Literature: ECBS: Barer, Sharon, Stern, Felner 2014.
 
-    Guarantee: sum of costs <= product of its three factors * optimum.
+    Guarantee: sum of costs <= product of its three factors * optimum, without `independence_detection`.
     """
 
     planner_id: ClassVar[str] = "ECBS"
@@ -272,6 +278,12 @@ class ECBS(_Options):
     """The focal list of the constraint tree holds the nodes within this factor of the lower bound [>= 1]."""
     low_level_focal_suboptimality: float = 1.3
     """The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1]."""
+    independence_detection: bool = False
+    """Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+    otherwise all robots that can reach each other are."""
+    large_neighbourhood_search: bool = True
+    """After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+    move as before."""
     num_threads: int = 1
     """At most this many threads plan parts for many robots at the same time; the result does not depend on it
     [> 0 and <= 1024]."""
@@ -283,7 +295,7 @@ class XECBS(_Options):
 
     Literature: xECBS: Shaoul, Mishani, Likhachev, Li 2024.
 
-    Guarantee: sum of costs <= product of its three factors * optimum.
+    Guarantee: none beforehand; sum of costs <= `bound` of its statistics * optimum.
     """
 
     planner_id: ClassVar[str] = "xECBS"
@@ -295,6 +307,12 @@ class XECBS(_Options):
     """The focal list of the constraint tree holds the nodes within this factor of the lower bound [>= 1]."""
     low_level_focal_suboptimality: float = 1.3
     """The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1]."""
+    independence_detection: bool = True
+    """Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+    otherwise all robots that can reach each other are."""
+    large_neighbourhood_search: bool = True
+    """After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+    move as before."""
     num_threads: int = 1
     """At most this many threads plan parts for many robots at the same time; the result does not depend on it
     [> 0 and <= 1024]."""
@@ -314,6 +332,12 @@ class Prioritised(_Options):
     """With many robots: `heuristic` and `mprim_path` of single robots, by name, in place of those for all."""
     weight_low_level_heuristic: float = 50.0
     """This weight inflates the heuristic of each robot's low-level search [>= 1]."""
+    independence_detection: bool = True
+    """Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+    otherwise all robots that can reach each other are."""
+    large_neighbourhood_search: bool = True
+    """After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+    move as before."""
     num_threads: int = 1
     """At most this many threads plan parts for many robots at the same time; the result does not depend on it
     [> 0 and <= 1024]."""

@@ -198,13 +198,9 @@ BOOST_AUTO_TEST_CASE(robots_of_spheres_are_proved) {
   compare_many(scene, "planar", {}, amount(100), 0.5, 2);
 }
 
-BOOST_AUTO_TEST_CASE(a_robot_of_meshes_is_proved) {
-  const auto robot = panda();
-  if (!robot) {
-    BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
-    return;
-  }
-  compare_many(crowd(robot, 2, 5, "panda_hand"), "panda", {}, 2, 0.1, 3);
+BOOST_AUTO_TEST_CASE(robots_of_meshes_are_proved) {
+  for (const auto& robot : robots_of_meshes())
+    compare_many(crowd(robot, 2, 5, hand_of(*robot)), robot->name(), {}, 2, 0.1, 3);
 }
 
 BOOST_AUTO_TEST_CASE(straight_motions_are_proved_where_the_checker_calls_them_free) {

@@ -240,13 +240,9 @@ BOOST_AUTO_TEST_CASE(motions_of_mimic_and_prismatic_joints_are_sound_and_useful)
   BOOST_TEST(tally.clear_accepted >= 0.95 * tally.clear);
 }
 
-BOOST_AUTO_TEST_CASE(motions_of_a_robot_of_meshes_are_sound_and_useful) {
-  const auto robot = panda();
-  if (!robot) {
-    BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
-    return;
-  }
-  expect_sound_and_useful(compare(crowd(robot, 2, 5, "panda_hand"), *robot, 150, 0.6, 3, 5e-4));
+BOOST_AUTO_TEST_CASE(motions_of_robots_of_meshes_are_sound_and_useful) {
+  for (const auto& robot : robots_of_meshes())
+    expect_sound_and_useful(compare(crowd(robot, 2, 5, hand_of(*robot)), *robot, 150, 0.6, 3, 5e-4));
 }
 
 BOOST_AUTO_TEST_CASE(a_thousand_certified_motions_hit_nothing_at_steps_of_a_tenth_of_a_millimetre) {

@@ -6,6 +6,7 @@
 
 #include "srmp/collision/scene_checker.hpp"
 #include "srmp/scene/shape_geometry.hpp"
+#include "support/mesh_arm.hpp"
 #include "support/robots.hpp"
 
 namespace worlds {
@@ -153,5 +154,15 @@ inline std::shared_ptr<const RobotModel> panda() {
   description.group = "panda_arm";
   return RobotModel::load(description);
 }
+
+/// The package's own arm of meshes, and the Panda where its data is.
+inline std::vector<std::shared_ptr<const RobotModel>> robots_of_meshes() {
+  std::vector<std::shared_ptr<const RobotModel>> robots{RobotModel::load(mesh_arm::description())};
+  if (auto robot = panda()) robots.push_back(std::move(robot));
+  return robots;
+}
+
+/// The link that holds things.
+inline std::string hand_of(const RobotModel& robot) { return robot.name() + "_hand"; }
 
 }  // namespace worlds

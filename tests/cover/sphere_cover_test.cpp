@@ -9,6 +9,8 @@
 #include "srmp/core/error.hpp"
 #include "srmp/geometry/mesh_file.hpp"
 #include "support/amount.hpp"
+#include "support/data.hpp"
+#include "support/mesh_arm.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -175,16 +177,14 @@ BOOST_AUTO_TEST_CASE(covers_reject_invalid_input) {
   check_throws<InvalidArgument>([] { cover_solid(CoverSolid::sphere(1), {.max_inflation = 0}); }, "max_inflation");
 }
 
-BOOST_AUTO_TEST_CASE(covers_of_the_panda_are_small) {
-  const char* data = std::getenv("SRMP_MBM_DIR");
-  if (data == nullptr) {
-    BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR does not name the MotionBenchMaker robots");
-    return;
-  }
+namespace {
+
+/// How many spheres cover these meshes with at most 15 mm of inflation; checks that they do.
+std::size_t spheres_over(const std::vector<std::string>& parts) {
   std::mt19937 random(5);
   std::size_t spheres = 0;
-  for (const char* part : {"link1", "link2", "link3", "link4", "link5", "link7", "hand", "finger"}) {
-    const TriangleSoup mesh = read_mesh_file(std::string(data) + "/panda/meshes/collision/" + part + ".obj");
+  for (const std::string& part : parts) {
+    const TriangleSoup mesh = read_mesh_file(part);
     const CoverSolid solid = CoverSolid::mesh(mesh.vertices, mesh.triangles);
     const SphereCover cover = cover_solid(solid, {.max_inflation = 0.015});
     BOOST_TEST(contains_solid(cover.spheres, solid), part);
@@ -199,5 +199,18 @@ BOOST_AUTO_TEST_CASE(covers_of_the_panda_are_small) {
     if (solid.is_convex())
       for (const PlacedSphere& b : cover.spheres) BOOST_TEST(sampled_inflation(solid, b, random) <= 0.0151);
   }
-  BOOST_TEST(spheres <= 150u);
+  return spheres;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(covers_of_an_arm_of_meshes_are_small) {
+  BOOST_TEST(spheres_over(mesh_arm::files().meshes) <= 150u);
+}
+
+BOOST_AUTO_TEST_CASE(covers_of_the_panda_are_small) {
+  std::vector<std::string> parts;
+  for (const char* part : {"link1", "link2", "link3", "link4", "link5", "link7", "hand", "finger"})
+    parts.push_back(mbm_file("panda", std::string("meshes/collision/") + part + ".obj"));
+  if (!parts.front().empty()) BOOST_TEST(spheres_over(parts) <= 150u);
 }

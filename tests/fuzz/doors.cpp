@@ -1,7 +1,9 @@
 #include "fuzz/doors.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 #include "srmp/core/cache_file.hpp"
 #include "srmp/core/error.hpp"
@@ -13,6 +15,9 @@
 #include "srmp/io/primitives.hpp"
 #include "srmp/io/scene_file.hpp"
 #include "srmp/io/trajectory_file.hpp"
+#include "srmp/moveit_request.hpp"
+#include "srmp/moveit_session.hpp"
+#include "srmp/planner_interface.hpp"
 #include "srmp/planning/options.hpp"
 #include "srmp/trajectory/parameterize.hpp"
 #include "support/robots.hpp"
@@ -130,6 +135,41 @@ void read_cache(const std::string& directory, const std::string& input) {
   read_cached(directory, ".cover", key);
 }
 
+/// A request and the scene after it, of a file of the kind of session_planar.yaml.
+struct Asked {
+  io::RequestFile request;
+  std::string scene_path;
+};
+
+Asked read_asked(const std::string& directory, const std::string& input) {
+  const std::size_t at = std::min(input.find("%%%\n"), input.size());
+  Asked asked;
+  asked.scene_path = file_of(directory, "asked_scene.yaml", input.substr(std::min(at + 4, input.size())));
+  asked.request = io::read_moveit_request(file_of(directory, "asked_request.yaml", input.substr(0, at)));
+  asked.request.allowed_planning_time = std::min(asked.request.allowed_planning_time.value_or(1.0), 0.05);
+  return asked;
+}
+
+/// A request in a scene, as the plugin for MoveIt answers it.
+void solve_in_session(const RobotDescription& robot, const std::string& directory, const std::string& input) {
+  const Asked asked = read_asked(directory, input);
+  MoveItSession session({robot.urdf_text, robot.srdf_text, {}, {}});
+  const MoveItResponse response = session.solve(io::read_moveit_scene(asked.scene_path), asked.request);
+  if (response.code != MoveItErrorCode::success) throw Error(response.message);
+  response.trajectory.validate();
+}
+
+/// The same in a world of one's own: the scene is loaded, the request is applied, and what it becomes is planned.
+void apply_and_plan(const RobotDescription& robot, const std::string& directory, const std::string& input) {
+  const Asked asked = read_asked(directory, input);
+  PlannerInterface planner;
+  planner.add_articulation(robot);
+  planner.load_moveit_scene(asked.scene_path);
+  const MoveItProblem problem = planner.apply_moveit_request(robot.name, asked.request);
+  planner.make_planner({robot.name}, problem.options);
+  planner.plan(robot.name, problem.start, problem.goals).validate();
+}
+
 }  // namespace
 
 std::vector<Door> all_doors(const std::string& directory) {
@@ -156,6 +196,18 @@ std::vector<Door> all_doors(const std::string& directory) {
                      io::apply(io::read_moveit_scene(path), scene);
                    })});
   doors.push_back({"moveit_request", "moveit_request", 4000, file("request.yaml", io::read_moveit_request)});
+  RobotDescription grouped = two_links;
+  grouped.name = "planar";
+  grouped.group = "arm";
+  grouped.srdf_text =
+      "<robot name='planar'><group name='arm'><chain base_link='base' tip_link='tip'/></group><disable_collisions "
+      "link1='base' link2='upper' reason='Adjacent'/></robot>";
+  doors.push_back(
+      {"moveit_session", "session", 500,
+       [grouped, directory](const std::string& input, Random&) { solve_in_session(grouped, directory, input); }, true});
+  doors.push_back(
+      {"moveit_plan", "session", 500,
+       [grouped, directory](const std::string& input, Random&) { apply_and_plan(grouped, directory, input); }, true});
   doors.push_back({"joint_limits", "joint_limits", 8000,
                    file("limits.yaml", [arm](const std::string& path) { io::read_joint_limits(path, *arm); })});
   doors.push_back({"primitives", "primitives", 8000, file("primitives.yaml", [arm](const std::string& path) {

@@ -3,6 +3,8 @@
 // else. Without arguments: a few seconds of every door.
 //
 //   fuzz [DOOR ...] [--cases N] [--from K] [--minutes M] [--seeds DIR] [--show]
+//
+// --minutes is of each door.
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -85,7 +87,7 @@ struct Counts {
 /// Runs one case; false: it threw what it must not.
 bool run_case(const Door& door, const std::vector<std::string>& seeds, bool show, Counts& counts) {
   fuzz::Random random(number_of(door.name, current_case));
-  const std::string input = door.seeds.empty() ? "" : mutate(seeds, random);
+  const std::string input = door.seeds.empty() ? "" : door.words ? mutate_words(seeds, random) : mutate(seeds, random);
   if (show) {
     std::printf("%s\n", input.c_str());
     std::fflush(stdout);
@@ -97,6 +99,10 @@ bool run_case(const Door& door, const std::vector<std::string>& seeds, bool show
     ++counts.accepted;
   } catch (const srmp::Error& error) {
     ++counts.refused;
+    if (const std::string_view said = error.what(); said.size() >= 500 || said.find('\n') != said.npos) {
+      report(("not one short sentence: " + std::string(said)).c_str());
+      ++counts.faults;
+    }
     if (show) std::printf("-> %s\n", error.what());
   } catch (const std::exception& error) {
     report((std::string("exception ") + error.what()).c_str());
@@ -153,7 +159,7 @@ int run(const Arguments& arguments) {
       return std::find(arguments.doors.begin(), arguments.doors.end(), door.name) == arguments.doors.end();
     });
   if (doors.empty()) throw std::runtime_error("no such door");
-  const double seconds = 60.0 * arguments.minutes / static_cast<double>(doors.size());
+  const double seconds = 60.0 * arguments.minutes;
   std::size_t cases = 0, faults = 0;
   for (const Door& door : doors) {
     const Counts counts = run_door(door, arguments, seconds);

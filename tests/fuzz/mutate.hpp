@@ -112,4 +112,24 @@ inline std::string mutate(const std::vector<std::string>& seeds, Random& random)
   return text;
 }
 
+/// A seed in which a few words are others of the same seed or hostile ones, or lines are missing or twice: what is
+/// read well often enough that the code behind the readers is tried.
+inline std::string mutate_words(const std::vector<std::string>& seeds, Random& random) {
+  std::string text = random.one_of(seeds);
+  for (std::size_t i = 1 + random.below(3); i-- > 0 && !text.empty();) {
+    const auto [line_begin, line_end] = random_line(text, random);
+    const auto [from, to] = random_word(text, random);
+    const std::string line = text.substr(line_begin, line_end - line_begin), word = text.substr(from, to - from);
+    const auto [begin, end] = random_word(text, random);
+    switch (random.below(8)) {
+      case 0: text.erase(line_begin, line.size()); break;
+      case 1: text.insert(line_begin, line); break;
+      case 2:
+      case 3: text.replace(begin, end - begin, std::string(random.one_of(hostile_words))); break;
+      default: text.replace(begin, end - begin, word);
+    }
+  }
+  return text;
+}
+
 }  // namespace fuzz

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <regex>
 
 #include "io/temp_file.hpp"
 #include "srmp/core/error.hpp"
+#include "support/files.hpp"
 #include "support/robots.hpp"
 #include "support/throws.hpp"
 
@@ -323,6 +325,104 @@ BOOST_AUTO_TEST_CASE(a_request_can_attach_objects) {
   check_near(scene.object_pose("cup").p, {2, 0, 0});
 }
 
+namespace {
+
+/// How many scenes with objects, and how many requests of joints, a directory holds; all of its files are read.
+struct ProblemCounts {
+  int scenes{}, requests{};
+};
+
+ProblemCounts read_problems(const std::filesystem::path& problems) {
+  ProblemCounts counts;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(problems)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("scene") && name.ends_with(".yaml")) {
+      Scene scene;
+      apply(read_moveit_scene(entry.path().string()), scene);
+      counts.scenes += !scene.objects().empty();
+    } else if (name.starts_with("request") && name.ends_with(".yaml")) {
+      const RequestFile request = read_moveit_request(entry.path().string());
+      counts.requests +=
+          request.goals.size() == 1 && request.goals[0].joints.size() >= 6 && !request.start_state.joints.empty();
+    }
+  }
+  return counts;
+}
+
+/// As MoveIt writes messages: every field, with a header and a time.
+std::string written_scene(int number) {
+  const std::string scene = R"(name: ""
+robot_state:
+  joint_state: {header: {stamp: {secs: 0, nsecs: 0}, frame_id: "", seq: 0}, name: [], position: [], velocity: [], effort: []}
+  is_diff: false
+fixed_frame_transforms: []
+world:
+  collision_objects:
+    - header: {frame_id: world}
+      id: boxNUMBER
+      primitives:
+        - type: box
+          dimensions: [0.1, 0.2, 0.3]
+      primitive_poses:
+        - position: [PLACE, 0.5, 0.25]
+          orientation: [0, 0, 0, 1]
+      operation: add
+    - id: can
+      primitives: [{type: cylinder, dimensions: [0.2, 0.03]}]
+      primitive_poses: [{position: [0, PLACE, 0.1], orientation: [0, 0, 0, 1]}]
+is_diff: false
+)";
+  return std::regex_replace(std::regex_replace(scene, std::regex("PLACE"), std::to_string(0.1 * number)),
+                            std::regex("NUMBER"), std::to_string(number));
+}
+
+std::string written_request(int number) {
+  std::string names, positions, goals;
+  for (int joint = 1; joint <= 7; ++joint) {
+    const std::string name = "arm7_joint" + std::to_string(joint);
+    names += (joint > 1 ? ", " : "") + name;
+    positions += (joint > 1 ? ", " : "") + std::to_string(0.05 * joint);
+    goals += "      - {joint_name: " + name + ", position: " + std::to_string(0.1 * joint - 0.05 * number) +
+             ", tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}\n";
+  }
+  return R"(workspace_parameters:
+  header: {frame_id: world}
+  min_corner: [-2, -2, -2]
+  max_corner: [2, 2, 2]
+planner_id: RRTConnect
+group_name: arm
+num_planning_attempts: 1
+allowed_planning_time: 60
+max_velocity_scaling_factor: 1
+max_acceleration_scaling_factor: 1
+start_state:
+  is_diff: false
+  joint_state:
+    name: [)" +
+         names + "]\n    position: [" + positions + "]\ngoal_constraints:\n  - joint_constraints:\n" + goals;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_directory_of_problems_can_be_read) {
+  constexpr int problems = 20;
+  const TemporaryDirectory directory;
+  for (int k = 1; k <= problems; ++k) {
+    const std::string number = std::to_string(1000 + k);
+    directory.write("shelf_arm7/scene" + number + ".yaml", written_scene(k));
+    directory.write("shelf_arm7/request" + number + ".yaml", written_request(k));
+  }
+  const ProblemCounts counts = read_problems(directory.path());
+  BOOST_TEST(counts.scenes == problems);
+  BOOST_TEST(counts.requests == problems);
+  Scene scene;
+  apply(read_moveit_scene(directory.path("shelf_arm7/scene1003.yaml")), scene);
+  check_near(scene.object_pose("box3").p, {0.3, 0.5, 0.25});
+  const RequestFile request = read_moveit_request(directory.path("shelf_arm7/request1003.yaml"));
+  BOOST_TEST(std::abs(request.goals[0].joints[6].position - 0.55) < 1e-6);
+  BOOST_TEST(std::abs(request.start_state.joints.at("arm7_joint2") - 0.1) < 1e-6);
+}
+
 BOOST_AUTO_TEST_CASE(every_motion_bench_maker_problem_can_be_read) {
   if (mbm_directory().empty()) {
     BOOST_TEST_MESSAGE("skipped: SRMP_MBM_DIR is not set");
@@ -337,19 +437,7 @@ BOOST_AUTO_TEST_CASE(every_motion_bench_maker_problem_can_be_read) {
       BOOST_TEST_MESSAGE("skipped: no problems of " << robot << " in SRMP_MBM_DIR");
       continue;
     }
-    int scenes = 0, requests = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(problems)) {
-      const std::string name = entry.path().filename().string();
-      if (name.starts_with("scene") && name.ends_with(".yaml")) {
-        Scene scene;
-        apply(read_moveit_scene(entry.path().string()), scene);
-        scenes += !scene.objects().empty();
-      } else if (name.starts_with("request") && name.ends_with(".yaml")) {
-        const RequestFile request = read_moveit_request(entry.path().string());
-        requests +=
-            request.goals.size() == 1 && request.goals[0].joints.size() >= 6 && !request.start_state.joints.empty();
-      }
-    }
+    const auto [scenes, requests] = read_problems(problems);
     BOOST_TEST(scenes >= 350);
     BOOST_TEST(requests >= 350);
     BOOST_TEST(scenes == requests);

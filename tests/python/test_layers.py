@@ -261,3 +261,11 @@ def test_functions_fit_a_screen():
 def test_few_headers_are_installed():
     installed = {file for file in SOURCES[0].rglob("*") if file.is_file()}
     assert len(installed) <= 40, "the public face grows: is all of this for users?"
+
+
+def test_what_the_moveit_plugin_includes_is_compiled_as_cpp17():
+    def included(*files):
+        return {name for file in files for name in re.findall(r"#include [<\"](srmp/[^>\"]+)", file.read_text())}
+
+    plugin = (ROOT / "moveit").rglob("*.[hc]pp")
+    assert included(*plugin) == included(ROOT / "tests" / "support" / "cxx17.cpp") != set()

@@ -1,6 +1,7 @@
 """plan_linear and follow: what is said in docs/motions-along-poses.md, and every bad argument."""
 
 import pickle
+import time
 
 import numpy as np
 import pytest
@@ -99,6 +100,15 @@ def test_time_limits_and_ctrl_c_hold_here_too(arm_alone):
     with pytest.raises(srmp.PlanningError, match="time limit") as caught:
         arm_alone.plan_linear(START, moved(here, [0, 0.2, 0]))
     assert caught.value.status == srmp.Status.timed_out
+
+
+def test_the_proof_of_a_tiny_tolerance_ends_with_the_time_limit(arm_alone):
+    arm_alone.make_planner("arm", {"planner_id": "auto", "time_limit": 0.2})
+    here = arm_alone.compute_fk("arm", START)
+    began = time.process_time()
+    with pytest.raises(srmp.PlanningError, match=r"time limit|cannot be"):
+        arm_alone.plan_linear(START, moved(here, [0, 0.2, 0]), max_deviation=1e-10, max_rotation=1e-10)
+    assert time.process_time() - began < 5  # it took minutes
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@
 #include "support/amount.hpp"
 #include "support/data.hpp"
 #include "support/files.hpp"
+#include "support/mesh_arm.hpp"
 #include "support/throws.hpp"
 
 using namespace srmp;
@@ -374,13 +375,13 @@ BOOST_AUTO_TEST_CASE(covers_reject_unsupported_geometry_and_invalid_options) {
   check_throws<NotSupported>([&] { store.cover(swept); }, "padding");
 }
 
-BOOST_AUTO_TEST_CASE(covers_of_real_robots_contain_them) {
-  const std::array<std::pair<const char*, const char*>, 3> robots{
-      {{"ur5", "tool0"}, {"panda", "panda_hand"}, {"fetch", "gripper_link"}}};
+BOOST_AUTO_TEST_CASE(covers_of_robots_of_meshes_contain_them) {
+  const std::array<std::pair<const char*, const char*>, 4> robots{
+      {{"arm7 of meshes", ""}, {"ur5", "tool0"}, {"panda", "panda_hand"}, {"fetch", "gripper_link"}}};
   for (std::size_t k = 0; k < amount(robots.size()); ++k) {
     const auto& [name, end_effector] = robots[k];
-    const RobotDescription description = mbm_robot(name, end_effector);
-    if (description.urdf_path.empty()) return;
+    const RobotDescription description = k == 0 ? mesh_arm::description() : mbm_robot(name, end_effector);
+    if (description.urdf_path.empty()) continue;
     const auto robot = RobotModel::load(description);
     CoverStore store("");
     // Coarser than the default: the proof is the same, with fewer spheres to compute.

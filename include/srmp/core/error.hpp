@@ -10,10 +10,13 @@
 
 namespace srmp {
 
-/// Base class of all exceptions of this library. The text is one sentence that says what is wrong and what is allowed.
+/// Base class of all exceptions of this library. The text is one sentence that says what is wrong and what is allowed:
+/// one line of UTF-8, shorter than 500 characters.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// Control characters of `text` count as spaces, bytes that are no UTF-8 are escaped, and what is too long loses its
+  /// middle.
+  explicit Error(const std::string& text);
 };
 
 /// An argument is invalid (Python: also a ValueError). The call changed nothing.

@@ -157,10 +157,16 @@ struct RRTConnect {
 
 /// Many robots: the least sum of costs on their lattices.
 /// Literature: CBS: Sharon, Stern, Felner, Sturtevant 2015.
-/// Guarantee: sum of costs = optimum.
+/// Guarantee: sum of costs = optimum, without `independence_detection`.
 struct CBS {
   CommonOptions common{};
   RobotOptionMap robots{};
+  /// Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+  /// otherwise all robots that can reach each other are.
+  bool independence_detection{false};
+  /// After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+  /// move as before.
+  bool large_neighbourhood_search{true};
   /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
   /// [> 0 and <= 1024].
   int num_threads{1};
@@ -168,7 +174,7 @@ struct CBS {
 
 /// Many robots: sum of costs within a bound.
 /// Literature: ECBS: Barer, Sharon, Stern, Felner 2014.
-/// Guarantee: sum of costs <= product of its three factors * optimum.
+/// Guarantee: sum of costs <= product of its three factors * optimum, without `independence_detection`.
 struct ECBS {
   CommonOptions common{};
   RobotOptionMap robots{};
@@ -178,6 +184,12 @@ struct ECBS {
   double high_level_focal_suboptimality{1.3};
   /// The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1].
   double low_level_focal_suboptimality{1.3};
+  /// Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+  /// otherwise all robots that can reach each other are.
+  bool independence_detection{false};
+  /// After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+  /// move as before.
+  bool large_neighbourhood_search{true};
   /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
   /// [> 0 and <= 1024].
   int num_threads{1};
@@ -185,7 +197,7 @@ struct ECBS {
 
 /// Many robots: ECBS that reuses its previous searches; quick.
 /// Literature: xECBS: Shaoul, Mishani, Likhachev, Li 2024.
-/// Guarantee: sum of costs <= product of its three factors * optimum.
+/// Guarantee: none beforehand; sum of costs <= `bound` of its statistics * optimum.
 struct XECBS {
   CommonOptions common{};
   RobotOptionMap robots{};
@@ -195,7 +207,12 @@ struct XECBS {
   double high_level_focal_suboptimality{1.3};
   /// The focal list of each robot's low-level search holds the states within this factor of its lower bound [>= 1].
   double low_level_focal_suboptimality{1.3};
-  int improve_rounds{0};
+  /// Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+  /// otherwise all robots that can reach each other are.
+  bool independence_detection{true};
+  /// After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+  /// move as before.
+  bool large_neighbourhood_search{true};
   /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
   /// [> 0 and <= 1024].
   int num_threads{1};
@@ -209,6 +226,12 @@ struct Prioritised {
   RobotOptionMap robots{};
   /// This weight inflates the heuristic of each robot's low-level search [>= 1].
   double weight_low_level_heuristic{50.0};
+  /// Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
+  /// otherwise all robots that can reach each other are.
+  bool independence_detection{true};
+  /// After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
+  /// move as before.
+  bool large_neighbourhood_search{true};
   /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
   /// [> 0 and <= 1024].
   int num_threads{1};
@@ -300,6 +323,10 @@ Improvement improvement(const PlannerOptions& options);
 
 /// 1 for planners without that option.
 int num_threads(const PlannerOptions& options);
+/// True for planners without that option.
+bool independence_detection(const PlannerOptions& options);
+/// The same.
+bool large_neighbourhood_search(const PlannerOptions& options);
 
 /// PlannerInfo::id of the planner that these options are for.
 std::string planner_id(const PlannerOptions& options);

@@ -62,6 +62,8 @@ struct PlanStatistics {
   // Of plan_multi, whose costs are sums over the robots and whose goal_index says nothing.
   std::map<std::string, double> robot_cost_rad;  ///< path_cost_rad of each robot, by name
   std::uint64_t tree_nodes{};                    ///< nodes of the constraint tree
+  bool independence_detection{};                 ///< robots that did not conflict kept the paths found for each alone
+  bool large_neighbourhood_search{};             ///< paths planned jointly were rerouted, one robot at a time
   double makespan_s{};                           ///< [s] until the last robot is at its goal
   double flow_time_s{};                          ///< [s] sum over the robots of the times until each is
 };

@@ -68,15 +68,19 @@ struct SampledInterval {
 struct CartesianTolerance {
   double position{1e-3};          ///< of the link's origin [m], > 0
   double rotation{M_PI / 360.0};  ///< [rad], > 0; half a degree
+#if __cplusplus >= 202002L        // MoveIt 1 is C++17
   bool operator==(const CartesianTolerance&) const = default;
+#endif
 };
 
 /// How far a link leaves the poses that it follows, at most: proved over the whole motion, not at samples.
 struct CartesianDeviation {
-  double position{};  ///< of the link's origin [m]
-  double rotation{};  ///< [rad]
-  double time{};      ///< [s] about when it is farthest away, as fractions of the tolerance
+  double position{};        ///< of the link's origin [m]
+  double rotation{};        ///< [rad]
+  double time{};            ///< [s] about when it is farthest away, as fractions of the tolerance
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const CartesianDeviation&) const = default;
+#endif
 };
 
 /// What is known of a trajectory, found by code that is independent of the code that made it.

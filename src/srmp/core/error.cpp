@@ -68,6 +68,8 @@ std::size_t edit_distance(std::string_view raw_a, std::string_view raw_b) {
   return row.back();
 }
 
+Error::Error(const std::string& text) : std::runtime_error(one_sentence(text)) {}
+
 std::string one_sentence(std::string_view text) { return shortened(one_line(text)); }
 
 const std::string* nearest_name(std::string_view name, std::span<const std::string> known) {

@@ -32,8 +32,7 @@ class IndependenceDetection {
     world_ = std::make_unique<MultiRobotWorld>(problem_.checkers.planning, tasks(std::move(alone)), lattice);
     world_->stop_at(deadline_);
     planner_ = std::make_unique<GroupPlanner>(*world_, problem_.options);
-    statistics_.bound_graph = "the robots' " + describe_lattices(*world_, problem_.options) + ", in steps of " +
-                              to_text(world_->step_time()) + " s, waiting counted";
+    statistics_.bound_graph = graph_of_bound();
     find_groups();
     smooth();
     improve();
@@ -72,9 +71,8 @@ class IndependenceDetection {
   // --- groups
 
   void find_groups() {
-    const bool apart_first =
-        !std::holds_alternative<CBS>(problem_.options) && !std::holds_alternative<ECBS>(problem_.options);
-    if (apart_first)
+    statistics_.independence_detection = independence_detection(problem_.options);
+    if (statistics_.independence_detection)
       for (std::size_t i = 0; i < count_; ++i) add_group(alone(i));
     else
       add_groups(connected());
@@ -183,7 +181,9 @@ class IndependenceDetection {
     for (std::size_t g = 0; g < groups_.size(); ++g)
       if (groups_[g].found.path.robots.size() > 1) coupled.push_back(g);
     if (coupled.empty()) return;
-    if (common_.shortcut || more.requested())
+    statistics_.large_neighbourhood_search =
+        more.requested() || (common_.shortcut && large_neighbourhood_search(problem_.options));
+    if (statistics_.large_neighbourhood_search)
       try_for(coupled, until, [&](const Group& group, const Deadline& deadline, PlanStatistics& statistics) {
         const PhaseTimer timer(deadline, statistics.shortcut_time_s);
         return FoundPath{.path = planner_->reroute_each(group.smoothed, deadline), .found_by = group.found.found_by};
@@ -229,6 +229,13 @@ class IndependenceDetection {
     std::vector<JointPath> paths;
     for (const Group& group : groups_) paths.push_back(group.smoothed);
     return paths;
+  }
+
+  /// xECBS proves no more than that no path is shorter than the straight line.
+  std::string graph_of_bound() const {
+    if (std::holds_alternative<XECBS>(problem_.options)) return "every path";
+    return "the robots' " + describe_lattices(*world_, problem_.options) + ", in steps of " +
+           to_text(world_->step_time()) + " s, waiting counted";
   }
 
   /// Zero where nothing is proven.

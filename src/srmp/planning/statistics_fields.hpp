@@ -47,6 +47,8 @@ template <class Statistics, class F>
 void for_each_multi_field(Statistics& s, F&& f) {
   f("robot_cost_rad", s.robot_cost_rad);
   f("tree_nodes", s.tree_nodes);
+  f("independence_detection", s.independence_detection);
+  f("large_neighbourhood_search", s.large_neighbourhood_search);
   f("makespan_s", s.makespan_s);
   f("flow_time_s", s.flow_time_s);
 }

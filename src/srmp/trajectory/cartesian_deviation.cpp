@@ -25,11 +25,12 @@ void take_larger(CartesianDeviation& sum, double position, double rotation, cons
 
 CartesianDeviationProof::CartesianDeviationProof(const RobotModel& robot, const Eigen::VectorXd& other_positions,
                                                  std::size_t link, const CartesianPath& path,
-                                                 const CartesianTolerance& tolerance)
+                                                 const CartesianTolerance& tolerance, const Deadline& deadline)
     : robot_(robot),
       link_(link),
       path_(path),
       tolerance_(tolerance),
+      deadline_(deadline),
       data_(robot.make_data(other_positions)),
       travel_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()))),
       turn_(travel_),
@@ -60,6 +61,8 @@ CartesianDeviationProof::CartesianDeviationProof(const RobotModel& robot, const 
 
 CartesianDeviationProof::End CartesianDeviationProof::end_at(std::span<const detail::Cubic> joints, double time,
                                                              std::size_t first, double ahead) {
+  constexpr std::uint64_t period = 256;  // some tenths of a millisecond
+  if (++ends_ % period == 0) stop_if_late(deadline_, "the deviation from the Cartesian path was proved");
   for (std::size_t j = 0; j < joints.size(); ++j) q_[static_cast<Eigen::Index>(j)] = joints[j].position(time);
   robot_.forward(*data_, q_);
   const Pose pose = Pose::from_isometry(robot_.link_pose(*data_, link_));
@@ -136,7 +139,7 @@ CartesianDeviation prove_cartesian_deviation(const Trajectory& trajectory, const
                                              const CartesianTolerance& tolerance, const Deadline& deadline) {
   const CartesianPath in_base = path.seen_from(robot.base);
   const std::size_t number = robot.model->link_index(link.empty() ? robot.model->end_effector() : link);
-  CartesianDeviationProof proof(*robot.model, robot.other_positions, number, in_base, tolerance);
+  CartesianDeviationProof proof(*robot.model, robot.other_positions, number, in_base, tolerance, deadline);
   CartesianDeviation worst;
   std::vector<detail::Cubic> cubics(trajectory.dof());
   std::size_t segment = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -19,9 +20,10 @@ namespace srmp {
 /// velocities and accelerations and the farthest that the link can be from each joint's axis.
 class CartesianDeviationProof {
  public:
-  /// The path is in the robot's base frame; model and path outlive this.
+  /// The path is in the robot's base frame; model, path and deadline outlive this. At the deadline, `over` throws
+  /// PlanningError (timed_out, cancelled): the smaller the tolerance, the longer it takes.
   CartesianDeviationProof(const RobotModel& robot, const Eigen::VectorXd& other_positions, std::size_t link,
-                          const CartesianPath& path, const CartesianTolerance& tolerance);
+                          const CartesianPath& path, const CartesianTolerance& tolerance, const Deadline& deadline);
 
   /// Of the motion of all joints, each along its cubic, which take the same time. `segment` is where on the path it
   /// begins, and afterwards where it ends. The time is from the beginning of the cubics.
@@ -53,6 +55,8 @@ class CartesianDeviationProof {
   const std::size_t link_;
   const CartesianPath& path_;
   const CartesianTolerance tolerance_;
+  const Deadline& deadline_;
+  std::uint64_t ends_{};  // that were looked at
   RobotDataPtr data_;
   std::vector<std::size_t> chain_;  // numbers of the actuated joints that move the link, parents before children
   std::vector<double> reach_;       // of each: the link's origin is never farther from its axis [m]

@@ -22,7 +22,8 @@ CartesianGraph::CartesianGraph(RobotContext& context, const Eigen::VectorXd& sta
     : context_(context),
       path_(path),
       options_(options),
-      deviation_(context.robot, context.checks.checker().other_positions(), options.link, path, options.tolerance),
+      deviation_(context.robot, context.checks.checker().other_positions(), options.link, path, options.tolerance,
+                 context.deadline),
       data_(context.robot.make_data(context.checks.checker().other_positions())),
       table_(context.robot.dof() + 1) {
   std::uint64_t moving = 0;  // planned joints that move the link

@@ -43,6 +43,24 @@ int num_threads(const PlannerOptions& options) {
       options);
 }
 
+bool independence_detection(const PlannerOptions& options) {
+  return std::visit(
+      [](const auto& typed) {
+        if constexpr (requires { typed.independence_detection; }) return typed.independence_detection;
+        return true;
+      },
+      options);
+}
+
+bool large_neighbourhood_search(const PlannerOptions& options) {
+  return std::visit(
+      [](const auto& typed) {
+        if constexpr (requires { typed.large_neighbourhood_search; }) return typed.large_neighbourhood_search;
+        return true;
+      },
+      options);
+}
+
 const CommonOptions& common_options(const PlannerOptions& options) {
   return std::visit([](const auto& typed) -> const CommonOptions& { return typed.common; }, options);
 }

@@ -87,6 +87,20 @@ OptionSpec low_level_weight() {
 }
 
 template <class Planner>
+OptionSpec independence_detection() {
+  return option("independence_detection", &Planner::independence_detection, anything(),
+                "Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are "
+                "planned jointly; otherwise all robots that can reach each other are.");
+}
+
+template <class Planner>
+OptionSpec large_neighbourhood_search() {
+  return option("large_neighbourhood_search", &Planner::large_neighbourhood_search, anything(),
+                "After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while "
+                "the others move as before.");
+}
+
+template <class Planner>
 std::vector<OptionSpec> conflict_options() {
   return {
       low_level_weight<Planner>(),
@@ -94,6 +108,8 @@ std::vector<OptionSpec> conflict_options() {
              "The focal list of the constraint tree holds the nodes within this factor of the lower bound."),
       option("low_level_focal_suboptimality", &Planner::low_level_focal_suboptimality, at_least(1.0),
              "The focal list of each robot's low-level search holds the states within this factor of its lower bound."),
+      independence_detection<Planner>(),
+      large_neighbourhood_search<Planner>(),
       robot_threads<Planner>(),
   };
 }
@@ -251,9 +267,9 @@ RegisteredPlanner conflict_based_search() {
                        .class_name = "CBS",
                        .summary = "many robots: the least sum of costs on their lattices",
                        .papers = "CBS: Sharon, Stern, Felner, Sturtevant 2015",
-                       .guarantee = "sum of costs = optimum",
+                       .guarantee = "sum of costs = optimum, without `independence_detection`",
                        .many_robots = true},
-                      {robot_threads<CBS>()});
+                      {independence_detection<CBS>(), large_neighbourhood_search<CBS>(), robot_threads<CBS>()});
 }
 
 RegisteredPlanner enhanced_cbs() {
@@ -261,7 +277,8 @@ RegisteredPlanner enhanced_cbs() {
                         .class_name = "ECBS",
                         .summary = "many robots: sum of costs within a bound",
                         .papers = "ECBS: Barer, Sharon, Stern, Felner 2014",
-                        .guarantee = "sum of costs <= product of its three factors * optimum",
+                        .guarantee = "sum of costs <= product of its three factors * optimum, without "
+                                     "`independence_detection`",
                         .many_robots = true},
                        conflict_options<ECBS>());
 }
@@ -271,7 +288,7 @@ RegisteredPlanner experience_accelerated_ecbs() {
                          .class_name = "XECBS",
                          .summary = "many robots: ECBS that reuses its previous searches; quick",
                          .papers = "xECBS: Shaoul, Mishani, Likhachev, Li 2024",
-                         .guarantee = "sum of costs <= product of its three factors * optimum",
+                         .guarantee = "none beforehand; sum of costs <= `bound` of its statistics * optimum",
                          .many_robots = true},
                         conflict_options<XECBS>());
 }
@@ -283,7 +300,8 @@ RegisteredPlanner prioritised() {
                                .papers = "priority-based search: Ma, Harabor, Stuckey, Li, Koenig 2019",
                                .guarantee = "none; it may find no path where there is one",
                                .many_robots = true},
-                              {low_level_weight<Prioritised>(), robot_threads<Prioritised>()},
+                              {low_level_weight<Prioritised>(), independence_detection<Prioritised>(),
+                               large_neighbourhood_search<Prioritised>(), robot_threads<Prioritised>()},
                               {"prioritized", "pbs", "pp"});
 }
 
