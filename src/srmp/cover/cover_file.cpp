@@ -155,7 +155,7 @@ Sha256 cover_key(std::string_view what) {
 }
 
 void add_levels(Sha256& hash, const CoverLevels& levels) {
-  for (const double x : {levels.coarse, levels.fine, levels.closing}) hash.add(x);
+  for (const double x : {levels.coarse, levels.fine, levels.closing, levels.full_size}) hash.add(x);
   hash.add(static_cast<std::uint64_t>(levels.inner));
 }
 

@@ -30,6 +30,15 @@ CoverSolid checked_solid(const coal::CollisionGeometry& shape, const CoverLevels
   return solid_of(content_of(shape), levels.closing);
 }
 
+/// The levels for a geometry whose bounding sphere has this radius. See CoverLevels::full_size.
+CoverLevels levels_for(double radius, CoverLevels levels) {
+  if (radius <= levels.full_size) return levels;
+  const double ratio = radius / levels.full_size, growth = ratio * ratio;  // as the area
+  levels.coarse *= growth;
+  levels.fine *= growth;
+  return levels;
+}
+
 }  // namespace
 
 void require_levels(const CoverLevels& levels) {
@@ -38,6 +47,7 @@ void require_levels(const CoverLevels& levels) {
   if (levels.fine > levels.coarse)
     throw InvalidArgument("cover: the fine inflation (" + to_text(levels.fine) +
                           " m) must not exceed the coarse one (" + to_text(levels.coarse) + " m)");
+  require_positive(levels.full_size, "cover: full_size");
   if (!(levels.closing >= 0) || !std::isfinite(levels.closing))
     throw InvalidArgument("cover: closing must be finite and not negative, got " + to_text(levels.closing));
 }
@@ -53,11 +63,12 @@ void add_content(Sha256& hash, const coal::CollisionGeometry& shape) {
 }
 
 GeometryCoverBuilder::GeometryCoverBuilder(const coal::CollisionGeometry& shape, const CoverLevels& levels)
-    : solid_(checked_solid(shape, levels)), levels_(levels) {
+    : solid_(checked_solid(shape, levels)) {
   cover_.bound = solid_.bounding_sphere();
+  levels_ = levels_for(cover_.bound.radius, levels);
   cover_.exact = dynamic_cast<const coal::Sphere*>(&shape) != nullptr;
   cover_.hollow = dynamic_cast<const coal::BVHModelBase*>(&shape) != nullptr;
-  cover_coarsely(levels.coarse);
+  cover_coarsely(levels_.coarse);
 }
 
 void GeometryCoverBuilder::cover_coarsely(double inflation) {

@@ -34,6 +34,9 @@ struct CoverLevels {
   double fine{0.004};     ///< [m] largest inflation, > 0 and at most coarse
   double closing{0.015};  ///< [m] >= 0: a cover may fill cavities that a sphere of this radius cannot enter
   std::size_t inner{12};  ///< largest number of inner spheres
+  /// [m] > 0: a geometry whose bounding sphere has a larger radius, r, is covered less closely, so that a table takes
+  /// not much longer than a link: both inflations grow by (r / full_size)².
+  double full_size{0.5};
 
   bool operator==(const CoverLevels&) const = default;
 };
