@@ -73,6 +73,42 @@ def errors(browser):
     return [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
 
 
+COUNT_UPDATES = """
+window.updates = 0;  // batches of messages that move something, as the page's own thread gets them
+const Native = window.Worker;
+window.Worker = class extends Native {
+  constructor(...given) {
+    super(...given);
+    this.addEventListener("message", ({ data }) => {
+      if ((data.messages || []).some((message) => message.type === "SetPositionMessage")) updates++;
+    });
+  }
+};
+"""
+
+
+def four_arms():
+    """Four arms that swing for 30 s."""
+    planner = srmp.PlannerInterface()
+    motions = {}
+    for k, name in enumerate("abcd"):
+        planner.add_robot("arm7", name=name, base_pose=srmp.Pose(p=[0, 1.1 * k, 0]))
+        q = planner.get_group_states(name)["ready"]
+        planner.set_qpos(name, q)
+        rows = [q, q - 0.4, q + 0.4, q, q - 0.4, q + 0.4, q]
+        motions[name] = srmp.Trajectory(planner.get_joint_names(name), rows, 5 * np.arange(7))
+    return planner, motions
+
+
+def rate(browser, counter, seconds=3):
+    """How often a counter of the page counts in a second of the page's clock."""
+    script = f"return [performance.now() / 1000, {counter}]"
+    begin, before = browser.execute_script(script)
+    time.sleep(seconds)
+    end, after = browser.execute_script(script)
+    return (after - before) / (end - begin)
+
+
 # --- pages that play without a server
 
 
@@ -96,6 +132,30 @@ def test_a_page_plays_from_a_file(motion_page):
     after = pixels(motion_page)
     assert (of_colour(before, ORANGE) ^ of_colour(after, ORANGE)).sum() > 500  # and elsewhere at the end
     assert not errors(motion_page)
+
+
+def test_a_page_of_four_arms_plays(browser, tmp_path, record_property):
+    """How many frames a second it draws is recorded, not required: that depends on the machine."""
+    planner, motions = four_arms()
+    planner.to_html(tmp_path / "four.html", motions)
+    browser.get(f"file://{tmp_path / 'four.html'}")
+    eventually(lambda: browser.execute_script("return !!window.srmpPlayer"))
+    browser.execute_script(
+        "window.frames_ = 0; const draw = srmpPlayer.picture.draw.bind(srmpPlayer.picture);"
+        "srmpPlayer.picture.draw = (...given) => { frames_++; return draw(...given); }"
+    )
+    browser.find_element("id", "play").click()
+    frames = rate(browser, "frames_")
+    record_property("frames a second", frames)
+    print(f"four arms in a page: {frames:.1f} frames a second")
+    assert frames > 0 and browser.execute_script("return srmpPlayer.time > 0")
+
+
+def test_a_page_has_its_certificate(motion_page):
+    (panel,) = motion_page.find_elements("css selector", "#panels details")
+    assert panel.text == "certificate of 'arm'"
+    panel.find_element("tag name", "summary").click()
+    assert "proved at least" in panel.text and "% of the limit" in panel.text
 
 
 def test_a_page_is_turned_and_scrubbed(motion_page):
@@ -201,3 +261,46 @@ def test_a_failure_is_drawn(browser, viewer):
     eventually(lambda: of_colour(pixels(browser), RED).sum() > 300)
     eventually(lambda: "goal_invalid" in browser.find_element("tag name", "body").text)
     assert "post" in browser.find_element("tag name", "body").text
+
+
+def test_updates_of_four_arms_arrive(browser, record_property):
+    """How many a second is recorded, not required: that depends on the machine."""
+    pytest.importorskip("viser", reason="the viewer needs viser: pip install '.[viewer]'")
+    script = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": COUNT_UPDATES})
+    planner, motions = four_arms()
+    with planner.show(motions, port=0, open_browser=False) as viewer:
+        browser.get(viewer.url)
+        eventually(lambda: browser.execute_script("return updates > 0"), 40)
+        viewer.play()
+        updates = rate(browser, "updates")
+        browser.get("about:blank")
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+    record_property("updates a second", updates)
+    print(f"four arms in the viewer: {updates:.1f} updates a second")
+    assert updates > 0
+
+
+def test_a_constraint_tree_is_drawn(browser):
+    pytest.importorskip("viser", reason="the viewer needs viser: pip install '.[viewer]'")
+    planner = srmp.PlannerInterface()
+    for name, x, yaw in (("left", 0.0, 0.0), ("right", 0.8, np.pi)):
+        planner.add_robot("arm7", name=name, base_pose=srmp.Pose.from_rpy([x, 0, 0], [0, 0, yaw]))
+    planner.make_planner(["left", "right"], srmp.ECBS())
+    over = [srmp.Pose.from_rpy([0.4, y, 0.2], [np.pi, 0, 0]) for y in (0.2, -0.2)]
+    ready = planner.get_group_states("left")["ready"]
+    starts = {name: planner.compute_ik(name, over[k], ready)[0] for k, name in enumerate(("left", "right"))}
+    with srmp.SearchTrace() as trace:
+        planner.plan_multi(starts, {"left": over[1], "right": over[0]})
+    with planner.show(port=0, open_browser=False) as viewer:
+        browser.get(viewer.url)
+        eventually(lambda: (np.ptp(pixels(browser), axis=2) > 0.25).sum() > 1500, 40)
+        viewer.on_seek(0.5 * viewer._motion.duration)
+        time.sleep(1)
+        before = pixels(browser)
+        viewer.show_search(trace)
+        viewer.show_conflict(0)
+        eventually(lambda: (np.abs(pixels(browser) - before).max(axis=2) > 0.15).sum() > 500, 40)
+        eventually(
+            lambda: len(browser.find_elements("css selector", "svg circle title")) == len(trace.constraint_nodes)
+        )
+        browser.get("about:blank")

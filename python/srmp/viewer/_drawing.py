@@ -84,7 +84,7 @@ def appearance(drawing: Drawing, body: Body) -> tuple[Colour, float]:
 
 def _notes(trajectories: Mapping[str, Trajectory]) -> list[str]:
     return [
-        f"{robot}: {one.duration:.2f} s; " + (f"certificate: {summary(one.certificate)}" if one.certificate else "")
+        f"{robot}: {one.duration:.2f} s" + (f"; certificate: {summary(one.certificate)}" if one.certificate else "")
         for robot, one in trajectories.items()
     ]
 

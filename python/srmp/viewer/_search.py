@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from srmp import InvalidArgument, _srmp
 from srmp._files import write_text
+from srmp.viewer._scene import CONTACT
 from srmp.viewer._shapes import Segments
-from srmp.viewer._tree import BLOCKED_COLOUR, conflict_points, drawn_tree, plot_constraints, trees_of
+from srmp.viewer._tree import conflict_points, drawn_tree, plot_constraints, trees_of
 
 __all__ = ["drawing_of", "plot", "plot_constraints", "searched", "sentence", "to_html"]
 
@@ -53,7 +54,7 @@ def searched(planner: PlannerInterface, trace: SearchTrace) -> list[Segments]:
     drawn = [
         Segments("edges in collision", edges[False], BLOCKED),
         Segments("free edges", edges[True], FREE),
-        Segments("conflicts", _crosses(conflicts, _CONFLICT), BLOCKED_COLOUR),
+        Segments("conflicts", _crosses(conflicts, _CONFLICT), CONTACT),
     ]
     shaded = _shaded(np.concatenate(states), np.concatenate(distances)) if states else []
     return [one for one in drawn if len(one.points)] + shaded

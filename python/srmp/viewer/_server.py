@@ -124,9 +124,9 @@ class Viewer:
     def show_search(self, trace: srmp.SearchTrace | None) -> None:
         """Draws what was searched, where the end effector is there; None: no longer. Stays until the next call.
 
-        Of a constraint tree, the panel has the tree with a slider for its nodes: the robots stand where the first
-        conflict of the chosen node is, with the touching links marked. Raises InvalidArgument where neither a lattice
-        nor a constraint tree was searched, and UnknownRobot where the scene has not its robot.
+        Of a constraint tree, the panel has the tree with a slider for its nodes, as show_conflict. Raises
+        InvalidArgument where neither a lattice nor a constraint tree was searched, and UnknownRobot where the scene has
+        not its robot.
         """
         segments = searched(self._world, trace) if trace is not None else []
         with self._server.atomic():
@@ -142,7 +142,9 @@ class Viewer:
         self._panel.say(sentence(trace) if trace is not None else "")
 
     def show_conflict(self, node: int) -> None:
-        """The robots where those of the first conflict at a node of the search's constraint trees are.
+        """Places the robots where the step begins in which the first conflict of a node of a constraint tree is.
+
+        Links that touch there are red; within the step, others may.
 
         node: 0 is the first that was opened. Raises InvalidArgument for a number that is none of a node.
         """

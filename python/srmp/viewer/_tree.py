@@ -18,7 +18,6 @@ from srmp.viewer._scene import copied
 if TYPE_CHECKING:
     from srmp import ConstraintNode, PlannerInterface, SearchTrace
 
-BLOCKED_COLOUR = (0.70, 0.25, 0.18)  # of conflicts
 _CONFLICT, _SOLVED, _LINE = "#b3402e", "#0b7a75", "#4d7389"
 _MAX_NODES = 400  # of a tree, that are drawn as SVG, and whose conflicts are drawn
 _STEP, _HEIGHT, _RADIUS = 14, 26, 4  # of the SVG
@@ -100,7 +99,7 @@ def drawn_tree(nodes: list[ConstraintNode], chosen: ConstraintNode | None = None
             f'<circle cx="{x:.1f}" cy="{y}" r="{_RADIUS}" fill="{_CONFLICT if node.conflicts else _SOLVED}"{ring}>'
             f"<title>{html.escape(f'node {node.number}, cost {node.cost:.3f}: {said(node)}')}</title></circle>"
         )
-    style = f"width: 100%; max-width: {max(width, 120):.0f}px"
+    style = f"display: block; width: 100%; max-width: {max(width, 120):.0f}px"
     return (
         f'<svg viewBox="0 0 {width:.0f} {height}" style="{style}" role="img">{"".join(lines)}{"".join(circles)}</svg>'
         + (f"<div>the first {_MAX_NODES} of {len(nodes)} nodes</div>" if len(nodes) > _MAX_NODES else "")
