@@ -850,3 +850,44 @@ def test_a_refused_request_changes_nothing(world):
     world.refused("no_such_frame", place(position(0, 0, 1, frame="no_such_frame")), start_state=state)
     assert near(world.base().p, 0)
     assert world.planner.object_names == []
+
+
+def test_who_cannot_have_constraints_says_so(world):
+    from srmp.datasets.scene_files import read_request
+
+    hand = world.hand()
+    moving = {"joint_state": {"name": ["arm7_joint1"], "position": [0.0], "velocity": [0.5]}}
+    for request, sentence in (
+        ({"path_constraints": place(position(*hand.p, shape=("sphere", [2.0])))}, "has path_constraints"),
+        ({"start_state": moving}, "begins in motion"),
+    ):
+        world.apply(**request)
+        with pytest.raises(srmp.NotSupported) as caught:
+            read_request(world.planner, "arm", world.directory / "request.yaml")
+        one_sentence(caught, f"the request {sentence}, which is not supported here")
+
+
+# --- the plugin's configuration ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "plugin", "kind"),
+    [
+        ("srmp_planning.yaml", None, None),
+        ("srmp_planning_humble.yaml", "planning_plugin", str),
+        ("srmp_planning_ros2.yaml", "planning_plugins", list),
+    ],
+)
+def test_pipelines_name_planners_and_no_adapter_that_times(name, plugin, kind):
+    """MoveIt 2 reads one text before Jazzy, lists from Jazzy on."""
+    yaml = pytest.importorskip("yaml", reason="pip install '.[test]'")
+    pipeline = yaml.safe_load((DOCS.parents[1] / "moveit" / "config" / "panda" / name).read_text())
+    for options in pipeline["planner_configs"].values():
+        srmp.planner_options(options)
+    assert set(pipeline["panda_arm"]["planner_configs"]) <= set(pipeline["planner_configs"])
+    if plugin:
+        adapters = [key for key in pipeline if key.endswith("adapters")]
+        assert len(adapters) == (2 if kind is list else 1)
+        for key in (plugin, *adapters):
+            assert isinstance(pipeline[key], kind)
+            assert "Parameterization" not in str(pipeline[key])

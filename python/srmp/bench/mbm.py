@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 import srmp
+from srmp._moveit import require_unconstrained
 from srmp._table import format_seconds, format_table
 from srmp.bench.runner import Execution, Progress, Steps, run_rows
 
@@ -238,7 +239,9 @@ class Runner:
         if missing:
             raise srmp.InvalidArgument(f"{problem.request}: the start has no position for joint '{missing[0]}'.")
         # The requests also place joints that these URDFs hold fixed (fingers, wheels): those are left out.
-        return planner, planner.apply_moveit_request(self._files.name, request)
+        moveit_problem = planner.apply_moveit_request(self._files.name, request)
+        require_unconstrained(moveit_problem, problem.request)
+        return planner, moveit_problem
 
     def run(self, problem: Problem) -> dict[str, Any]:
         """One row of the result file. Only problems that cannot even be set up raise."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import srmp
+from srmp._moveit import require_unconstrained
 from srmp.datasets.scene import SceneObject
 
 
@@ -73,6 +74,7 @@ def read_request(planner: srmp.PlannerInterface, robot: str, path: Path) -> tupl
     """The start of a MoveIt request, and the pose of the end effector at its first goal."""
     request = srmp.load_moveit_request(str(path))
     problem = planner.apply_moveit_request(robot, request)
+    require_unconstrained(problem, path)
     goal = problem.goals[0]
     target = goal.targets[0]
     pose = planner.compute_fk(robot, target) if goal.type == srmp.GoalType.JOINTS else srmp.Pose(target[:3], target[3:])
