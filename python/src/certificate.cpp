@@ -99,7 +99,9 @@ void bind_faults(nb::module_& m) {
       .value("start", FaultKind::start, "It does not begin at the given start.")
       .value("goal", FaultKind::goal, "It does not end at the given goal.")
       .value("not_at_rest", FaultKind::not_at_rest, "Its velocity at the start or end is not 0, though it should be.")
-      .value("constraint", FaultKind::constraint, "It breaks a path constraint, or is not proved to keep it.");
+      .value("constraint", FaultKind::constraint, "It breaks a path constraint, or is not proved to keep it.")
+      .value("clearance", FaultKind::clearance,
+             "It comes closer to something than the clearance that was asked for allows.");
 
   nb::class_<Fault> fault(m, "Fault", "Something that is wrong, and where.");
   fault.def_ro("kind", &Fault::kind, "The kind of the fault.")
@@ -180,6 +182,63 @@ void bind_parts(nb::module_& m) {
       });
 }
 
+void bind_clearance(nb::module_& m) {
+  nb::class_<RelaxedClearance> relaxed(m, "RelaxedClearance",
+                                       "Two bodies that are closer to each other than the required clearance near an "
+                                       "end of a motion, where they need not\nkeep it.");
+  relaxed.def_ro("body_a", &RelaxedClearance::body_a, "Link (or attached object) of the robot.")
+      .def_ro("body_b", &RelaxedClearance::body_b, "Object, link of the same robot, or 'robot/link' of another.")
+      .def_ro("clearance", &RelaxedClearance::clearance, "At that end, less the padding: the least [m].")
+      .def_ro("from_time", &RelaxedClearance::from, "Begin of the part over which they are closer [s].")
+      .def_ro("to_time", &RelaxedClearance::to, "End of that part [s].")
+      .def("__repr__", [](const RelaxedClearance& r) {
+        return "RelaxedClearance(" + r.body_a + " and " + r.body_b + ": " + to_text(r.clearance) + " m)";
+      });
+  make_value(
+      relaxed,
+      [](const RelaxedClearance& r) {
+        return nb::make_tuple(r.body_a, r.body_b, plain(r.clearance), plain(r.from), plain(r.to));
+      },
+      [](const State& s) {
+        return RelaxedClearance{nb::cast<std::string>(s[0]), nb::cast<std::string>(s[1]), number(s[2]), number(s[3]),
+                                number(s[4])};
+      });
+
+  nb::class_<ClearanceKept> kept(m, "ClearanceKept", "How a motion keeps the clearance that was required of it.");
+  kept.def_ro("required", &ClearanceKept::required, "The option `clearance` [m].")
+      .def_ro("from_time", &ClearanceKept::from,
+              "[s]: from here to `to_time` no pair of bodies comes closer than `required`, also between samples: this "
+              "is proved.\nThe whole motion, if both ends keep it.")
+      .def_ro("to_time", &ClearanceKept::to, "The end of that part [s].")
+      .def_ro("violation", &ClearanceKept::violation,
+              "[m] the most by which a pair breaks the rule: between `from_time` and `to_time`, by which it is closer "
+              "than\n`required`; before and after, at samples, by which a pair that is closer comes closer still on "
+              "its way from the\nstart or back from the end (beyond a tolerance of 0.02 mm), or is closer though it "
+              "was not at the end. 0: the rule\nis kept.")
+      .def_ro("relaxed", &ClearanceKept::relaxed, "RelaxedClearances near the ends, those of the start first.")
+      .def_ro(
+          "close_links", &ClearanceKept::close_links,
+          "Pairs of the robot's links, 'a and b', that only may not touch: they are built closer to each other than "
+          "`required`,\nand are closer in at least half of the robot's configurations.")
+      .def("__repr__", [](const ClearanceKept& k) {
+        return "ClearanceKept(" + to_text(k.required) + " m, violation " + to_text(k.violation) + " m)";
+      });
+  make_value(
+      kept,
+      [](const ClearanceKept& k) {
+        return nb::make_tuple(plain(k.required), plain(k.from), plain(k.to), plain(k.violation), k.relaxed,
+                              k.close_links);
+      },
+      [](const State& s) {
+        return ClearanceKept{number(s[0]),
+                             number(s[1]),
+                             number(s[2]),
+                             number(s[3]),
+                             nb::cast<std::vector<RelaxedClearance>>(s[4]),
+                             nb::cast<std::vector<std::string>>(s[5])};
+      });
+}
+
 std::string repr(const Certificate& c) {
   if (!c.holds())
     return "Certificate(" + std::to_string(c.faults.size()) + (c.faults.size() == 1 ? " fault: " : " faults, first: ") +
@@ -194,7 +253,7 @@ nb::tuple state(const Certificate& c) {
                         plain(c.checked_from), plain(c.clearance), plain(c.clearance_time), c.body_a, c.body_b,
                         plain(c.clearance_proved), c.sampled, plain(c.deviation), plain(c.deviation_time),
                         plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s), c.cartesian_deviation,
-                        c.constraints);
+                        c.constraints, c.clearance_kept);
 }
 
 Certificate from_state(const State& s) {
@@ -218,6 +277,7 @@ Certificate from_state(const State& s) {
           .deviation_time = number(s[15]),
           .cartesian_deviation = nb::cast<std::optional<CartesianDeviation>>(s[20]),
           .constraints = nb::cast<std::vector<ConstraintDeviation>>(s[21]),
+          .clearance_kept = nb::cast<std::optional<ClearanceKept>>(s[22]),
           .goal_error = number(s[16]),
           .bound = number(s[17]),
           .bound_graph = text(18),
@@ -231,6 +291,7 @@ void bind_certificate(nb::module_& m) {
   bind_default_limits(m);
   bind_faults(m);
   bind_parts(m);
+  bind_clearance(m);
   nb::class_<Certificate> cls(m, "Certificate",
                               "What is known of a trajectory, found by code that is independent of the code that made "
                               "it. All of it is about the\n"
@@ -248,8 +309,9 @@ void bind_certificate(nb::module_& m) {
           },
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
           "All fields as names, numbers and lists, as in files; infinity and NaN are the texts 'inf', '-inf' and "
-          "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed, and no key\n"
-          "'constraints' where there were no path constraints.")
+          "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed, no key\n"
+          "'constraints' where there were no path constraints, and no key 'clearance_kept' where no clearance was "
+          "required.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
       .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was verified against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
@@ -275,6 +337,8 @@ void bind_certificate(nb::module_& m) {
               "CartesianDeviation from the poses that were to be followed; None: there were none.")
       .def_ro("constraints", &Certificate::constraints,
               "A ConstraintDeviation for each path constraint of the request.")
+      .def_ro("clearance_kept", &Certificate::clearance_kept,
+              "ClearanceKept: how the motion keeps the option `clearance`; None: no clearance was required.")
       .def_ro("goal_error", &Certificate::goal_error,
               "Joint goals: of the worst joint [rad or m]; poses: over tolerance [m, rad]; NaN: no goal was given.")
       .def_ro("bound", &Certificate::bound,

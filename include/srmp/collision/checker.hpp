@@ -57,6 +57,10 @@ struct CheckerOptions {
   std::vector<std::string> other_robots{};     ///< robots that move too: their joints follow in a configuration
   std::vector<std::string> excluded_robots{};  ///< robots left out, with all that they hold
   bool other_robots_only{};  ///< only what the robot and `other_robots` do to each other is a collision
+  /// Bodies that come closer than this to each other collide [m, >= 0]: links of one robot and what it holds too, and
+  /// beyond the padding of those that have one. Of two links that are built closer to each other, so that they are in
+  /// at least half of the robot's configurations (by 32 samples), only contact counts.
+  double clearance{};
   /// Where tables of pairs of links are looked up (not by CheckMode::coal); nullptr: nowhere.
   std::shared_ptr<PairTableStore> pair_tables{};
 };
@@ -118,7 +122,8 @@ struct MotionQuery {
 /// robots do among themselves. Joint limits are not checked.
 ///
 /// Bodies collide when they touch (are within 1 µm of each other) or come within the sum of their paddings; links of
-/// one robot and what it holds have no padding towards each other. Two bodies that never move relative to each other
+/// one robot and what it holds have no padding towards each other. CheckerOptions::clearance is added to the padding of
+/// each pair, theirs too. Two bodies that never move relative to each other
 /// (the base on its table, an object in the gripper) are checked once, without padding, and collide only when they
 /// overlap by more than `touching_tolerance`: things may stand on things.
 ///
@@ -172,8 +177,9 @@ class Checker {
   const RobotModel& robot() const;  ///< the planned robot
   std::size_t dof() const;          ///< of a configuration: joints of the robot and of CheckerOptions::other_robots
   const Pose& base() const;         ///< of the robot, in the world
-  const Eigen::VectorXd& other_positions() const;  ///< where the robot's joints that are not planned stand
-  CheckMode mode() const { return mode_; }         ///< of the options
+  const Eigen::VectorXd& other_positions() const;       ///< where the robot's joints that are not planned stand
+  CheckMode mode() const { return mode_; }              ///< of the options
+  double clearance_kept() const { return clearance_; }  ///< CheckerOptions::clearance [m]
   /// (dof,): how far a unit of each joint moves any point of the robots, or of what they hold, at most, wherever the
   /// joints stand within their limits [m/rad; prismatic joints 1].
   Eigen::VectorXd reach() const { return do_reach(); }
@@ -228,8 +234,8 @@ class Checker {
 
  protected:
   /// Reads the robot, and CheckerOptions::other_robots, from the scene, which need not outlive this. Throws
-  /// InvalidArgument for unknown robots (with the nearest name), for one named twice, and for more than 64 actuated
-  /// joints together.
+  /// InvalidArgument for unknown robots (with the nearest name), for one named twice, for more than 64 actuated joints
+  /// together, and for a clearance below 0 or not finite.
   Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options);
 
   /// The kinematics of the robots; for backends inside the library.
@@ -265,6 +271,7 @@ class Checker {
   struct Robots;
   std::unique_ptr<const Robots> robots_;
   CheckMode mode_;
+  double clearance_;
 };
 
 /// Makes a checker of a robot of a scene. A collision backend is plugged in as one of these.

@@ -54,6 +54,12 @@ struct CommonOptions {
   std::string timing{"toppra"};
   /// No point of the robot leaves the checked path by more than this distance at a rounded corner [m, >= 0].
   double blend_deviation{0.005};
+  /// The path keeps this clearance from everything, and the robot's links from each other; a pair that is closer at the
+  /// start or at the goal does not come closer on the way from or to there [m, >= 0].
+  double clearance{0.0};
+  /// Shortening the path and rounding its corners give away no clearance below this that the searched path had
+  /// [m, >= 0].
+  double preferred_clearance{0.0};
   /// Code that is independent of the planner verifies the trajectory and attaches a certificate.
   bool certify{true};
 };

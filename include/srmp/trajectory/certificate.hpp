@@ -27,6 +27,7 @@ enum class FaultKind {
   goal,         ///< it does not end at the given goal
   not_at_rest,  ///< its velocity at the start or end is not 0, though it should be
   constraint,   ///< it breaks a path constraint, or is not proved to keep it
+  clearance,    ///< it comes closer to something than the clearance that was asked for allows
 };
 /// The name of a kind, such as "velocity_limit".
 std::string to_string(FaultKind kind);
@@ -83,6 +84,36 @@ struct CartesianDeviation {
 #endif
 };
 
+/// Two bodies that are closer to each other than the required clearance near an end of a motion, where they need not
+/// keep it.
+struct RelaxedClearance {
+  std::string body_a, body_b;  ///< named as in Contact
+  double clearance{};          ///< [m] at that end, less the padding: the least
+  double from{}, to{};         ///< [s] the part of the motion over which they are closer, from the start or to the end
+#if __cplusplus >= 202002L     // MoveIt 1 is C++17
+  bool operator==(const RelaxedClearance&) const = default;
+#endif
+};
+
+/// How a motion keeps a required clearance (CommonOptions::clearance).
+struct ClearanceKept {
+  double required{};  ///< [m]
+  /// [s] between these two no pair of bodies comes closer than `required`, also between samples: this is proved. The
+  /// whole motion, if both ends keep it.
+  double from{}, to{};
+  /// [m] the most by which a pair breaks the rule: between `from` and `to`, by which it is closer than `required`;
+  /// before and after, at samples, by which a pair that is closer comes closer still on its way from the start or back
+  /// from the end (beyond a tolerance of 0.02 mm), or is closer though it was not at the end. 0: the rule is kept.
+  double violation{};
+  std::vector<RelaxedClearance> relaxed;  ///< near the ends, those of the start first
+  /// Pairs of the robot's links, "a and b", that only may not touch: they are built closer to each other than
+  /// `required`, and are closer in at least half of the robot's configurations.
+  std::vector<std::string> close_links;
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
+  bool operator==(const ClearanceKept&) const = default;
+#endif
+};
+
 /// What is known of a trajectory, found by code that is independent of the code that made it.
 struct Certificate {
   std::vector<Fault> faults;  ///< empty: every claim below holds
@@ -103,6 +134,7 @@ struct Certificate {
   /// From the poses that were to be followed (PlannerInterface::follow); none: there were none.
   std::optional<CartesianDeviation> cartesian_deviation{};
   std::vector<ConstraintDeviation> constraints{};               ///< one for each path constraint of the request
+  std::optional<ClearanceKept> clearance_kept{};                ///< none: no clearance was required
   double goal_error{std::numeric_limits<double>::quiet_NaN()};  ///< joints: rad or m, the worst joint; poses: m, rad
                                                                 ///< over tolerance; NaN: no goal was given
   double bound{std::numeric_limits<double>::infinity()};        ///< PlanStatistics::bound of the search

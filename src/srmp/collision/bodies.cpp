@@ -1,10 +1,13 @@
 #include "srmp/collision/bodies.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <string_view>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/low_discrepancy.hpp"
 
 namespace srmp::detail {
 
@@ -158,10 +161,11 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     const Bounds& b = body.bounds;
     const Eigen::Vector3d half = body.pose.linear().cwiseAbs() * b.box_half, center = body.pose * b.box_center;
     boxes.emplace_back(center - half, center + half);
-    max_fixed_padding = std::max(max_fixed_padding, body.padding);
+    max_fixed_padding = std::max(max_fixed_padding, body.padding + clearance());
   }
   tree.build(boxes);
   add_pairs(scene);
+  if (clearance() > 0.0) exempt_close_links();
 }
 
 bool Bodies::leaves_out(const std::string& robot) const {
@@ -250,6 +254,55 @@ void Bodies::add_pairs(const Scene& scene) {
     }
 }
 
+bool Bodies::are_closer(const Pair& pair, const RobotGroup::Data& data, double distance, NarrowPhase& narrow) const {
+  const MovingBody& a = moving[pair.a];
+  const Body& b = pair.b_fixed ? static_cast<const Body&>(fixed[pair.b]) : moving[pair.b];
+  const Eigen::Isometry3d pose_a = pose_of(a, group_, data);
+  const Eigen::Isometry3d pose_b = pair.b_fixed ? fixed[pair.b].pose : pose_of(moving[pair.b], group_, data);
+  const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
+  if ((center_a - center_b).norm() - a.bounds.radius - b.bounds.radius > distance) return false;
+  if (a.solid && b.solid)
+    return narrow.solids(pair.formula, {a.solid, nullptr, a.bounds, pose_a, center_a},
+                         {b.solid, nullptr, b.bounds, pose_b, center_b}, distance) < infinity;
+  return narrow.primitives({a.geometry.get(), a.parts.bvh.get(), a.bounds, pose_a, center_a},
+                           {b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b}, distance,
+                           distance) < infinity;
+}
+
+void Bodies::exempt_close_links() {
+  constexpr std::size_t samples = 32;
+  struct Links {
+    std::vector<Pair*> pairs;
+    std::size_t closer{};  // samples where they are
+  };
+  std::map<std::pair<std::string, std::string>, Links> links;
+  for (Pair& pair : pairs) {
+    const Body &a = moving[pair.a], &b = pair.b_fixed ? static_cast<const Body&>(fixed[pair.b]) : moving[pair.b];
+    if (a.robot == b.robot && a.kind == BodyKind::link && b.kind == BodyKind::link)
+      links[std::minmax(a.name, b.name)].pairs.push_back(&pair);
+  }
+  NarrowPhase narrow(formulas);
+  RobotGroup::Data data = group_.make_data();
+  const auto dof = static_cast<Eigen::Index>(group_.joints().size());
+  for (std::size_t k = 0; k < samples; ++k) {
+    Eigen::VectorXd q = low_discrepancy_point(k, dof);
+    for (Eigen::Index j = 0; j < dof; ++j) {
+      const Joint& joint = group_.joints()[static_cast<std::size_t>(j)];
+      const double low = std::max(joint.lower, -std::numbers::pi), high = std::min(joint.upper, std::numbers::pi);
+      q[j] = low + q[j] * (high - low);
+    }
+    group_.forward(data, q);
+    for (auto& [names, entry] : links)
+      entry.closer += std::any_of(entry.pairs.begin(), entry.pairs.end(),
+                                  [&](const Pair* pair) { return are_closer(*pair, data, clearance(), narrow); });
+  }
+  for (auto& [names, entry] : links) {
+    if (2 * entry.closer < samples) continue;
+    close_links.push_back(names.first + " and " + names.second);
+    for (Pair* pair : entry.pairs) pair->padding = 0.0;
+  }
+}
+
 const PairTable* Bodies::table_of(const Body& a, const Body& b) const {
   if (a.robot != b.robot || a.robot < 0 || a.kind != BodyKind::link || b.kind != BodyKind::link) return nullptr;
   const PairTables* tables = tables_[static_cast<std::size_t>(a.robot)];
@@ -282,7 +335,7 @@ void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b
   pair.solid = a.is_solid() && b.is_solid();
   pair.both_meshes = !a.is_solid() && !b.is_solid();
   if (a.solid && b.solid) pair.formula = formulas.index(*a.solid, *b.solid);
-  pair.padding = a.robot == b.robot ? 0.0 : a.padding + b.padding;
+  pair.padding = (a.robot == b.robot ? 0.0 : a.padding + b.padding) + options_.clearance;
   pair.support_a = a.support & ~b.support;
   pair.support_b = b.support & ~a.support;
   if (pair.table && pair.table->never_collide()) {

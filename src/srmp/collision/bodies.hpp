@@ -76,6 +76,8 @@ struct Bodies {
 
   /// Is this robot, which is not in the group, left out with all that it holds?
   bool leaves_out(const std::string& robot) const;
+  /// CheckerOptions::clearance, which the padding of each pair holds; that of bodies does not.
+  double clearance() const { return options_.clearance; }
 
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
@@ -86,11 +88,16 @@ struct Bodies {
   std::vector<RigidOverlap> overlaps;
   /// Fixed bodies of the planned robot, and others that they may not touch; without those that overlap.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> fixed_pairs;
-  BoxBvh tree;  // over the boxes around fixed
-  double max_fixed_padding{};
+  BoxBvh tree;                 // over the boxes around fixed
+  double max_fixed_padding{};  // with the clearance
   FormulaTable formulas;
+  /// Pairs of links of one robot, "a and b", that need not keep the clearance, only not touch: those that are closer in
+  /// at least half of 32 configurations spread over the joints' ranges, because of how the robot is built.
+  std::vector<std::string> close_links;
 
  private:
+  void exempt_close_links();
+  bool are_closer(const Pair& pair, const RobotGroup::Data& data, double distance, NarrowPhase& narrow) const;
   void add_links(int robot);
   void add_objects(const Scene& scene);
   void add_other_robots(const Scene& scene);

@@ -134,7 +134,11 @@ struct Checker::Robots {
 
 Checker::Checker(const Scene& scene, const std::string& robot, const CheckerOptions& options)
     : robots_(std::make_unique<const Robots>(scene, with_other_robots(robot, options.other_robots))),
-      mode_(options.mode) {}
+      mode_(options.mode),
+      clearance_(options.clearance) {
+  if (!(options.clearance >= 0.0 && std::isfinite(options.clearance)))
+    throw InvalidArgument("the clearance of a checker is " + to_text(options.clearance) + "; it must be 0 m or above");
+}
 
 Checker::~Checker() = default;
 
@@ -298,6 +302,7 @@ PlacedSphere Checker::do_range() const {
   for (const Robots::Part& part : robots_->parts)
     if (part.robot == 0 && part.support == 0) include(robots_->center(part, data), part.radius + part.padding);
   sphere.center = base() * sphere.center;
+  sphere.radius += clearance_;
   return sphere;
 }
 

@@ -20,6 +20,9 @@ class SceneChecker final : public Checker {
   /// As make_checker.
   SceneChecker(const Scene& scene, const std::string& robot, const CheckerOptions& options = {});
 
+  /// Pairs of links that need not keep CheckerOptions::clearance (Bodies::close_links).
+  const std::vector<std::string>& close_links() const { return model_.bodies.close_links; }
+
  private:
   WorkspacePtr do_make_workspace() const override;
   bool do_is_free(ConstVector q, Workspace& workspace) const override;

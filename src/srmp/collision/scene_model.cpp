@@ -18,7 +18,8 @@ BatchChecker::MotionOptions batch_options_for(const BatchWorld& world) {
 using Tables = std::vector<std::shared_ptr<const PairTables>>;
 Tables tables_of(const RobotGroup& group, const CheckerOptions& options) {
   Tables tables(group.size());
-  if (options.mode == CheckMode::exact && options.pair_tables && !options.other_robots_only)
+  const bool tables_hold = options.clearance == 0.0;  // they know where two links touch, not how far they are apart
+  if (options.mode == CheckMode::exact && options.pair_tables && !options.other_robots_only && tables_hold)
     for (std::size_t i = 0; i < group.size(); ++i) tables[i] = options.pair_tables->find(group.instance(i).model);
   return tables;
 }

@@ -47,6 +47,7 @@ Trajectory PlannerInterface::follow(const std::string& robot, ConstVector start,
   const PlannerOptions& planner = planner_options({robot});
   const Deadline deadline(common_options(planner).time_limit, interrupt);
   require_planner_for_one(planner);
+  require_no_clearance(planner, "a motion along poses");
   impl.require_state(robot, start);
   const PosesToFollow followed = poses_to_follow(*impl.placed(robot), start, poses, options);
   const PlanRequest request{robot, start, {GoalConstraint::any()}};

@@ -107,6 +107,7 @@ SequenceResult PlannerInterface::plan_sequence(const std::string& robot, ConstVe
   if (std::none_of(segments.begin(), segments.end(), [](const Segment& s) { return s.moves() || s.duration != 0.0; }))
     throw InvalidArgument("no segment of the sequence moves the robot or waits");
   const PlannerOptions& options = planner_options({robot});
+  require_no_clearance(options, "a sequence");
   const CommonOptions& common = common_options(options);
   if (common.timing == "none") throw InvalidArgument("timing is 'none', but a sequence is a motion in time");
   require_planner_for_one(options);

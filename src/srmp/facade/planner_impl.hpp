@@ -89,6 +89,7 @@ struct PlannerInterface::Impl {
     require_heuristics(options, heuristic_names());
     require_robots(options, {request.robot});
     require_planner_for_one(options);
+    if (checkers.has_other_backend()) require_no_clearance(options, "a collision backend of your own");
     require_request(scene, request.robot, request.start, request.goals);
     place_constraints(scene, request.robot, request.constraints);  // throws
     require_start_in_motion(request, model(request.robot), scaled(limits_of(request.robot), common_options(options)),
@@ -118,7 +119,9 @@ struct PlannerInterface::Impl {
   /// The problem of one robot in the scene as it is now; the scene and the heuristics must outlive it.
   OwnedProblem problem_of(const PlanRequest& request, const PlannerOptions& options,
                           const OnSolution& on_solution = {}) const {
-    OwnedProblem owned{checkers.of_one(scene, request.robot), std::make_unique<const PlannerOptions>(options), {}};
+    OwnedProblem owned{checkers.of_one(scene, request.robot, common_options(options).clearance),
+                       std::make_unique<const PlannerOptions>(options),
+                       {}};
     RobotProblem robot = robot_problem(request.robot, request.start, request.goals);
     robot.constraints = place_constraints(scene, request.robot, request.constraints);
     begin_in_motion(robot, request, common_options(options));

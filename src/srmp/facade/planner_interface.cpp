@@ -411,6 +411,7 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   const PlannerOptions& options = planner_options(names_of(request));
   const Deadline deadline(common_options(options).time_limit, interrupt);
   require_for_many(options);
+  require_no_clearance(options, "plan_multi");
   require_heuristics(options, impl_->heuristic_names());
   Scene scene = impl_->scene;
   stand_at_ends(scene, request.starts, request.obstacles, common_options(options));

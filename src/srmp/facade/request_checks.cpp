@@ -29,6 +29,15 @@ void require_planner_for_one(const PlannerOptions& options) {
                      "plan");
 }
 
+void require_no_clearance(const PlannerOptions& options, const std::string& what) {
+  const CommonOptions& common = common_options(options);
+  for (const auto& [name, value] :
+       {std::pair("clearance", common.clearance), std::pair("preferred_clearance", common.preferred_clearance)})
+    if (value > 0.0)
+      throw NotSupported(std::string(name) + " is " + to_text(value) + " m, but " + what +
+                         " cannot keep a clearance; make_planner with 0, and give padding to objects instead");
+}
+
 void require_for_many(const PlannerOptions& options) {
   const PlannerInfo& info = registered_planner(options).info;
   if (!info.many_robots)

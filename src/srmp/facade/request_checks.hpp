@@ -20,5 +20,7 @@ bool names_any(const PlanRequest& request, const std::function<bool(const std::s
 void require_planner_for_one(const PlannerOptions& options);
 /// Throws InvalidArgument for a planner that plans for one robot only: one of many robots may have been given it.
 void require_for_many(const PlannerOptions& options);
+/// Throws NotSupported for a clearance above 0, required or preferred, which `what` cannot keep.
+void require_no_clearance(const PlannerOptions& options, const std::string& what);
 
 }  // namespace srmp

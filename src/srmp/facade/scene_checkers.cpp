@@ -31,11 +31,15 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
   return together_;
 }
 
-std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene, const std::string& robot) {
+std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene, const std::string& robot,
+                                                             double clearance) {
   scene.robot(robot);  // throws with the nearest name
-  auto& slot = single_[robot];
-  if (!slot)
-    slot = std::make_shared<const ProblemCheckers>(scene, std::vector{robot}, options(CheckMode::exact), 1, backend_);
+  auto& slot = single_[{robot, clearance > 0.0}];
+  if (!slot || slot->options.clearance != clearance) {
+    CheckerOptions options = this->options(CheckMode::exact);
+    options.clearance = clearance;
+    slot = std::make_shared<const ProblemCheckers>(scene, std::vector{robot}, options, 1, backend_);
+  }
   return slot;
 }
 
@@ -49,6 +53,7 @@ void SceneCheckers::prepare(const Scene& scene, const StepProgress& progress) {
 
 void SceneCheckers::set_backend(CheckerFactory backend) {
   backend_ = std::move(backend);
+  other_backend_ = true;
   clear();
 }
 

@@ -24,8 +24,9 @@ class SceneCheckers {
     return {.mode = mode, .covers = covers_, .pair_tables = pair_tables_};
   }
 
-  /// Of one robot that moves while the others stand as in `scene`, whose state this must be. Throws as `of`.
-  std::shared_ptr<const ProblemCheckers> of_one(const Scene& scene, const std::string& robot);
+  /// Of one robot that moves while the others stand as in `scene`, whose state this must be, and that keeps a clearance
+  /// [m]; of clearances above 0, the last one's are kept. Throws as `of`.
+  std::shared_ptr<const ProblemCheckers> of_one(const Scene& scene, const std::string& robot, double clearance = 0.0);
   /// Of robots that move together while the others stand as in `scene`; the last ones are kept. Throws PlanningError
   /// once the deadline has passed before all are made.
   std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const std::vector<std::string>& robots,
@@ -38,18 +39,21 @@ class SceneCheckers {
   void prepare(const Scene& scene, const StepProgress& progress);
   /// Makes the checkers that plan, from now on; those that verify are always the library's own.
   void set_backend(CheckerFactory backend);
+  /// Whether that was done.
+  bool has_other_backend() const { return other_backend_; }
   /// The scene has changed.
   void clear();
 
  private:
   CheckerFactory backend_{make_checker};
+  bool other_backend_{};
   std::shared_ptr<CoverStore> covers_;
   std::shared_ptr<PairTableStore> pair_tables_;
   RobotPreparation preparation_;
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;
-  std::map<std::string, std::shared_ptr<const ProblemCheckers>> single_;  // by robot
-  std::shared_ptr<const ProblemCheckers> together_;                       // of the last robots that moved together
-  std::vector<Eigen::VectorXd> others_;  // where the robots that stand still did for `together_`
+  std::map<std::pair<std::string, bool>, std::shared_ptr<const ProblemCheckers>> single_;  // with a clearance or not
+  std::shared_ptr<const ProblemCheckers> together_;  // of the last robots that moved together
+  std::vector<Eigen::VectorXd> others_;              // where the robots that stand still did for `together_`
 };
 
 }  // namespace srmp

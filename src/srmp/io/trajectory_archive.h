@@ -53,6 +53,25 @@ void describe(Archive& archive, Ref<Archive, ConstraintDeviation> kept) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, RelaxedClearance> pair) {
+  archive("body_a", pair.body_a);
+  archive("body_b", pair.body_b);
+  archive("clearance", pair.clearance);
+  archive("from", pair.from);
+  archive("to", pair.to);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, ClearanceKept> kept) {
+  archive("required", kept.required);
+  archive("from", kept.from);
+  archive("to", kept.to);
+  archive("violation", kept.violation);
+  archive("relaxed", kept.relaxed);
+  archive("close_links", kept.close_links);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("faults", certificate.faults);
   archive("limits", certificate.limits);
@@ -72,6 +91,7 @@ void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("deviation_time", certificate.deviation_time);
   archive("cartesian_deviation", certificate.cartesian_deviation);
   describe_list(archive, "constraints", certificate.constraints);
+  archive("clearance_kept", certificate.clearance_kept);
   archive("goal_error", certificate.goal_error);
   archive("bound", certificate.bound);
   archive("bound_graph", certificate.bound_graph);

@@ -9,6 +9,8 @@
 #include "srmp/planning/obstacles/timed_motion.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
+#include "srmp/planning/smoothing/preferred_clearance.hpp"
+#include "srmp/trajectory/prove_clearance.hpp"
 #include "srmp/trajectory/prove_constraints.hpp"
 
 namespace srmp {
@@ -30,6 +32,7 @@ class CertifiedTiming {
         work_(work),
         deadline_(deadline),
         until_(with_grace_period(deadline)),
+        preferred_(problem.checkers, common_, until_),
         statistics_(statistics) {
     for (JointPath& path : paths.smoothed) groups_.push_back({std::move(path)});
     if (world_)
@@ -111,9 +114,14 @@ class CertifiedTiming {
       {
         const PhaseTimer timer(until, statistics.verification_time_s);
         group.certificates = joint_certificates(checkers(), motions_of(group), common_, until);
+        if (common_.clearance > 0.0)  // of one robot alone
+          add_clearance(group.certificates.front(), with_times(group.trajectories.front()),
+                        problem_.checkers.clearance_verification().alone(0), until);
       }
-      const bool proved = std::all_of(group.certificates.begin(), group.certificates.end(),
-                                      [](const Certificate& c) { return c.proved_free() && keeps_constraints(c); });
+      const auto is_proved = [](const Certificate& c) {
+        return c.proved_free() && keeps_constraints(c) && keeps_clearance(c);
+      };
+      const bool proved = std::all_of(group.certificates.begin(), group.certificates.end(), is_proved);
       if (deviation == 0.0 || common_.timing != "toppra" || proved || until.stop_requested()) return;
     }
   }
@@ -237,7 +245,7 @@ class CertifiedTiming {
   /// The straight motion of all robots of a path.
   bool is_motion_free(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     if (constraints_ && !constraints_->keeps(a, b, 1.0)) return false;
-    if (!world_) return checker(0).is_motion_free(a, b, *workspace_);
+    if (!world_) return checker(0).is_motion_free(a, b, *workspace_) && keeps_preferred_clearance(path, a, b);
     Eigen::Index first = 0;
     std::vector<Eigen::VectorXd> from, to;
     for (const RowMatrix& q : path.positions) {
@@ -252,6 +260,25 @@ class CertifiedTiming {
       for (std::size_t j = i + 1; j < path.robots.size(); ++j)
         if (!world_->are_collision_free(path.robots[i], from[i], to[i], path.robots[j], from[j], to[j])) return false;
     return true;
+  }
+
+  /// Does a motion beside a corner of one robot's path keep what is preferred of the clearance of the two halves of
+  /// segments that meet there? The corner is the waypoint that is nearest.
+  bool keeps_preferred_clearance(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    const RowMatrix& waypoints = path.positions.front();
+    if (preferred_.size() == 0 || waypoints.rows() < 3) return true;
+    Eigen::Index corner{};
+    (waypoints.rowwise() - 0.5 * (a + b).transpose()).rowwise().squaredNorm().minCoeff(&corner);
+    corner = std::clamp<Eigen::Index>(corner, 1, waypoints.rows() - 2);
+    const auto [known, is_new] = corner_levels_.try_emplace(corner, preferred_.size());
+    if (is_new) {
+      const auto level_to = [&](Eigen::Index other) {
+        return preferred_.level_of(waypoints.row(corner).transpose(),
+                                   0.5 * (waypoints.row(corner) + waypoints.row(other)).transpose());
+      };
+      known->second = std::max(level_to(corner - 1), level_to(corner + 1));
+    }
+    return known->second == preferred_.size() || preferred_.keeps(known->second, a, b);
   }
 
   /// The motion of each robot.
@@ -299,9 +326,11 @@ class CertifiedTiming {
   ParallelWork& work_;
   const Deadline& deadline_;
   const Deadline until_;
+  PreferredClearance preferred_;  // of one robot
   PlanStatistics& statistics_;
-  Checker::WorkspacePtr workspace_;               // of one robot
-  std::optional<ConstraintChecker> constraints_;  // of one robot
+  Checker::WorkspacePtr workspace_;                    // of one robot
+  std::optional<ConstraintChecker> constraints_;       // of one robot
+  std::map<Eigen::Index, std::size_t> corner_levels_;  // of preferred clearance, by waypoint of one robot
   std::vector<Group> groups_;
   bool merged_{false};
   std::map<std::pair<std::size_t, std::size_t>, MotionProof> proofs_;  // of robots of different groups, by index

@@ -70,11 +70,29 @@ const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) cons
 }
 
 const GroupCheckers& ProblemCheckers::verification() const {
-  std::call_once(made_, [this] {
-    verification_ = std::make_unique<const GroupCheckers>(scene_, planning.names(),
-                                                          CheckerOptions{.mode = CheckMode::coal}, threads_);
-  });
+  std::call_once(made_, [this] { verification_ = made_by_coal(0.0); });
   return *verification_;
+}
+
+const GroupCheckers& ProblemCheckers::clearance_verification() const {
+  std::call_once(clearance_made_, [this] { clearance_verification_ = made_by_coal(options.clearance); });
+  return *clearance_verification_;
+}
+
+const Checker& ProblemCheckers::with_clearance(double clearance) const {
+  const std::lock_guard lock(mutex_);
+  std::unique_ptr<const Checker>& checker = with_clearance_[clearance];
+  if (!checker) {
+    CheckerOptions changed = options;
+    changed.clearance = clearance;
+    checker = backend(scene_, planning.names().front(), changed);
+  }
+  return *checker;
+}
+
+ProblemCheckers::Made ProblemCheckers::made_by_coal(double clearance) const {
+  const CheckerOptions options{.mode = CheckMode::coal, .clearance = clearance};
+  return std::make_unique<const GroupCheckers>(scene_, planning.names(), options, threads_);
 }
 
 }  // namespace srmp

@@ -61,13 +61,22 @@ class ProblemCheckers {
   const CheckerOptions options;  ///< of those that plan
   const CheckerFactory backend;  ///< that makes those that plan
   const GroupCheckers planning;
-  const GroupCheckers& verification() const;
+  const GroupCheckers& verification() const;  ///< without CheckerOptions::clearance
+  /// As those that verify, with the clearance of `options`.
+  const GroupCheckers& clearance_verification() const;
+  /// Of the first robot, as it plans, with another clearance [m]; made when it is first needed.
+  const Checker& with_clearance(double clearance) const;
 
  private:
+  using Made = std::unique_ptr<const GroupCheckers>;
+  Made made_by_coal(double clearance) const;
+
   const Scene scene_;
   std::size_t threads_;
-  mutable std::once_flag made_;
-  mutable std::unique_ptr<const GroupCheckers> verification_;
+  mutable std::once_flag made_, clearance_made_;
+  mutable Made verification_, clearance_verification_;
+  mutable std::mutex mutex_;  // of what follows
+  mutable std::map<double, std::unique_ptr<const Checker>> with_clearance_;
 };
 
 /// Configurations of two robots as their pair's checker has them, one below the other: rows of `robot` and as many of

@@ -38,10 +38,10 @@ class Pipeline {
     if (problem_.robots.front().start_in_motion) return plan_in_motion();
     std::vector<RobotPath> alone = paths_alone();
     require_joint_endpoints(problem_.checkers.planning, endpoints_of(alone));
-    const std::size_t recovery_segments = alone.front().endpoints.recovery_segments();
+    const std::size_t collision_segments = alone.front().endpoints.collision_segments();
     JointPaths paths = joint_paths(std::move(alone));
     statistics_.plan_time_s = deadline_.elapsed();
-    return certified_timing(problem_, std::move(paths), recovery_segments, work_, deadline_, statistics_);
+    return certified_timing(problem_, std::move(paths), collision_segments, work_, deadline_, statistics_);
   }
 
   /// One robot, which is in motion at its start: of some paths that turn towards the one that was found, the fastest.

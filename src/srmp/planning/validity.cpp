@@ -1,12 +1,19 @@
 #include "srmp/planning/validity.hpp"
 
+#include "srmp/core/error.hpp"
+
 namespace srmp {
 
 std::string invalidity(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
   if (const auto violation = checker.robot().limit_violation(q)) return *violation;
   if (checker.is_free(q, workspace)) return "";
   const std::vector<Contact> contacts = checker.contacts(q, workspace);
-  return contacts.empty() ? "it is in collision" : contacts.front().describe();
+  if (contacts.empty()) return "it is in collision";
+  Contact deepest = contacts.front();  // its padding holds the clearance
+  deepest.distance += checker.clearance_kept();
+  deepest.padding -= checker.clearance_kept();
+  return deepest.describe() +
+         (deepest.distance > 0.0 ? ", less than the clearance of " + to_text(checker.clearance_kept()) + " m" : "");
 }
 
 }  // namespace srmp

@@ -35,6 +35,16 @@ bool collides(const Certificate& c) {
                      [](const Fault& fault) { return fault.kind == FaultKind::collision; });
 }
 
+std::string kept_text(const ClearanceKept& kept) {
+  std::string text = number(kept.required, 1e3) + " mm, " +
+                     (kept.violation > 0.0 ? "broken by " + number(kept.violation, 1e3) + " mm" : "kept") + " from " +
+                     number(kept.from) + " to " + number(kept.to) + " s";
+  for (const RelaxedClearance& pair : kept.relaxed)
+    text += "; " + pair.body_a + " and " + pair.body_b + " have " + number(pair.clearance, 1e3) + " mm at the " +
+            (pair.from < kept.from ? "start" : "end");
+  return text;
+}
+
 std::string free_text(const Certificate& c) {
   if (!c.collisions_checked) return "not checked";
   if (c.proved_free()) return "all of the motion, also between samples";
@@ -60,6 +70,7 @@ std::string to_string(FaultKind kind) {
     case FaultKind::goal: return "goal";
     case FaultKind::not_at_rest: return "not_at_rest";
     case FaultKind::constraint: return "constraint";
+    case FaultKind::clearance: return "clearance";
   }
   return "unknown";
 }
@@ -80,6 +91,7 @@ std::string Certificate::report() const {
   if (cartesian_deviation)
     text += "poses followed " + number(cartesian_deviation->position, 1e3) + " mm, " +
             number(cartesian_deviation->rotation, 180.0 / M_PI) + " degrees away at most\n";
+  if (clearance_kept) text += "required       " + kept_text(*clearance_kept) + "\n";
   for (const ConstraintDeviation& kept : constraints)
     text += "constraint     " + kept.constraint + ": " + number(kept.deviation / kept.tolerance, 100.0) +
             " % of the tolerance at most\n";

@@ -43,6 +43,25 @@ void delay(Certificate& c, double by) {
     part.from += by;
     part.to += by;
   }
+  if (!c.clearance_kept) return;
+  c.clearance_kept->from += by;
+  c.clearance_kept->to += by;
+  for (RelaxedClearance& pair : c.clearance_kept->relaxed) {
+    pair.from += by;
+    pair.to += by;
+  }
+}
+
+/// What is said of the clearance of a whole, for the part of it between two times.
+void cut_clearance(std::optional<ClearanceKept>& kept, double begin, double end) {
+  if (!kept) return;
+  kept->from = std::clamp(kept->from, begin, end);
+  kept->to = std::clamp(kept->to, begin, end);
+  std::erase_if(kept->relaxed, [&](const RelaxedClearance& pair) { return pair.to < begin || pair.from > end; });
+  for (RelaxedClearance& pair : kept->relaxed) {
+    pair.from = std::max(pair.from, begin);
+    pair.to = std::min(pair.to, end);
+  }
 }
 
 }  // namespace
@@ -65,6 +84,7 @@ std::shared_ptr<const Certificate> certificate_of_part(const Trajectory& whole, 
     s.from = std::max(s.from, begin);
     s.to = std::min(s.to, end);
   }
+  cut_clearance(c.clearance_kept, begin, end);
   c.deviation = c.deviation_time = unknown;  // from the path of the whole, which the part has not
   return std::make_shared<const Certificate>(std::move(c));
 }
@@ -92,6 +112,7 @@ std::shared_ptr<const Certificate> certificate_of_join(const Trajectory& first, 
     c.deviation = std::isnan(c.deviation) ? c.deviation : then.deviation;
     c.deviation_time = std::isnan(c.deviation) ? unknown : then.deviation_time;
   }
+  c.clearance_kept.reset();  // the rule is about the ends of one motion
   c.goal_error = then.goal_error;
   c.time_s += then.time_s;
   return std::make_shared<const Certificate>(std::move(c));

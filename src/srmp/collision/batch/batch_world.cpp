@@ -141,9 +141,9 @@ class Builder {
     return place->second;
   }
 
-  static BatchObstacle as_obstacle(const FixedBody& body) {
+  BatchObstacle as_obstacle(const FixedBody& body) const {
     const coal::CollisionGeometry* shape = body.geometry.get();
-    BatchObstacle o{.pose = body.pose, .padding = body.padding + NarrowPhase::contact_distance};
+    BatchObstacle o{.pose = body.pose, .padding = body.padding + bodies_.clearance() + NarrowPhase::contact_distance};
     if (const auto* s = dynamic_cast<const coal::Sphere*>(shape)) {
       o.kind = BatchObstacle::Kind::sphere;
       o.size = {s->radius, 0, 0};
@@ -176,7 +176,7 @@ class Builder {
   bool is_obstacle(std::size_t fixed) const {
     const FixedBody& body = bodies_.fixed[fixed];
     if (body.kind != BodyKind::link) return true;
-    if (body.robot >= 0 && body.padding != 0.0) return false;
+    if (body.robot >= 0 && (body.padding != 0.0 || bodies_.clearance() != 0.0)) return false;
     if (!body.field || cover_of_(*body.geometry)->fine.size() < many_spheres) return false;
     std::vector<int> geometries(scene_.world.bodies.size()), pairs(geometries.size());
     for (std::size_t i = 0; i < bodies_.moving.size(); ++i) {

@@ -12,10 +12,40 @@ namespace srmp {
 
 namespace {
 
+/// Contacts computed for one end that is too close to something, at most.
+constexpr int max_approach_checks = 4000;
+
+/// Is a configuration that is within the limits and not free only closer to something than the required clearance?
+bool is_only_close(RobotContext& context, const Eigen::VectorXd& q) {
+  const Checker& checker = context.checks.checker();
+  if (checker.clearance_kept() == 0.0 || checker.robot().limit_violation(q)) return false;
+  const Checker& contacts = context.problem.checkers.verification().alone(0);
+  return contacts.is_free(q, *contacts.make_workspace());
+}
+
+/// From an end that is too close to something, on which no pair comes closer; empty: none was found.
+std::vector<Eigen::VectorXd> find_departure(RobotContext& context, const Eigen::VectorXd& end) {
+  return find_start_recovery(context.checks.checker(), end, context.checks.workspace(),
+                             [&] { context.stop_if_late("the search for a way out of a lack of clearance"); },
+                             {.max_checks = max_approach_checks});
+}
+
+void add_note(PlanStatistics& statistics, const std::string& note) {
+  statistics.note += (statistics.note.empty() ? "" : "; ") + note;
+}
+
 /// From a start in collision, for the reason `why`, to a free one, from which the path is searched.
 void recover_start(RobotContext& context, RobotEndpoints& endpoints, const std::string& why) {
-  endpoints.recovery = find_start_recovery(context.checks.checker(), endpoints.start, context.checks.workspace(),
-                                           [&] { context.stop_if_late("the recovery of the start"); });
+  endpoints.starts_in_collision = !is_only_close(context, endpoints.start);
+  endpoints.recovery = endpoints.starts_in_collision
+                           ? find_start_recovery(context.checks.checker(), endpoints.start, context.checks.workspace(),
+                                                 [&] { context.stop_if_late("the recovery of the start"); })
+                           : find_departure(context, endpoints.start);
+  if (endpoints.recovery.empty() && !endpoints.starts_in_collision)
+    throw PlanningError(Status::start_invalid,
+                        "the start is invalid: " + why +
+                            ", and no motion was found to where the clearance is kept along which no pair that is "
+                            "closer comes closer still");
   if (endpoints.recovery.empty())
     throw PlanningError(Status::start_invalid,
                         "the start is invalid: " + why +
@@ -25,8 +55,11 @@ void recover_start(RobotContext& context, RobotEndpoints& endpoints, const std::
   PlanStatistics& statistics = context.statistics;
   statistics.recovery_waypoints = static_cast<int>(endpoints.recovery_segments());
   statistics.recovery_cost_rad = context.length(endpoints.recovery);
-  statistics.note += (statistics.note.empty() ? "" : "; ") +
-                     ("the start was in collision (" + why + "): the trajectory begins with the way out of it");
+  add_note(statistics, endpoints.starts_in_collision
+                           ? "the start was in collision (" + why + "): the trajectory begins with the way out of it"
+                           : "the start does not keep the clearance (" + why +
+                                 "): the trajectory begins with the way "
+                                 "to where it is kept");
 }
 
 void find_start(RobotContext& context, RobotEndpoints& endpoints) {
@@ -40,9 +73,32 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints) {
   if (!broken.empty()) throw PlanningError(Status::start_invalid, "the start is invalid: " + broken);
   const std::string why = invalidity(context.checks.checker(), endpoints.start, context.checks.workspace());
   if (why.empty()) return;
-  if (!context.common.recover_start || context.task.constraints || context.robot.limit_violation(endpoints.start))
+  const bool may_recover = context.common.recover_start || is_only_close(context, endpoints.start);
+  if (!may_recover || context.task.constraints || context.robot.limit_violation(endpoints.start))
     throw PlanningError(Status::start_invalid, "the start is invalid: " + why);
   recover_start(context, endpoints, why);
+}
+
+/// Adds a configuration that meets a goal as a target, or where the way to it begins if it does not keep the clearance;
+/// otherwise tells why not.
+std::string add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index) {
+  std::string invalid = context.checks.constraints() ? context.checks.constraints()->violation(q) : "";
+  if (invalid.empty()) invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
+  std::vector<Eigen::VectorXd> approach;
+  if (!invalid.empty()) {
+    if (context.task.constraints || !is_only_close(context, q)) return invalid;
+    approach = find_departure(context, q);
+    if (approach.empty())
+      return invalid +
+             ", and no motion was found from where the clearance is kept along which no pair comes closer "
+             "than at the goal";
+    std::reverse(approach.begin(), approach.end());
+    q = approach.front();
+  }
+  endpoints.targets.push_back(std::move(q));
+  endpoints.goal_indices.push_back(goal_index);
+  endpoints.approaches.push_back(std::move(approach));
+  return "";
 }
 
 void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
@@ -55,14 +111,8 @@ void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
       for (Eigen::VectorXd& q :
            goal_configurations(*context.task.placed, context.task.constraints.get(), goal, target, endpoints.start,
                                context.common.ik_solutions, context.deadline, why)) {
-        std::string invalid = context.checks.constraints() ? context.checks.constraints()->violation(q) : "";
-        if (invalid.empty()) invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
-        if (invalid.empty()) {
-          endpoints.targets.push_back(std::move(q));
-          endpoints.goal_indices.push_back(index);
-        } else if (why.empty()) {
-          why = invalid;
-        }
+        const std::string invalid = add_target(context, endpoints, std::move(q), index);
+        if (why.empty()) why = invalid;
         context.stop_if_late("the search for goal configurations");
       }
       if (first_reason.empty()) first_reason = why;
@@ -86,6 +136,24 @@ RobotEndpoints find_endpoints(RobotContext& context) {
   find_start(context, endpoints);
   if (!context.task.may_end_anywhere()) find_targets(context, endpoints);
   return endpoints;
+}
+
+RowMatrix with_approach(const RobotContext& context, const RobotEndpoints& endpoints, const RowMatrix& waypoints) {
+  const Eigen::VectorXd end = waypoints.bottomRows(1).transpose();
+  for (std::size_t i = 0; i < endpoints.targets.size(); ++i) {
+    const std::vector<Eigen::VectorXd>& approach = endpoints.approaches[i];
+    if (approach.empty() || !context.robot.difference(endpoints.targets[i], end).isZero(1e-9)) continue;
+    RowMatrix whole(waypoints.rows() + static_cast<Eigen::Index>(approach.size()) - 1, waypoints.cols());
+    whole.topRows(waypoints.rows()) = waypoints;
+    for (std::size_t k = 1; k < approach.size(); ++k)  // continuous joints may have turned
+      whole.row(waypoints.rows() + static_cast<Eigen::Index>(k) - 1) =
+          (end + approach[k] - endpoints.targets[i]).transpose();
+    add_note(context.statistics,
+             "the goal does not keep the clearance: the trajectory ends with the way to it from "
+             "where it is kept");
+    return whole;
+  }
+  return waypoints;
 }
 
 void verify_recovery(const RobotContext& context, const RobotEndpoints& endpoints) {

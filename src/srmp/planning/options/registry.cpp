@@ -52,6 +52,12 @@ std::vector<OptionSpec> common_option_specs() {
                     "corner (ruckig), or a path without times (none)."),
       common_option("blend_deviation", &C::blend_deviation, at_least(0.0, "m"),
                     "No point of the robot leaves the checked path by more than this distance at a rounded corner."),
+      common_option("clearance", &C::clearance, at_least(0.0, "m"),
+                    "The path keeps this clearance from everything, and the robot's links from each other; a pair that "
+                    "is closer at the start or at the goal does not come closer on the way from or to there."),
+      common_option("preferred_clearance", &C::preferred_clearance, at_least(0.0, "m"),
+                    "Shortening the path and rounding its corners give away no clearance below this that the searched "
+                    "path had."),
       common_option("certify", &C::certify, anything(),
                     "Code that is independent of the planner verifies the trajectory and attaches a certificate."),
   };

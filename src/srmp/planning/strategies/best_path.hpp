@@ -3,6 +3,7 @@
 #include <string>
 
 #include "srmp/planning/robot_context.hpp"
+#include "srmp/planning/smoothing/preferred_clearance.hpp"
 #include "srmp/planning/strategies/strategy.hpp"
 #include "srmp/trajectory/shortcut.hpp"
 
@@ -12,7 +13,8 @@ namespace srmp {
 /// the user.
 class BestPath {
  public:
-  explicit BestPath(RobotContext& context) : context_(context) {}
+  explicit BestPath(RobotContext& context)
+      : context_(context), preferred_(context.problem.checkers, context.common, context.deadline) {}
 
   bool empty() const { return waypoints_.rows() == 0; }
   const RowMatrix& waypoints() const { return waypoints_; }
@@ -29,6 +31,7 @@ class BestPath {
   RowMatrix shortened(const RowMatrix& path, const Deadline& until, ShortcutOptions options);
 
   RobotContext& context_;
+  PreferredClearance preferred_;
   RowMatrix waypoints_;
   double lower_{0.0};  // no path of statistics.bound_graph costs less
 };

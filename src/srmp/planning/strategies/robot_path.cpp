@@ -114,7 +114,8 @@ RobotEndpoints endpoints_of(RobotContext& context) {
 
 RobotPath find_robot_path(RobotContext& context) {
   RobotPath path{endpoints_of(context), {}};
-  if (!path.endpoints.targets.empty()) path.waypoints = PathSearch(context, path.endpoints).run();
+  if (!path.endpoints.targets.empty())
+    path.waypoints = with_approach(context, path.endpoints, PathSearch(context, path.endpoints).run());
   context.checks.write(context.statistics);
   return path;
 }
