@@ -191,17 +191,20 @@ std::vector<Door> all_doors(const std::string& directory) {
                    }});
   for (const std::string kind : {"stl", "obj", "dae", "ply", "off", "gltf"})
     doors.push_back({kind, kind, 3000, file("mesh." + kind, read_mesh)});
-  doors.push_back({"moveit_scene", "moveit_scene", 4000, file("scene.yaml", [](const std::string& path) {
-                     Scene scene;
-                     io::apply(io::read_moveit_scene(path), scene);
-                   })});
-  doors.push_back({"moveit_request", "moveit_request", 4000, file("request.yaml", io::read_moveit_request)});
   RobotDescription grouped = two_links;
   grouped.name = "planar";
   grouped.group = "arm";
   grouped.srdf_text =
-      "<robot name='planar'><group name='arm'><chain base_link='base' tip_link='tip'/></group><disable_collisions "
+      "<robot name='planar'><virtual_joint name='virtual_joint' type='floating' parent_frame='odom' child_link='base'/>"
+      "<group name='arm'><chain base_link='base' tip_link='tip'/></group><disable_collisions "
       "link1='base' link2='upper' reason='Adjacent'/></robot>";
+  doors.push_back({"moveit_scene", "moveit_scene", 4000,
+                   file("scene.yaml", [planar = RobotModel::load(grouped)](const std::string& path) {
+                     Scene scene;
+                     scene.add_robot(planar);
+                     io::apply(io::read_moveit_scene(path), scene);
+                   })});
+  doors.push_back({"moveit_request", "moveit_request", 4000, file("request.yaml", io::read_moveit_request)});
   doors.push_back(
       {"moveit_session", "session", 500,
        [grouped, directory](const std::string& input, Random&) { solve_in_session(grouped, directory, input); }, true});

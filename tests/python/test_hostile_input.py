@@ -221,6 +221,18 @@ def test_collada_scenes_with_instances_are_read(tmp_path):
     srmp.PlannerInterface().add_mesh("m", path=str(path))
 
 
+@pytest.mark.parametrize("indices", ["<p>0 1 2</p>", '<p>0 1 2</p><input semantic="VERTEX" source="#v" offset="0"/>'])
+def test_collada_indices_into_nothing_are_refused(tmp_path, indices):
+    before, _, after = COLLADA.partition('<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p>')
+    path = tmp_path / "nothing.dae"
+    path.write_text(
+        (before + indices + after).format(library="", nodes="<node id='n'><instance_geometry url='#g'/></node>")
+    )
+    with pytest.raises(srmp.FileError, match=r"no <input> stands before the indices of <p> \(line \d+\)") as error:
+        srmp.PlannerInterface().add_mesh("m", path=str(path))
+    sentence(error)
+
+
 def test_mesh_files_of_unknown_formats_are_refused(tmp_path):
     (tmp_path / "m.blend").write_bytes(b"BLENDER")
     with pytest.raises(srmp.FileError, match=r"'\.blend'; supported are '\.stl'") as error:

@@ -93,7 +93,8 @@ class NodeCounter {
 
 bool is_number_list(std::string_view text) { return text.find_first_not_of("0123456789+- \t\r\n") == text.npos; }
 
-/// Lists of indices hold numbers, and numbers that sizes are computed from do not overflow.
+/// Lists of indices hold numbers, of inputs that were named before, and numbers that sizes are computed from do not
+/// overflow.
 void require_numbers(const XMLElement& element, const std::string& path) {
   constexpr std::size_t max_digits = 9;
   const auto refuse = [&](const std::string& what) {
@@ -104,6 +105,7 @@ void require_numbers(const XMLElement& element, const std::string& path) {
   if (tag == "p" || tag == "v" || tag == "vcount" || tag == "h")
     for (auto child = element.FirstChild(); child; child = child->NextSibling())
       if (!child->ToText() || !is_number_list(child->Value())) refuse("something that is no number is in the list");
+  if (tag == "p" && !element.PreviousSiblingElement("input")) refuse("no <input> stands before the indices");
   for (const char* name : {"count", "offset", "stride"}) {
     const std::string_view value = attribute_or_empty(element, name);
     if (value.size() > max_digits || value.find_first_not_of("0123456789") != value.npos)
