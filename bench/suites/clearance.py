@@ -1,6 +1,6 @@
 """What clearance costs on MotionBenchMaker: clearance, length, duration and time with and without it.
 
-    python bench/suites/clearance.py --data DIR [--robots panda,ur5] [--problems 1-10] [--clearance 0.005] [--out c.json]
+    python bench/suites/clearance.py --data DIR [--robots panda,ur5] [--problems 1-10] [--clearance 0.005] [--out FILE]
 
 Plans each problem with no clearance, with `preferred_clearance` and with `clearance`, in turns and several times, each
 time in a scene that is set up anew, so that the checkers are made anew too. The CPU time of the calling thread counts,
@@ -91,13 +91,9 @@ def rows_of(
             yield from ({"robot": robot, "problem": problem.name, "setting": name, **row} for name, row in rows.items())
 
 
-def run(
-    data: str, robots: str, problems: str, clearance: float, repeats: int, time_limit: float
-) -> dict[str, Any]:
+def run(data: str, robots: str, problems: str, clearance: float, repeats: int, time_limit: float) -> dict[str, Any]:
     rows = [
-        row
-        for robot in robots.split(",")
-        for row in rows_of(data, robot, problems, clearance, repeats, time_limit)
+        row for robot in robots.split(",") for row in rows_of(data, robot, problems, clearance, repeats, time_limit)
     ]
     options = {"robots": robots, "problems": problems, "clearance": clearance, "repeats": repeats}
     return {"header": mbm.header("clearance", options=options), "rows": rows}

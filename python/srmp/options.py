@@ -71,6 +71,12 @@ class _Options:
     or a path without times (none) [toppra | ruckig | none]."""
     blend_deviation: float = 0.005
     """No point of the robot leaves the checked path by more than this distance at a rounded corner [m, >= 0]."""
+    clearance: float = 0.0
+    """The path keeps this clearance from everything, and the robot's links from each other; a pair that is closer at
+    the start or at the goal does not come closer on the way from or to there [m, >= 0]."""
+    preferred_clearance: float = 0.0
+    """Shortening the path and rounding its corners give away no clearance below this that the searched path had
+    [m, >= 0]."""
     certify: bool = True
     """Code that is independent of the planner verifies the trajectory and attaches a certificate."""
 
