@@ -92,7 +92,8 @@ BOOST_AUTO_TEST_CASE(checks_that_the_deadline_cuts_off_are_not_remembered_as_col
   const srmp::GroupCheckers checkers(pair.planner.scene(), {"left", "right"}, {}, 1,
                                      [](const auto&... of) { return std::make_unique<const Slow>(of...); });
   const srmp::Deadline passed(-1.0), never;
-  srmp::MultiRobotWorld world(checkers, {task_to({-1.2, 0.0}), task_to({-1.2, 0.0})}, {22.5 * M_PI / 180, 0.1});
+  srmp::MultiRobotWorld world(checkers, {FacingArms::task_to({-1.2, 0.0}), FacingArms::task_to({-1.2, 0.0})},
+                              {22.5 * M_PI / 180, 0.1});
   std::vector<srmp::search::Successor> next;
   for (const std::size_t i : both) world.agent(i).successors(0, next);
   const srmp::search::StateId state = next.front().state;
