@@ -136,6 +136,8 @@ class Maker:
         for _ in range(self.random.randrange(3)):
             key = self.name("weight", "improve_rounds", "resolution", "time_limit", "sample_period", "certify")
             options[key] = self.random.choice([self.number(), self.name("true", "1e300"), self.anything()])
+        if isinstance(options["time_limit"], (int, float, str)):  # a long one may be used up
+            options["time_limit"] = self.random.choice([0.05, 0.01, 1e-9, 0, -1, float("nan"), "0.05", "x"])
         return options
 
     def path(self):

@@ -65,6 +65,15 @@ def test_the_scene_counts_as_it_is(solved):
     assert "in the way" in certificate.faults[0].text
 
 
+@pytest.mark.parametrize("far", [1e9, 2.0**70, 1e99])
+def test_motions_that_no_robot_makes_are_verified_too(arm, ready, far):
+    q = np.array([ready, ready])
+    q[0, 0] = far
+    certificate = arm.verify("arm", srmp.Trajectory(arm.get_joint_names("arm"), q, [0, 3], np.zeros((2, 7))))
+    assert srmp.FaultKind.position_limit in kinds(certificate)
+    assert not certificate.proved_free  # the proof crashed: it halved parts without end
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [

@@ -31,6 +31,9 @@ struct Interval {
   Eigen::Index from{}, to{};
   double u{0.0}, v{1.0};
   bool in_one_segment() const { return to == from + 1; }
+  /// About as short as doubles resolve. Only of segments that move bodies by more than 10^13 m are parts so short
+  /// halved any further.
+  bool is_indivisible() const { return in_one_segment() && v - u < 0x1p-60; }
   std::pair<Interval, Interval> halves() const {
     Interval left = *this, right = *this;
     if (in_one_segment())
@@ -403,7 +406,7 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
     if (found.status == CollisionStatus::colliding) return false;
     if (found.status == CollisionStatus::free)
       note_proved({found.bound, interval, pair, found.measured});
-    else if (motion < Checker::motion_floor)
+    else if (motion < Checker::motion_floor || interval.is_indivisible())
       leave_unproved(interval, pair);
     else
       open_.push_back({pair, levels_for(found.room, motion)});
