@@ -86,6 +86,7 @@ def certificate(**changes):
         "time_s": 0.002,
         "cartesian_deviation": None,
         "constraints": [],
+        "clearance_kept": None,
     }
     assert set(changes) <= set(fields)
     return copy_with(srmp.Certificate, tuple({**fields, **changes}.values()))
