@@ -382,7 +382,7 @@ def test_certificates_name_faults_and_what_is_only_sampled():
     assert repr(certificate(sampled=[sampled])) == "Certificate(holds, free; 1 parts at samples)"
     assert repr(certificate(collisions_checked=False)) == "Certificate(holds, collisions not checked)"
     assert repr(proof.velocity) == "LimitUse(0.5, a)"
-    assert len(srmp.FaultKind) == 14
+    assert len(srmp.FaultKind) == 15
 
 
 def test_certificates_and_their_parts_are_values():
