@@ -52,6 +52,16 @@ BOOST_AUTO_TEST_CASE(a_backend_that_sees_too_little_cannot_make_a_path_in_collis
                             "the trajectory found for 'planar' is wrong");
 }
 
+BOOST_AUTO_TEST_CASE(a_clearance_is_refused_with_a_backend_of_ones_own_which_may_not_keep_it) {
+  PlannerInterface planner = planar_beside_post();
+  const auto goal = srmp::GoalConstraint::joints(above);
+  planner.make_planner({"planar"}, srmp::Auto{.common = {.clearance = 0.01}});
+  BOOST_TEST(planner.plan("planar", below, goal).certificate->clearance_kept->violation == 0.0);
+  planner.set_collision_backend(srmp::make_checker);
+  check_throws<srmp::NotSupported>([&] { planner.plan("planar", below, goal); },
+                                   "clearance is 0.01 m, but a collision backend of your own cannot keep a clearance");
+}
+
 srmp::CheckerFactory slow_backend(std::atomic<int>& made) {
   return [&made](const srmp::Scene& scene, const std::string& robot, const srmp::CheckerOptions& options) {
     ++made;

@@ -86,6 +86,7 @@ def certificate(**changes):
         "time_s": 0.002,
         "cartesian_deviation": None,
         "constraints": [],
+        "clearance_kept": None,
     }
     assert set(changes) <= set(fields)
     return copy_with(srmp.Certificate, tuple({**fields, **changes}.values()))
@@ -381,7 +382,7 @@ def test_certificates_name_faults_and_what_is_only_sampled():
     assert repr(certificate(sampled=[sampled])) == "Certificate(holds, free; 1 parts at samples)"
     assert repr(certificate(collisions_checked=False)) == "Certificate(holds, collisions not checked)"
     assert repr(proof.velocity) == "LimitUse(0.5, a)"
-    assert len(srmp.FaultKind) == 14
+    assert len(srmp.FaultKind) == 15
 
 
 def test_certificates_and_their_parts_are_values():
