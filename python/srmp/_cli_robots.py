@@ -6,7 +6,6 @@ import warnings
 from pathlib import Path
 
 import click
-import numpy as np
 
 import srmp
 from srmp._cli_options import steps_bar
@@ -55,37 +54,24 @@ def _describe(name: str) -> None:
 
 
 def _draw_all(chosen: list[srmp.robots.Robot], directory: Path) -> None:
+    """Each robot where the planner puts it at first, with its visual geometry or, without any, with the collision's."""
     from tqdm import tqdm
 
-    from srmp.plot import draw_spheres
+    from srmp.viewer._scene import read_scene
 
     directory.mkdir(parents=True, exist_ok=True)
     drawn = 0
     for robot in tqdm([robot for robot in chosen if robot.installed and not robot.refused], disable=None, leave=False):
         try:
-            groups = _spheres(robot)
-            if groups:
-                draw_spheres(directory / f"{robot.name}.png", [(robot.title or robot.name, groups)])
+            planner = _planner_with(robot.name)
+            if read_scene(planner).bodies:
+                planner.plot(directory / f"{robot.name}.png", title=robot.title or robot.name)
                 drawn += 1
             else:
-                click.echo(f"{robot.name}: no picture, no link has collision geometry", err=True)
+                click.echo(f"{robot.name}: no picture, no link has geometry", err=True)
         except srmp.Error as error:
             click.echo(f"{robot.name}: no picture, {error}", err=True)
     click.echo(f"wrote {drawn} pictures to {directory}")
-
-
-def _spheres(robot: srmp.robots.Robot) -> list[np.ndarray]:
-    """The coarse spheres of each link where the planner puts it at first: rows x, y, z, radius [m]."""
-    planner = _planner_with(robot.name)
-    q = planner.get_qpos(robot.name)
-    directories = robot.arguments()["package_dirs"]
-    groups = []
-    for link in srmp.cover(str(robot.urdf_path), package_dirs=directories).links:
-        spheres = np.array(link.coarse, dtype=float).reshape(-1, 4)
-        pose = planner.compute_fk(robot.name, q, link.link).matrix()
-        spheres[:, :3] = spheres[:, :3] @ pose[:3, :3].T + pose[:3, 3]
-        groups += [spheres] if len(spheres) else []
-    return groups
 
 
 @click.command()

@@ -183,7 +183,19 @@ def test_every_robot_of_example_robot_data_loads_or_says_why(name):
             return
         planner.add_robot(name)
     assert len(planner.get_joint_names(name)) >= 1
+    assert not set(robot.gripper) & set(planner.get_joint_names(name))
     assert set(robot.gripper) <= {joint.get("name") for joint in ElementTree.parse(robot.urdf_path).iter("joint")}
+
+
+@needs_example_robot_data
+def test_limits_of_the_makers():
+    planner = srmp.PlannerInterface()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", srmp.RobotWarning)
+        for name in ("panda", "panda_collision", "xarm7"):
+            planner.add_robot(name, base_pose=srmp.Pose(p=[0, 2.0 * len(planner.robot_names), 0]))
+    assert planner.motion_limits("panda_collision") == planner.motion_limits("panda")
+    assert planner.motion_limits("xarm7").acceleration.tolist() == [20.0] * 7  # 1145 degrees per second squared
 
 
 # --- allowed collisions -----------------------------------------------------------------------------------------------
