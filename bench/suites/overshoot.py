@@ -14,6 +14,7 @@ Plans with limits from 1 ms to 1 s, spaced evenly on a logarithmic scale, as man
 Prints percentiles of total_time_s - time_limit, or of the time from Ctrl-C to its exception; a plan that returns in
 time counts as 0. On a shared machine the scheduler's pauses count too. Therefore plans that overshoot by more than
 --doubt are run again, up to --reruns times, and count with their smallest overshoot; the result file holds all of them.
+It also says how much CPU time the calling thread spent after the limit (cpu_s); the table has rows of its own for that.
 """
 
 from __future__ import annotations
@@ -80,13 +81,36 @@ def phases(stats: dict[str, Any]) -> dict[str, float]:
     return {key: value for key, value in stats.items() if key.endswith("time_s") and value > 1e-3}
 
 
+class TimeAfter:
+    """CPU time [s] that the calling thread spends in a `with` block after its first `delay` seconds."""
+
+    def __init__(self, delay: float) -> None:
+        self.clock = time.pthread_getcpuclockid(threading.get_ident())
+        self.at_delay: float | None = None
+        self.timer = threading.Timer(delay, self.note)
+
+    def note(self) -> None:
+        self.at_delay = time.clock_gettime(self.clock)
+
+    def __enter__(self) -> TimeAfter:
+        self.timer.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        now = time.clock_gettime(self.clock)
+        self.timer.cancel()
+        self.timer.join()
+        self.cpu_s = 0.0 if self.at_delay is None else max(0.0, now - self.at_delay)
+
+
 def overshoot(planner: srmp.PlannerInterface, plan: Callable[[], object], limit: float) -> dict[str, Any]:
-    with contextlib.suppress(srmp.PlanningError):
+    with TimeAfter(limit) as after, contextlib.suppress(srmp.PlanningError):
         plan()
     stats = planner.get_planning_stats()
     return {
         "status": stats["status"].name,
         "overshoot_s": max(0.0, stats["total_time_s"] - limit),
+        "cpu_s": after.cpu_s,
         "phases": phases(stats),
     }
 
@@ -257,7 +281,10 @@ def measure_interrupts(
 
 
 def percentiles(rows: list[dict[str, Any]], first: bool = False) -> dict[str, float]:
-    values = [row["tries_s"][0] if first else row["overshoot_s"] for row in rows]
+    return percentiles_of([row["tries_s"][0] if first else row["overshoot_s"] for row in rows])
+
+
+def percentiles_of(values: list[float]) -> dict[str, float]:
     return {str(p): float(np.percentile(values, p)) for p in PERCENTILES}
 
 
@@ -292,6 +319,10 @@ def run(
         "percentiles_s": percentiles(rows),
         "percentiles_of_first_tries_s": percentiles(rows, first=True),
         "percentiles_by_kind_s": by("kind"),
+        "percentiles_of_cpu_by_kind_s": {
+            kind: percentiles_of([row["cpu_s"] for row in rows if row["kind"] == kind and "cpu_s" in row])
+            for kind in dict.fromkeys(row["kind"] for row in rows if "cpu_s" in row)
+        },
         "percentiles_by_planner_s": by("planner"),
         "rows": rows,
     }
@@ -302,6 +333,7 @@ def table(result: dict[str, Any]) -> str:
         *result["percentiles_by_planner_s"].items(),
         *((f"all of {kind}", values) for kind, values in result["percentiles_by_kind_s"].items()),
         ("all, first tries", result["percentiles_of_first_tries_s"]),
+        *((f"CPU time, {kind}", values) for kind, values in result["percentiles_of_cpu_by_kind_s"].items()),
         ("all", result["percentiles_s"]),
     ]
     header = ["overshoot", *(f"{p} %" for p in PERCENTILES)]

@@ -1,5 +1,6 @@
 """Robots by name, lists of robots, and allowed collisions by sampling."""
 
+import re
 import warnings
 from pathlib import Path
 from xml.etree import ElementTree
@@ -274,3 +275,14 @@ def test_srdf_is_written_with_a_report(tmp_path):
     text = invoke("srdf", urdf, "-o", tmp_path / "arm.srdf", "--samples", 100, "--end-effector", "arm7_hand")
     assert "stay checked" in text
     assert "100 samples, seed 0" in (tmp_path / "arm.srdf").read_text()
+
+
+def test_readme_counts_the_robots_of_the_table():
+    root = Path(__file__).parents[2]
+    table = re.findall(r"^\| (\w+) \|.*\| (yes|no) \|.*$", (root / "docs/robots.md").read_text(), flags=re.M)
+    names = [name for name, robot in srmp.robots.available().items() if robot.package == "example-robot-data"]
+    assert [name for name, _ in table] == names
+    loads = sum(loads == "yes" for _, loads in table)
+    assert (
+        f"{len(table)} robots of `example-robot-data` are listed, {loads} of them" in (root / "README.md").read_text()
+    )
