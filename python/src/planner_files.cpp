@@ -19,6 +19,7 @@ FileError when it cannot be written, and InvalidArgument when a planner names a 
           [](const nb::object& path, const std::vector<std::string>& package_dirs) {
             const auto file = to_path(path);
             const nb::gil_scoped_release no_gil;  // meshes take long to read, and other threads go on
+            const InterruptionScope interruptible(raise_interrupt);
             return new Self(PlannerInterface::load(file, package_dirs));
           },
           nb::arg("path"), nb::arg("package_dirs") = std::vector<std::string>{}, nb::rv_policy::take_ownership,

@@ -179,8 +179,12 @@ without times.)")
 
 Raises FileError.)")
       .def_static(
-          "load", [](const nb::object& path) { return io::load_trajectory(to_path(path)); }, nb::arg("path"),
-          nb::sig("def load(path: str | os.PathLike[str]) -> Trajectory"),
+          "load",
+          [](const nb::object& path) {
+            const InterruptionScope interruptible(raise_interrupt);
+            return io::load_trajectory(to_path(path));
+          },
+          nb::arg("path"), nb::sig("def load(path: str | os.PathLike[str]) -> Trajectory"),
           R"(The trajectory of a trajectory file, of a problem file (PlannerInterface.save), or of what `srmp plan -o` writes.
 
 Raises FileError, with the line, for anything missing, misspelt or wrong, and a file that holds no trajectory.)")

@@ -449,9 +449,10 @@ bool Prover::sharpen() {
 }
 
 /// The distance noted of the nearest pair may have been that of any two near primitives: computes the pair's own.
-/// False: they are in contact.
+/// False: they are in contact. After the deadline, what was noted has to do.
 bool Prover::refine_nearest() {
-  if (!nearest_ || nearest_->solid) return clearance_ > NarrowPhase::contact_distance;
+  const bool too_late = motion_.positions.rows() > 1 && stopped();
+  if (!nearest_ || nearest_->solid || too_late) return clearance_ > NarrowPhase::contact_distance;
   workspace_.place(nearest_configuration_);
   const double found = workspace_.distance(*nearest_, clearance_ + nearest_->padding, 0.0) - nearest_->padding;
   clearance_ = std::min(clearance_, found);

@@ -3,6 +3,7 @@
 #include <coal/BVH/BVH_model.h>
 #include <coal/shape/geometric_shapes.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "srmp/core/error.hpp"
@@ -33,7 +34,7 @@ CoverSolid checked_solid(const coal::CollisionGeometry& shape, const CoverLevels
 /// The levels for a geometry whose bounding sphere has this radius. See CoverLevels::full_size.
 CoverLevels levels_for(double radius, CoverLevels levels) {
   if (radius <= levels.full_size) return levels;
-  const double ratio = radius / levels.full_size, growth = ratio * ratio;  // as the area
+  const double ratio = radius / levels.full_size, growth = std::min(std::pow(ratio, 6), 6 * ratio);
   levels.coarse *= growth;
   levels.fine *= growth;
   return levels;

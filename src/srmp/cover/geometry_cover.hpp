@@ -35,7 +35,7 @@ struct CoverLevels {
   double closing{0.015};  ///< [m] >= 0: a cover may fill cavities that a sphere of this radius cannot enter
   std::size_t inner{12};  ///< largest number of inner spheres
   /// [m] > 0: a geometry whose bounding sphere has a larger radius, r, is covered less closely, so that a table takes
-  /// not much longer than a link: both inflations grow by (r / full_size)².
+  /// no longer than a link: with x = r / full_size, both inflations grow by min(x⁶, 6 x).
   double full_size{0.5};
 
   bool operator==(const CoverLevels&) const = default;

@@ -18,6 +18,7 @@ namespace {
 constexpr float unreached = std::numeric_limits<float>::infinity();
 constexpr float occupied_cell = -1.0f;
 constexpr std::size_t max_cells = 50'000'000;
+constexpr int cells_per_deadline_check = 8;  // a test by Coal may take most of a millisecond
 
 coal::Transform3s to_coal(const Pose& pose) { return {pose.q.toRotationMatrix(), pose.p}; }
 
@@ -152,14 +153,13 @@ void TaskSpaceBfs::mark(const Object& object, double radius, const Deadline& dea
   const SphereTest hits(object, radius);
   Cell c;
   for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
-    for (c[1] = from[1]; c[1] <= to[1]; ++c[1]) {
-      if (deadline.stop_requested()) return;
+    for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
       for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
+        if ((c[0] - from[0]) % cells_per_deadline_check == 0 && deadline.stop_requested()) return;
         float& cell = distance_[index(c)];
         if (cell != occupied_cell && hits(low_ + resolution_ * Eigen::Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5)))
           cell = occupied_cell;
       }
-    }
 }
 
 /// Dijkstra's algorithm with one bucket for each `resolution` of distance (Denardo, Fox 1979): no step is shorter, so

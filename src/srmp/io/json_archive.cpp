@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/version.hpp"
 #include "srmp/core/write_file.hpp"
 
@@ -185,7 +186,10 @@ std::vector<double> JsonReader::numbers(const Node& node, const std::string& pla
   file_.require_list(node, place);
   std::vector<double> values;
   values.reserve(node.size());
-  for (const Node& item : node) values.push_back(real(file_, item, place));
+  for (const Node& item : node) {
+    interruption_point();
+    values.push_back(real(file_, item, place));
+  }
   return values;
 }
 

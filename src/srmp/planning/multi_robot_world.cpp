@@ -7,6 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "srmp/core/interruption.hpp"
 #include "srmp/core/memory_of.hpp"
 #include "srmp/core/number_hash.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
@@ -216,10 +217,10 @@ class MultiRobotWorld::Pair {
   /// By spheres alone. Rows of a's configurations, then b's.
   std::vector<char> collision_free_with(const RowMatrix& both) {
     const std::lock_guard lock(mutex_);
-    const Checking& spheres = checking(true);
     const auto count = static_cast<std::size_t>(both.rows());
     const auto free = std::make_unique<bool[]>(count);
     const bool checked = unless_stopped([&] {
+      const Checking& spheres = checking(true);
       spheres.checker->are_free(both, {free.get(), count}, *spheres.workspace, {.spheres_only = true});
       return true;
     });
@@ -260,10 +261,14 @@ class MultiRobotWorld::Pair {
     const Checker* checker{};
     Checker::WorkspacePtr workspace;
   };
-  /// The caller has the lock.
+  /// The caller has the lock. Throws MotionCheckStopped at the deadline, because the first covers of a robot take long.
   const Checking& checking(bool spheres_only) {
     if (!spheres_only) return exact_;
     if (!by_spheres_.checker) {
+      const InterruptionScope scope([this, outer = interruption_check()] {
+        if (outer) outer();
+        if (deadline_ && deadline_->expired()) throw MotionCheckStopped();
+      });
       by_spheres_.checker = checkers_.pair_by_spheres(a_, b_);
       by_spheres_.workspace = by_spheres_.checker->make_workspace();
       if (deadline_) by_spheres_.checker->stop_at(*deadline_, *by_spheres_.workspace);
@@ -278,8 +283,10 @@ class MultiRobotWorld::Pair {
     to_.resize(from_.size());
     from_ << from_a, from_b;
     to_ << to_a, to_b;
-    const Checking& by = checking(query.spheres_only);
-    return unless_stopped([&] { return by.checker->is_motion_free(from_, to_, *by.workspace, query); });
+    return unless_stopped([&] {
+      const Checking& by = checking(query.spheres_only);
+      return by.checker->is_motion_free(from_, to_, *by.workspace, query);
+    });
   }
 
   const GroupCheckers& checkers_;

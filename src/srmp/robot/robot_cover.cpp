@@ -141,13 +141,15 @@ void adopt(const RobotCover& cover, const RobotModel& model, CoverStore& store) 
   for (std::size_t i = 0; i < cover.parts.size(); ++i) store.adopt(model.geometries()[i].shape, cover.parts[i].cover);
 }
 
+/// Each cover is adopted at once: a call that is interrupted leaves less to the next.
 void cover_quickly(const RobotModel& model, const Distinct& distinct, CoverStore& store) {
-  std::vector<std::shared_ptr<const GeometryCover>> covers;
-  for (const Shape& shape : distinct.shapes)
-    covers.push_back(std::make_shared<const GeometryCover>(quick_cover(*shape)));
+  std::vector<std::shared_ptr<const GeometryCover>> covers(distinct.shapes.size());
   for (std::size_t i = 0; i < distinct.index.size(); ++i) {
     const LinkGeometry& geometry = model.geometries()[i];
-    store.adopt_quick(geometry.shape, within_envelope(geometry, covers[distinct.index[i]]));
+    if (store.adopted_quick(*geometry.shape)) continue;
+    auto& cover = covers[distinct.index[i]];
+    if (!cover) cover = std::make_shared<const GeometryCover>(quick_cover(*distinct.shapes[distinct.index[i]]));
+    store.adopt_quick(geometry.shape, within_envelope(geometry, cover));
   }
 }
 

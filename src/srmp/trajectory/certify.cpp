@@ -73,6 +73,7 @@ class FormatCheck {
 
   bool numbers_are_finite() {
     for (Eigen::Index i = 0; i < t_.positions.rows(); ++i) {
+      interruption_point();
       const auto finite = [&](const RowMatrix& rows) { return rows.rows() == 0 || rows.row(i).allFinite(); };
       if (!std::isfinite(t_.times[i]) || !finite(t_.positions) || !finite(t_.velocities) || !finite(t_.accelerations))
         return fault(FaultKind::not_finite, "row " + std::to_string(i) + " holds NaN or infinity");
@@ -96,7 +97,8 @@ class FormatCheck {
 
   /// Where rows are too near in time, or too fast, the polynomials overflow and nothing can be verified.
   bool polynomials_are_finite() {
-    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row)
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
+      interruption_point();
       for (Eigen::Index j = 0; j < t_.positions.cols(); ++j) {
         const detail::Cubic p = detail::segment_of(t_, row, j);
         const auto small = [](double x) { return std::abs(x) < largest; };
@@ -107,6 +109,7 @@ class FormatCheck {
                            std::to_string(row) + " and " + std::to_string(row + 1),
                        t_.times[row]);
       }
+    }
     return true;
   }
 
@@ -123,11 +126,7 @@ class Certifier {
 
   Certificate run() {
     result_.limits = limits_;
-    if (const auto why = unreadable(t_, robot_)) {
-      result_.faults.push_back(*why);
-      return std::move(result_);
-    }
-    check_rows();
+    if (!check_rows()) return std::move(result_);
     if (options_.collisions) check_collisions();
     return std::move(result_);
   }
@@ -137,7 +136,8 @@ class Certifier {
     result_.faults.push_back({kind, text, time});
   }
 
-  void check_rows() {
+  /// False: the trajectory cannot be read.
+  bool check_rows() {
     std::optional<InterruptionScope> scope;  // a few rows are checked at once, also after the limit
     if (t_.positions.rows() > 1000)
       scope.emplace([this] {
@@ -145,6 +145,10 @@ class Certifier {
           stop_if_late(*options_.deadline,
                        "the " + std::to_string(t_.positions.rows()) + " rows of the trajectory were verified");
       });
+    if (const auto why = unreadable(t_, robot_)) {
+      result_.faults.push_back(*why);
+      return false;
+    }
     check_limits(t_, limits_,
                  {.joints = &robot_.joints(),
                   .limits = options_.limits,
@@ -155,6 +159,7 @@ class Certifier {
     check_start_velocity();
     check_ends_at_rest();
     check_deviation();
+    return true;
   }
 
   void check_start_velocity() {
