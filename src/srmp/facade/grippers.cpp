@@ -99,8 +99,11 @@ Scene with_model(const Scene& scene, const std::string& name, std::shared_ptr<co
     if (attachment.robot == name)
       changed.attach_object(object, name, attachment.link,
                             {attachment.touch_links.begin(), attachment.touch_links.end()}, scene.object(object).pose);
-  for (const auto& [a, b] : before.model->always_colliding())
-    changed.set_allowed_collision(name + "/" + a, name + "/" + b);
+  // The contacts that each model samples for want of an SRDF differ: those of the robot itself count.
+  const std::vector<std::pair<std::string, std::string>> sampled = changed.robot(name).model->always_colliding();
+  for (const auto& pairs : {sampled, before.model->always_colliding()})
+    for (const auto& [a, b] : pairs)
+      changed.set_allowed_collision(name + "/" + a, name + "/" + b, before.model->allowed(a, b));
   for (const auto& [pair, allowed] : scene.allowed_settings())
     changed.set_allowed_collision(pair.first, pair.second, allowed);
   return changed;
