@@ -149,7 +149,7 @@ class _NotHere(_srmp.NotSupported, AttributeError):  # type: ignore[misc]
     """Also an AttributeError, for hasattr and getattr with a default."""
 
 
-class _Missing:
+class Missing:
     """A member of an enumeration that says what to write instead.
 
     No AttributeError: after one, the enumeration would raise its own, without the sentence.
@@ -184,7 +184,7 @@ def explain_missing_names() -> None:
     _explain(_srmp.Pose, _POSE)
     _explain(_srmp.GoalConstraint, _GOAL)
     for name, instead in _GOAL_TYPES.items():
-        setattr(_srmp.GoalType, name, _Missing(_sentence("GoalType", name, instead)))
+        setattr(_srmp.GoalType, name, Missing(_sentence("GoalType", name, instead)))
 
 
 def missing_in_module(name: str) -> NoReturn:

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from srmp import _srmp
+from srmp._html_tables import BAD, GOOD, Raw, certificate_table, escaped, table
 from srmp._table import format_seconds
 from srmp._verify import summary
 
 _PLAYER_HEIGHT = 460  # [px]
 _MAX_LINES = 12  # of the small plot of a motion whose robot is not known
-_GOOD, _BAD = "#0b7a75", "#b3201e"
 _JOINTS = ("#0b7a75", "#d1662b", "#3a6ea5", "#a23b72", "#6b8e23", "#8a5a44", "#5b5ea6", "#b08900", "#444b54")
 
 
@@ -24,7 +24,7 @@ def html_of(value: Any) -> str:
     try:
         return _WRITERS[type(value)](value)
     except _srmp.Error as error:
-        return f"<div>{_text(repr(value))}<br><small>{_text(error)}</small></div>"
+        return f"<div>{escaped(repr(value))}<br><small>{escaped(error)}</small></div>"
 
 
 def _planner(planner: Any) -> str:
@@ -52,10 +52,10 @@ def _motion(value: Any, world: Any, trajectories: Mapping[str, Any]) -> str:
         for robot, one in trajectories.items()
     ]
     if world is None:
-        return _table(rows) + "".join(_lines(one) for one in trajectories.values())
+        return table(rows) + "".join(_lines(one) for one in trajectories.values())
     from srmp.viewer._drawing import make_drawing
 
-    return _player(make_drawing(world, trajectories, clearances=False), repr(value)) + _table(rows)
+    return _player(make_drawing(world, trajectories, clearances=False), repr(value)) + table(rows)
 
 
 def _certified(trajectory: Any) -> str:
@@ -80,7 +80,7 @@ def _lines(trajectory: Any) -> str:
     drawn = "".join(
         f'<polyline fill="none" stroke="{_JOINTS[j % len(_JOINTS)]}" points="'
         + " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, column, strict=True))
-        + f'"><title>{_text(trajectory.joint_names[j])}</title></polyline>'
+        + f'"><title>{escaped(trajectory.joint_names[j])}</title></polyline>'
         for j, column in enumerate(y.T)
     )
     return f'<svg viewBox="0 0 600 120" style="width: 100%; max-width: 600px" role="img">{drawn}</svg>'
@@ -88,61 +88,26 @@ def _lines(trajectory: Any) -> str:
 
 def _result(result: Any) -> str:
     statistics = result.statistics
-    colour = _GOOD if result.solved else _BAD
+    colour = GOOD if result.solved else BAD
     rows = [
-        ("status", _raw(f'<b style="color: {colour}">{_text(result.status.name)}</b> {_text(result.reason)}')),
+        ("status", Raw(f'<b style="color: {colour}">{escaped(result.status.name)}</b> {escaped(result.reason)}')),
         ("time of the path", format_seconds(statistics["plan_time_s"])),
         ("time in all", format_seconds(statistics["total_time_s"])),
         ("expansions", statistics["expansions"]),
         ("edge checks", statistics["edge_checks"]),
     ]
     if not result.solved:
-        return _table(rows)
+        return table(rows)
     bound = statistics["bound"]
     cost = f"{statistics['path_cost_rad']:.3f} rad"
     if math.isfinite(bound):
         cost += f", at most {bound:.3g} times the optimum of {statistics['bound_graph']}"
-    return _table([*rows, ("cost", cost)]) + html_of(result.trajectory)
-
-
-def _certificate(certificate: Any) -> str:
-    colour = _GOOD if certificate.holds else _BAD
-    rows: list[tuple[str, Any]] = [
-        ("certificate", _raw(f'<b style="color: {colour}">{_text(summary(certificate))}</b>'))
-    ]
-    rows += [
-        (f"{fault.kind.name}", _raw(f'<span style="color: {_BAD}">{_text(fault.text)}</span>'))
-        for fault in certificate.faults
-    ]
-    for name in ("position", "velocity", "acceleration", "jerk"):
-        used = getattr(certificate, name)
-        if not used.joint:
-            rows.append((name, "no limit is used"))
-        elif math.isfinite(used.fraction):
-            where = f"{100 * used.fraction:.4g} % of the limit, {used.joint} at {used.time:.3f} s"
-            rows.append((name, _raw(f"{_bar(used.fraction)} {_text(where)}")))
-        else:
-            rows.append((name, f"unbounded, {used.joint} at {used.time:.3f} s"))
-    if certificate.collisions_checked and math.isfinite(certificate.clearance):
-        pair = f"{certificate.body_a} and {certificate.body_b} at {certificate.clearance_time:.3f} s"
-        proved = f"proved at least {1e3 * certificate.clearance_proved:.3g} mm"
-        rows.append(("clearance", f"{1e3 * certificate.clearance:.4g} mm, {pair}; {proved}"))
-    if math.isfinite(certificate.deviation):
-        rows.append(("deviation", f"{1e3 * certificate.deviation:.4g} mm from the checked path"))
-    return _table(rows)
-
-
-def _bar(fraction: float) -> str:
-    width, colour = round(80 * min(max(fraction, 0.0), 1.0)), _BAD if fraction > 1 + 1e-6 else _GOOD
-    return (
-        '<span style="display: inline-block; width: 80px; background: #e3e6ea">'
-        f'<span style="display: block; width: {width}px; height: 0.7em; background: {colour}"></span></span>'
-    )
+    return table([*rows, ("cost", cost)]) + html_of(result.trajectory)
 
 
 def _request(request: Any) -> str:
     options = [f"{key} = {value}" for key, value in (request.options or {}).items()]
-    return _table(
+    return table(
         [
             ("robot", request.robot),
             ("start", _numbers(request.start)),
@@ -158,7 +123,7 @@ def _multi_request(request: Any) -> str:
         goal = _goal(request.goals[robot]) if robot in request.goals else "holds still"
         rows.append((robot, f"from {_numbers(start)} to {goal}"))
     rows += [(robot, f"is committed to {trajectory!r}") for robot, trajectory in request.obstacles.items()]
-    return _table(rows)
+    return table(rows)
 
 
 def _goal(goal: Any) -> str:
@@ -170,29 +135,13 @@ def _numbers(values: Iterable[float]) -> str:
     return "[" + ", ".join(f"{value:.4g}" for value in values) + "]"
 
 
-class _raw(str):
-    """Text that is HTML already."""
-
-
-def _text(value: object) -> str:
-    return value if isinstance(value, _raw) else html.escape(str(value))
-
-
-def _table(rows: Iterable[tuple[str, Any]]) -> str:
-    cells = "".join(
-        f'<tr><th style="text-align: left">{_text(name)}</th><td style="text-align: left">{_text(value)}</td></tr>'
-        for name, value in rows
-    )
-    return f"<table>{cells}</table>"
-
-
 _WRITERS: dict[type, Any] = {
     _srmp.PlannerInterface: _planner,
     _srmp.Trajectory: _trajectory,
     _srmp.MultiTrajectory: _multi_trajectory,
     _srmp.PlanResult: _result,
     _srmp.MultiPlanResult: _result,
-    _srmp.Certificate: _certificate,
+    _srmp.Certificate: certificate_table,
     _srmp.PlanRequest: _request,
     _srmp.MultiPlanRequest: _multi_request,
 }

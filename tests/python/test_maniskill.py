@@ -7,7 +7,7 @@ from importlib.util import find_spec
 import pytest
 
 if find_spec("mani_skill") is None:
-    pytest.skip("ManiSkill is not installed: pip install mani_skill", allow_module_level=True)
+    pytest.skip("ManiSkill, the package mani_skill, is not installed", allow_module_level=True)
 
 PROGRAM = """
 import sys

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srmp._notebook import html_of
+from srmp._html_tables import certificate_table
 from srmp._verify import summary
 from srmp.viewer._failure import Failure, find_failure
 from srmp.viewer._motion import Motion, sample_motion, trajectories_of
@@ -92,7 +92,7 @@ def _notes(trajectories: Mapping[str, Trajectory]) -> list[str]:
 def _certificates(trajectories: Mapping[str, Trajectory]) -> list[tuple[str, str]]:
     """What each certificate claims, and where it is tightest."""
     return [
-        (f"certificate of '{robot}'", html_of(one.certificate))
+        (f"certificate of '{robot}'", certificate_table(one.certificate))
         for robot, one in trajectories.items()
         if one.certificate
     ]
