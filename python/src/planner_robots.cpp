@@ -25,9 +25,13 @@ void add(PlannerInterface& planner, const RobotDescription& description, const P
   }
 }
 
-std::optional<PlanarBounds> bounds_of(const std::optional<Eigen::Matrix2d>& corners) {
+std::optional<PlanarBounds> bounds_of(const std::optional<ArrayLike>& corners) {
   if (!corners) return std::nullopt;
-  return PlanarBounds{corners->row(0).transpose(), corners->row(1).transpose()};
+  const RowMatrix rows = corners->rows("planar_bounds", 2);
+  if (rows.rows() != 2)
+    throw InvalidArgument("planar_bounds has " + std::to_string(rows.rows()) +
+                          " rows; it takes two, the smallest x and y and the largest");
+  return PlanarBounds{rows.row(0).transpose(), rows.row(1).transpose()};
 }
 
 }  // namespace
@@ -39,7 +43,7 @@ void bind_robots(PlannerClass& cls) {
             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
-            const std::string& urdf_directory, const std::optional<Eigen::Matrix2d>& planar_bounds, bool strict) {
+            const std::string& urdf_directory, const std::optional<ArrayLike>& planar_bounds, bool strict) {
            if (name.ends_with(".urdf"))
              throw InvalidArgument("name of the robot is '" + name +
                                    "', the path of a URDF: the arguments are urdf_path, "

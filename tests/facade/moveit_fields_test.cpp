@@ -365,8 +365,8 @@ const std::vector<Row>& scenes() {
        [](Case& c) {
          c.add_box("box", {0.3, 0, 0.6}, {0.3, 0.3, 0.3});
          c.scene.allowed_collisions.defaults["box"] = true;
-         for (const auto& geometry : RobotModel::load(arm7())->geometries())
-           c.scene.allowed_collisions.defaults[geometry.link] = false;
+         const auto robot = RobotModel::load(arm7());
+         for (const auto& geometry : robot->geometries()) c.scene.allowed_collisions.defaults[geometry.link] = false;
        },
        Code::start_state_in_collision, "box"},
       {"allowed_collision_matrix.default_entry_names, of nothing",

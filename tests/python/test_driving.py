@@ -93,6 +93,7 @@ def test_motion_limits_of_the_base():
         ([[0, 0], [np.nan, 1]], r"planar_bounds: x is from 0 to nan m; bounds must be finite numbers"),
         ([[0, 0], [1e4, 1]], r"planar_bounds: x is from 0 to 10000 m; at most 1000 m are allowed"),
         ([0, 1], "planar_bounds"),
+        ([[0, 0], [1, 1], [2, 2]], "planar_bounds has 3 rows; it takes two"),
         ("wide", "planar_bounds"),
     ],
 )
