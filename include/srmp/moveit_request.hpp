@@ -7,6 +7,7 @@
 #include "srmp/io/moveit.hpp"
 #include "srmp/planning/goal.hpp"
 #include "srmp/planning/options.hpp"
+#include "srmp/trajectory/motion_limits.hpp"
 
 namespace srmp {
 
@@ -19,6 +20,8 @@ struct MoveItProblem {
   /// given, and planner_id where it is an id of this library.
   OptionMap options;
   std::vector<std::string> ignored_joints;  ///< named by the start state, but not movable joints of this robot
+  /// For MotionLimits::link_speeds: the request's max_cartesian_speed, of its cartesian_speed_limited_link.
+  std::vector<LinkSpeedLimit> link_speeds{};
 };
 
 }  // namespace srmp

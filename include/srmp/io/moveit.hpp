@@ -145,11 +145,12 @@ struct RequestFile {
   double acceleration_scaling{1.0};             ///< in (0, 1]; MoveIt's 0 means 1
   std::optional<WorkspaceBounds> workspace;     ///< bounds of the workspace, if the file has them
   int attempts{};                               ///< num_planning_attempts, >= 0; planners are deterministic: no effect
+  double max_cartesian_speed{};                 ///< [m/s] of that link's origin; 0 = not limited
+  std::string cartesian_speed_limited_link{};   ///< "" = the end effector
   // What follows is not supported; the readers refuse files that hold it.
   GoalAlternative path_constraints{};    ///< must hold all the way
   std::size_t trajectory_constraints{};  ///< their number
   std::size_t reference_trajectories{};  ///< their number
-  double max_cartesian_speed{};          ///< [m/s]; 0 = not limited
 };
 
 /// A shape_msgs/SolidPrimitive: type 1 = box, 2 = sphere, 3 = cylinder (height, radius), 4 = cone (height, radius),

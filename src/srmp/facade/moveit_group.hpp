@@ -88,6 +88,7 @@ class MoveItGroup {
   Eigen::VectorXd start_of(const std::string& robot) const;
   io::RequestFile part_of(const io::RequestFile& request, const Arm& arm, const io::FrameLookup& frames) const;
   void read_goals(const io::RequestFile& request);
+  void limit_speed(const io::RequestFile& request);
   MoveItErrorCode goal_failure(const Arm& arm) const;
 
   PlannerInterface planner_;

@@ -91,7 +91,7 @@ struct PlannerInterface::Impl {
     require_planner_for_one(options);
     require_request(scene, request.robot, request.start, request.goals);
     place_constraints(scene, request.robot, request.constraints);  // throws
-    require_start_in_motion(request, model(request.robot), scaled(limits_of(request.robot), common_options(options)),
+    require_start_in_motion(request, *placed(request.robot), scaled(limits_of(request.robot), common_options(options)),
                             common_options(options));
   }
 

@@ -60,6 +60,7 @@ class RequestReader : public MessageReader {
     request.velocity_scaling = scaling(root, "max_velocity_scaling_factor");
     request.acceleration_scaling = scaling(root, "max_acceleration_scaling_factor");
     read_planning_time(root, request);
+    read_cartesian_speed(root, request);
     read_workspace(root["workspace_parameters"], request);
     refuse_unsupported(root);
     read_goals(root, request);
@@ -95,6 +96,15 @@ class RequestReader : public MessageReader {
         if (vector(twist[part], "a twist").norm() > rest_speed)
           file_.unsupported(twist, "the start state's twist is not zero; only starts at rest are supported");
       }
+  }
+
+  /// Names have changed: `cartesian_speed_end_effector_link` was the older one.
+  void read_cartesian_speed(const Node& root, RequestFile& request) const {
+    request.max_cartesian_speed = optional_number(root, "max_cartesian_speed", 0.0);
+    fail_if(cartesian_speed_fault(request.max_cartesian_speed), root["max_cartesian_speed"]);
+    request.cartesian_speed_limited_link = optional_text(root, "cartesian_speed_limited_link");
+    if (request.cartesian_speed_limited_link.empty())
+      request.cartesian_speed_limited_link = optional_text(root, "cartesian_speed_end_effector_link");
   }
 
   void read_planning_time(const Node& root, RequestFile& request) const {
@@ -133,8 +143,6 @@ class RequestReader : public MessageReader {
     }
     if (!is_empty(root["reference_trajectories"]))
       file_.unsupported(root["reference_trajectories"], unsupported("reference_trajectories"));
-    if (optional_number(root, "max_cartesian_speed", 0.0) > 0.0)
-      file_.unsupported(root["max_cartesian_speed"], unsupported("max_cartesian_speed"));
   }
 
   void read_goals(const Node& root, RequestFile& request) const {

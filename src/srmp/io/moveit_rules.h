@@ -25,6 +25,7 @@ std::string length_fault(double quaternion_length);
 std::string padding_fault(const std::string& link, double padding);
 
 /// The sentences about what is never right.
+std::string cartesian_speed_fault(double max_cartesian_speed);
 std::string unsupported(const std::string& field);
 std::string twice_fault(const std::string& joint);
 std::string scale_fault(const std::string& link);
