@@ -7,6 +7,7 @@
 #include "srmp/io/moveit.hpp"
 #include "srmp/planning/goal.hpp"
 #include "srmp/planning/options.hpp"
+#include "srmp/trajectory/motion_limits.hpp"
 #include "srmp/trajectory/path_constraint.hpp"
 
 namespace srmp {
@@ -22,6 +23,8 @@ struct MoveItProblem {
   std::vector<std::string> ignored_joints;  ///< named by the start state, but not movable joints of this robot
   std::vector<PathConstraint> constraints;  ///< of the whole motion: PlanRequest::constraints
   Eigen::VectorXd start_velocity;           ///< (dof,) [rad/s or m/s]: PlanRequest::start_velocity; empty: at rest
+  /// For MotionLimits::link_speeds: the request's max_cartesian_speed, of its cartesian_speed_limited_link.
+  std::vector<LinkSpeedLimit> link_speeds{};
 };
 
 }  // namespace srmp

@@ -253,6 +253,16 @@ srmp::io::SceneFile scene_of(const Library& library, const planning_scene::Plann
   return result;
 }
 
+// Releases of moveit_msgs have one or the other name.
+template <class Message>
+auto speed_limited_link(const Message& message, int) -> decltype(message.cartesian_speed_limited_link) {
+  return message.cartesian_speed_limited_link;
+}
+template <class Message>
+auto speed_limited_link(const Message& message, long) -> decltype(message.cartesian_speed_end_effector_link) {
+  return message.cartesian_speed_end_effector_link;
+}
+
 srmp::io::RequestFile request_of(const Library& library, const moveit_messages::MotionPlanRequest& message,
                                  const planning_scene::PlanningScene& scene) {
   srmp::io::RequestFile request;
@@ -276,6 +286,7 @@ srmp::io::RequestFile request_of(const Library& library, const moveit_messages::
   request.trajectory_constraints = message.trajectory_constraints.constraints.size();
   request.reference_trajectories = message.reference_trajectories.size();
   request.max_cartesian_speed = message.max_cartesian_speed;
+  request.cartesian_speed_limited_link = speed_limited_link(message, 0);
   return request;
 }
 

@@ -176,6 +176,13 @@ void make_html(Class& cls) {
       nb::sig("def _repr_html_(self) -> str"));
 }
 
+#define SRMP_LINK_SPEEDS \
+  "collections.abc.Mapping[str, float | tuple[float | None, float | None]] | collections.abc.Sequence[LinkSpeedLimit]"
+
+/// Limits of links: None and {} are none; a dictionary from link to speed, or to (speed, angular speed); or a list of
+/// LinkSpeedLimit.
+std::vector<LinkSpeedLimit> to_link_speeds(nb::handle value);
+
 /// A robot of a PlannerInterface with its base pose; None: its only one.
 PlacedRobot placed_robot(nb::handle planner, nb::handle robot);
 

@@ -23,9 +23,9 @@ Eigen::VectorXd to_vector(nb::handle list) {
 }
 
 MotionLimits make_limits(const ArrayLike& velocity, const ArrayLike& acceleration, const ArrayLike& jerk,
-                         const std::vector<bool>& continuous) {
+                         const std::vector<bool>& continuous, nb::handle link_speeds) {
   MotionLimits limits{velocity.vector("velocity limits"), acceleration.vector("acceleration limits"),
-                      jerk.vector("jerk limits"), continuous};
+                      jerk.vector("jerk limits"), continuous, to_link_speeds(link_speeds)};
   std::vector<std::string> names;
   for (std::size_t j = 0; j < limits.size(); ++j) names.push_back("joint " + std::to_string(j));
   require_limits(limits, names);
@@ -35,6 +35,79 @@ MotionLimits make_limits(const ArrayLike& velocity, const ArrayLike& acceleratio
   return limits;
 }
 
+std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+LinkSpeedLimit make_link_limit(const std::string& link, std::optional<double> speed,
+                               std::optional<double> angular_speed, const std::optional<ArrayLike>& point) {
+  LinkSpeedLimit limit{.link = link};
+  if (speed) limit.speed = *speed;
+  if (angular_speed) limit.angular_speed = *angular_speed;
+  if (point) limit.point = point->vector3("point_in_link");
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  require_limits({one, one, one, {}, {limit}}, {"joint"});
+  return limit;
+}
+
+std::string text_of(const LinkSpeedLimit& limit) {
+  std::string text = "LinkSpeedLimit('" + limit.link + "'";
+  if (std::isfinite(limit.speed)) text += ", " + to_text(limit.speed) + " m/s";
+  if (std::isfinite(limit.angular_speed)) text += ", " + to_text(limit.angular_speed) + " rad/s";
+  return text + ")";
+}
+
+void bind_link_speeds(nb::module_& m) {
+  nb::class_<LinkSpeedLimit> limit(m, "LinkSpeedLimit",
+                                   "A limit of how fast a link of the robot moves, at every instant.");
+  limit
+      .def(
+          "__init__",
+          [](LinkSpeedLimit* self, const std::string& link, std::optional<double> speed,
+             std::optional<double> angular_speed, const std::optional<ArrayLike>& point) {
+            new (self) LinkSpeedLimit(make_link_limit(link, speed, angular_speed, point));
+          },
+          nb::arg("link") = "", nb::arg("speed") = nb::none(), nb::arg("angular_speed") = nb::none(), nb::kw_only(),
+          nb::arg("point_in_link") = nb::none(),
+          "link: '' = the end effector. speed [m/s]: of the point (3,) of the link [m], default its origin. "
+          "angular_speed\n"
+          "[rad/s]. One of the two may be None: not limited.\n\n"
+          "Raises InvalidArgument unless one of them is given, both are above 0, and the point is finite.")
+      .def_ro("link", &LinkSpeedLimit::link, "The link; '' = the end effector.")
+      .def_ro("speed", &LinkSpeedLimit::speed, "[m/s]; inf: not limited.")
+      .def_ro("angular_speed", &LinkSpeedLimit::angular_speed, "[rad/s]; inf: not limited.")
+      .def_prop_ro(
+          "point_in_link", [](const LinkSpeedLimit& l) { return to_numpy(l.point); },
+          "Whose speed it is (3,), in the link's frame [m].")
+      .def("__repr__", [](const LinkSpeedLimit& l) { return text_of(l); });
+  make_value(
+      limit,
+      [](const LinkSpeedLimit& l) { return nb::make_tuple(l.link, l.speed, l.angular_speed, to_array(l.point)); },
+      [](const State& s) {
+        const auto p = nb::cast<std::array<double, 3>>(s[3]);
+        return LinkSpeedLimit{nb::cast<std::string>(s[0]), number(s[1]), number(s[2]), {p[0], p[1], p[2]}};
+      });
+
+  nb::class_<LinkSpeedUse> use(m, "LinkSpeedUse",
+                               "How fast a link moves, at most: proved over the whole motion, not at samples.");
+  use.def_ro("limit", &LinkSpeedUse::limit, "LinkSpeedLimit that it was verified against, with the link's name.")
+      .def_ro("speed", &LinkSpeedUse::speed, "Of its point [m/s]; 0 where it is not limited.")
+      .def_ro("speed_time", &LinkSpeedUse::speed_time, "About when it is fastest [s].")
+      .def_ro("angular_speed", &LinkSpeedUse::angular_speed, "[rad/s]; 0 where it is not limited.")
+      .def_ro("angular_speed_time", &LinkSpeedUse::angular_speed_time, "About when it turns fastest [s].")
+      .def_prop_ro("fraction", &LinkSpeedUse::fraction, "The larger one, as a fraction of its limit.")
+      .def("__repr__", [](const LinkSpeedUse& u) {
+        return "LinkSpeedUse('" + u.limit.link + "', " + to_text(u.fraction()) + " of the limit)";
+      });
+  make_value(
+      use,
+      [](const LinkSpeedUse& u) {
+        return nb::make_tuple(u.limit, plain(u.speed), plain(u.speed_time), plain(u.angular_speed),
+                              plain(u.angular_speed_time));
+      },
+      [](const State& s) {
+        return LinkSpeedUse{nb::cast<LinkSpeedLimit>(s[0]), number(s[1]), number(s[2]), number(s[3]), number(s[4])};
+      });
+}
+
 void bind_limits(nb::module_& m) {
   nb::class_<MotionLimits> limits(m, "MotionLimits",
                                   "Limits of each joint's motion, one entry a joint, in the order of the joint names.");
@@ -42,13 +115,17 @@ void bind_limits(nb::module_& m) {
       .def(
           "__init__",
           [](MotionLimits* self, const ArrayLike& velocity, const ArrayLike& acceleration, const ArrayLike& jerk,
-             const std::vector<bool>& continuous) {
-            new (self) MotionLimits(make_limits(velocity, acceleration, jerk, continuous));
+             const std::vector<bool>& continuous, nb::handle link_speeds) {
+            new (self) MotionLimits(make_limits(velocity, acceleration, jerk, continuous, link_speeds));
           },
           nb::arg("velocity"), nb::arg("acceleration"), nb::arg("jerk"), nb::arg("continuous") = std::vector<bool>{},
+          nb::kw_only(), nb::arg("link_speeds") = nb::none(),
+          nb::sig("def __init__(self, velocity: numpy.typing.ArrayLike, acceleration: numpy.typing.ArrayLike, "
+                  "jerk: numpy.typing.ArrayLike, continuous: collections.abc.Sequence[bool] = [], *, "
+                  "link_speeds: " SRMP_LINK_SPEEDS " | None = None) -> None"),
           "(dof,) each: velocity [rad/s or m/s], acceleration [rad/s^2 or m/s^2], jerk [rad/s^3 or m/s^3]; continuous: "
           "a flag a joint,\n"
-          "empty = none is.\n\n"
+          "empty = none is. link_speeds: limits of links, as PlannerInterface.set_motion_limits takes them.\n\n"
           "Raises InvalidArgument unless all have one entry a joint, above 0 and finite.")
       .def_prop_ro(
           "velocity", [](const MotionLimits& l) { return to_numpy(l.velocity); },
@@ -60,14 +137,17 @@ void bind_limits(nb::module_& m) {
           "jerk", [](const MotionLimits& l) { return to_numpy(l.jerk); }, "Jerk limits (dof,) [rad/s^3 or m/s^3].")
       .def_ro("continuous", &MotionLimits::continuous,
               "Joints whose waypoints must follow by the short way round; empty = none.")
+      .def_ro("link_speeds", &MotionLimits::link_speeds, "Limits of links, as LinkSpeedLimit; any number of a link.")
       .def("__repr__", [](const MotionLimits& l) { return "MotionLimits(" + std::to_string(l.size()) + " joints)"; });
   make_value(
       limits,
       [](const MotionLimits& l) {
-        return nb::make_tuple(to_list(l.velocity), to_list(l.acceleration), to_list(l.jerk), l.continuous);
+        return nb::make_tuple(to_list(l.velocity), to_list(l.acceleration), to_list(l.jerk), l.continuous,
+                              l.link_speeds);
       },
       [](const State& s) {
-        return MotionLimits{to_vector(s[0]), to_vector(s[1]), to_vector(s[2]), nb::cast<std::vector<bool>>(s[3])};
+        return MotionLimits{to_vector(s[0]), to_vector(s[1]), to_vector(s[2]), nb::cast<std::vector<bool>>(s[3]),
+                            nb::cast<std::vector<LinkSpeedLimit>>(s[4])};
       });
 }
 
@@ -101,7 +181,9 @@ void bind_faults(nb::module_& m) {
       .value("not_at_rest", FaultKind::not_at_rest, "Its velocity at the start or end is not 0, though it should be.")
       .value("constraint", FaultKind::constraint, "It breaks a path constraint, or is not proved to keep it.")
       .value("clearance", FaultKind::clearance,
-             "It comes closer to something than the clearance that was asked for allows.");
+             "It comes closer to something than the clearance that was asked for allows.")
+      .value("link_speed_limit", FaultKind::link_speed_limit,
+             "A link is faster than its limit, or is not proved to keep it.");
 
   nb::class_<Fault> fault(m, "Fault", "Something that is wrong, and where.");
   fault.def_ro("kind", &Fault::kind, "The kind of the fault.")
@@ -253,7 +335,7 @@ nb::tuple state(const Certificate& c) {
                         plain(c.checked_from), plain(c.clearance), plain(c.clearance_time), c.body_a, c.body_b,
                         plain(c.clearance_proved), c.sampled, plain(c.deviation), plain(c.deviation_time),
                         plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s), c.cartesian_deviation,
-                        c.constraints, c.clearance_kept);
+                        c.constraints, c.clearance_kept, c.link_speeds);
 }
 
 Certificate from_state(const State& s) {
@@ -265,6 +347,7 @@ Certificate from_state(const State& s) {
           .velocity = use(3),
           .acceleration = use(4),
           .jerk = use(5),
+          .link_speeds = nb::cast<std::vector<LinkSpeedUse>>(s[23]),
           .collisions_checked = nb::cast<bool>(s[6]),
           .checked_from = number(s[7]),
           .clearance = number(s[8]),
@@ -287,6 +370,7 @@ Certificate from_state(const State& s) {
 }  // namespace
 
 void bind_certificate(nb::module_& m) {
+  bind_link_speeds(m);
   bind_limits(m);
   bind_default_limits(m);
   bind_faults(m);
@@ -310,14 +394,16 @@ void bind_certificate(nb::module_& m) {
           nb::sig("def to_dict(self) -> dict[str, typing.Any]"),
           "All fields as names, numbers and lists, as in files; infinity and NaN are the texts 'inf', '-inf' and "
           "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed, no key\n"
-          "'constraints' where there were no path constraints, and no key 'clearance_kept' where no clearance was "
-          "required.")
+          "'constraints' where there were no path constraints, no key 'clearance_kept' where no clearance was "
+          "required, and no key 'link_speeds' where no link's speed was limited.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
       .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was verified against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
       .def_ro("velocity", &Certificate::velocity, "LimitUse of the velocity limits.")
       .def_ro("acceleration", &Certificate::acceleration, "LimitUse of the acceleration limits.")
       .def_ro("jerk", &Certificate::jerk, "LimitUse of the jerk limits.")
+      .def_ro("link_speeds", &Certificate::link_speeds,
+              "LinkSpeedUse of each of MotionLimits.link_speeds: how fast links move, at most.")
       .def_ro("collisions_checked", &Certificate::collisions_checked, "Whether collisions were checked.")
       .def_ro("checked_from", &Certificate::checked_from,
               "[s]: what comes before is the recovery from a start in collision.")

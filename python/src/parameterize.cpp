@@ -18,7 +18,7 @@ Trajectory in_time(const ArrayLike& waypoints, nb::handle joint_names, const Mot
                    const std::string& method, double sample_period, double blend_deviation,
                    const std::optional<ArrayLike>& reach, const std::optional<nb::callable>& is_free,
                    const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& end_velocity,
-                   const std::optional<ArrayLike>& start_acceleration) {
+                   const std::optional<ArrayLike>& start_acceleration, nb::handle planner, nb::handle robot) {
   const std::vector<std::string> names = to_names(joint_names);
   const RowMatrix rows = waypoints.rows("waypoints", static_cast<Eigen::Index>(names.size()));
   TimingOptions options{.method = to_method(method),
@@ -33,6 +33,8 @@ Trajectory in_time(const ArrayLike& waypoints, nb::handle joint_names, const Mot
       const nb::gil_scoped_acquire gil;
       return nb::cast<bool>(nb::bool_((*is_free)(to_numpy(a), to_numpy(b))));
     };
+  if (planner.is_none() && !robot.is_none()) throw InvalidArgument("a robot is named, but no planner to find it in");
+  if (!planner.is_none()) options.robot = std::make_shared<const PlacedRobot>(placed_robot(planner, robot));
   const nb::gil_scoped_release no_gil;
   return time_parameterize(rows, names, limits, options);
 }
@@ -44,7 +46,8 @@ void bind_parameterize(nb::module_& m) {
       "time_parameterize", &in_time, nb::arg("waypoints"), nb::arg("joint_names"), nb::arg("limits"),
       nb::arg("method") = "toppra", nb::arg("sample_period") = 0.02, nb::arg("blend_deviation") = 0.005,
       nb::arg("reach") = nb::none(), nb::arg("is_free") = nb::none(), nb::arg("start_velocity") = nb::none(),
-      nb::arg("end_velocity") = nb::none(), nb::arg("start_acceleration") = nb::none(),
+      nb::arg("end_velocity") = nb::none(), nb::arg("start_acceleration") = nb::none(), nb::kw_only(),
+      nb::arg("planner") = nb::none(), nb::arg("robot") = nb::none(),
       nb::sig("def time_parameterize(waypoints: numpy.typing.ArrayLike, joint_names: collections.abc.Sequence[str], "
               "limits: MotionLimits, method: str = 'toppra', sample_period: float = 0.02, "
               "blend_deviation: float = 0.005, reach: numpy.typing.ArrayLike | None = None, "
@@ -52,7 +55,8 @@ void bind_parameterize(nb::module_& m) {
               "numpy.typing.NDArray[numpy.float64]], bool] | None = None, "
               "start_velocity: numpy.typing.ArrayLike | None = None, "
               "end_velocity: numpy.typing.ArrayLike | None = None, "
-              "start_acceleration: numpy.typing.ArrayLike | None = None) -> Trajectory"),
+              "start_acceleration: numpy.typing.ArrayLike | None = None, *, planner: PlannerInterface | None = None, "
+              "robot: str | None = None) -> Trajectory"),
       "A path in time: the straight lines between waypoints (m, dof) [rad or m] as fast as the limits allow, at every "
       "instant.\n\n"
       "method: 'toppra' rounds the corners and keeps velocities and accelerations (Pham, Pham 2018); 'ruckig' stops at "
@@ -69,7 +73,9 @@ void bind_parameterize(nb::module_& m) {
       "yes; "
       "default: all is.\n"
       "start_velocity, end_velocity (dof,) [rad/s or m/s]: along the first and last segment; default: at rest.\n"
-      "start_acceleration (dof,) [rad/s^2 or m/s^2]: along the first segment, for 'ruckig'; default: 0.\n\n"
+      "start_acceleration (dof,) [rad/s^2 or m/s^2]: along the first segment, for 'ruckig'; default: 0.\n"
+      "planner, robot: whose joints these are, where the limits have link_speeds; `robot` by name where it has "
+      "several.\n\n"
       "First and last row are the first and last waypoint, bit for bit. Raises InvalidArgument for no waypoints, NaN, "
       "wrong sizes,\n"
       "limits and options out of range, continuous joints that do not go the short way, and end velocities that "

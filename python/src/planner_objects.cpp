@@ -231,6 +231,8 @@ void bind_moveit_problem(nb::module_& m) {
           nb::sig("def options(self) -> dict[str, typing.Any]"),
           R"(What the request says, for make_planner: time_limit, velocity_scaling and acceleration_scaling where they are
 given, and planner_id where it is an id of this library.)")
+      .def_ro("link_speeds", &MoveItProblem::link_speeds,
+              "For set_motion_limits: LinkSpeedLimit of the request's max_cartesian_speed; empty: there is none.")
       .def_ro("ignored_joints", &MoveItProblem::ignored_joints,
               "Joints named by the start state, but not movable joints of this robot.")
       .def_ro("constraints", &MoveItProblem::constraints,

@@ -40,17 +40,62 @@ Eigen::VectorXd to_limits(nb::handle value, const Eigen::VectorXd& now, const st
   return limits;
 }
 
+double speed_of(nb::handle value, const std::string& link) {
+  if (value.is_none()) return std::numeric_limits<double>::infinity();
+  if (!is_number(value))
+    throw InvalidArgument("the speed limit of link '" + link + "' is " + brief(value) +
+                          "; it must be a number [m/s], or two: [m/s] and [rad/s], one of which may be None");
+  return nb::cast<double>(nb::float_(value));
+}
+
+LinkSpeedLimit link_speed_of(const std::string& link, nb::handle value) {
+  LinkSpeedLimit limit{.link = link};
+  if (!nb::isinstance<nb::tuple>(value) && !nb::isinstance<nb::list>(value)) {
+    limit.speed = speed_of(value, link);
+  } else {
+    if (nb::len(value) != 2) speed_of(nb::str("not two numbers"), link);
+    limit.speed = speed_of(value[0], link);
+    limit.angular_speed = speed_of(value[1], link);
+  }
+  return limit;
+}
+
 void set_motion_limits(PlannerInterface& planner, const std::string& robot, nb::handle velocity,
-                       nb::handle acceleration, nb::handle jerk) {
+                       nb::handle acceleration, nb::handle jerk, nb::handle link_speeds) {
   const std::vector<std::string> joints = planner.get_joint_names(robot);
   MotionLimits limits = planner.motion_limits(robot);
   limits.velocity = to_limits(velocity, limits.velocity, joints, "velocity");
   limits.acceleration = to_limits(acceleration, limits.acceleration, joints, "acceleration");
   limits.jerk = to_limits(jerk, limits.jerk, joints, "jerk");
+  if (!link_speeds.is_none()) limits.link_speeds = to_link_speeds(link_speeds);
   planner.set_motion_limits(robot, limits);
 }
 
 }  // namespace
+
+std::vector<LinkSpeedLimit> to_link_speeds(nb::handle value) {
+  std::vector<LinkSpeedLimit> limits;
+  if (value.is_none()) return limits;
+  if (nb::hasattr(value, "keys")) {
+    for (const auto [link, item] : nb::cast<nb::dict>(nb::module_::import_("builtins").attr("dict")(value)))
+      limits.push_back(link_speed_of(nb::cast<std::string>(nb::str(link)), item));
+    return limits;
+  }
+  if (nb::isinstance<nb::str>(value) || !nb::hasattr(value, "__iter__"))
+    throw InvalidArgument(
+        "link_speeds must be a dictionary from links to speeds [m/s], or a list of LinkSpeedLimit, "
+        "but is " +
+        brief(value));
+  for (nb::handle item : nb::iter(value)) {
+    if (!nb::isinstance<LinkSpeedLimit>(item))
+      throw InvalidArgument(
+          "link_speeds must be a dictionary from links to speeds [m/s], or a list of "
+          "LinkSpeedLimit, but holds " +
+          brief(item));
+    limits.push_back(nb::cast<LinkSpeedLimit>(item));
+  }
+  return limits;
+}
 
 void bind_verification(PlannerClass& cls) {
   cls.def(
@@ -63,22 +108,30 @@ void bind_verification(PlannerClass& cls) {
 set_motion_limits.)")
       .def(
           "set_motion_limits",
-          [](Self& self, const std::string& robot, nb::handle velocity, nb::handle acceleration, nb::handle jerk) {
-            self.use([&](PlannerInterface& p) { set_motion_limits(p, robot, velocity, acceleration, jerk); });
+          [](Self& self, const std::string& robot, nb::handle velocity, nb::handle acceleration, nb::handle jerk,
+             nb::handle link_speeds) {
+            self.use(
+                [&](PlannerInterface& p) { set_motion_limits(p, robot, velocity, acceleration, jerk, link_speeds); });
           },
           nb::arg("robot"), nb::arg("velocity") = nb::none(), nb::arg("acceleration") = nb::none(),
-          nb::arg("jerk") = nb::none(),
+          nb::arg("jerk") = nb::none(), nb::arg("link_speeds") = nb::none(),
           nb::sig("def set_motion_limits(self, robot: str, "
                   "velocity: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
                   "acceleration: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
-                  "jerk: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None) -> None"),
+                  "jerk: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
+                  "link_speeds: " SRMP_LINK_SPEEDS " | None = None) -> None"),
           R"(Sets the limits of all plans that follow, dof entries each: velocity [rad/s or m/s], acceleration [rad/s^2 or
 m/s^2], jerk [rad/s^3 or m/s^3].
 
 Each is a number for all joints, (dof,) numbers, or a dictionary {joint name: number}; what is not named stays.
 
-Raises InvalidArgument for an unknown robot or joint (with the nearest name), a wrong size, and limits that are not
-above 0 and finite.)")
+link_speeds replaces the limits of links: {link: speed [m/s]}, {link: (speed, angular speed [rad/s])} with None for one
+that is not limited, or a list of LinkSpeedLimit, for points of links. {} removes them; the link '' is the end effector.
+They are limits in the world at every instant, which velocity_scaling does not change; Certificate.link_speeds has the
+proved speeds.
+
+Raises InvalidArgument for an unknown robot, joint or link (with the nearest name), a wrong size, a link that no planned
+joint moves, and limits that are not above 0 and finite.)")
       .def(
           "load_joint_limits",
           [](Self& self, const std::string& robot, const nb::object& path) {

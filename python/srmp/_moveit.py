@@ -8,9 +8,10 @@ import srmp
 
 
 def require_unconstrained(problem: srmp.MoveItProblem, path: str | Path) -> None:
-    """Raises NotSupported for a request with path constraints, or that begins in motion."""
+    """Raises NotSupported for a request with path constraints or a max_cartesian_speed, or that begins in motion."""
     for given, what in (
         (bool(problem.constraints), "has path_constraints"),
+        (bool(problem.link_speeds), "has a max_cartesian_speed"),
         (problem.start_velocity is not None, "begins in motion"),
     ):
         if given:

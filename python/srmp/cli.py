@@ -96,8 +96,10 @@ def _make_world(
 
 
 def _apply_request(world: srmp.PlannerInterface, robot: str, request: srmp.MoveItRequest) -> srmp.MoveItProblem:
-    """The request as a problem of the robot; says on stderr which joints of the file were not used."""
+    """The request as a problem of the robot, whose link speeds it limits; says on stderr which joints were not used."""
     problem = world.apply_moveit_request(robot, request)
+    if problem.link_speeds:
+        world.set_motion_limits(robot, link_speeds=problem.link_speeds)
     if problem.ignored_joints:
         names = ", ".join(problem.ignored_joints)
         click.echo(f"note: {request.path} also places {names}, which are not movable joints of the robot", err=True)

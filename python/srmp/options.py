@@ -62,6 +62,9 @@ class _Options:
     """The path is shortened before it is timed."""
     sample_period: float = 0.02
     """The returned trajectory has a sample after each such period [s, > 0]."""
+    sample_rate: float = 0.0
+    """The returned trajectory has this many samples a second, at even times and nowhere else, in place of a
+    `sample_period`; 0 leaves samples at the corners of the path too [Hz, >= 0]."""
     velocity_scaling: float = 1.0
     """The trajectory may use this fraction of the velocity limits [> 0 and <= 1]."""
     acceleration_scaling: float = 1.0

@@ -29,7 +29,21 @@ const std::vector<Row>& requests() {
       {"max_acceleration_scaling_factor", [](Case& c) { c.request.acceleration_scaling = 0.0; }, Code::success},
       {"max_acceleration_scaling_factor < 0", [](Case& c) { c.request.acceleration_scaling = -0.1; },
        Code::planning_failed, "max_acceleration_scaling_factor"},
-      {"max_cartesian_speed", [](Case& c) { c.request.max_cartesian_speed = 0.1; }, Code::planning_failed, "speed"},
+      {"max_cartesian_speed", [](Case& c) { c.request.max_cartesian_speed = 0.1; }, Code::success},
+      {"max_cartesian_speed, NaN", [](Case& c) { c.request.max_cartesian_speed = not_finite; }, Code::planning_failed,
+       "max_cartesian_speed"},
+      {"cartesian_speed_limited_link",
+       [](Case& c) {
+         c.request.max_cartesian_speed = 0.1;
+         c.request.cartesian_speed_limited_link = "arm7_forearm";
+       },
+       Code::success},
+      {"cartesian_speed_limited_link, unknown",
+       [](Case& c) {
+         c.request.max_cartesian_speed = 0.1;
+         c.request.cartesian_speed_limited_link = "moon";
+       },
+       Code::invalid_link_name, "moon"},
       {"workspace_parameters",
        [](Case& c) { c.request.workspace = {"", Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)}; },
        Code::success},

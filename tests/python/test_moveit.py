@@ -247,10 +247,9 @@ def planner_id(world):
     assert world.apply(planner_id="BKPIECEkConfigDefault").options == {}
 
 
-@requests("pipeline_id", "num_planning_attempts", "cartesian_speed_limited_link", "cartesian_speed_end_effector_link")
+@requests("pipeline_id", "num_planning_attempts")
 def without_effect(world):
-    said = {"pipeline_id": "ompl", "num_planning_attempts": 4, "cartesian_speed_limited_link": "arm7_hand"}
-    assert world.apply(**said, cartesian_speed_end_effector_link="arm7_hand").options == {}
+    assert world.apply(pipeline_id="ompl", num_planning_attempts=4).options == {}
     world.refused("num_planning_attempts is 1.5", num_planning_attempts=1.5)
     world.refused("did you mean 'num_planning_attempts'?", num_planing_attempts=1)
 
@@ -276,10 +275,20 @@ def scaling(world):
     assert (np.abs(slow.velocities) <= 0.1 * limits + 1e-6).all()
 
 
-@requests("max_cartesian_speed")
+@requests("max_cartesian_speed", "cartesian_speed_limited_link", "cartesian_speed_end_effector_link")
 def max_cartesian_speed(world):
-    world.refused("max_cartesian_speed", max_cartesian_speed=0.1)
-    assert world.apply(max_cartesian_speed=0).goals
+    assert world.apply(max_cartesian_speed=0).link_speeds == []
+    assert world.apply(cartesian_speed_limited_link="arm7_hand").link_speeds == []
+    assert world.apply(max_cartesian_speed=0.1).link_speeds == [srmp.LinkSpeedLimit("", speed=0.1)]
+    for field in ("cartesian_speed_limited_link", "cartesian_speed_end_effector_link"):
+        problem = world.apply(joint_goal(world, world.ready + 0.3), max_cartesian_speed=0.1, **{field: "arm7_forearm"})
+        assert problem.link_speeds == [srmp.LinkSpeedLimit("arm7_forearm", speed=0.1)]
+        world.refused("did you mean 'arm7_hand'", max_cartesian_speed=0.1, **{field: "arm7_hnad"})
+    world.planner.set_motion_limits("arm", link_speeds=problem.link_speeds)
+    motion = world.planner.plan("arm", problem.start, problem.goals)
+    assert motion.certificate.link_speeds[0].speed <= 0.1
+    world.planner.set_motion_limits("arm", link_speeds={})
+    world.refused("max_cartesian_speed is Infinity; only finite", max_cartesian_speed=float("inf"))
 
 
 @requests("workspace_parameters.header", "workspace_parameters.min_corner", "workspace_parameters.max_corner")
@@ -859,6 +868,7 @@ def test_who_cannot_have_constraints_says_so(world):
     moving = {"joint_state": {"name": ["arm7_joint1"], "position": [0.0], "velocity": [0.5]}}
     for request, sentence in (
         ({"path_constraints": place(position(*hand.p, shape=("sphere", [2.0])))}, "has path_constraints"),
+        ({"max_cartesian_speed": 0.1}, "has a max_cartesian_speed"),
         ({"start_state": moving}, "begins in motion"),
     ):
         world.apply(**request)

@@ -199,7 +199,8 @@ def test_a_certificate_is_plain_data(solved):
         "cartesian_deviation",
         "constraints",
         "clearance_kept",
-    }  # no poses, no path constraints, no clearance required: no keys
+        "link_speeds",
+    }  # no poses, no path constraints, no clearance required, no speed of a link limited: no keys
 
 
 @pytest.fixture(scope="module")
@@ -271,6 +272,15 @@ def test_joint_limits_make_plans_slower(planned, tmp_path):
     slow = srmp.Trajectory.load(tmp_path / "slow.json")
     assert slow.duration > 1.5 * srmp.Trajectory.load(directory / "plan.json").duration
     assert slow.certificate.limits.velocity[0] == 0.2 * 2.2
+
+
+def test_plan_keeps_the_speed_that_the_request_allows(tmp_path):
+    request = tmp_path / "request.yaml"
+    request.write_text((MOVEIT / "request.yaml").read_text() + "\nmax_cartesian_speed: 0.1\n")
+    result = srmp_command("plan", *ROBOT, *SCENE, "--request", request, "-o", tmp_path / "plan.json")
+    assert result.exit_code == 0, result.output
+    (use,) = srmp.Trajectory.load(tmp_path / "plan.json").certificate.link_speeds
+    assert 0.09 < use.speed <= 0.1
 
 
 @pytest.mark.parametrize(

@@ -148,10 +148,11 @@ struct RequestFile {
   int attempts{};                               ///< num_planning_attempts, >= 0; planners are deterministic: no effect
   /// Must hold all the way: positions in one box or sphere each, and orientations. Other constraints are not supported.
   GoalAlternative path_constraints{};
+  double max_cartesian_speed{};                ///< [m/s] of that link's origin; 0 = not limited
+  std::string cartesian_speed_limited_link{};  ///< "" = the end effector
   // What follows is not supported; the readers refuse files that hold it.
   std::size_t trajectory_constraints{};  ///< their number
   std::size_t reference_trajectories{};  ///< their number
-  double max_cartesian_speed{};          ///< [m/s]; 0 = not limited
 };
 
 /// A shape_msgs/SolidPrimitive: type 1 = box, 2 = sphere, 3 = cylinder (height, radius), 4 = cone (height, radius),

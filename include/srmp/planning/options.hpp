@@ -45,6 +45,9 @@ struct CommonOptions {
   bool shortcut{true};
   /// The returned trajectory has a sample after each such period [s, > 0].
   double sample_period{0.02};
+  /// The returned trajectory has this many samples a second, at even times and nowhere else, in place of a
+  /// `sample_period`; 0 leaves samples at the corners of the path too [Hz, >= 0].
+  double sample_rate{0.0};
   /// The trajectory may use this fraction of the velocity limits [> 0 and <= 1].
   double velocity_scaling{1.0};
   /// The trajectory may use this fraction of the acceleration and jerk limits [> 0 and <= 1].

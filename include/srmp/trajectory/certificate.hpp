@@ -21,13 +21,14 @@ enum class FaultKind {
   velocity_limit,
   acceleration_limit,
   jerk_limit,
-  collision,    ///< two bodies touch, or come within their padding
-  deviation,    ///< the motion leaves the path that was checked
-  start,        ///< it does not begin at the given start
-  goal,         ///< it does not end at the given goal
-  not_at_rest,  ///< its velocity at the start or end is not 0, though it should be
-  constraint,   ///< it breaks a path constraint, or is not proved to keep it
-  clearance,    ///< it comes closer to something than the clearance that was asked for allows
+  collision,         ///< two bodies touch, or come within their padding
+  deviation,         ///< the motion leaves the path that was checked
+  start,             ///< it does not begin at the given start
+  goal,              ///< it does not end at the given goal
+  not_at_rest,       ///< its velocity at the start or end is not 0, though it should be
+  constraint,        ///< it breaks a path constraint, or is not proved to keep it
+  clearance,         ///< it comes closer to something than the clearance that was asked for allows
+  link_speed_limit,  ///< a link is faster than its limit, or is not proved to keep it
 };
 /// The name of a kind, such as "velocity_limit".
 std::string to_string(FaultKind kind);
@@ -52,6 +53,21 @@ struct LimitUse {
   double time{};            ///< [s]
 #if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const LimitUse&) const = default;
+#endif
+};
+
+/// How fast a link moves, at most: proved over the whole motion, not at samples.
+struct LinkSpeedUse {
+  LinkSpeedLimit limit;         ///< that it was verified against, with the link's name
+  double speed{};               ///< of its point [m/s]
+  double speed_time{};          ///< [s] about when
+  double angular_speed{};       ///< [rad/s]
+  double angular_speed_time{};  ///< [s] about when
+
+  /// The larger one, as a fraction of its limit.
+  double fraction() const { return std::fmax(speed / limit.speed, angular_speed / limit.angular_speed); }
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
+  bool operator==(const LinkSpeedUse&) const = default;
 #endif
 };
 
@@ -120,6 +136,7 @@ struct Certificate {
 
   MotionLimits limits;                              ///< that the motion was verified against
   LimitUse position, velocity, acceleration, jerk;  ///< use of the limits
+  std::vector<LinkSpeedUse> link_speeds{};          ///< one for each of MotionLimits::link_speeds
 
   bool collisions_checked{};   ///< whether collisions were checked
   double checked_from{};       ///< [s]: what comes before is the recovery from a start in collision

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -8,12 +9,25 @@ namespace srmp {
 
 class RobotModel;
 
+/// A limit of how fast a link of the robot moves, at every instant.
+struct LinkSpeedLimit {
+  std::string link{};                                             ///< "" = the end effector
+  double speed{std::numeric_limits<double>::infinity()};          ///< of `point` [m/s], > 0; infinity: not limited
+  double angular_speed{std::numeric_limits<double>::infinity()};  ///< [rad/s], > 0; infinity: not limited
+  Eigen::Vector3d point{0.0, 0.0, 0.0};                           ///< whose speed it is, in the link's frame [m]
+  /// Whether all numbers are the same.
+  bool operator==(const LinkSpeedLimit& other) const {
+    return link == other.link && speed == other.speed && angular_speed == other.angular_speed && point == other.point;
+  }
+};
+
 /// Limits of each joint's motion; all > 0, one entry a joint, in the order of the joint names.
 struct MotionLimits {
   Eigen::VectorXd velocity;      ///< [rad/s or m/s]
   Eigen::VectorXd acceleration;  ///< [rad/s^2 or m/s^2]
   Eigen::VectorXd jerk;          ///< [rad/s^3 or m/s^3]
   std::vector<bool> continuous;  ///< joints that turn without limits: waypoints follow by the short way; empty = none
+  std::vector<LinkSpeedLimit> link_speeds{};  ///< limits of links, in the world; any number of a link
 
   /// Number of joints.
   std::size_t size() const { return static_cast<std::size_t>(velocity.size()); }
@@ -26,7 +40,8 @@ MotionLimits default_limits(const Eigen::VectorXd& velocity);
 /// The same from the model's velocity limits, with its continuous joints.
 MotionLimits default_limits(const RobotModel& robot);
 
-/// Throws InvalidArgument unless there is one of each a joint, all above 0; names the joint.
+/// Throws InvalidArgument unless there is one of each a joint, all above 0, and every limit of a link limits something;
+/// names the joint or link. Whether the robot has the links is not checked.
 void require_limits(const MotionLimits& limits, const std::vector<std::string>& joint_names);
 
 }  // namespace srmp

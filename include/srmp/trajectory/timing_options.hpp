@@ -3,10 +3,13 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 #include "srmp/core/deadline.hpp"
 
 namespace srmp {
+
+struct PlacedRobot;
 
 /// How a path becomes a motion in time.
 enum class TimingMethod {
@@ -31,6 +34,8 @@ struct TimingOptions {
   Eigen::VectorXd end_velocity{};    ///< the same along the last segment
   /// dof [rad/s^2 or m/s^2], along the first segment; empty: 0. Of TimingMethod::ruckig: other accelerations may jump.
   Eigen::VectorXd start_acceleration{};
+  /// Whose joints these are, in its order: for MotionLimits::link_speeds; null: there are none.
+  std::shared_ptr<const PlacedRobot> robot{};
   const Deadline* deadline{};  ///< once it passes, a long time_parameterize throws PlanningError; null: none
 };
 

@@ -392,12 +392,34 @@ Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const PlannerIn
                       "the request: ", [&] { return planner_.plan(wanted, stop); });
 }
 
+/// max_cartesian_speed, of the arms that move its link.
+void MoveItGroup::limit_speed(const io::RequestFile& request) {
+  const std::string& link = request.cartesian_speed_limited_link;
+  const bool limited = request.max_cartesian_speed > 0.0;
+  std::size_t found = 0;
+  for (const Arm& arm : arms_) {
+    const RobotModel& robot = planner_.robot(arm.robot);
+    const Names& links = robot.link_names();
+    MotionLimits limits = planner_.motion_limits(arm.robot);
+    limits.link_speeds.clear();
+    if (limited && (link.empty() || (contains(links, link) && robot.link_support(robot.link_index(link)) != 0))) {
+      limits.link_speeds = {{.link = link, .speed = request.max_cartesian_speed}};
+      ++found;
+    }
+    planner_.set_motion_limits(arm.robot, std::move(limits));
+  }
+  if (limited && found == 0)
+    throw MoveItRefusal(Code::invalid_link_name,
+                        "the request's cartesian_speed_limited_link '" + link + "' is no link that the group moves");
+}
+
 Trajectory MoveItGroup::plan(const io::RequestFile& request, const OptionMap& options,
                              const PlannerInterface::Interrupt& stop) {
   read_goals(request);
   Names robots;
   for (const Arm& arm : arms_) robots.push_back(arm.robot);
   planner_.make_planner(robots, options);
+  limit_speed(request);
   if (arms_.size() == 1) return plan_one(request, stop);
   start_velocity_of(request);
   std::map<std::string, Eigen::VectorXd> starts;

@@ -94,6 +94,7 @@ class MoveItGroup {
   Trajectory plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop);
   bool breaks_path_constraints(const Arm& arm, const Eigen::VectorXd& q) const;
   MoveItErrorCode goal_failure_at(const Arm& arm, const Eigen::VectorXd& q) const;
+  void limit_speed(const io::RequestFile& request);
   MoveItErrorCode goal_failure(const Arm& arm) const;
 
   PlannerInterface planner_;

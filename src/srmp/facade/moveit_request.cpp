@@ -3,6 +3,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/facade/moveit_goals.hpp"
 #include "srmp/facade/moveit_problem.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
@@ -39,6 +40,20 @@ OptionMap options_of(const io::RequestFile& request) {
   return options;
 }
 
+/// max_cartesian_speed, for a link that the robot has.
+std::vector<LinkSpeedLimit> link_speeds_of(const io::RequestFile& request, const RobotModel& robot) {
+  if (!(request.max_cartesian_speed > 0.0)) return {};
+  MotionLimits limits = default_limits(robot);
+  limits.link_speeds = {{.link = request.cartesian_speed_limited_link, .speed = request.max_cartesian_speed}};
+  try {
+    require_limits(limits, robot.joint_names());
+    require_links(limits, robot);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(request.path + ": max_cartesian_speed: " + error.what());
+  }
+  return limits.link_speeds;
+}
+
 }  // namespace
 
 MoveItProblem moveit_problem(const io::RequestFile& request, const std::string& robot, Scene& scene) {
@@ -48,6 +63,7 @@ MoveItProblem moveit_problem(const io::RequestFile& request, const std::string& 
   io::FrameLookup frames(changed, {}, robot);
   frames.set_configuration(robot, start.q);
   if (request.workspace) frames.require(request.workspace->frame, request.path + ": the workspace");
+  std::vector<LinkSpeedLimit> link_speeds = link_speeds_of(request, *changed.robot(robot).model);
   std::vector<GoalConstraint> goals = moveit_goals(request, changed, frames, robot, start.q);
   std::vector<PathConstraint> constraints = moveit_path_constraints(request, changed, frames, robot);
   scene = std::move(changed);
@@ -56,7 +72,8 @@ MoveItProblem moveit_problem(const io::RequestFile& request, const std::string& 
           .options = options_of(request),
           .ignored_joints = std::move(start.unused_joints),
           .constraints = std::move(constraints),
-          .start_velocity = std::move(start.velocity)};
+          .start_velocity = std::move(start.velocity),
+          .link_speeds = std::move(link_speeds)};
 }
 
 }  // namespace srmp

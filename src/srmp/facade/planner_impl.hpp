@@ -92,7 +92,7 @@ struct PlannerInterface::Impl {
     if (checkers.has_other_backend()) require_no_clearance(options, "a collision backend of your own");
     require_request(scene, request.robot, request.start, request.goals);
     place_constraints(scene, request.robot, request.constraints);  // throws
-    require_start_in_motion(request, model(request.robot), scaled(limits_of(request.robot), common_options(options)),
+    require_start_in_motion(request, *placed(request.robot), scaled(limits_of(request.robot), common_options(options)),
                             common_options(options));
   }
 

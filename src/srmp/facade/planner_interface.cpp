@@ -10,6 +10,7 @@
 #include "srmp/io/scene_file.hpp"
 #include "srmp/planning/certificates/verify_together.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
@@ -297,6 +298,7 @@ MotionLimits PlannerInterface::motion_limits(const std::string& robot) const { r
 void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits limits) {
   const RobotModel& model = impl_->model(robot);
   require_limits(limits, model.joint_names());
+  require_links(limits, model);
   limits.continuous = default_limits(model).continuous;
   impl_->motion_limits.insert_or_assign(robot, std::move(limits));
   impl_->result.reset();
@@ -304,6 +306,7 @@ void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits 
 
 std::vector<std::string> PlannerInterface::load_joint_limits(const std::string& robot, const std::string& path) {
   io::JointLimitsFile file = io::read_joint_limits(path, impl_->model(robot));
+  file.limits.link_speeds = impl_->limits_of(robot).link_speeds;  // of which such files say nothing
   set_motion_limits(robot, std::move(file.limits));
   return file.unused;
 }
@@ -413,6 +416,8 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   require_for_many(options);
   require_no_clearance(options, "plan_multi");
   require_heuristics(options, impl_->heuristic_names());
+  if (!request.obstacles.empty())
+    require_no_sample_rate(common_options(options), "a motion that waits for moving obstacles");
   Scene scene = impl_->scene;
   stand_at_ends(scene, request.starts, request.obstacles, common_options(options));
   impl_->begin(request);

@@ -249,6 +249,7 @@ void read_limits(io::JsonReader& root, Problem& problem) {
     for (const auto& [robot, limits] : problem.motion_limits) {
       const RobotModel& model = *problem.scene.robot(robot).model;
       require_limits(limits, model.joint_names());
+      require_links(limits, model);
       if (limits.continuous != default_limits(model).continuous)
         throw InvalidArgument("the continuous joints of '" + robot + "' are not those of its model");
     }

@@ -36,9 +36,14 @@ std::string fault_of(const Segment& segment, const Segment* next, double max_dur
 }
 
 /// The robot at rest.
-Trajectory rest_of(const std::vector<std::string>& joint_names, const Eigen::VectorXd& q, double duration) {
-  const RowMatrix rows = q.transpose().replicate(2, 1), zero = RowMatrix::Zero(2, q.size());
-  Trajectory rest{joint_names, rows, zero, zero, Eigen::Vector2d(0.0, duration), rows.topRows(1)};
+Trajectory rest_of(const std::vector<std::string>& joint_names, const Eigen::VectorXd& q, double duration,
+                   double sample_rate) {
+  Eigen::VectorXd times = Eigen::Vector2d(0.0, duration);
+  if (sample_rate > 0.0)  // not shorter than asked
+    times = Eigen::VectorXd::NullaryExpr(static_cast<Eigen::Index>(std::ceil(duration * sample_rate - 1e-9)) + 1,
+                                         [&](Eigen::Index k) { return static_cast<double>(k) / sample_rate; });
+  const RowMatrix rows = q.transpose().replicate(times.size(), 1), zero = RowMatrix::Zero(times.size(), q.size());
+  Trajectory rest{joint_names, rows, zero, zero, times, rows.topRows(1)};
   return rest;
 }
 
@@ -209,7 +214,8 @@ bool SequenceSearch::act(std::size_t i, const Eigen::VectorXd& q) {
   if (sets_joints && !set_joints(i, q)) return false;
   if (!sets_joints) change_scene(segment, q);
   if (!(segment.duration > 0.0)) return true;
-  Trajectory rest = rest_of(planner_.get_joint_names(robot_), q, segment.duration);
+  Trajectory rest = rest_of(planner_.get_joint_names(robot_), q, segment.duration,
+                            common_options(planner_.planner_options({robot_})).sample_rate);
   const Certificate certificate = planner_.verify(robot_, rest, {.start = q});
   if (!certificate.holds()) {
     fail(i, Status::start_invalid, certificate.faults.front().text);

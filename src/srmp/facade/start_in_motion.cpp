@@ -5,6 +5,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/planning/certificates/joint_certificates.hpp"
 #include "srmp/planning/certified_timing.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 #include "srmp/trajectory/stop.hpp"
 
 namespace srmp {
@@ -22,6 +23,20 @@ Eigen::VectorXd or_zero(const Eigen::VectorXd& values, Eigen::Index size) {
   return values.size() ? values : Eigen::VectorXd::Zero(size);
 }
 
+/// At the start, to which no motion could be slow enough otherwise.
+void require_link_speeds(const PlanRequest& request, const PlacedRobot& robot, const MotionLimits& limits) {
+  if (request.start_velocity.size() == 0) return;
+  for (const LinkSpeedLimit& limit : limits.link_speeds) {
+    LinkSpeeds speeds;
+    speeds.add(*robot.model, robot.other_positions, {limit});
+    const double use = speeds.use(request.start, request.start_velocity);
+    if (use > 1.0 + speed_tolerance)
+      throw InvalidArgument("the start velocity moves " +
+                            (limit.link.empty() ? "the end effector" : "link '" + limit.link + "'") + " at " +
+                            to_text(use) + " times its speed limit");
+  }
+}
+
 }  // namespace
 
 TimingMethod timing_in_motion(const CommonOptions& options) {
@@ -30,13 +45,21 @@ TimingMethod timing_in_motion(const CommonOptions& options) {
   return timing_options(options, 0.0).method;
 }
 
-void require_start_in_motion(const PlanRequest& request, const RobotModel& robot, const MotionLimits& limits,
+void require_no_sample_rate(const CommonOptions& options, const std::string& what) {
+  if (options.sample_rate > 0.0)
+    throw NotSupported("option 'sample_rate' is " + to_text(options.sample_rate) + " Hz, but " + what +
+                       " has no even rows; leave the option out");
+}
+
+void require_start_in_motion(const PlanRequest& request, const PlacedRobot& placed, const MotionLimits& limits,
                              const CommonOptions& options) {
+  const RobotModel& robot = *placed.model;
   const Eigen::VectorXd &velocity = request.start_velocity, &acceleration = request.start_acceleration;
   if (velocity.size()) robot.require_configuration(velocity, "start_velocity of '" + request.robot + "'");
   if (acceleration.size()) robot.require_configuration(acceleration, "start_acceleration of '" + request.robot + "'");
   if (is_zero(velocity) && is_zero(acceleration)) return;
   const bool ruckig = timing_in_motion(options) == TimingMethod::ruckig;
+  require_no_sample_rate(options, "a motion that begins in motion");
   const auto require_limit = [&](const Eigen::VectorXd& values, const Eigen::VectorXd& limit, const char* what) {
     for (Eigen::Index j = 0; j < values.size(); ++j)
       if (std::abs(values[j]) > limit[j] * (1.0 + speed_tolerance))
@@ -44,6 +67,7 @@ void require_start_in_motion(const PlanRequest& request, const RobotModel& robot
                               to_text(values[j]) + "; its limit is " + to_text(limit[j]));
   };
   require_limit(velocity, limits.velocity, "velocity");
+  require_link_speeds(request, placed, limits);
   if (!ruckig || is_zero(acceleration)) return;
   require_limit(acceleration, limits.acceleration, "acceleration");
   if (is_zero(velocity)) return;

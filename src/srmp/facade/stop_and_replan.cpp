@@ -36,6 +36,7 @@ Trajectory PlannerInterface::stop(const std::string& robot, const Trajectory& mo
                                   const Interrupt& interrupt) const {
   require_instant(motion, t, impl_->model(robot));
   const CommonOptions& options = common_options(planner_options({robot}));
+  require_no_sample_rate(options, "a stop");
   const Deadline deadline(options.time_limit, interrupt);
   TimingOptions timing = timing_options(options, 0.0);
   timing.method = timing_in_motion(options);
@@ -66,6 +67,7 @@ Trajectory PlannerInterface::replan(const Trajectory& motion, double t, PlanRequ
   require_instant(motion, t, impl_->model(request.robot));
   if (request.options) validate(*request.options);
   const CommonOptions options = common_options(request.options ? *request.options : planner_options({request.robot}));
+  require_no_sample_rate(options, "a motion that leaves another one");
   const bool ruckig = timing_in_motion(options) == TimingMethod::ruckig;
   std::vector<double> instants{t};  // at which the motion may be left
   for (const double row : motion.times)

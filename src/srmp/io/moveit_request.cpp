@@ -61,6 +61,7 @@ class RequestReader : public MessageReader {
     request.velocity_scaling = scaling(root, "max_velocity_scaling_factor");
     request.acceleration_scaling = scaling(root, "max_acceleration_scaling_factor");
     read_planning_time(root, request);
+    read_cartesian_speed(root, request);
     read_workspace(root["workspace_parameters"], request);
     refuse_unsupported(root);
     read_path_constraints(root["path_constraints"], request);
@@ -106,6 +107,14 @@ class RequestReader : public MessageReader {
       }
   }
 
+  /// Names have changed: `cartesian_speed_end_effector_link` was the older one.
+  void read_cartesian_speed(const Node& root, RequestFile& request) const {
+    request.max_cartesian_speed = optional_number(root, "max_cartesian_speed", 0.0);
+    request.cartesian_speed_limited_link = optional_text(root, "cartesian_speed_limited_link");
+    if (request.cartesian_speed_limited_link.empty())
+      request.cartesian_speed_limited_link = optional_text(root, "cartesian_speed_end_effector_link");
+  }
+
   void read_planning_time(const Node& root, RequestFile& request) const {
     const double time = optional_number(root, "allowed_planning_time", 0.0);
     fail_if(time_fault(time), root["allowed_planning_time"]);
@@ -133,8 +142,6 @@ class RequestReader : public MessageReader {
     }
     if (!is_empty(root["reference_trajectories"]))
       file_.unsupported(root["reference_trajectories"], unsupported("reference_trajectories"));
-    if (optional_number(root, "max_cartesian_speed", 0.0) > 0.0)
-      file_.unsupported(root["max_cartesian_speed"], unsupported("max_cartesian_speed"));
   }
 
   void read_goals(const Node& root, RequestFile& request) const {

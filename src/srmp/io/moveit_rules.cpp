@@ -102,9 +102,12 @@ std::string padding_fault(const std::string& link, double padding) {
   return "the padding of link '" + link + "' is " + to_text(padding) + "; it must be 0 or above";
 }
 
-std::string unsupported(const std::string& field) {
-  return field + (field.ends_with("speed") ? " is" : " are") + " not supported";
+std::string cartesian_speed_fault(double speed) {
+  if (std::isfinite(speed)) return "";
+  return "max_cartesian_speed is " + to_text(speed) + "; it must be a finite number [m/s], 0 or below for no limit";
 }
+
+std::string unsupported(const std::string& field) { return field + " are not supported"; }
 
 std::string twice_fault(const std::string& joint) { return "joint '" + joint + "' is constrained twice in one goal"; }
 
@@ -150,7 +153,7 @@ void require_valid(const RequestFile& request) {
   if (const std::string fault = path_constraints_fault(path); !fault.empty()) throw NotSupported(fault);
   if (request.trajectory_constraints > 0) throw NotSupported(unsupported("trajectory_constraints"));
   if (request.reference_trajectories > 0) throw NotSupported(unsupported("reference_trajectories"));
-  if (request.max_cartesian_speed > 0.0) throw NotSupported(unsupported("max_cartesian_speed"));
+  refuse_if(cartesian_speed_fault(request.max_cartesian_speed));
   if (request.goals.empty()) throw InvalidArgument("a motion plan request has no goal_constraints");
 }
 

@@ -28,6 +28,7 @@ std::string padding_fault(const std::string& link, double padding);
 std::string path_constraints_fault(const GoalAlternative& path);
 
 /// The sentences about what is never right.
+std::string cartesian_speed_fault(double max_cartesian_speed);
 std::string unsupported(const std::string& field);
 std::string twice_fault(const std::string& joint);
 std::string scale_fault(const std::string& link);

@@ -8,11 +8,20 @@
 namespace srmp::io {
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, LinkSpeedLimit> limit) {
+  archive("link", limit.link);
+  archive("speed", limit.speed);
+  archive("angular_speed", limit.angular_speed);
+  archive("point", limit.point);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, MotionLimits> limits) {
   archive("velocity", limits.velocity);
   archive("acceleration", limits.acceleration);
   archive("jerk", limits.jerk);
   archive("continuous", limits.continuous);
+  describe_list(archive, "link_speeds", limits.link_speeds);
 }
 
 template <class Archive>
@@ -27,6 +36,15 @@ void describe(Archive& archive, Ref<Archive, LimitUse> use) {
   archive("fraction", use.fraction);
   archive("joint", use.joint);
   archive("time", use.time);
+}
+
+template <class Archive>
+void describe(Archive& archive, Ref<Archive, LinkSpeedUse> use) {
+  archive("limit", use.limit);
+  archive("speed", use.speed);
+  archive("speed_time", use.speed_time);
+  archive("angular_speed", use.angular_speed);
+  archive("angular_speed_time", use.angular_speed_time);
 }
 
 template <class Archive>
@@ -79,6 +97,7 @@ void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("velocity", certificate.velocity);
   archive("acceleration", certificate.acceleration);
   archive("jerk", certificate.jerk);
+  describe_list(archive, "link_speeds", certificate.link_speeds);
   archive("collisions_checked", certificate.collisions_checked);
   archive("checked_from", certificate.checked_from);
   archive("clearance", certificate.clearance);

@@ -10,8 +10,10 @@
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/smoothing/preferred_clearance.hpp"
+#include "srmp/trajectory/even_rows.hpp"
 #include "srmp/trajectory/prove_clearance.hpp"
 #include "srmp/trajectory/prove_constraints.hpp"
+#include "srmp/trajectory/timing.hpp"
 
 namespace srmp {
 
@@ -57,6 +59,7 @@ class CertifiedTiming {
     for (Group& group : groups_)
       for (std::size_t i = 0; i < group.path.robots.size(); ++i) {
         Trajectory& trajectory = group.trajectories[i];
+        if (common_.certify && common_.sample_rate > 0.0) require_valid(group.certificates[i]);
         if (common_.certify)
           attach_certificate(trajectory, std::move(group.certificates[i]), name(group.path.robots[i]), statistics_);
         result.robots.emplace(name(group.path.robots[i]), std::move(trajectory));
@@ -73,6 +76,14 @@ class CertifiedTiming {
     std::vector<Trajectory> trajectories{};
     std::vector<Certificate> certificates{};
   };
+
+  /// Even rows leave the path a little at stops, where they may touch what it does not.
+  void require_valid(const Certificate& certificate) const {
+    if (certificate.holds()) return;
+    throw PlanningError(Status::exhausted, "the motion with a sample_rate of " + to_text(common_.sample_rate) +
+                                               " Hz is not valid (" + certificate.faults.front().text +
+                                               "); use another rate, or 0");
+  }
 
   /// The paths that were found for both, which do not collide, shortened together.
   void merge_groups(std::size_t i, std::size_t j) {
@@ -200,9 +211,11 @@ class CertifiedTiming {
   std::vector<Trajectory> in_time(const JointPath& path, double deviation, const Deadline& until) {
     std::vector<std::string> names;
     MotionLimits limits;
+    LinkSpeeds speeds;
     Eigen::VectorXd reach;
     for (const std::size_t i : path.robots) {
       const MotionLimits own = scaled(problem_.robots[i].limits, common_);
+      speeds.add(model(i), checker(i).other_positions(), own.link_speeds, names.size());
       for (const std::string& joint : model(i).joint_names()) names.push_back(world_ ? name(i) + "/" + joint : joint);
       append(limits.velocity, own.velocity);
       append(limits.acceleration, own.acceleration);
@@ -230,7 +243,9 @@ class CertifiedTiming {
     options.deadline = &until;
     options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
     try {
-      return parts(time_parameterize(waypoints, names, limits, options), path);
+      const Trajectory motion = detail::time_parameterize(waypoints, names, limits, options, speeds);
+      if (common_.sample_rate == 0.0) return parts(motion, path);
+      return parts(with_even_rows(motion, common_.sample_rate, limits, speeds, options), path);
     } catch (const MotionCheckStopped&) {
       throw PlanningError(Status::timed_out, "the time limit of " + to_text(common_.time_limit) +
                                                  " s passed while corners of the path were rounded");

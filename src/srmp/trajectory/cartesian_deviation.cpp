@@ -32,32 +32,9 @@ CartesianDeviationProof::CartesianDeviationProof(const RobotModel& robot, const 
       tolerance_(tolerance),
       deadline_(deadline),
       data_(robot.make_data(other_positions)),
-      travel_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()))),
-      turn_(travel_),
+      chain_(robot, *data_, link, Eigen::Vector3d::Zero()),
       q_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(robot.dof()))),
-      straight_(robot.dof()) {
-  // The origins of two joints of a chain keep their distance, but for the travel of prismatic joints.
-  robot.forward(*data_, q_);
-  const std::vector<ActuatedJoint>& joints = robot.actuated_joints();
-  for (std::size_t k = 0; k < joints.size(); ++k)
-    if (robot.link_support(link) >> k & 1) chain_.push_back(k);
-  reach_.resize(chain_.size());
-  Eigen::Vector3d next = robot.link_pose(*data_, link).translation();
-  double reach = 0.0;
-  for (std::size_t i = chain_.size(); i-- > 0;) {
-    const ActuatedJoint& actuated = joints[chain_[i]];
-    const Joint& planned = robot.joints()[actuated.joint];
-    const Eigen::Vector3d origin = robot.actuated_joint_axis(*data_, chain_[i]).first;
-    reach += (next - origin).norm();
-    if (actuated.prismatic)
-      reach += std::abs(actuated.ratio) * std::max(std::abs(planned.lower), std::abs(planned.upper));
-    reach_[i] = reach;
-    next = origin;
-    const auto joint = static_cast<Eigen::Index>(actuated.joint);
-    travel_[joint] += std::abs(actuated.ratio) * (actuated.prismatic ? 1.0 : reach);
-    turn_[joint] += actuated.prismatic ? 0.0 : std::abs(actuated.ratio);
-  }
-}
+      straight_(robot.dof()) {}
 
 CartesianDeviationProof::End CartesianDeviationProof::end_at(std::span<const detail::Cubic> joints, double time,
                                                              std::size_t first, double ahead) {
@@ -69,31 +46,10 @@ CartesianDeviationProof::End CartesianDeviationProof::end_at(std::span<const det
   return {time, pose, path_.miss(pose, first, ahead, tolerance_)};
 }
 
-CartesianDeviationProof::Motion CartesianDeviationProof::bounds(std::span<const detail::Cubic> joints, double from,
-                                                                double to) {
-  Motion motion;
-  double turning = 0.0;  // of the joints before
-  for (std::size_t i = 0; i < chain_.size(); ++i) {
-    const ActuatedJoint& actuated = robot_.actuated_joints()[chain_[i]];
-    const detail::Cubic& cubic = joints[actuated.joint];
-    const double ratio = std::abs(actuated.ratio), middle = (from + to) / 2.0;
-    const double acceleration = ratio * std::max(std::abs(cubic.acceleration(from)), std::abs(cubic.acceleration(to)));
-    const double speed = ratio * std::abs(cubic.velocity(middle)) + acceleration * (to - from) / 2.0;
-    const double arm = actuated.prismatic ? 1.0 : reach_[i];
-    motion.speed += arm * speed;
-    motion.acceleration += arm * (acceleration + speed * ((actuated.prismatic ? 0.0 : speed) + 2.0 * turning));
-    if (actuated.prismatic) continue;
-    motion.turning_acceleration += acceleration + turning * speed;
-    turning += speed;
-  }
-  motion.turning = turning;
-  return motion;
-}
-
 void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, const End& from, const End& to,
                                        CartesianDeviation& sum) {
   const double time = to.time - from.time;
-  const Motion motion = bounds(joints, from.time, to.time);
+  const LinkChain::Bounds motion = chain_.bounds(joints, from.time, to.time);
   const double position = motion.acceleration * time * time / 8.0;
   const double rotation = 0.38 * motion.turning_acceleration * time * time;
   if (from.miss.segment == to.miss.segment && position <= fineness * tolerance_.position &&
@@ -113,7 +69,7 @@ void CartesianDeviationProof::add_part(std::span<const detail::Cubic> joints, co
 
 CartesianDeviation CartesianDeviationProof::over(std::span<const detail::Cubic> joints, std::size_t& segment) {
   const double time = joints.front().h;
-  const Motion motion = bounds(joints, 0.0, time);
+  const LinkChain::Bounds motion = chain_.bounds(joints, 0.0, time);
   const double ahead =
       1.0 + std::max(motion.speed * time / tolerance_.position, motion.turning * time / tolerance_.rotation);
   const End from = end_at(joints, 0.0, segment, 1.0), to = end_at(joints, time, from.miss.segment, ahead);

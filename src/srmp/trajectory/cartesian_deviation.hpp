@@ -7,6 +7,7 @@
 #include "srmp/core/deadline.hpp"
 #include "srmp/trajectory/cartesian_path.hpp"
 #include "srmp/trajectory/cubic.hpp"
+#include "srmp/trajectory/link_motion.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
@@ -31,9 +32,9 @@ class CartesianDeviationProof {
   /// Of the straight joint-space motion from a to b.
   CartesianDeviation over(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t segment);
   /// How far a joint-space motion of length 1 moves the link, at most [m].
-  double max_travel() const { return travel_.norm(); }
+  double max_travel() const { return chain_.travel().norm(); }
   /// How far it turns the link, at most [rad].
-  double max_turn() const { return turn_.norm(); }
+  double max_turn() const { return chain_.turn().norm(); }
 
  private:
   struct End {
@@ -41,14 +42,7 @@ class CartesianDeviationProof {
     Pose pose;
     CartesianPath::Miss miss;
   };
-  /// Bounds over a part of a motion.
-  struct Motion {
-    double speed{}, turning{};                      // of the link [m/s, rad/s]
-    double acceleration{}, turning_acceleration{};  // [m/s^2, rad/s^2]
-  };
-
   End end_at(std::span<const detail::Cubic> joints, double time, std::size_t first, double ahead);
-  Motion bounds(std::span<const detail::Cubic> joints, double from, double to);
   void add_part(std::span<const detail::Cubic> joints, const End& from, const End& to, CartesianDeviation& sum);
 
   const RobotModel& robot_;
@@ -58,9 +52,7 @@ class CartesianDeviationProof {
   const Deadline& deadline_;
   std::uint64_t ends_{};  // that were looked at
   RobotDataPtr data_;
-  std::vector<std::size_t> chain_;  // numbers of the actuated joints that move the link, parents before children
-  std::vector<double> reach_;       // of each: the link's origin is never farther from its axis [m]
-  Eigen::VectorXd travel_, turn_;   // of each planned joint: what a unit of it moves and turns the link, at most
+  const LinkChain chain_;
   Eigen::VectorXd q_;
   std::vector<detail::Cubic> straight_;
 };

@@ -21,6 +21,18 @@ std::string line(const char* what, const LimitUse& use) {
   return use.joint.empty() ? text : text + " (" + use.joint + " at " + number(use.time) + " s)";
 }
 
+std::string speed_text(const LinkSpeedUse& use) {
+  std::string text = use.limit.link + ": ";
+  if (std::isfinite(use.limit.speed))
+    text += number(use.speed) + " m/s at most, " + number(use.speed / use.limit.speed, 100.0) + " % of the limit (at " +
+            number(use.speed_time) + " s)";
+  if (!std::isfinite(use.limit.angular_speed)) return text;
+  if (std::isfinite(use.limit.speed)) text += "; ";
+  return text + number(use.angular_speed) + " rad/s at most, " +
+         number(use.angular_speed / use.limit.angular_speed, 100.0) + " % of the limit (at " +
+         number(use.angular_speed_time) + " s)";
+}
+
 std::string clearance_text(const Certificate& c) {
   if (!c.collisions_checked) return "not checked";
   if (c.body_a.empty() && std::isfinite(c.clearance))
@@ -71,6 +83,7 @@ std::string to_string(FaultKind kind) {
     case FaultKind::not_at_rest: return "not_at_rest";
     case FaultKind::constraint: return "constraint";
     case FaultKind::clearance: return "clearance";
+    case FaultKind::link_speed_limit: return "link_speed_limit";
   }
   return "unknown";
 }
@@ -84,6 +97,7 @@ std::string Certificate::report() const {
   text += line("velocities     ", velocity) + "\n";
   text += line("accelerations  ", acceleration) + "\n";
   text += line("jerks          ", jerk) + "\n";
+  for (const LinkSpeedUse& use : link_speeds) text += "link speed     " + speed_text(use) + "\n";
   text += "clearance      " + clearance_text(*this) + "\n";
   text += "proved free    " + free_text(*this) + "\n";
   text += "deviation      " +

@@ -12,6 +12,7 @@
 #include "srmp/core/stopping.hpp"
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/limit_check.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
@@ -156,10 +157,18 @@ class Certifier {
                   .at_rest = options_.at_rest,
                   .start_acceleration = &options_.start_acceleration},
                  result_);
+    check_link_speeds();
     check_start_velocity();
     check_ends_at_rest();
     check_deviation();
     return true;
+  }
+
+  void check_link_speeds() {
+    if (limits_.link_speeds.empty()) return;
+    LinkSpeeds speeds;
+    speeds.add(robot_, checker_.other_positions(), limits_.link_speeds);
+    add_link_speeds(result_, t_, speeds, options_.limits);
   }
 
   void check_start_velocity() {

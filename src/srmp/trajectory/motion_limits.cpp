@@ -15,6 +15,21 @@ constexpr double no_velocity_limit = 1e6;  // parsers write huge numbers for "un
 // Limits beyond these no machine has. Computing with them would lose the digits of a double.
 constexpr double min_motion_limit = 1e-6, max_motion_limit = 1e9;
 
+void require_link_speed(const LinkSpeedLimit& limit) {
+  const std::string name = limit.link.empty() ? "the end effector" : "link '" + limit.link + "'";
+  const auto require = [&](double value, const std::string& what) {
+    if (!(value >= min_motion_limit) || (value > max_motion_limit && !std::isinf(value)))
+      throw InvalidArgument("the " + what + " limit of " + name + " is " + to_text(value) + "; it must be from " +
+                            to_text(min_motion_limit) + " to " + to_text(max_motion_limit) + ", or infinite for none");
+  };
+  require(limit.speed, "speed");
+  require(limit.angular_speed, "angular speed");
+  if (std::isinf(limit.speed) && std::isinf(limit.angular_speed))
+    throw InvalidArgument("neither the speed nor the angular speed of " + name + " is limited; give one of them");
+  if (!limit.point.allFinite() || limit.point.cwiseAbs().maxCoeff() > max_motion_limit)
+    throw InvalidArgument("the point of " + name + " whose speed is limited must be three finite numbers [m]");
+}
+
 }  // namespace
 
 MotionLimits default_limits(const Eigen::VectorXd& velocity) {
@@ -60,6 +75,7 @@ void require_limits(const MotionLimits& limits, const std::vector<std::string>& 
   require(limits.velocity, "velocity");
   require(limits.acceleration, "acceleration");
   require(limits.jerk, "jerk");
+  for (const LinkSpeedLimit& link : limits.link_speeds) require_link_speed(link);
 }
 
 }  // namespace srmp

@@ -45,17 +45,33 @@ void stretch_time(Knots& knots, double factor) {
   for (Eigen::VectorXd& velocity : knots.velocities) velocity /= factor;
 }
 
+double link_use(const Knots& knots, LinkSpeeds& speeds) {
+  const auto cubics = [&](std::size_t i, std::vector<detail::Cubic>& joints) {
+    joints.resize(static_cast<std::size_t>(knots.positions[i].size()));
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const auto joint = static_cast<Eigen::Index>(j);
+      joints[j] = detail::hermite(knots.positions[i][joint], knots.velocities[i][joint], knots.positions[i + 1][joint],
+                                  knots.velocities[i + 1][joint], knots.times[i + 1] - knots.times[i]);
+    }
+    return knots.times[i];
+  };
+  return speeds.use(LinkSpeeds::Motion{.segments = knots.times.size() - 1, .cubics = cubics});
+}
+
 /// The timing of a path between two stops, or from or to a given speed at an end of the whole motion.
 class SmoothPathTiming {
  public:
-  SmoothPathTiming(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, const EndSpeeds& ends)
-      : path_(path), limits_(limits), method_(method), ends_(ends) {}
+  /// `speeds`: null, or with limits.
+  SmoothPathTiming(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, const EndSpeeds& ends,
+                   LinkSpeeds* speeds)
+      : path_(path), limits_(limits), method_(method), ends_(ends), speeds_(speeds) {}
 
   Knots time() const {
     if (!ends_.at_rest()) return time_between_speeds();
-    Knots knots = solve(limits_);
+    Knots knots = solve(limits_, 1.0);
     if (const double use = limit_use(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
       stretch_time(knots, use);
+    if (const double use = use_of_links(knots); use > 1.0) stretch_time(knots, use);
     if (knots.times.back() < min_duration) stretch_time(knots, min_duration / knots.times.back());
     return knots;
   }
@@ -63,18 +79,43 @@ class SmoothPathTiming {
  private:
   bool jerk_limited() const { return method_ == TimingMethod::ruckig; }
 
-  Knots solve(const MotionLimits& limits) const {
-    return jerk_limited() ? time_with_ruckig(path_.front(), limits, ends_)
-                          : time_with_toppra(path_, limits, ends_.start, ends_.end);
+  /// With a margin: rows between the knots divide the proof otherwise.
+  double use_of_links(const Knots& knots) const {
+    if (!speeds_) return 0.0;
+    const double use = link_use(knots, *speeds_) * (1.0 + LinkSpeeds::fineness);
+    if (!std::isfinite(use)) throw Error("the speed of a link has no bound");
+    return use;
+  }
+
+  Knots solve(const MotionLimits& limits, double link_fraction) const {
+    return jerk_limited() ? time_with_ruckig(path_.front(), slower_for_links(limits, link_fraction), ends_)
+                          : time_with_toppra(path_, limits, ends_.start, ends_.end, {speeds_, link_fraction});
+  }
+
+  /// With which no link is too fast anywhere on the straight segment.
+  MotionLimits slower_for_links(MotionLimits limits, double fraction) const {
+    if (!speeds_) return limits;
+    const PathSegment& segment = path_.front();
+    const Eigen::VectorXd displacement = segment.direction * segment.length;
+    const double use = speeds_->straight_use(segment.start, segment.start + displacement) / fraction;
+    double rate = std::numeric_limits<double>::infinity();
+    for (Eigen::Index j = 0; j < displacement.size(); ++j)
+      if (displacement[j] != 0.0) rate = std::min(rate, limits.velocity[j] / std::abs(displacement[j]));
+    if (use * (1.0 + LinkSpeeds::fineness) * rate > 1.0) limits.velocity /= use * (1.0 + LinkSpeeds::fineness) * rate;
+    return limits;
   }
 
   /// Time cannot be stretched without changing the speeds at the ends, so the limits are tightened.
   Knots time_between_speeds() const {
     MotionLimits limits = limits_;
+    double link_fraction = 1.0;
     for (int i = 0; i < attempts; ++i) {
-      Knots knots = solve(limits);
-      const double use = limit_use(knots, limits_, jerk_limited());
-      if (use <= 1.0 + rounding_margin) return knots;
+      Knots knots = solve(limits, link_fraction);
+      const double use = limit_use(knots, limits_, jerk_limited()),
+                   of_links = speeds_ ? link_use(knots, *speeds_) : 0.0;
+      if (std::max(use, of_links) <= 1.0 + rounding_margin) return knots;
+      if (of_links > 1.0) link_fraction /= of_links * (1.0 + LinkSpeeds::fineness);
+      if (use <= 1.0 + rounding_margin) continue;
       limits.acceleration /= use * use * (1.0 + 1e-6);
       limits.jerk /= use * use * use * (1.0 + 1e-6);
     }
@@ -85,6 +126,7 @@ class SmoothPathTiming {
   const MotionLimits& limits_;
   TimingMethod method_;
   const EndSpeeds ends_;
+  LinkSpeeds* const speeds_;
 };
 
 /// Throws InvalidArgument unless there are none, or as many as joints, all finite.
@@ -120,7 +162,7 @@ double speed_along(const Eigen::VectorXd& velocity, const Eigen::VectorXd& direc
 }
 
 Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits, const TimingOptions& options,
-               const std::vector<std::string>& names) {
+               const std::vector<std::string>& names, LinkSpeeds* speeds) {
   const PathSegment &first = paths.front().front(), &last = paths.back().back();
   require_entries(options.start_acceleration, first.direction.size(), names, "start acceleration");
   const EndSpeeds ends{speed_along(options.start_velocity, first.direction, limits, names, "start velocity"),
@@ -135,7 +177,7 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
                         i == 0 ? ends.start_acceleration : 0.0};
     Knots part;
     try {
-      part = SmoothPathTiming(paths[i], limits, options.method, own).time();
+      part = SmoothPathTiming(paths[i], limits, options.method, own, speeds).time();
     } catch (const Error& error) {
       const std::string where = "part " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
       if (own.at_rest()) throw Error("time parameterisation failed on " + where + ": " + error.what());
@@ -164,6 +206,22 @@ void require_options(const TimingOptions& options, Eigen::Index dof) {
 
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
                              const MotionLimits& limits, const TimingOptions& options) {
+  LinkSpeeds speeds;
+  if (!limits.link_speeds.empty()) {
+    if (!options.robot || !options.robot->model)
+      throw InvalidArgument("the limits have link speeds, which need the robot whose joints these are; give it too");
+    if (options.robot->model->joint_names() != joint_names)
+      throw InvalidArgument("the joints are " + quoted_list(joint_names) + ", but those of robot '" +
+                            options.robot->model->name() + "', whose link speeds are limited, are " +
+                            quoted_list(options.robot->model->joint_names()));
+    require_limits(limits, joint_names);
+    speeds.add(*options.robot->model, options.robot->other_positions, limits.link_speeds);
+  }
+  return detail::time_parameterize(waypoints, joint_names, limits, options, speeds);
+}
+
+Trajectory detail::time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
+                                     const MotionLimits& limits, const TimingOptions& options, LinkSpeeds& speeds) {
   require_waypoints(waypoints, joint_names);
   require_limits(limits, joint_names);
   require_short_way(waypoints, limits.continuous, joint_names);
@@ -180,7 +238,8 @@ Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>
   } else {
     TimingOptions rounding = options;
     if (options.method == TimingMethod::ruckig) rounding.blend_deviation = 0.0;
-    knots = time_all(detail::round_corners(path, limits, rounding), limits, options, joint_names);
+    knots = time_all(detail::round_corners(path, limits, rounding), limits, options, joint_names,
+                     speeds.empty() ? nullptr : &speeds);
     // Rounding of sums must not move the ends.
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();

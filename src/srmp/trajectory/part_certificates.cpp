@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "srmp/trajectory/limit_check.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
@@ -20,11 +21,20 @@ Certificate without_request(Certificate c) {
   return c;
 }
 
+/// Proves the speeds of links anew; the robot is known.
+void add_links(const Trajectory& motion, Certificate& c, bool faults) {
+  if (c.limits.link_speeds.empty()) return;
+  LinkSpeeds speeds;
+  speeds.add(*motion.robot->model, motion.robot->other_positions, c.limits.link_speeds);
+  add_link_speeds(c, motion, speeds, faults);
+}
+
 /// Finds the use of limits anew; that of the position limits where they are known.
 void use_limits_of(const Trajectory& motion, Certificate& c) {
   if (motion.robot) c.position = {};
   c.velocity = c.acceleration = c.jerk = {};
   check_limits(motion, c.limits, {.joints = joints_of(motion), .limits = false, .at_rest = false}, c);
+  if (motion.robot) add_links(motion, c, false);
 }
 
 bool has_limits(const Trajectory& t) { return t.certificate && t.certificate->limits.size() == t.dof(); }
@@ -32,13 +42,17 @@ bool is_certified(const Trajectory& t) { return has_limits(t) && t.certificate->
 
 bool same(const MotionLimits& a, const MotionLimits& b) {
   return a.velocity == b.velocity && a.acceleration == b.acceleration && a.jerk == b.jerk &&
-         a.continuous == b.continuous;
+         a.continuous == b.continuous && a.link_speeds == b.link_speeds;
 }
 
 void delay(Certificate& c, double by) {
   for (double* time : {&c.position.time, &c.velocity.time, &c.acceleration.time, &c.jerk.time, &c.checked_from,
                        &c.clearance_time, &c.deviation_time})
     *time += by;
+  for (LinkSpeedUse& use : c.link_speeds) {
+    use.speed_time += by;
+    use.angular_speed_time += by;
+  }
   for (SampledInterval& part : c.sampled) {
     part.from += by;
     part.to += by;
@@ -62,6 +76,12 @@ void cut_clearance(std::optional<ClearanceKept>& kept, double begin, double end)
     pair.from = std::max(pair.from, begin);
     pair.to = std::min(pair.to, end);
   }
+}
+
+void take_faster(LinkSpeedUse& use, const LinkSpeedUse& then) {
+  if (then.speed > use.speed) use.speed = then.speed, use.speed_time = then.speed_time;
+  if (then.angular_speed > use.angular_speed)
+    use.angular_speed = then.angular_speed, use.angular_speed_time = then.angular_speed_time;
 }
 
 }  // namespace
@@ -98,6 +118,8 @@ std::shared_ptr<const Certificate> certificate_of_join(const Trajectory& first, 
   if (then.checked_from > next.times[0]) c.checked_from = then.checked_from + seam - next.times[0];
   delay(then, seam - next.times[0]);
   if (then.position.fraction > c.position.fraction) c.position = then.position;
+  for (std::size_t i = 0; i < std::min(c.link_speeds.size(), then.link_speeds.size()); ++i)
+    take_faster(c.link_speeds[i], then.link_speeds[i]);
   use_limits_of(whole, c);
   c.collisions_checked = c.collisions_checked && then.collisions_checked;
   if (then.clearance < c.clearance) {
@@ -123,6 +145,7 @@ std::shared_ptr<const Certificate> certificate_of_limits(const Trajectory& of, c
   Certificate c;
   c.limits = of.certificate->limits;
   check_limits(motion, c.limits, {.joints = joints_of(motion)}, c);
+  if (motion.robot) add_links(motion, c, true);
   c.deviation = c.deviation_time = unknown;
   return std::make_shared<const Certificate>(std::move(c));
 }

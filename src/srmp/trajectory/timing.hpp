@@ -1,13 +1,22 @@
 #pragma once
 
 #include "srmp/trajectory/knots.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 #include "srmp/trajectory/rounded_path.hpp"
 
 // The two methods of time parameterisation.
 namespace srmp::detail {
 
-/// Time-optimal; `start_speed` and `end_speed` are ds/dt. Throws Error when TOPP-RA finds no motion within the limits.
-Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed);
+/// Limits of links along a path: `fraction` of them counts.
+struct LinkSpeedBounds {
+  LinkSpeeds* speeds{};  // null: there are none
+  double fraction{1.0};
+};
+
+/// Time-optimal; `start_speed` and `end_speed` are ds/dt. Limits of links are kept at grid points. Throws Error when
+/// TOPP-RA finds no motion within the limits.
+Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed,
+                       const LinkSpeedBounds& links = {});
 
 /// How a path is entered and left.
 struct EndSpeeds {
@@ -24,5 +33,9 @@ Knots time_with_ruckig(const PathSegment& segment, const MotionLimits& limits, c
 /// `direction`, whose length is 1. Throws Error when Ruckig finds none.
 Knots stop_with_ruckig(const Eigen::VectorXd& start, const Eigen::VectorXd& direction, double speed,
                        double acceleration, const MotionLimits& limits);
+
+/// srmp::time_parameterize with limits of links of several robots; those of `limits` do not count.
+Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
+                             const MotionLimits& limits, const TimingOptions& options, LinkSpeeds& speeds);
 
 }  // namespace srmp::detail

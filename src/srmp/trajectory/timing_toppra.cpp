@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <toppra/algorithm/toppra.hpp>
 #include <toppra/constraint.hpp>
 #include <toppra/geometric_path.hpp>
@@ -63,6 +64,13 @@ class ScaledPath : public toppra::GeometricPath {
     return {&path_[i], (at - begins_[i]) * scales_.length};
   }
 
+  /// The speed at which a link reaches its limit.
+  double fastest_of_links(double at, LinkSpeeds& speeds) const {
+    const auto [segment, s] = find(at);
+    const double use = speeds.use(segment->position(s), segment->tangent(s));
+    return scales_.time / scales_.length / std::max(use, 1e-9);
+  }
+
   /// Grid points: evenly on every segment, its ends included.
   Eigen::VectorXd grid() const {
     std::vector<double> points{0.0};
@@ -86,8 +94,14 @@ class ScaledPath : public toppra::GeometricPath {
 /// curvature of the segment between them.
 class Limits : public toppra::LinearConstraint {
  public:
-  Limits(const ScaledPath& path, const Eigen::VectorXd& speed)
-      : LinearConstraint(4 * speed.size(), 2 * speed.size(), true, false, true), path_(path), speed_(speed) {
+  /// The motion begins and ends with these squared speeds.
+  Limits(const ScaledPath& path, const Eigen::VectorXd& speed, const LinkSpeedBounds& links, double start, double end)
+      : LinearConstraint(4 * speed.size(), 2 * speed.size(), true, false, true),
+        path_(path),
+        speed_(speed),
+        links_(links),
+        start_(start),
+        end_(end) {
     discretizationType(toppra::Collocation);
   }
 
@@ -106,10 +120,11 @@ class Limits : public toppra::LinearConstraint {
                        .array()
                        .square()
                        .minCoeff();
+    const std::vector<double> of_links = fastest_of_links(grid);
     for (std::size_t i = 0; i < a.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       const std::size_t before = i - (i > 0), after = std::min(i + 1, a.size() - 1);
-      xbound[i] << 0.0, std::min({fastest[before], fastest[i], fastest[after]});
+      xbound[i] << 0.0, std::min({fastest[before], fastest[i], fastest[after], of_links[i]});
       const double from = grid[std::min(row, last - 1)], to = grid[std::min(row, last - 1) + 1];
       const Eigen::VectorXd curvature = path_.eval_single(from, 2), tangent = path_.eval_single(from, 1);
       const double largest = curvature.cwiseAbs().maxCoeff();
@@ -126,8 +141,29 @@ class Limits : public toppra::LinearConstraint {
     }
   }
 
+  /// Squared, by grid point: also what links allow at both points beside it, but not near an end with a given speed.
+  std::vector<double> fastest_of_links(const toppra::Vector& grid) const {
+    const auto points = static_cast<std::size_t>(grid.size());
+    std::vector<double> own(points, std::numeric_limits<double>::infinity());
+    if (!links_.speeds) return own;
+    for (std::size_t i = 0; i < points; ++i) {
+      const double allowed = path_.fastest_of_links(grid[static_cast<Eigen::Index>(i)], *links_.speeds);
+      const double given = i == 0 ? start_ : i + 1 == points ? end_ : 0.0;
+      own[i] = std::pow(links_.fraction * allowed, 2);
+      if (given <= allowed * allowed) own[i] = std::max(own[i], given);  // whatever the fraction
+    }
+    std::vector<double> fastest = own;
+    for (std::size_t i = 1; i + 1 < points; ++i) {
+      const bool near_given = (i == 1 && start_ > 0.0) || (i + 2 == points && end_ > 0.0);
+      if (!near_given) fastest[i] = std::min({own[i - 1], own[i], own[i + 1]});
+    }
+    return fastest;
+  }
+
   const ScaledPath& path_;
   const Eigen::VectorXd speed_;
+  const LinkSpeedBounds links_;
+  const double start_, end_;
 };
 
 class Solver : public toppra::algorithm::TOPPRA {
@@ -144,17 +180,18 @@ class Solver : public toppra::algorithm::TOPPRA {
 
 }  // namespace
 
-Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed) {
+Knots time_with_toppra(const SmoothPath& path, const MotionLimits& limits, double start_speed, double end_speed,
+                       const LinkSpeedBounds& links) {
   const Scales scales(path, limits);
   const auto scaled = std::make_shared<ScaledPath>(path, scales);
   const Eigen::VectorXd speed = (limits.velocity * scales.time).cwiseQuotient(scales.joint);
 
-  Solver solver({std::make_shared<Limits>(*scaled, speed)}, scaled);
-  solver.setGridpoints(scaled->grid());
-  solver.solver(std::make_shared<toppra::solver::Seidel>());
   const double unit = scales.time / scales.length;
   // The library takes the square of the speed at the start, and the speed at the end.
   const double start = std::pow(start_speed * unit, 2), end = end_speed * unit;
+  Solver solver({std::make_shared<Limits>(*scaled, speed, links, start, end * end)}, scaled);
+  solver.setGridpoints(scaled->grid());
+  solver.solver(std::make_shared<toppra::solver::Seidel>());
   if ((start > 0.0 || end > 0.0) && !solver.can_start_with(start, end))
     throw Error("too fast for the length of the path");  // checked here: the library would complain on stderr
   const auto code = solver.computePathParametrization(start, end);

@@ -155,9 +155,11 @@ TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, cons
     const Eigen::VectorXd end = known->second.positions.bottomRows(1).transpose();
     if (std::find(task.targets.begin(), task.targets.end(), end) == task.targets.end()) task.targets.push_back(end);
   }
-  task.parameterize = [this, &checker, &workspace = *workspaces_[i], limits = task.limits](const RowMatrix& rows) {
+  task.parameterize = [this, &checker, &workspace = *workspaces_[i], limits = task.limits,
+                       robot = part.placed](const RowMatrix& rows) {
     TimingOptions timing = timing_options(common_, common_.blend_deviation);
     timing.reach = checker.reach();
+    timing.robot = robot;
     timing.deadline = &deadline_;
     timing.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
       return checker.is_free(a, workspace) && checker.is_motion_free(a, b, workspace, {.start_is_free = true});

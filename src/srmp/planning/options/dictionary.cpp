@@ -104,6 +104,12 @@ PlannerOptions parse_options(const OptionMap& map) {
 void validate(const PlannerOptions& options) {
   for (const OptionSpec& spec : registered_planner(options).options)
     require_allowed(spec.info.name, spec.get(options), spec.allowed);
+  const CommonOptions& common = common_options(options);
+  if (common.sample_rate == 0.0) return;
+  if (common.sample_period != CommonOptions{}.sample_period)
+    throw InvalidArgument("options 'sample_period' and 'sample_rate' are both given; leave one of them out");
+  if (common.timing == "none")
+    throw InvalidArgument("option 'timing' is 'none', and a path without times has no 'sample_rate'; leave it out");
 }
 
 OptionMap to_map(const PlannerOptions& options) {

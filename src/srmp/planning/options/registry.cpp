@@ -43,6 +43,9 @@ std::vector<OptionSpec> common_option_specs() {
       common_option("shortcut", &C::shortcut, anything(), "The path is shortened before it is timed."),
       common_option("sample_period", &C::sample_period, above(0.0, "s"),
                     "The returned trajectory has a sample after each such period."),
+      common_option("sample_rate", &C::sample_rate, at_least(0.0, "Hz"),
+                    "The returned trajectory has this many samples a second, at even times and nowhere else, in place "
+                    "of a `sample_period`; 0 leaves samples at the corners of the path too."),
       common_option("velocity_scaling", &C::velocity_scaling, above_up_to(0.0, 1.0),
                     "The trajectory may use this fraction of the velocity limits."),
       common_option("acceleration_scaling", &C::acceleration_scaling, above_up_to(0.0, 1.0),
