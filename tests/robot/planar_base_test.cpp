@@ -110,6 +110,29 @@ BOOST_AUTO_TEST_CASE(without_a_planar_joint_the_root_link_moves) {
   BOOST_TEST(RobotModel::load(description)->joint_names() == description.joint_names, boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(names_that_are_taken_are_refused) {
+  for (const std::string name : {"base", "base/theta"}) {
+    std::string urdf = kStand;
+    urdf.replace(urdf.find("'turn'"), 6, "'" + name + "'");
+    check_throws<InvalidArgument>([&] { RobotModel::load(driving(urdf)); }, "rename");
+  }
+}
+
+BOOST_AUTO_TEST_CASE(states_of_a_gripper_stay_as_they_are) {
+  std::string urdf = kStand;
+  urdf.insert(urdf.find("</robot>"), R"(<link name='finger'/>
+    <joint name='slide' type='prismatic'><parent link='arm'/><child link='finger'/><axis xyz='1 0 0'/>
+      <limit lower='0' upper='0.1' velocity='1'/></joint>)");
+  RobotDescription description = driving(urdf, R"(<robot name='stand'>
+    <group name='arm'><joint name='turn'/></group><group name='hand'><joint name='slide'/></group>
+    <end_effector name='gripper' parent_link='arm' group='hand'/>
+    <group_state name='open' group='hand'><joint name='slide' value='0.1'/></group_state>
+  </robot>)");
+  description.group = "arm";
+  const auto robot = RobotModel::load(description);
+  BOOST_TEST(robot->end_effectors().at(0).states.at("open").size() == 1u);
+}
+
 BOOST_AUTO_TEST_CASE(bounds_that_hold_nothing_are_refused) {
   RobotDescription description = driving(kTrolley);
   description.planar_bounds->upper.y() = -1;

@@ -36,9 +36,7 @@ void require_bounds(const PlanarBounds& bounds) {
   }
 }
 
-std::string xyz_text(const Eigen::Vector3d& v) {
-  return to_text(v.x()) + " " + to_text(v.y()) + " " + to_text(v.z());
-}
+std::string xyz_text(const Eigen::Vector3d& v) { return to_text(v.x()) + " " + to_text(v.y()) + " " + to_text(v.z()); }
 
 XMLElement& root_of(XMLDocument& document, const std::string& text, const char* kind) {
   document.Parse(text.c_str(), text.size());
@@ -63,7 +61,25 @@ struct PlanarJoint {
   std::string name, parent, child;
   Eigen::Vector3d normal{0, 0, 1}, xyz{0, 0, 0}, rpy{0, 0, 0};
   double velocity{1.0};  // [m/s]
+
+  bool is_above_root() const { return parent.empty(); }
 };
+
+/// Throws InvalidArgument where the URDF has a name that the three joints need.
+void require_new_names(const Urdf& urdf, const PlanarJoint& planar) {
+  if (planar.is_above_root() && urdf.find_joint(planar.name))
+    throw InvalidArgument("planar_bounds: the planar joint above the root link is called '" + planar.name +
+                          "', as a joint of the URDF is; rename that one");
+  for (const char* coordinate : kCoordinates)
+    if (const std::string name = planar.name + coordinate; urdf.find_joint(name))
+      throw InvalidArgument("planar_bounds: the URDF has a joint '" + name +
+                            "' already, which is what the planar joint '" + planar.name +
+                            "' would become; rename one of them");
+  for (const char* place : {"/origin", "/at_x", "/at_xy"})
+    if (const std::string name = planar.name + place; urdf.find_link(name))
+      throw InvalidArgument("planar_bounds: the URDF has a link '" + name + "' already, which the planar joint '" +
+                            planar.name + "' needs; rename one of them");
+}
 
 PlanarJoint find_planar(const Urdf& urdf, const Srdf* srdf) {
   for (const std::size_t index : urdf.joint_order) {
@@ -100,7 +116,7 @@ std::string with_three_joints(const std::string& urdf_text, const PlanarJoint& p
   XMLDocument document;
   XMLElement& robot = root_of(document, urdf_text, "URDF");
   for (auto e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint"))
-    if (has(*e, "name", planar.name)) {
+    if (!planar.is_above_root() && has(*e, "name", planar.name)) {
       robot.DeleteChild(e);
       break;
     }
@@ -108,7 +124,7 @@ std::string with_three_joints(const std::string& urdf_text, const PlanarJoint& p
     robot.InsertNewChildElement("link")->SetAttribute("name", name.c_str());
     return name;
   };
-  const std::string parent = planar.parent.empty() ? add_link(planar.name + "/origin") : planar.parent;
+  const std::string parent = planar.is_above_root() ? add_link(planar.name + "/origin") : planar.parent;
   const std::string along_x = add_link(planar.name + "/at_x"), along_y = add_link(planar.name + "/at_xy");
   const Eigen::Matrix3d plane =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), planar.normal).toRotationMatrix();
@@ -143,13 +159,19 @@ void expand_in(XMLElement& parent, const std::string& planar, bool always, bool 
   }
 }
 
-std::string srdf_with_three_joints(const std::string& srdf_text, const std::string& planar, const std::string& group) {
+/// `group` is planned.
+std::string srdf_with_three_joints(const std::string& srdf_text, const Srdf& srdf, const std::string& planar,
+                                   const std::string& group) {
+  const auto is_of_gripper = [&](const XMLElement& state) {
+    return std::any_of(srdf.end_effectors.begin(), srdf.end_effectors.end(),
+                       [&](const SrdfEndEffector& each) { return has(state, "group", each.group); });
+  };
   XMLDocument document;
   XMLElement& robot = root_of(document, srdf_text, "SRDF");
   for (auto e = robot.FirstChildElement("group"); e; e = e->NextSiblingElement("group"))
     expand_in(*e, planar, !group.empty() && has(*e, "name", group), false);
   for (auto e = robot.FirstChildElement("group_state"); e; e = e->NextSiblingElement("group_state"))
-    expand_in(*e, planar, true, true);
+    expand_in(*e, planar, !is_of_gripper(*e), true);
   for (auto e = robot.FirstChildElement("virtual_joint"); e;) {
     XMLElement* next = e->NextSiblingElement("virtual_joint");
     if (has(*e, "name", planar)) robot.DeleteChild(e);
@@ -166,11 +188,12 @@ void expand_planar_joint(RobotDescription& description, const Urdf& urdf, const 
   require_bounds(bounds);
   description.planar_bounds.reset();
   const PlanarJoint planar = find_planar(urdf, srdf);
+  require_new_names(urdf, planar);
   description.urdf_text = with_three_joints(description.urdf_text, planar, bounds);
   const bool chosen = !description.joint_names.empty() || !description.end_effector.empty();
   const bool only_group = description.group.empty() && !chosen && srdf && srdf->groups.size() == 1;
   const std::string group = only_group ? srdf->groups[0].name : description.group;
-  if (srdf) description.srdf_text = srdf_with_three_joints(description.srdf_text, planar.name, group);
+  if (srdf) description.srdf_text = srdf_with_three_joints(description.srdf_text, *srdf, planar.name, group);
 
   std::vector<std::string>& names = description.joint_names;
   const auto is_named = [&](const char* coordinate) {

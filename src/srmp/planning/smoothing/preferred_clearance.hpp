@@ -34,7 +34,7 @@ class PreferredClearance {
 };
 
 /// `shortcut`, each of whose steps keeps at least the highest level that all of what it replaces kept. `is_free`: of
-/// the required clearance and of path constraints, which exist if `constrained`.
+/// the required clearance and of path constraints, one of which there is if `constrained`.
 RowMatrix shortcut_keeping_clearance(const RowMatrix& path, PreferredClearance& preferred, const MotionFree& is_free,
                                      bool constrained, const Deadline& deadline, const ShortcutOptions& options);
 

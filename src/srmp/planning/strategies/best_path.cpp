@@ -45,8 +45,9 @@ RowMatrix BestPath::shortened(const RowMatrix& path, const Deadline& until, Shor
   options.continuous = context_.task.limits.continuous;
   try {
     if (preferred_.size() > 0)
-      return shortcut_keeping_clearance(path, preferred_, is_free, context_.task.constraints != nullptr, until,
-                                        options);
+      return shortcut_keeping_clearance(path, preferred_, is_free,
+                                        context_.task.constraints != nullptr || context_.common.clearance > 0.0, until,
+                                        options);  // levels exempt other pairs of links than the clearance does
     return shortcut(path, is_free, until, options).waypoints;
   } catch (const MotionCheckStopped&) {
     return path;
