@@ -48,7 +48,7 @@ def test_a_robot_drives_through_a_door_and_reaches_into_a_shelf(driven):
     reached = planner.compute_fk("arm7", path[-1])
     np.testing.assert_allclose(reached.p, [1.60, 0.80, 0.55], atol=1e-3)
     for t in np.arange(0, trajectory.duration, 0.01):
-        assert not planner.is_state_colliding("arm7", trajectory.sample(t).position)
+        assert not planner.is_state_colliding("arm7", trajectory.sample(t))
 
 
 def test_the_same_drive_every_time(driven):
