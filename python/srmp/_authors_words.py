@@ -41,7 +41,7 @@ ARGUMENTS: dict[tuple[str, str], str] = {
     ("PlannerInterface", "grid_config"): _NO_GRID,
     **{("add_articulation", argument): instead for argument, instead in _ADDED.items()},
     **{("add_robot", argument): instead for argument, instead in _ADDED.items()},
-    ("add_articulation", "end_effectors"): "a robot has one end effector here, 'end_effector'",
+    ("add_articulation", "end_effectors"): "give 'group' or 'joint_names'; goals of several links are {link: Pose}",
     ("add_robot", "srdf_path"): "the list of robots says which SRDF; add_articulation takes another",
     ("make_planner", "articulation_names"): "it is 'names' here",
     ("make_planner", "planner_context"): "it is 'options' here",

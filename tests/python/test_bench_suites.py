@@ -47,8 +47,9 @@ def test_speed_with_a_baseline_in_pairs(suite, stand_in_dir, monkeypatch):
         speed.run("/nowhere", None, "1", "1", 1, None)
 
 
-def test_the_other_measurements_of_speed(suite, stand_in_dir):
+def test_the_other_measurements_of_speed(suite, stand_in_dir, monkeypatch):
     speed = suite("speed")
+    monkeypatch.setattr(speed, "TIMES", (0.001, 2.0))  # a busy machine finds the first path late
     for kind in ("certified", "first"):
         (row,) = speed.KINDS[kind](str(stand_in_dir), "1", "panda", "urdf", "box").values()
         assert row["seconds"] is not None

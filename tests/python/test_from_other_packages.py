@@ -163,7 +163,7 @@ ROWS = {
     "`add_articulation(gravity": ("no dynamics here: leave it out", lambda p: add(p, gravity=np.zeros(3))),
     "`add_articulation(planned": (PLANNED, lambda p: add(p, planned=True)),
     "`add_articulation(gripper": ("set_joint_positions", lambda p: add(p, gripper_joint_names=["x"])),
-    "`add_articulation(end_effectors": ("one end effector here", lambda p: add(p, end_effectors=["x"])),
+    "`add_articulation(end_effectors": ("goals of several links are", lambda p: add(p, end_effectors=["x"])),
     '`add_robot("panda")': ("", call("add_robot", "arm7", name="other", base_pose=Pose(p=[0, 2, 0]))),
     "`add_robot(planned": (
         f"{PLANNED}|no dynamics|all links|set_joint_positions",
