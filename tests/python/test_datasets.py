@@ -184,9 +184,8 @@ def test_a_worker_does_not_grow_with_its_records(made):
         recorder.shard(number)
         recorder.record(0)
         after.append(allocated_bytes())
-    assert (
-        after[-1] - min(after[:2]) < 60_000
-    )  # of 120 records and more, beside other threads; a scene has some 100 000
+    # Of 120 records and more, beside other threads; a scene has some 100 000.
+    assert after[-1] - min(after[:2]) < 60_000
 
 
 # --- the clock
