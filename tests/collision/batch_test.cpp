@@ -214,9 +214,9 @@ BOOST_AUTO_TEST_CASE(backends_agree_bit_for_bit) {
       }
     }
   }
-  BOOST_TEST(free > 50u);
-  BOOST_TEST(colliding > 50u);
-  BOOST_TEST(undecided > 10u);
+  BOOST_TEST(free > amount(50u));
+  BOOST_TEST(colliding > amount(50u));
+  BOOST_TEST(undecided > amount(10u));
 }
 
 BOOST_AUTO_TEST_CASE(with_proofs_only_a_checker_proves_as_much) {

@@ -129,7 +129,7 @@ BOOST_AUTO_TEST_CASE(two_backends_give_the_same_results) {
     BOOST_TEST(is_free == other->is_motion_free(from, to, *b));
     free += is_free;
   }
-  BOOST_TEST((free > 30 && free < 270));
+  BOOST_TEST((free > amount(30) && free < amount(270)));
 }
 
 BOOST_AUTO_TEST_CASE(a_long_check_of_the_default_stops_at_the_deadline) {

@@ -88,11 +88,11 @@ BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
       proved += free;
       contacts += contact;
     }
-    BOOST_TEST(proved > 1000);
+    BOOST_TEST(proved > amount(1000));
     // A range is free when all of it is.
     BOOST_TEST(!table.is_free({-4, -4}, {4, 4}));
   }
-  BOOST_TEST(contacts > 100);
+  BOOST_TEST(contacts > amount(100));
   BOOST_TEST(far_dropped);
 }
 
@@ -116,8 +116,7 @@ BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_results) {
     BOOST_TEST(is_free == plain.is_motion_free(a, b, *v));
     free += is_free;
   }
-  BOOST_TEST(free > 100);
-  BOOST_TEST(free < 900);
+  BOOST_TEST((free > amount(100) && free < amount(900)));
   BOOST_TEST(tables.statistics(*w).by_tables > 0u);
 }
 
