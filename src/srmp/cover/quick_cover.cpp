@@ -79,6 +79,7 @@ class Patches {
   /// A sphere around the patch that sticks out of the mesh by little: its centre lies behind the surface where that
   /// helps.
   PlacedSphere enclosing(const Patch& patch, const Inside& inside) const {
+    rare_interruption_point();
     const PlacedSphere smallest = bound(patch);
     PlacedSphere best = smallest;
     double least = smallest.radius - inside.depth(smallest.center);

@@ -46,8 +46,7 @@ class CertifiedTiming {
 
   MultiTrajectory run() {
     // Groups that are timed apart must be proved to stay clear of each other.
-    if (common_.timing == "none" || !common_.certify)
-      while (groups_.size() > 1) merge_groups(0, 1);
+    if (common_.timing == "none" || !common_.certify) merge_all_groups();
     do {
       work_.run(groups_.size(), until_, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
         if (groups_[k].deviation < 0.0) time_and_certify(groups_[k], deadline, statistics);
@@ -97,6 +96,10 @@ class CertifiedTiming {
       return std::binary_search(robots.begin(), robots.end(), known.first.first) ||
              std::binary_search(robots.begin(), robots.end(), known.first.second);
     });
+  }
+
+  void merge_all_groups() {
+    while (groups_.size() > 1) merge_groups(0, 1);
   }
 
   /// As the search found it.
@@ -176,7 +179,7 @@ class CertifiedTiming {
   RobotMotion motion_of(const Member& robot) const { return motion_of(groups_[robot.group], robot.index); }
 
   /// Proves that robots of different groups stay clear of each other; false: the groups of the first two of which that
-  /// cannot be proved have become one.
+  /// cannot be proved have become one, or all groups, where no time is left to prove more.
   bool all_proved_clear() {
     const std::vector<MemberPair> open = open_pairs();
     std::vector<MotionProof> found(open.size());
@@ -192,8 +195,12 @@ class CertifiedTiming {
     for (std::size_t k = 0; k < first; ++k)
       proofs_.emplace(std::pair(number(open[k].a), number(open[k].b)), std::move(found[k]));
     if (first == open.size()) return true;
-    const auto [i, j] = std::minmax(open[first].a.group, open[first].b.group);
-    merge_groups(i, j);
+    if (until_.stop_requested()) {
+      merge_all_groups();
+    } else {
+      const auto [i, j] = std::minmax(open[first].a.group, open[first].b.group);
+      merge_groups(i, j);
+    }
     return false;
   }
 

@@ -265,10 +265,12 @@ class MultiRobotWorld::Pair {
   const Checking& checking(bool spheres_only) {
     if (!spheres_only) return exact_;
     if (!by_spheres_.checker) {
-      const InterruptionScope scope([this, outer = interruption_check()] {
+      const auto stop_if_late = [this, outer = interruption_check()] {
         if (outer) outer();
         if (deadline_ && deadline_->expired()) throw MotionCheckStopped();
-      });
+      };
+      stop_if_late();
+      const InterruptionScope scope(stop_if_late);
       by_spheres_.checker = checkers_.pair_by_spheres(a_, b_);
       by_spheres_.workspace = by_spheres_.checker->make_workspace();
       if (deadline_) by_spheres_.checker->stop_at(*deadline_, *by_spheres_.workspace);

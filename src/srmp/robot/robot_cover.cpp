@@ -147,6 +147,7 @@ void cover_quickly(const RobotModel& model, const Distinct& distinct, CoverStore
   for (std::size_t i = 0; i < distinct.index.size(); ++i) {
     const LinkGeometry& geometry = model.geometries()[i];
     if (store.adopted_quick(*geometry.shape)) continue;
+    rare_interruption_point();
     auto& cover = covers[distinct.index[i]];
     if (!cover) cover = std::make_shared<const GeometryCover>(quick_cover(*distinct.shapes[distinct.index[i]]));
     store.adopt_quick(geometry.shape, within_envelope(geometry, cover));
