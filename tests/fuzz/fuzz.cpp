@@ -24,7 +24,7 @@
 #include "srmp/core/error.hpp"
 #include "support/amount.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool limits_memory = false;  // it reserves terabytes itself
 #else
 constexpr bool limits_memory = true;
