@@ -93,6 +93,26 @@ BOOST_AUTO_TEST_CASE(unreadable_meshes_are_errors_with_a_reason) {
                           "points.obj'");
 }
 
+BOOST_AUTO_TEST_CASE(files_that_count_more_than_they_hold_are_refused_at_once) {
+  const TemporaryDirectory directory;
+  const auto refused = [&](const std::string& name, const std::string& text, const std::string& why) {
+    check_throws<FileError>([&] { read_mesh_file(directory.write(name, text)); }, why);
+  };
+  refused("a.ply", "ply\nformat ascii 1.0\nelement vertex 100000000\nproperty float x\nend_header\n",
+          "has 100000000 elements 'vertex'");
+  refused("a.ply", "ply\nformat ascii 1.0\ncomment\n", "without its last line, end_header");
+  const std::string vertices = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nend_header\n0\n1\n2\n";
+  refused("a.ply", vertices, "has 3 rows, but counts 4 elements");
+  refused("a.ply", "ply\nformat ascii 1.0\nproperindices\nend_header\n", "has 'properindices' in its header");
+  const std::string rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  BOOST_TEST(read_mesh_file(directory.write("a.off", "OFF\n4 4 6\n" + rows)).triangles.size() == 4u);
+  refused("a.off", "OFF\n4#4 6\n" + rows, "'4#4' as the number of vertices");
+  refused("a.off", "OFF\n4000 4 6\n" + rows, "has 4000 vertices");
+  refused("a.off", "OFF\n4 99 6\n" + rows, "has 99 faces");
+  refused("a.off", "OFF\n4 -4 6\n" + rows, "'-4' as the number of faces");
+  refused("a.off", "OFF\n4 4\n", "does not say how many vertices, faces and edges it has");
+}
+
 BOOST_AUTO_TEST_CASE(convex_meshes_become_solids_and_others_stay_surfaces) {
   const TemporaryDirectory directory;
   TriangleSoup cube = read_mesh_file(directory.write("cube.obj", kCube));

@@ -18,6 +18,7 @@
 #include "srmp/core/interruption.hpp"
 #include "srmp/core/lengths.hpp"
 #include "srmp/geometry/collada_check.hpp"
+#include "srmp/geometry/header_check.hpp"
 
 namespace srmp {
 
@@ -117,6 +118,8 @@ void require_known_format(const std::string& path) {
     throw FileError("mesh file '" + path + "' has the extension '" + extension + "'; supported are " +
                     quoted_list(known));
   if (extension == ".dae") require_sound_collada(path);
+  if (extension == ".ply") require_sound_ply_header(path);
+  if (extension == ".off") require_sound_off_header(path);
 }
 
 /// assimp itself trusts the numbers of vertices that files give, when it makes triangles of faces.
