@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -49,6 +50,9 @@ inline Eigen::VectorXd vector_or_none(const std::optional<ArrayLike>& numbers, c
 
 /// What Python would print of a value, on one line of a sentence.
 std::string brief(nb::handle value);
+
+/// Seconds as a person reads them in a repr: to the microsecond.
+inline std::string brief_seconds(double seconds) { return to_text(std::round(1e6 * seconds) / 1e6) + " s"; }
 
 /// NumPy's float64 view or copy of any argument. Throws InvalidArgument, naming `what`, when it is not numbers.
 nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what);

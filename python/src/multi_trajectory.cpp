@@ -101,7 +101,8 @@ certificates.
 
 Raises InvalidArgument without robots and as Trajectory.plot does.)")
       .def("__repr__", [](const MultiTrajectory& self) {
-        return "MultiTrajectory(" + std::to_string(self.robots.size()) + " robots, " + to_text(self.duration()) + " s)";
+        return "MultiTrajectory(" + std::to_string(self.robots.size()) + " robots, " + brief_seconds(self.duration()) +
+               ")";
       });
   make_html(cls);
   make_value(

@@ -102,7 +102,7 @@ nb::object in_python(const char* function) { return nb::module_::import_("srmp._
 std::string repr(const Trajectory& t) {
   return "Trajectory(" + std::to_string(t.dof()) + (t.dof() == 1 ? " joint, " : " joints, ") +
          std::to_string(t.size()) + (t.size() == 1 ? " row, " : " rows, ") +
-         (t.timed() ? to_text(t.duration()) + " s)" : "no times)");
+         (t.timed() ? brief_seconds(t.duration()) + ")" : "no times)");
 }
 
 Trajectory from_state(const State& state) {

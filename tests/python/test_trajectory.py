@@ -125,6 +125,8 @@ def test_a_trajectory_of_ones_own_has_what_it_was_given(cubic):
     assert cubic.certificate is None
     assert len(cubic) == 5
     assert repr(cubic) == "Trajectory(2 joints, 5 rows, 2.5 s)"
+    late = srmp.Trajectory(["a"], [[1], [2]], [0, 1.0000000009999894])
+    assert repr(late) == "Trajectory(1 joint, 2 rows, 1 s)"
 
 
 def test_what_is_not_known_has_no_rows(path):
@@ -227,6 +229,7 @@ def test_without_velocities_the_motion_is_straight():
     np.testing.assert_allclose(straight.sample([0.5, 2]), [[1.5, 2], [3, 4.5]])
     np.testing.assert_allclose(straight.state(2)[1], [0, 0.5])
     assert straight.resample(0.5).velocities.shape == (0, 2)
+    np.testing.assert_array_equal(straight.resample(1e9).times, [0, 3])  # both ends, however long the period
 
 
 @pytest.mark.parametrize(
@@ -724,7 +727,7 @@ def test_plots_are_figures(cubic, jumpy, planned, tmp_path):
 def test_what_cannot_be_drawn_is_refused(cubic, path, tmp_path):
     pytest.importorskip("matplotlib")
     refuses(lambda: path.plot(tmp_path / "p.png"), "a path without times has no profiles to draw")
-    refuses(lambda: cubic.plot(tmp_path / "p.png", limits=5), "limits must be MotionLimits, but are 5")
+    refuses(lambda: cubic.plot(tmp_path / "p.png", limits=5), "limits must be a MotionLimits or None, but is 5")
     one = srmp.MotionLimits([1], [1], [1])
     refuses(lambda: cubic.plot(tmp_path / "p.png", limits=one), "limits are for 1 joints, but the trajectory moves 2")
     refuses(lambda: cubic.plot(tmp_path / "p.xyz"), "p.xyz.*xyz")

@@ -284,6 +284,12 @@ BOOST_AUTO_TEST_CASE(limits_broken_between_rows_only_are_found) {
   jerky.accelerations = RowMatrix::Zero(2, 2);
   BOOST_TEST(expect_only(world.certify(jerky), FaultKind::acceleration_limit,
                          {"a: the acceleration reaches 6 at 0 s", "its limit is 4"}) == 0.0);
+  // What a row says counts too, whatever the polynomials do.
+  Trajectory lying = segment(0.3, 0.3, 0, 0);
+  lying.accelerations = RowMatrix::Zero(2, 2);
+  lying.accelerations(1, 0) = -1e6;
+  expect_only(world.certify(lying), FaultKind::acceleration_limit,
+              {"a: the acceleration reaches -1e+06", "its limit is 4"});
   MotionLimits jerk = wide;
   jerk.jerk.setConstant(11);
   expect_only(certify(jerky, world.checker, jerk, {.jerk = true, .at_rest = false}), FaultKind::jerk_limit,

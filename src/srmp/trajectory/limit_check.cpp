@@ -57,6 +57,7 @@ class LimitCheck {
       check_jumps(j, use);
     else
       check_acceleration_jumps(j, use.jerk);
+    check_stated_accelerations(j, use.acceleration);
     note(result_.velocity, use.velocity, joint);
     note(result_.acceleration, use.acceleration, joint);
     note(result_.jerk, use.jerk, joint);
@@ -119,6 +120,22 @@ class LimitCheck {
       const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
       use.acceleration.update(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
       if (std::abs(jump) > allowed_jump(j)) use.jerk.update(infinity, jump, t_.times[row], row);
+    }
+  }
+
+  /// What rows say need not be what the polynomials beside them do.
+  void check_stated_accelerations(Eigen::Index j, Worst& worst) const {
+    double unknown_before = 0.0;
+    for (Eigen::Index row = 0; row < t_.accelerations.rows(); ++row) {
+      double unknown = unknown_before;
+      if (row + 1 < t_.accelerations.rows()) {
+        const detail::Cubic p = detail::segment_of(t_, row, j);
+        unknown = 12 * rounding_of(p, t_.times[row + 1]) / p.h / p.h;
+      }
+      const double value = t_.accelerations(row, j);
+      worst.update(std::max(0.0, std::abs(value) - std::max(unknown, unknown_before)) / limits_.acceleration[j], value,
+                   t_.times[row], row);
+      unknown_before = unknown;
     }
   }
 

@@ -144,7 +144,8 @@ Trajectory Trajectory::resample(double dt) const {
   if (begin + 0.25 * dt == begin || end + 0.25 * dt == end)
     refuse("a dt of " + to_text(dt) + " s is lost beside times of " + to_text(end) + " s; use a longer one");
   std::vector<double> ticks;
-  for (double k = 0.0; begin + k * dt < end - short_tick * dt; k += 1.0) ticks.push_back(begin + k * dt);
+  for (double k = 0.0; begin + k * dt < end - short_tick * std::min(dt, duration()); k += 1.0)
+    ticks.push_back(begin + k * dt);
   ticks.push_back(end);
   Trajectory result = rows_at(*this, ticks);
   result.waypoints = waypoints;
