@@ -81,9 +81,9 @@ a name in use, or sizes that are not positive and finite.)")
              const std::optional<ArrayLike>& triangles, double padding) {
             if (path.empty() == !vertices)
               throw InvalidArgument("mesh '" + name + "' needs either a path or vertices (with triangles)");
+            const Eigen::Vector3d s =
+                scale ? scale->vector3("scale of mesh '" + name + "'") : Eigen::Vector3d(Eigen::Vector3d::Ones());
             if (!path.empty()) {
-              const Eigen::Vector3d s =
-                  scale ? scale->vector3("scale of mesh '" + name + "'") : Eigen::Vector3d(Eigen::Vector3d::Ones());
               self.use([&](auto& p) { p.add_mesh(name, path, pose, s, convex, padding); });
               return;
             }
@@ -94,13 +94,13 @@ a name in use, or sizes that are not positive and finite.)")
             const RowMatrix faces =
                 triangles ? triangles->rows("triangles of mesh '" + name + "'", 3) : RowMatrix(0, 3);
             for (const auto& row : faces.rowwise()) mesh.triangles.push_back(to_triangle(row.transpose(), name));
-            self.use([&](auto& p) { p.add_mesh(name, mesh, pose, padding); });
+            self.use([&](auto& p) { p.add_mesh(name, scale ? mesh.scaled(s) : mesh, pose, padding); });
           },
           nb::arg("name"), nb::arg("path") = "", nb::arg("pose") = Pose{}, nb::arg("scale") = nb::none(), nb::kw_only(),
           nb::arg("convex") = false, nb::arg("vertices") = nb::none(), nb::arg("triangles") = nb::none(),
           nb::arg("padding") = 0.0,
-          R"(Adds a triangle mesh from the file `path`, multiplied by `scale` (3,), or from `vertices` (n, 3) [m] and `triangles`
-(m, 3) of vertex numbers from 0.
+          R"(Adds a triangle mesh from the file `path` or from `vertices` (n, 3) [m] and `triangles` (m, 3) of vertex numbers from 0,
+multiplied by `scale` (3,).
 
 `pose` is that of its origin in the world, `padding` [m] is kept clear around it. A mesh is its surface; convex=True
 takes its solid convex hull instead (without `triangles`: that of the `vertices`).

@@ -36,6 +36,8 @@ SCENE = [
         "whole vertex numbers",
     ),
     (lambda p: p.add_mesh("mesh", vertices=[[0, 0, 0, 0]]), r"shape \(n, 3\)"),
+    (lambda p: p.add_mesh("mesh", vertices=np.eye(3), scale=[1, 2]), "scale of mesh 'mesh'"),
+    (lambda p: p.add_mesh("mesh", vertices=np.eye(3), scale=[1, 0, 1]), "component 0; each must be finite and not 0"),
     (lambda p: p.add_point_cloud("cloud", []), "'cloud'.*point"),
     (lambda p: p.add_point_cloud("cloud", [[0, 0, NAN]]), "'cloud'"),
     (lambda p: p.add_point_cloud("cloud", [[0, 0, 0]], resolution=0), "'cloud'.*0"),

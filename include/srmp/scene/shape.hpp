@@ -43,6 +43,8 @@ struct Mesh {
   /// Reads a mesh in any format that assimp reads; vertices are multiplied by `scale`. Throws FileError for files that
   /// are missing or unreadable, and InvalidArgument for a scale that is 0 or not finite.
   static Mesh from_file(const std::string& path, const Eigen::Vector3d& scale = {1, 1, 1}, bool convex = false);
+  /// The same with vertices multiplied by `scale`. Throws InvalidArgument for a scale that is 0 or not finite.
+  Mesh scaled(const Eigen::Vector3d& scale) const;
 };
 /// The points' voxels, occupied cells of an octree.
 struct PointCloud {

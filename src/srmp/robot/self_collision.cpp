@@ -34,23 +34,41 @@ bool adjacent(const Impl& m, std::size_t a, std::size_t b) {
   return up(a, b) || up(b, a);
 }
 
-/// Are the links in two branches below a link without geometry, with at most one moving joint between them?
-bool adjacent_through_common_parent(const Impl& m, std::size_t a, std::size_t b) {
-  const auto climb = [&](std::size_t link) {  // (ancestor without geometry, moving joints up to it)
-    std::vector<std::pair<std::size_t, int>> ancestors;
-    for (int moving = 0; m.urdf.links[link].parent_joint;) {
-      const UrdfJoint& joint = m.urdf.joints[*m.urdf.links[link].parent_joint];
-      moving += joint.scalar();
-      link = joint.parent;
-      if (!m.urdf.links[link].collisions.empty()) break;
-      ancestors.emplace_back(link, moving);
-    }
-    return ancestors;
-  };
-  for (const auto& [link_a, moving_a] : climb(a))
-    for (const auto& [link_b, moving_b] : climb(b))
-      if (link_a == link_b) return moving_a + moving_b <= 1;
-  return false;
+/// Visits the ancestors of a link as long as they have no geometry and no more than one moving joint leads to them:
+/// visit(ancestor, moving joints) returns whether to go on.
+template <class Visit>
+void climb(const Impl& m, std::size_t link, Visit&& visit) {
+  for (int moving = 0; m.urdf.links[link].parent_joint;) {
+    const UrdfJoint& joint = m.urdf.joints[*m.urdf.links[link].parent_joint];
+    moving += joint.scalar();
+    link = joint.parent;
+    if (moving > 1 || !m.urdf.links[link].collisions.empty() || !visit(link, moving)) return;
+  }
+}
+
+/// Allows collisions of links in two branches below a link without geometry, with at most one moving joint between
+/// them.
+void allow_through_common_parents(Impl& m) {
+  constexpr int none = 2;
+  const std::size_t n = m.link_names.size();
+  std::vector<int> moving_to(n, none);  // from `a` to each of its ancestors
+  for (std::size_t a = 0; a < n; ++a) {
+    rare_interruption_point();
+    climb(m, a, [&](std::size_t ancestor, int moving) {
+      moving_to[ancestor] = moving;
+      return true;
+    });
+    for (std::size_t b = a + 1; b < n; ++b)
+      climb(m, b, [&](std::size_t ancestor, int moving) {
+        if (moving_to[ancestor] == none) return true;
+        if (moving_to[ancestor] + moving <= 1) m.set_allowed(a, b, true);
+        return false;
+      });
+    climb(m, a, [&](std::size_t ancestor, int) {
+      moving_to[ancestor] = none;
+      return true;
+    });
+  }
 }
 
 /// A pair of links that may always collide.
@@ -101,7 +119,8 @@ void RobotModelBuilder::allow_by_rules(Impl& m, const Srdf* srdf) {
   m.allowed.assign(n * n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = a + 1; b < n; ++b)
-      if (adjacent(m, a, b) || adjacent_through_common_parent(m, a, b)) m.set_allowed(a, b, true);
+      if (adjacent(m, a, b)) m.set_allowed(a, b, true);
+  allow_through_common_parents(m);
   if (srdf) {
     for (const std::string& link : srdf->disabled_by_default)
       for (std::size_t b = 0; b < n; ++b) m.set_allowed(*m.urdf.find_link(link), b, true);

@@ -126,15 +126,26 @@ Geometry build(const PointCloud& cloud, const std::string& object) {
   return octree_of(cloud);
 }
 
+void require_scale(const Eigen::Vector3d& scale, const std::string& what) {
+  for (double factor : scale)
+    if (!std::isfinite(factor) || factor == 0.0)
+      throw InvalidArgument("scale of " + what + " has a component " + to_text(factor) +
+                            "; each must be finite and not 0");
+}
+
 }  // namespace
 
 Mesh Mesh::from_file(const std::string& path, const Eigen::Vector3d& scale, bool convex) {
-  for (double factor : scale)
-    if (!std::isfinite(factor) || factor == 0.0)
-      throw InvalidArgument("scale of mesh file '" + path + "' has a component " + to_text(factor) +
-                            "; each must be finite and not 0");
+  require_scale(scale, "mesh file '" + path + "'");
   TriangleSoup soup = run_interruptibly([path, scale] { return read_mesh_file(path, scale); });
   return {std::move(soup.vertices), std::move(soup.triangles), convex};
+}
+
+Mesh Mesh::scaled(const Eigen::Vector3d& scale) const {
+  require_scale(scale, "a mesh");
+  Mesh result = *this;
+  for (Eigen::Vector3d& vertex : result.vertices) vertex = vertex.cwiseProduct(scale);
+  return result;
 }
 
 std::string shape_kind(const Shape& shape) {
