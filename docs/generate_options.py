@@ -69,11 +69,12 @@ file.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 __all__ = [
 {names}
 ]
+_Class = TypeVar("_Class")
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -83,6 +84,13 @@ class _Options:
     planner_id: ClassVar[str]
 
 {fields}
+
+    def __new__(cls: type[_Class], *args: Any, **options: Any) -> _Class:
+        """Raises WrongType, with the nearest name, for an option that the planner does not have."""
+        from srmp._wrong_types import require_options
+
+        require_options(cls, args, options)
+        return super().__new__(cls)  # type: ignore[misc]
 
     def to_dict(self) -> dict[str, Any]:
         """The dictionary with the same options."""

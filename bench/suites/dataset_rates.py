@@ -24,6 +24,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import srmp
 from srmp import datasets
 from srmp._files import write_json
 from srmp._table import format_table
@@ -183,7 +184,12 @@ def main() -> None:
     meter = Meter(arguments.out, {"cpu": mbm.cpu_name(), "versions": mbm.versions(), "workers": arguments.workers})
     with tempfile.TemporaryDirectory(prefix="srmp-") as temporary:
         directory = arguments.directory or Path(temporary) / "motions"
-        datasets.generate(spec, directory, workers=arguments.workers, progress=meter.progress)
+        try:
+            datasets.generate(spec, directory, workers=arguments.workers, progress=meter.progress)
+        except srmp.Error as error:  # records that reached the time limit: all other shards are there
+            if not meter.samples or not meter.samples[-1]["records"]:
+                raise
+            print(f"not complete: {error}")
         result = {**meter.result(), "content": content(directory)}
         write_json(arguments.out, result)
         result["audit"] = audited(directory, arguments.audit)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import functools
+import inspect
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -10,6 +12,7 @@ from typing import Any, NamedTuple
 
 from srmp import _srmp
 from srmp._authors_words import ARGUMENTS
+from srmp._errors import one_sentence
 from srmp._names import did_you_mean
 
 _MAX_TEXT = 60  # characters of a value
@@ -25,8 +28,11 @@ _NAMES = {
     "ArrayLike": "numbers",
     "NDArray": "numbers",
     "PathLike": "a path",
+    "Path": "a path",
+    "Any": "anything",
 }
 _LISTS = ("list", "Sequence")
+_SURROGATE = re.compile("[\ud800-\udfff]")
 
 
 class Parameter(NamedTuple):
@@ -47,12 +53,47 @@ def sentence(function: Any, args: Sequence[Any], keywords: Mapping[str, Any]) ->
     return f"{name}{chosen.text}"
 
 
+def require_arguments(
+    function: Callable[..., Any], name: str, args: Sequence[Any], keywords: Mapping[str, Any]
+) -> None:
+    """Raises WrongType where function(*args, **keywords) does not fit the signature of a function in Python."""
+    parameters = _own_parameters(function)
+    is_method = bool(parameters) and parameters[0].name == "self"
+    name = name or _name(function)
+    if fault := _misfit(name, parameters[is_method:], list(args)[is_method:], keywords):
+        raise _srmp.WrongType(f"{name}{fault.text}")
+
+
+def require_options(cls: type, args: Sequence[Any], keywords: Mapping[str, Any]) -> None:
+    """Raises WrongType where a class of options has no such option; make_planner judges values, but not of 'robots'."""
+    parameters = [
+        parameter if parameter.name == "robots" else parameter._replace(type=None)
+        for parameter in _own_parameters(cls.__init__)[1:]  # type: ignore[misc]
+    ]
+    if fault := _misfit(cls.__name__, parameters, args, keywords):
+        raise _srmp.WrongType(f"{cls.__name__}{fault.text}")
+
+
 class _Fault(NamedTuple):
     bound: bool  # every argument has its parameter
     text: str
 
 
 def _fault(function: str, parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[str, Any]) -> _Fault:
+    if fault := _misfit(function, parameters, args, keywords):
+        return fault
+    values = {parameter.name: value for parameter, value in zip(parameters, args, strict=False)} | dict(keywords)
+    for name, value in values.items():
+        if not _is_utf8(value):
+            return _Fault(True, f": {name} has characters that do not exist in UTF-8: {brief(value)}")
+    expected = ", ".join(f"{parameter.name}: {_described(parameter.type)}" for parameter in parameters)
+    got = ", ".join(brief(value) for value in values.values())
+    return _Fault(True, f" takes ({expected}), but got ({got})")
+
+
+def _misfit(
+    function: str, parameters: list[Parameter], args: Sequence[Any], keywords: Mapping[str, Any]
+) -> _Fault | None:
     positional = [parameter for parameter in parameters if not parameter.keyword_only]
     if len(args) > len(positional):
         named = [parameter.name for parameter in parameters if parameter.keyword_only]
@@ -73,9 +114,16 @@ def _fault(function: str, parameters: list[Parameter], args: Sequence[Any], keyw
         if parameter.name in values and not _fits(parameter.type, values[parameter.name]):
             value = brief(values[parameter.name])
             return _Fault(True, f": {parameter.name} must be {_described(parameter.type)}, but is {value}")
-    expected = ", ".join(f"{parameter.name}: {_described(parameter.type)}" for parameter in parameters)
-    got = ", ".join(brief(value) for value in values.values())
-    return _Fault(True, f" takes ({expected}), but got ({got})")
+    return None
+
+
+def _is_utf8(value: object) -> bool:
+    """False for text, or texts in a list or dictionary, of which UTF-8 cannot encode a character."""
+    if isinstance(value, Mapping):
+        return all(_is_utf8(key) and _is_utf8(item) for key, item in value.items())
+    if isinstance(value, (list, tuple)):
+        return all(map(_is_utf8, value))
+    return not isinstance(value, str) or not _SURROGATE.search(value)
 
 
 def brief(value: object) -> str:
@@ -96,7 +144,7 @@ def _name(function: Any) -> str:
 def _hint(function: str, name: str, known: list[str]) -> str:
     if theirs := ARGUMENTS.get((function, name)):
         return f"; {theirs}"
-    if theirs := _srmp._option_of_other_planner(name):
+    if theirs := _srmp._option_of_other_planner(one_sentence(name)):
         return f"; {theirs}, an option of make_planner" if theirs.startswith("it is '") else f"; {theirs}"
     return did_you_mean(name, known) or (f"; it takes {_listed(known)}" if known else "; it takes none")
 
@@ -120,6 +168,20 @@ def _parameters(signature: str) -> list[Parameter]:
     for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
         parameters.append(Parameter(argument.arg, argument.annotation, default is None, True))
     return parameters
+
+
+@functools.cache
+def _own_parameters(function: Callable[..., Any]) -> list[Parameter]:
+    """Of a function in Python, whose annotations are texts."""
+    return [
+        Parameter(
+            parameter.name,
+            ast.parse(parameter.annotation, mode="eval").body if isinstance(parameter.annotation, str) else None,
+            parameter.default is parameter.empty,
+            parameter.kind is parameter.KEYWORD_ONLY,
+        )
+        for parameter in inspect.signature(function).parameters.values()
+    ]
 
 
 def _parts(type_: ast.expr) -> tuple[str, list[ast.expr]]:
@@ -151,6 +213,7 @@ def _fits(type_: ast.expr | None, value: object) -> bool:
         "ArrayLike": lambda: value is not None,
         "NDArray": lambda: value is not None,
         "PathLike": lambda: isinstance(value, (str, os.PathLike)),
+        "Path": lambda: isinstance(value, (str, os.PathLike)),
         "Mapping": lambda: isinstance(value, Mapping),
     }
     if name in _LISTS:

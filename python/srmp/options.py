@@ -9,7 +9,7 @@ file.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 __all__ = [
     "CBS",
@@ -25,6 +25,7 @@ __all__ = [
     "RRTConnect",
     "WAStar",
 ]
+_Class = TypeVar("_Class")
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -83,6 +84,13 @@ class _Options:
     certify: bool = True
     """Code that is independent of the planner verifies the trajectory and attaches a certificate."""
 
+    def __new__(cls: type[_Class], *args: Any, **options: Any) -> _Class:
+        """Raises WrongType, with the nearest name, for an option that the planner does not have."""
+        from srmp._wrong_types import require_options
+
+        require_options(cls, args, options)
+        return super().__new__(cls)  # type: ignore[misc]
+
     def to_dict(self) -> dict[str, Any]:
         """The dictionary with the same options."""
         options = dataclasses.asdict(self)
@@ -115,6 +123,11 @@ class Auto(_Options):
     final_weight: float = 1.0
     """The search for better paths ends early once this bound is proven; with 1 it uses all its rounds or time [>= 1].
     """
+    max_expansions: int = 0
+    """Without a first path after this many expanded states, the plan ends as timed_out, on every machine at the same
+    place; 0 leaves that to `time_limit` [>= 0]."""
+    max_group_expansions: int = 0
+    """The same for each group of robots that are planned together, whose searches expand more [>= 0]."""
     num_threads: int = 1
     """At most this many threads plan parts for many robots at the same time; the result does not depend on it
     [> 0 and <= 1024]."""

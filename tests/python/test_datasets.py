@@ -3,14 +3,18 @@
 import contextlib
 import ctypes
 import dataclasses
+import fcntl
 import gc
 import json
 import os
+import pty
 import random
 import re
 import signal
+import struct
 import subprocess
 import sys
+import termios
 import time
 from pathlib import Path
 
@@ -202,6 +206,33 @@ def test_a_record_that_reaches_the_time_limit_is_none(made, tmp_path):
     assert generate(spec_of(), tmp_path / "set", workers=1).sha256 == made.sha256
 
 
+def test_a_motion_that_is_not_found_is_a_record(tmp_path, monkeypatch):
+    """By counted work, so that it is the same record everywhere; those that are found do not depend on the budget."""
+    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.9}])
+    found = generate(spec, tmp_path / "found", workers=1)
+    assert found.solved == 24
+    monkeypatch.setattr("srmp.datasets.spec.MAX_EXPANSIONS", 1)
+    few = generate(spec, tmp_path / "few", workers=1)
+    assert few.sha256 == generate(spec, tmp_path / "again", workers=1, order=lambda numbers: numbers[::-1]).sha256
+    slow = {**spec, "planner": {"time_limit": 90}}
+    assert few.sha256 == generate(slow, tmp_path / "slow", workers=1).sha256  # no record names the time limit
+    assert 0 < few.solved < 24
+    for record, whole in zip(datasets.open(tmp_path / "few"), datasets.open(tmp_path / "found"), strict=True):
+        if record.solved:
+            assert record.values == whole.values
+        else:
+            assert record.status == "timed_out"
+            assert record.values["reason"].startswith("no path within max_expansions, 1 (")
+    assert datasets.audit(tmp_path / "few", sample=0).passed
+
+
+def test_a_budget_of_the_spec(tmp_path):
+    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.9}], planner={"max_expansions": 1})
+    one = generate(spec, tmp_path / "one", workers=1)
+    assert set(datasets.open(tmp_path / "one").failures()["status"].to_pylist()) == {"timed_out"}
+    assert generate(spec, tmp_path / "two", workers=2).sha256 == one.sha256
+
+
 def test_the_shards_without_such_a_record_are_kept(made, tmp_path, monkeypatch):
     stats = srmp.PlannerInterface.get_planning_stats
     plans = iter(range(100))
@@ -361,6 +392,36 @@ def state_of(pid):
         return "zombie"
 
 
+def test_the_command_shows_records_rate_and_time_left(tmp_path):
+    """On a terminal; not where stderr is a file or a pipe."""
+    spec = write_spec(tmp_path / "spec.yaml", spec_of())
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 100, 0, 0))
+    process = subprocess.Popen(
+        command(spec, tmp_path / "set", "--workers", "1"),
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+        text=True,
+        env={**os.environ, "TQDM_MININTERVAL": "0"},  # every record, however quick
+    )
+    os.close(theirs)
+    shown = b""
+    with contextlib.suppress(OSError):  # the end of a terminal
+        while part := os.read(ours, 4096):
+            shown += part
+    os.close(ours)
+    assert re.fullmatch(
+        r"made 12 records, \d+ of them solved, in [\d.]+ s \([\d.]+/s\)\n\S+: 12 records, SHA-256 \w{64}\n",
+        process.communicate()[0],
+    )
+    assert process.returncode == 0
+    bar = rb"\b6/12 \[\d\d:\d\d<\d\d:\d\d, +[\d.]+(motion/s|s/motion)\]"  # records, time elapsed < left, rate
+    assert re.search(bar, shown), shown
+    again = subprocess.run(command(spec, tmp_path / "set"), capture_output=True, text=True)
+    assert (again.returncode, again.stderr) == (0, "")
+    assert "made" not in again.stdout
+
+
 def test_ctrl_c_keeps_what_is_there(tmp_path):
     spec = write_spec(tmp_path / "spec.yaml", spec_of(count=2000, per_shard=1))
     directory = tmp_path / "set"
@@ -445,6 +506,21 @@ def test_a_directory_that_cannot_be_written(tmp_path):
     for place in (tmp_path / "file", tmp_path / "file" / "set", Path("/proc/set")):
         with pytest.raises(srmp.FileError, match="cannot be written"):
             generate(spec_of(), place, workers=1)
+
+
+def test_a_directory_that_cannot_be_written_any_more(small_disk, made):
+    """Read-only: nothing changes; writable again: the same command goes on."""
+    subprocess.run(["mount", "-o", "remount,size=20m", str(small_disk)], check=True)
+    generate(spec_of(), small_disk / "set", workers=1, order=lambda numbers: numbers[:2])
+    kept = files_of(small_disk / "set")
+    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+    for place in (small_disk / "set", small_disk / "other"):
+        with pytest.raises(srmp.FileError, match=r"cannot be written: Read-only file system\.$"):
+            generate(spec_of(), place, workers=1)
+    assert files_of(small_disk / "set") == kept
+    subprocess.run(["mount", "-o", "remount,rw", str(small_disk)], check=True)
+    assert generate(spec_of(), small_disk / "set", workers=1).made == 8
+    assert files_of(small_disk / "set") == files_of(made.directory)
 
 
 def test_directories_of_others_are_left_alone(made, tmp_path, monkeypatch):
@@ -539,7 +615,7 @@ BROKEN = [
         {"start": {"from": "states", "states": ["raedy"]}},
         "states[0] is 'raedy'; it must be a state of 'arm': ready",
     ),
-    ({"start": {"from": "states", "states": [[1, 2]]}}, "state is [1, 2]; it must be 7 finite numbers."),
+    ({"start": {"from": "states", "states": [[1, 2]]}}, "start.states[0] is [1, 2]; it must be 7 finite numbers."),
     ({"start": {"from": "states", "states": []}}, "start.states is []"),
     ({"goal": {"from": "configuration", "regions": ["x"]}}, "goal has an unknown field 'regions'"),
     ({"scenes": [{"kind": "function", "function": "no"}]}, "scenes[0].function is 'no'; it must be module:function."),
@@ -557,6 +633,18 @@ BROKEN = [
     ({"planner": {"planner_id": "AMRAstar"}}, "planner.planner_id is 'AMRAstar'"),
     ({"planner": {"timing": "none"}}, "planner.timing is 'none'"),
     ({"planner": []}, "planner is []; it must be a mapping"),
+    ({"planner": {"sample_period": -1}}, "planner: option 'sample_period' is -1; it must be above 0"),
+    (
+        {"planner": {"sample_rate": 50}},
+        "planner.sample_rate is 50; in data sets rows are a planner.sample_period apart.",
+    ),
+    ({"planner": {"heuristic": "shortest"}}, "planner: option 'heuristic' is 'shortest'; known are 'joint_euclidean'"),
+    ({"planner": {"mprim_path": "mine.yaml"}}, "planner.mprim_path is 'mine.yaml'; in data sets it must be empty"),
+    ({"planner": {"mprim_path_arm": "mine.yaml"}}, "planner.mprim_path_arm is 'mine.yaml'"),
+    (
+        {"planner": {"planner_id": "CBS"}},
+        "planner.planner_id is 'CBS', which plans for many robots only; there is one.",
+    ),
 ]
 
 
@@ -567,6 +655,170 @@ def test_a_broken_spec_is_one_sentence(change, sentence, tmp_path):
     assert sentence in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (tmp_path / "set").exists()
+
+
+def whole_spec(directory):
+    """A spec with every field that there is."""
+    (directory / "scene.json").write_text(
+        json.dumps({"scene": {"objects": [an_object(shape={"kind": "box", "size": [0.1, 0.1, 0.1]})]}})
+    )
+    (directory / "request.yaml").write_text(A_REQUEST)
+    (directory / "whole_scenes.py").write_text("def f(random):\n    return None\n")
+    robot = {
+        **{"name": "arm", "urdf": srmp.data_path("arm7.urdf"), "srdf": srmp.data_path("arm7.srdf"), "package_dirs": []},
+        **{"end_effector": "arm7_hand", "group": "arm", "fixed_joints": {}, "tool_length": 0.1},
+        "base": {"position": [0, 0, 0], "rpy": [0, 0, 0]},
+    }
+    region = {"from": "region", "regions": ["*"], "pose": True}
+    scenes = [
+        {"kind": "table", "name": "one", "weight": 1, "scale": 0.9, "objects": 2, "meshes": 0, "start": region},
+        {"kind": "shelf", "scale": 0.9, "levels": 2, "objects": 2, "meshes": 0, "goal": region},
+        {"kind": "bin", "scale": 0.9, "bins": 2, "objects": 2, "meshes": 0},
+        {"kind": "cage", "scale": 0.9, "bars": 3},
+        {"kind": "clutter", "scale": 0.9, "objects": 2, "meshes": 0},
+        {
+            **{"kind": "variations", "scene": "scene.json", "request": "request.yaml", "moved": ["*"]},
+            **{"shift": 0.05, "turn": 0.1, "object_shift": 0.03, "object_turn": 0.3},
+        },
+        {"kind": "function", "function": "whole_scenes:f", "parameters": {"x": 1}},
+    ]
+    return {
+        **{"count": 3, "records_per_shard": 2, "seed": 0, "robots": [robot], "scenes": scenes, "clearance": 0.005},
+        **{"planner": {"planner_id": "auto", "time_limit": 60.0, "sample_period": 0.02}, "tries": 20, "skip": [1]},
+        **{"start": {"from": "states", "states": ["ready"], "pose": False}, "goal": {"from": "configuration"}},
+    }
+
+
+def an_object(**changes):
+    return {"name": "a", "pose": [0.6, 0, 0.1, 0, 0, 0, 1], **changes}
+
+
+A_REQUEST = """
+start_state:
+  joint_state:
+    name: [{names}]
+    position: [{zeros}]
+goal_constraints:
+  - joint_constraints: [{goals}]
+""".format(
+    names=", ".join(f"arm7_joint{k}" for k in range(1, 8)),
+    zeros=", ".join(["0.1"] * 7),
+    goals=", ".join(f"{{joint_name: arm7_joint{k}, position: 0.2}}" for k in range(1, 8)),
+)
+
+
+def places_in(value, path=()):
+    """Every field of a spec, and every mapping that must not have others."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in items:
+        yield (*path, key)
+        yield from places_in(inner, (*path, key))
+
+
+def with_value(value, path, new):
+    """A copy with another value at a path."""
+    if not path:
+        return new
+    copy = value.copy()
+    copy[path[0]] = with_value(value[path[0]] if len(path) > 1 else None, path[1:], new)
+    return copy
+
+
+def name_of(path):
+    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path).lstrip(".")
+
+
+def test_every_field_is_refused_when_it_is_wrong(tmp_path, monkeypatch):
+    """By one sentence that names it; NaN is nothing that any field may be. And every mapping knows its fields."""
+    monkeypatch.chdir(tmp_path)
+    spec = whole_spec(tmp_path)
+    read_spec(spec)
+    places = [path for path in places_in(spec) if "package_dirs" not in path[:-1]]
+    assert {"count", "robots[0].base.rpy", "scenes[5].object_turn", "start.states[0]"} <= set(map(name_of, places))
+    for path in places:
+        with pytest.raises(srmp.Error) as caught:
+            generate(with_value(spec, path, float("nan")), tmp_path / "set", workers=1)
+        sentence = str(caught.value)
+        names = [f"{name_of(path)} is nan; it must be "]
+        if isinstance(path[-1], int) or "parameters" in path[:-1]:  # a list of numbers or names is one field
+            names.append(f"{name_of(path[:-1])} is ")
+        if "planner" in path[:-1]:
+            names.append(f"planner: option '{path[-1]}' ")
+        assert sentence.startswith(tuple(names)), (names, sentence)
+        assert "\n" not in sentence
+    for path in [(), *places]:
+        inner = spec
+        for key in path:
+            inner = inner[key]
+        if isinstance(inner, dict) and path[-1:] not in (("fixed_joints",), ("parameters",)):
+            with pytest.raises(srmp.Error, match=r"unknown|has no option"):
+                generate(with_value(spec, path, {**inner, "colour": 1}), tmp_path / "set", workers=1)
+    assert not (tmp_path / "set").exists()
+
+
+def test_every_documented_field_is_in_the_whole_spec(tmp_path):
+    text = (Path(__file__).parents[2] / "docs" / "datasets.md").read_text()
+    rows = re.findall(r"^\| (`.*?) \|", text.split("| field | default | meaning |")[1].split("\n\n")[0], re.MULTILINE)
+    documented = [name.split(".")[-1].removesuffix("[]") for row in rows for name in re.findall(r"`([\w.\[\]]+)`", row)]
+    kinds = text.split("| kind | scene | parameters (default) |")[1].split("\n\n")[0]
+    for row in kinds.splitlines()[2:]:
+        documented += re.findall(r"`(\w+)`", row.split("|")[3])
+    assert len(documented) > 40
+    spec = whole_spec(tmp_path)
+    fields = {path[-1] for path in places_in(spec)} | {"model"}  # instead of urdf; it is among the broken ones above
+    assert not set(documented) - fields
+
+
+OBJECTS = [
+    ([3], "is not a scene file"),
+    ([an_object(pose="x")], "could not convert string to float"),
+    ([an_object(pose=[0, 0])], "pose quaternion must be 4 numbers"),
+    ([an_object(pose=[0] * 7)], "pose quaternion is zero"),
+    ([an_object(shape={"kind": "box", "size": [1]})], "size of box 'a' must be 3 numbers"),
+    ([an_object(shape={"kind": "box", "size": [-1, 1, 1]})], "box size of object 'a' is -1"),
+    ([an_object(shape={"kind": "box", "size": ["x", 1, 1]})], "could not convert string to float"),
+    ([an_object(shape={"kind": [], "size": [1]})], "is not a scene file"),
+    ([an_object(), an_object()], "object name 'a' is taken"),
+]
+
+
+@pytest.mark.parametrize(("objects", "sentence"), OBJECTS)
+def test_a_broken_scene_of_variations(objects, sentence, tmp_path):
+    shape = {"kind": "box", "size": [0.1, 0.1, 0.1]}
+    items = [{"shape": shape, **item} if isinstance(item, dict) else item for item in objects]
+    (tmp_path / "scene.json").write_text(json.dumps({"scene": {"objects": items}}))
+    with pytest.raises(srmp.Error, match=r"scene\.json") as caught:
+        read_spec(spec_of(scenes=[{"kind": "variations", "scene": str(tmp_path / "scene.json")}]))
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"world: 3", b"world: [", b"", b"world: \x00"])
+def test_a_broken_moveit_scene_of_variations(content, tmp_path):
+    """Named as the user knows it, and not as the copy that is read."""
+    path = tmp_path / "scene.yaml"
+    path.write_bytes(content)
+    with pytest.raises(srmp.FileError, match=re.escape(str(path))):
+        read_spec(spec_of(scenes=[{"kind": "variations", "scene": str(path)}]))
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"), [("def f(:", "SyntaxError"), ("raise KeyError('x')", "(KeyError: 'x').")]
+)
+def test_a_module_that_cannot_be_imported(content, sentence, tmp_path, monkeypatch):
+    (tmp_path / "torn_module.py").write_text(content)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(srmp.InvalidArgument, match="it must be in a module that can be imported") as caught:
+        read_spec(spec_of(scenes=[{"kind": "function", "function": "torn_module:f"}]))
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(("key", "content"), [("urdf", "<a/>"), ("urdf", "<robot"), ("srdf", "<robot")])
+def test_a_broken_robot_file_is_named_as_the_user_knows_it(key, content, tmp_path):
+    path = tmp_path / f"broken.{key}"
+    path.write_text(content)
+    robot = {"name": "arm", "urdf": srmp.data_path("arm7.urdf"), "end_effector": "arm7_hand", key: str(path)}
+    with pytest.raises(srmp.Error, match=re.escape(str(path))):
+        read_spec({**spec_of(), "robots": [robot]})
 
 
 def test_files_that_are_no_specs(tmp_path):

@@ -288,6 +288,7 @@ def test_report(copy, tmp_path):
     page = (tmp_path / "report.html").read_text()
     assert "its content is not what its hash says" in page
     assert "<td>table</td>" in page
+    assert 'alt="Histograms of lengths, durations, clearances; success by scene" src="data:image/png;base64,' in page
     text = audit_report.summary(found)
     assert "success" in text
     assert text.endswith("fault") or text.endswith("faults")

@@ -263,6 +263,11 @@ struct Auto {
   double improve_time{0.0};
   /// The search for better paths ends early once this bound is proven; with 1 it uses all its rounds or time [>= 1].
   double final_weight{1.0};
+  /// Without a first path after this many expanded states, the plan ends as timed_out, on every machine at the same
+  /// place; 0 leaves that to `time_limit` [>= 0].
+  int max_expansions{0};
+  /// The same for each group of robots that are planned together, whose searches expand more [>= 0].
+  int max_group_expansions{0};
   /// At most this many threads plan parts for many robots at the same time; the result does not depend on it
   /// [> 0 and <= 1024].
   int num_threads{1};

@@ -31,7 +31,8 @@ class Fields:
 
     def __init__(self, values: Any, where: str = "") -> None:
         """where: the path of the mapping in the spec, such as "robots[0]"; "" for the spec itself."""
-        self._where = where
+        self.where = where
+        """The path of the mapping in the spec."""
         if not isinstance(values, Mapping):
             raise self.refusal("", values, "a mapping of names to values")
         self._values = dict(values)
@@ -39,7 +40,7 @@ class Fields:
 
     def refusal(self, key: str, value: Any, allowed: str) -> srmp.InvalidArgument:
         """The error that says what the field was and what is allowed."""
-        name = ".".join(part for part in (self._where, key) if part) or "the spec"
+        name = ".".join(part for part in (self.where, key) if part) or "the spec"
         return srmp.InvalidArgument(f"{name} is {short(value)}; it must be {allowed}.")
 
     def has(self, key: str) -> bool:
@@ -52,7 +53,7 @@ class Fields:
         if self.has(key):
             return self._values[key]
         if required:
-            raise srmp.InvalidArgument(f"{self._where or 'the spec'} has no '{key}'.")
+            raise srmp.InvalidArgument(f"{self.where or 'the spec'} has no '{key}'.")
         return default
 
     def text(self, key: str, default: str | None = None, choices: Sequence[str] = ()) -> str:
@@ -63,7 +64,7 @@ class Fields:
         if choices and value not in choices:
             hint = did_you_mean(value, choices) or "."
             raise srmp.InvalidArgument(
-                f"{'.'.join(filter(None, (self._where, key)))} is {short(value)}; it must be one of "
+                f"{'.'.join(filter(None, (self.where, key)))} is {short(value)}; it must be one of "
                 f"{', '.join(choices)}{hint}"
             )
         return value
@@ -127,18 +128,18 @@ class Fields:
         value = self.any(key, required=True)
         if not isinstance(value, Sequence) or isinstance(value, str) or not value:
             raise self.refusal(key, value, "a list of at least one mapping")
-        return [Fields(item, f"{self._where}.{key}[{k}]".lstrip(".")) for k, item in enumerate(value)]
+        return [Fields(item, f"{self.where}.{key}[{k}]".lstrip(".")) for k, item in enumerate(value)]
 
     def inner(self, key: str) -> Fields | None:
         """The fields of a mapping; None where it is not there."""
-        return Fields(self._values[key], f"{self._where}.{key}".lstrip(".")) if self.has(key) else None
+        return Fields(self._values[key], f"{self.where}.{key}".lstrip(".")) if self.has(key) else None
 
     def close(self) -> None:
         """Refuses fields that are not known."""
         for key in self._values:
             if key not in self._known:
                 hint = did_you_mean(str(key), self._known) or f"; known: {', '.join(dict.fromkeys(self._known))}."
-                raise srmp.InvalidArgument(f"{self._where or 'the spec'} has an unknown field {short(key)}{hint}")
+                raise srmp.InvalidArgument(f"{self.where or 'the spec'} has an unknown field {short(key)}{hint}")
 
 
 def _range(least: float, most: float) -> str:

@@ -69,7 +69,7 @@ class Recorder:
         for name in [robot.name for robot in spec.robots]:
             # The last bits of Coal's distances depend on the first query of a process, so it is always this one.
             self._world.is_state_colliding(name, self._world.get_qpos(name))
-        self._world.make_planner(self._names, {**spec.planner, "time_limit": spec.time_limit})
+        self._world.make_planner(self._names, spec.options)
         self._period = float(srmp.planner_options(dict(spec.planner))["sample_period"])
         self._ends = EndSampler(self._world, spec.robots, spec.clearance)
         weights = np.array([scene.weight for scene in spec.scenes])

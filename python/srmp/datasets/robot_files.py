@@ -30,9 +30,13 @@ class RobotSpec:
     tool_length: float
     """From the end effector's link to the end of its tool, along the link's z [m]."""
 
+    def files_in(self, directory: Path) -> Path:
+        """Where its files are in a data set's directory."""
+        return directory / "robots" / self.name
+
     def add_to(self, planner: srmp.PlannerInterface, directory: Path) -> None:
         """Adds the robot to the planner's world; directory: of the data set."""
-        files = directory / "robots" / self.name
+        files = self.files_in(directory)
         srdf = files / "robot.srdf"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", srmp.RobotWarning)
@@ -55,6 +59,10 @@ class Source:
     srdf: Path | None
     package_dirs: tuple[Path, ...]
 
+    def named_in(self, sentence: str, copies: Path) -> str:
+        """The sentence with the names of these files in place of those of their copies in a directory."""
+        return sentence.replace(f"{copies}/robot.urdf", str(self.urdf)).replace(f"{copies}/robot.srdf", str(self.srdf))
+
 
 def read_robot(fields: Fields, directory: Path) -> tuple[RobotSpec, Source]:
     """A robot of the spec, and its files; relative paths begin at the directory. Raises InvalidArgument."""
@@ -74,7 +82,7 @@ def read_robot(fields: Fields, directory: Path) -> tuple[RobotSpec, Source]:
     end_effector = fields.text("end_effector", end_effector)
     group = fields.text("group", "")
     fixed = fields.mapping("fixed_joints")
-    fixed = {joint: Fields(fixed, "fixed_joints").number(joint) for joint in fixed}
+    fixed = {joint: Fields(fixed, f"{fields.where}.fixed_joints").number(joint) for joint in fixed}
     base = fields.inner("base") or Fields({})
     position, rpy = base.numbers("position", 3, (0, 0, 0)), base.numbers("rpy", 3, (0, 0, 0))
     base.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -23,7 +24,11 @@ def read_objects(path: Path) -> list[SceneObject]:
     if path.suffix in (".yaml", ".yml"):
         with tempfile.TemporaryDirectory(prefix="srmp-") as directory:
             planner = srmp.PlannerInterface()
-            planner.load_moveit_scene(str(_without_robots(path, Path(directory))))
+            copy = _without_robots(path, Path(directory))
+            try:
+                planner.load_moveit_scene(str(copy))
+            except srmp.FileError as error:  # its lines are not those of the file
+                raise srmp.FileError(re.sub(rf"{re.escape(str(copy))}(:\d+)?", str(path), str(error))) from error
             planner.save_scene(Path(directory) / "scene.json")
             content = json.loads((Path(directory) / "scene.json").read_text(encoding="utf-8"))
     else:
@@ -33,8 +38,10 @@ def read_objects(path: Path) -> list[SceneObject]:
             raise srmp.FileError(f"{path} is not a scene file: {error}.") from error
     try:
         return [_object(item) for item in content["scene"]["objects"]]
-    except (KeyError, TypeError) as error:
+    except KeyError as error:
         raise srmp.FileError(f"{path} is not a scene file: it has no {error}.") from error
+    except (TypeError, ValueError) as error:
+        raise srmp.FileError(f"{path} is not a scene file: {error}.") from error
 
 
 def _without_robots(path: Path, directory: Path) -> Path:
@@ -43,7 +50,7 @@ def _without_robots(path: Path, directory: Path) -> Path:
 
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise srmp.FileError(f"{path} is not YAML: {' '.join(str(error).split())}.") from error
     if not isinstance(content, dict) or "world" not in content:
         raise srmp.FileError(f"{path} is not a MoveIt scene: it has no 'world'.")

@@ -17,7 +17,7 @@ from typing import Any
 
 import srmp
 from srmp._files import plain
-from srmp.datasets.fields import Fields
+from srmp.datasets.fields import Fields, short
 from srmp.datasets.kinds import KINDS
 from srmp.datasets.robot_files import RobotSpec, pack, read_robot
 
@@ -26,6 +26,10 @@ FORMAT_VERSION = 1
 SOURCES = ("configuration", "region", "states")
 TIME_LIMIT = 60.0
 """Of a plan [s], unless the spec says otherwise."""
+MAX_EXPANSIONS = 10_000
+"""Of a plan by `auto`, unless the spec says otherwise: 40 times what the hardest of 10 000 motions takes."""
+MAX_GROUP_EXPANSIONS = 1_000_000
+"""The same of robots that are planned together: 25 times what the hardest of 60 motions of two arms takes."""
 _MAX_SHARDS = 10_000_000
 _NOT_CONTENT = ("count", "records_per_shard", "skip")
 """What a spec says of the data set as a whole, and not of each record."""
@@ -90,6 +94,13 @@ class Spec:
         """The indices of the records of a shard."""
         first = shard * self.records_per_shard
         return range(first, min(first + self.records_per_shard, self.count))
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """All options of the planner that make_planner needs."""
+        counted = {"max_expansions": MAX_EXPANSIONS, "max_group_expansions": MAX_GROUP_EXPANSIONS}
+        of_auto = counted if self.planner["planner_id"] == "auto" else {}
+        return {**of_auto, **self.planner, "time_limit": self.time_limit}
 
     def content(self) -> dict[str, Any]:
         """What records depend on, without paths of this machine: files stand as hashes."""
@@ -181,7 +192,7 @@ class _Reader:
         for name in names:
             if names.count(name) > 1:
                 raise srmp.InvalidArgument(f"two scenes have the name '{name}'; give them different ones with 'name'.")
-        planner, time_limit = self._planner(fields)
+        planner, time_limit = self._planner(fields, [robot.name for robot in robots])
         clearance = fields.number("clearance", 0.005, least=0.0, most=1.0)
         tries = fields.whole("tries", 20, least=1, most=10_000)
         skip = fields.wholes("skip")
@@ -189,34 +200,51 @@ class _Reader:
         return Spec(count, per_shard, seed, robots, scenes, planner, clearance, tries, self._files, time_limit, skip)
 
     def _robots(self, fields: Fields) -> tuple[RobotSpec, ...]:
-        robots = []
+        robots, sources = [], []
         for item in fields.items("robots"):
             robot, source = read_robot(item, self._directory)
             if robot.name in [other.name for other in robots]:
                 raise srmp.InvalidArgument(f"two robots have the name '{robot.name}'.")
             self._files.update(pack(robot.name, source))
             robots.append(robot)
+            sources.append(source)
         with _unpacked(self._files) as directory:  # groups, links and joints must exist
             planner = srmp.PlannerInterface()
             for k, robot in enumerate(robots):
                 try:
                     robot.add_to(planner, directory)
                 except srmp.Error as error:
-                    raise srmp.InvalidArgument(f"robots[{k}]: {error}") from error
+                    sentence = sources[k].named_in(str(error), robot.files_in(directory))
+                    raise srmp.InvalidArgument(f"robots[{k}]: {sentence}") from error
         self._world = planner
         return tuple(robots)
 
-    def _planner(self, fields: Fields) -> tuple[dict[str, Any], float]:
+    def _planner(self, fields: Fields, robots: list[str]) -> tuple[dict[str, Any], float]:
         """The options as given but for the time limit, and the time limit."""
         options = {"planner_id": "auto", "time_limit": TIME_LIMIT, **fields.mapping("planner")}
+        for key, value in options.items():  # of one robot too: mprim_path_NAME
+            if key.partition("_path")[0] == "mprim" and value:
+                raise srmp.InvalidArgument(
+                    f"planner.{key} is {short(value)}; in data sets it must be empty: a file of this machine is not "
+                    "known to others."
+                )
         try:
             known = srmp.planner_options(options)
+            self._world.make_planner(robots, options)  # heuristics, and whether the planner plans for so many robots
         except (srmp.Error, OverflowError) as error:
             raise srmp.InvalidArgument(f"planner: {error}") from error
         if known["planner_id"] in _IMPROVING:
             raise srmp.InvalidArgument(
                 f"planner.planner_id is '{known['planner_id']}', which improves its path until the clock stops it; in "
                 "data sets it must be a planner that does not."
+            )
+        if len(robots) == 1 and not srmp.planner_info(known["planner_id"]).one_robot:
+            raise srmp.InvalidArgument(
+                f"planner.planner_id is '{known['planner_id']}', which plans for many robots only; there is one."
+            )
+        if known["sample_rate"] != 0.0:
+            raise srmp.InvalidArgument(
+                f"planner.sample_rate is {known['sample_rate']:g}; in data sets rows are a planner.sample_period apart."
             )
         for key, allowed in (("certify", True), ("improve_time", 0.0)):
             if key in known and known[key] != allowed:
@@ -271,7 +299,7 @@ class _Reader:
             if isinstance(state, str) and state not in (known := self._world.get_group_states(robot.name)):
                 raise fields.refusal(f"states[{k}]", state, f"a state of '{robot.name}': {', '.join(known) or 'none'}")
             if not isinstance(state, str):
-                Fields({"state": state}).numbers("state", len(self._world.get_joint_names(robot.name)))
+                fields.numbers(f"states[{k}]", len(self._world.get_joint_names(robot.name)), state)
         return state if isinstance(state, str) else tuple(float(x) for x in state)
 
     def _function(self, fields: Fields) -> dict[str, Any]:
@@ -285,15 +313,33 @@ class _Reader:
         if found is None or not found.origin or not Path(found.origin).is_file():
             raise fields.refusal("function", name, f"in a module that is one file, in {self._directory} or installed")
         source = Path(found.origin).read_bytes()
-        if not callable(getattr(importlib.import_module(module), attribute, None)):
+        try:
+            imported = importlib.import_module(module)
+        except Exception as error:
+            what = " ".join(f"{type(error).__name__}: {error}".split())
+            raise fields.refusal("function", name, f"in a module that can be imported ({what})") from error
+        if not callable(getattr(imported, attribute, None)):
             raise fields.refusal("function", name, f"a function of {found.origin}")
         self._files[f"functions/{module}.py"] = source
-        return {"function": name, "parameters": plain(fields.mapping("parameters"))}
+        parameters = fields.mapping("parameters")
+        try:
+            json.dumps(parameters, allow_nan=False)
+        except (TypeError, ValueError) as error:
+            allowed = "made of finite numbers, texts, true, false, lists and mappings"
+            raise fields.refusal("parameters", parameters, allowed) from error
+        return {"function": name, "parameters": plain(parameters)}
 
     def _variations(self, fields: Fields) -> tuple[dict[str, Any], dict[str, Sampler]]:
         from srmp.datasets.scene_files import read_objects, read_request
 
-        base = read_objects(fields.file("scene", self._directory))
+        path = fields.file("scene", self._directory)
+        base = read_objects(path)
+        alone = srmp.PlannerInterface()
+        for item in base:  # sizes, poses, names
+            try:
+                item.add_to(alone)
+            except srmp.Error as error:
+                raise srmp.InvalidArgument(f"{path}: {error}") from error
         parameters = {
             "base": [item.to_dict() for item in base],
             "poses": {},

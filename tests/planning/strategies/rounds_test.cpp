@@ -64,3 +64,14 @@ BOOST_AUTO_TEST_CASE(a_plan_that_is_stopped_is_not_called_exhausted) {
   BOOST_TEST((said.status() == Status::timed_out));
   BOOST_TEST(std::string(said.what()) == "late");
 }
+
+BOOST_AUTO_TEST_CASE(rounds_end_at_the_same_place_when_the_work_is_used_up) {
+  int rounds = 0;
+  const auto used_up = [&] { return ++rounds == 5 ? std::optional<std::string>("enough") : std::nullopt; };
+  const Strategies all = strategies(Scripted(true, {ended(Status::timed_out, "")}));
+  BOOST_CHECK_EXCEPTION(attempt_in_rounds(all, 0.0, 1.0, Deadline(1e9), used_up), PlanningError,
+                        [](const PlanningError& error) {
+                          return error.status() == Status::timed_out && std::string(error.what()) == "enough";
+                        });
+  BOOST_TEST(rounds == 5);
+}

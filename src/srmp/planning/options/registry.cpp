@@ -165,6 +165,12 @@ RegisteredPlanner automatic() {
        option(
            "final_weight", &Auto::final_weight, at_least(1.0),
            "The search for better paths ends early once this bound is proven; with 1 it uses all its rounds or time."),
+       option(
+           "max_expansions", &Auto::max_expansions, at_least(0.0),
+           "Without a first path after this many expanded states, the plan ends as timed_out, on every machine at the "
+           "same place; 0 leaves that to `time_limit`."),
+       option("max_group_expansions", &Auto::max_group_expansions, at_least(0.0),
+              "The same for each group of robots that are planned together, whose searches expand more."),
        robot_threads<Auto>()});
 }
 

@@ -28,7 +28,15 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadl
   else
     strategies.push_back(std::make_unique<ConflictSearchStrategy>(world_, robots, options_, !portfolio, statistics));
   if (portfolio) strategies.push_back(std::make_unique<CompositeLatticeStrategy>(*space, statistics));
-  return attempt_in_rounds(strategies, direct(robots), conflict_search_options(options_).bound(), deadline);
+  const auto* any = std::get_if<Auto>(&options_);
+  const auto used_up = [&, before = statistics.expansions]() -> std::optional<std::string> {
+    if (!any || any->max_group_expansions == 0) return std::nullopt;
+    const std::uint64_t expansions = statistics.expansions - before;  // a round does four times the work of the last
+    if (expansions < static_cast<std::uint64_t>(any->max_group_expansions)) return std::nullopt;
+    return "no paths within max_group_expansions, " + std::to_string(any->max_group_expansions) + " (" +
+           std::to_string(expansions) + " states expanded)";
+  };
+  return attempt_in_rounds(strategies, direct(robots), conflict_search_options(options_).bound(), deadline, used_up);
 }
 
 /// No paths of these robots are shorter together.

@@ -8,8 +8,8 @@ RobotPath find_path_alone(const PlanProblem& problem, const RobotProblem& task, 
                           const Deadline& deadline, PlanStatistics& statistics) {
   CommonOptions common = common_options(problem.options, task.robot);
   common.recover_start = false;
-  const PlannerOptions options = std::holds_alternative<Auto>(problem.options)
-                                     ? PlannerOptions(Auto{.common = common})
+  const auto* any = std::get_if<Auto>(&problem.options);
+  const PlannerOptions options = any ? PlannerOptions(Auto{.common = common, .max_expansions = any->max_expansions})
                                      : PlannerOptions(WAStar{.common = common});
   PlanStatistics own;
   RobotContext context(problem, task, options, checker, deadline, own);

@@ -1,6 +1,8 @@
 #include "srmp/planning/strategies/robot_path.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/strategies/anytime.hpp"
@@ -52,19 +54,28 @@ class PathSearch {
  private:
   void run_auto(const Auto& options) {
     best_.bound(direct_, "every path");
-    FoundPath first = find_first(options.weight);
+    FoundPath first = find_first(options);
     if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).requested())
       improve_path(context_, lattices_, best_, std::move(first), direct_);
   }
 
-  FoundPath find_first(double weight) {
+  FoundPath find_first(const Auto& options) {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
     if (wants_rrt_connect())
       strategies.push_back(
           std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{.alone = false}));
-    strategies.push_back(std::make_unique<CountedPortfolio>(lattices_, weight));
-    return attempt_in_rounds(strategies, direct_, weight, context_.deadline);
+    auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
+    const LatticePortfolio& searches = *portfolio;
+    strategies.push_back(std::move(portfolio));
+    const auto used_up = [&]() -> std::optional<std::string> {
+      if (options.max_expansions == 0) return std::nullopt;
+      const std::uint64_t expansions = searches.statistics().expansions;
+      if (expansions < static_cast<std::uint64_t>(options.max_expansions)) return std::nullopt;
+      return "no path within max_expansions, " + std::to_string(options.max_expansions) + " (" +
+             std::to_string(expansions) + " states expanded)";
+    };
+    return attempt_in_rounds(strategies, direct_, options.weight, context_.deadline, used_up);
   }
 
   void run_rrt_connect() {

@@ -8,7 +8,8 @@
 
 namespace srmp {
 
-FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double weight, const Deadline& deadline) {
+FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double weight, const Deadline& deadline,
+                            const WorkUsedUp& used_up) {
   for (int round = 0;; ++round) {
     bool some_can_exhaust = false, all_exhausted = true;
     Attempt exhausted, unfinished;  // the last of either that says why there is no path
@@ -27,7 +28,11 @@ FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double w
       if (!attempt.reason.empty()) (attempt.status == Status::exhausted ? exhausted : unfinished) = std::move(attempt);
     }
     if (some_can_exhaust && all_exhausted) throw PlanningError(Status::exhausted, exhausted.reason);
-    if (!deadline.stop_requested()) continue;
+    if (!deadline.stop_requested()) {
+      const auto why = used_up ? used_up() : std::nullopt;
+      if (why) throw PlanningError(Status::timed_out, *why);
+      continue;
+    }
     if (!unfinished.reason.empty()) throw PlanningError(unfinished.status, unfinished.reason);
     throw PlanningError(stop_status(deadline).value_or(Status::timed_out),
                         "the plan was stopped before all of its searches had ended");

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,10 +49,15 @@ class Strategy {
 };
 using Strategies = std::vector<std::unique_ptr<Strategy>>;
 
+/// Asked after each round: has the plan done all the work that it may do? Then the sentence that says so.
+using WorkUsedUp = std::function<std::optional<std::string>()>;
+
 /// Attempts by all strategies in their order, round after round, until one finds a path that costs no more than
 /// `weight` times the lower bound known by then, which begins with `lower` (a portfolio: Huberman, Lukose, Hogg 1997,
 /// "An Economics Approach to Hard Computational Problems"). Throws PlanningError with the reason of the last strategy
-/// that gave one: exhausted when all strategies that can exhaust their graphs have; timed_out or cancelled.
-FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double weight, const Deadline& deadline);
+/// that gave one: exhausted when all strategies that can exhaust their graphs have; timed_out, also when the
+/// work is used up, or cancelled.
+FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double weight, const Deadline& deadline,
+                            const WorkUsedUp& used_up = {});
 
 }  // namespace srmp
