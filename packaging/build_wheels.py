@@ -34,6 +34,11 @@ def run(*command: object, **options: object) -> None:
     subprocess.run(words, check=True, **options)  # type: ignore[call-overload]
 
 
+def can_run(python: str) -> bool:
+    """A name on the path may be a stub of a manager of Pythons that has not chosen this one."""
+    return subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
+
+
 def build_environment(python: str) -> Path:
     """The Python of a virtual environment with everything that a build needs, kept for the next run."""
     environment = WORK / Path(python).name / "environment"
@@ -94,7 +99,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path, default=Path("dist"), help="where the wheels are written")
     parser.add_argument("--no-check", action="store_true", help="build only")
     options = parser.parse_args()
-    pythons = [path for name in options.python or PYTHONS if (path := shutil.which(name))]
+    pythons = [path for name in options.python or PYTHONS if (path := shutil.which(name)) and can_run(path)]
     if not pythons or len(pythons) < len(options.python or ()):
         sys.exit(f"not all of these can be run: {', '.join(options.python or PYTHONS)}")
     shared = shared_packages(build_environment(pythons[0]))

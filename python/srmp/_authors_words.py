@@ -11,6 +11,8 @@ _ALL_PLANNED = "every robot may be planned here, and stands still while others a
 _NO_COLOURS = "the viewer chooses the colours here: leave it out"
 _NO_GRID = "there is no grid of the workspace here; heuristics that need one make it, with the option 'bfs_resolution'"
 _ONE_CHECKER = "collisions have one exact checker here, which chooses its SIMD kernels itself: leave it out"
+_NO_DOWNLOADS = "nothing is downloaded here: robots come from packages that pip installs, such as example-robot-data"
+_BY_FILE = "it is a line of a TOML file here, whose path is the argument; docs/robots.md shows one"
 _ADDED = {
     "link_names": "all links of the URDF are read here: leave it out",
     "gravity": "plans have no dynamics here: leave it out",
@@ -67,6 +69,13 @@ ARGUMENTS: dict[tuple[str, str], str] = {
     ("read_sim", "sim_type"): "it is 'kind' here",
     ("load_scene", "clear"): "it replaces the whole scene here: leave it out",
     ("reset", "reset_robots"): "it removes robots and objects here; remove_object removes one object",
+    **{
+        ("register", argument): _BY_FILE
+        for argument in (
+            *("name", "urdf_path", "srdf_path", "end_effector", "description", "default_qpos", "joint_names"),
+            "gripper_joint_names",
+        )
+    },
 }
 
 _PLANNER: dict[str, str] = {
@@ -129,6 +138,7 @@ _POSE: dict[str, str] = {
     "to_transformation_matrix": "matrix()",
     "distance": "numpy.linalg.norm(a.p - b.p), and the angle of a.inverse() * b",
 }
+_POSE_ORDER = "Pose(p=…, q=…): poses do not change, and q is x, y, z, w here"
 _GOAL: dict[str, str] = dict.fromkeys(("joints", "poses", "positions"), "targets")
 _GOAL_TYPES: dict[str, str] = {
     f"MULTI_GOAL_{kind}": f"GoalType.{kind} with several targets, any of which will do"
@@ -142,6 +152,16 @@ _MODULE: dict[str, str] = {
     "GridConfig": f"nothing: {_NO_GRID}",
     "OccupancyGrid": f"nothing: {_NO_GRID}",
     "ViserPlannerInterface": "planner.show()",
+}
+_ROBOTS: dict[str, str] = {
+    "list_available": "available()",
+    "get": "find(name)",
+    "info": "find(name)",
+    "unregister": "nothing: a robot that is registered again replaces the one of its name",
+    "RobotNotFoundError": "srmp.InvalidArgument",
+    **dict.fromkeys(
+        ("download", "download_all", "get_cache_dir", "set_cache_dir", "DownloadError"), f"nothing: {_NO_DOWNLOADS}"
+    ),
 }
 
 
@@ -178,17 +198,30 @@ def _explain(cls: Any, instead: Mapping[str, str]) -> None:
     cls.__getattr__ = missing
 
 
+def _explain_assignment(cls: Any, name: str, instead: str) -> None:
+    """An assignment to a property that cannot change says what to write instead."""
+    prop = vars(cls)[name]
+
+    def refuse(self: object, value: object) -> NoReturn:
+        raise _NotHere(f"'{name}' of a {cls.__name__} cannot be assigned; write {instead}")
+
+    setattr(cls, name, property(prop.fget, refuse, None, prop.__doc__))
+
+
 def explain_missing_names() -> None:
     """What the other package has says what to write instead, of classes of this one."""
     _explain(_srmp.PlannerInterface, _PLANNER)
     _explain(_srmp.Pose, _POSE)
+    for name in ("p", "q"):
+        _explain_assignment(_srmp.Pose, name, _POSE_ORDER)
     _explain(_srmp.GoalConstraint, _GOAL)
     for name, instead in _GOAL_TYPES.items():
         setattr(_srmp.GoalType, name, Missing(_sentence("GoalType", name, instead)))
 
 
-def missing_in_module(name: str) -> NoReturn:
-    """srmp.__getattr__: AttributeError, with what to write instead where the other package has the name."""
-    if name in _MODULE:
-        raise _NotHere(_sentence("srmp", name, _MODULE[name]))
-    raise AttributeError(f"module 'srmp' has no attribute '{name}'")
+def missing_in_module(name: str, module: str = "srmp") -> NoReturn:
+    """A module's __getattr__: AttributeError, with what to write instead where the other package has the name."""
+    instead = {"srmp": _MODULE, "srmp.robots": _ROBOTS}[module]
+    if name in instead:
+        raise _NotHere(_sentence(module, name, instead[name]))
+    raise AttributeError(f"module '{module}' has no attribute '{name}'")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import srmp
+from srmp._errors import checked
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,10 @@ class BatchPlanner:
     PlannerInterface alone would return, bit for bit, for any number of threads.
     """
 
+    @checked
     def __init__(
         self,
-        scenes: Sequence[srmp.PlannerInterface],
+        scenes: Iterable[srmp.PlannerInterface],
         robot: str | None = None,
         *,
         options: Mapping[str, Any] | None = None,
@@ -76,7 +78,7 @@ class BatchPlanner:
                 raise srmp.InvalidArgument(f"scenes[{k}] is {scene!r}; it must be a PlannerInterface.")
         if len({id(scene) for scene in self._scenes}) < len(self._scenes):
             raise srmp.InvalidArgument("a scene is there twice; each must be a PlannerInterface of its own.")
-        if threads is not None and (not isinstance(threads, int) or threads < 1):
+        if threads is not None and threads < 1:
             raise srmp.InvalidArgument(f"threads {threads!r}: there must be at least 1.")
         self._robots = [robot or scene.only_robot for scene in self._scenes]
         names = [scene.get_joint_names(name) for scene, name in zip(self._scenes, self._robots, strict=True)]
@@ -107,17 +109,16 @@ class BatchPlanner:
         """The joints of configurations, in their order."""
         return list(self._joint_names)
 
+    @checked
     def update(self, scene: int, poses: Mapping[str, srmp.Pose | ArrayLike]) -> None:
         """Moves objects of a scene; nothing is built anew.
 
         poses: by object, a Pose or x, y, z [m] and a quaternion x, y, z, w. Raises InvalidArgument for an unknown scene
         or object, or a pose that is none; then nothing was moved.
         """
-        if not isinstance(scene, (int, np.integer)) or not 0 <= scene < len(self):
+        if not 0 <= scene < len(self):
             raise srmp.InvalidArgument(f"scene {scene!r}: there are scenes 0 to {len(self) - 1}.")
         world = self._scenes[scene]
-        if not isinstance(poses, Mapping):
-            raise srmp.InvalidArgument(f"poses is {poses!r}; it must be a mapping of names of objects to poses.")
         targets = {name: _as_pose(name, pose) for name, pose in poses.items()}
         before = {name: world.get_object_pose(name) for name in targets}
         try:
@@ -129,6 +130,7 @@ class BatchPlanner:
                     world.set_object_pose(name, pose)
             raise
 
+    @checked
     def plan(
         self, starts: ArrayLike, goals: ArrayLike | Sequence[Any] | None = None, *, poses: ArrayLike | None = None
     ) -> Batch:

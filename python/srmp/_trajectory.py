@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import functools
 import importlib
 import io
 import itertools
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 import srmp
+from srmp._errors import checked
 from srmp._files import write_text
 from srmp._names import did_you_mean
 
@@ -75,6 +77,7 @@ def to_numpy(trajectory: srmp.Trajectory) -> np.ndarray:
 # --- CSV --------------------------------------------------------------------------------------------------------------
 
 
+@checked
 def to_csv(trajectory: srmp.Trajectory, path: str | os.PathLike[str]) -> None:
     header = ["time"] if len(trajectory.times) else []
     columns = [trajectory.times[:, None]] if len(trajectory.times) else []
@@ -91,6 +94,7 @@ def to_csv(trajectory: srmp.Trajectory, path: str | os.PathLike[str]) -> None:
     write_text(path, text.getvalue())
 
 
+@checked
 def from_csv(path: str | os.PathLike[str]) -> srmp.Trajectory:
     header, rows = _read_table(path)
     times, joints = _columns(path, header)
@@ -112,7 +116,7 @@ def _read_table(path: str | os.PathLike[str]) -> tuple[list[str], np.ndarray]:
             ]
     except OSError as error:
         raise srmp.FileError(f"{path} cannot be read: {error.strerror or error}.") from error
-    except (UnicodeDecodeError, csv.Error) as error:
+    except (ValueError, csv.Error) as error:
         raise srmp.FileError(f"{path} is not a CSV table: {error}.") from error
     if len(table) < 2:
         raise srmp.FileError(f"{path} must have a header and at least one row.")
@@ -198,6 +202,7 @@ def to_joint_trajectory(trajectory: srmp.Trajectory, accelerations: bool) -> dic
 _ROS_MESSAGES = {"JointTrajectory": "trajectory_msgs", "RobotTrajectory": "moveit_msgs"}
 
 
+@checked
 def to_ros(trajectory: srmp.Trajectory, message: str, accelerations: bool) -> Any:
     if message not in _ROS_MESSAGES:
         hint = did_you_mean(message, _ROS_MESSAGES) or "; known are 'JointTrajectory' and 'RobotTrajectory'."
@@ -276,13 +281,12 @@ def _length(point: Mapping[str, Any], key: str, what: str) -> int:
 # --- a figure ---------------------------------------------------------------------------------------------------------
 
 
+@checked
 def plot(
     trajectory: srmp.Trajectory, path: str | os.PathLike[str] | None, limits: srmp.MotionLimits | None, title: str
 ) -> Any:
     if limits is None and trajectory.certificate is not None:
         limits = trajectory.certificate.limits
-    if limits is not None and not isinstance(limits, srmp.MotionLimits):
-        raise srmp.InvalidArgument(f"limits must be MotionLimits, but are {limits!r}.")
     names = trajectory.joint_names
     if limits is not None and len(limits.velocity) != len(names):
         raise srmp.InvalidArgument(
@@ -291,6 +295,7 @@ def plot(
     return _draw({"": trajectory}, {"": limits}, path, title)
 
 
+@functools.partial(checked, name="plot")
 def plot_many(trajectories: srmp.MultiTrajectory, path: str | os.PathLike[str] | None, title: str) -> Any:
     certificates = {robot: one.certificate for robot, one in trajectories.items()}
     limits = {robot: certificate and certificate.limits for robot, certificate in certificates.items()}

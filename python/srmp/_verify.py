@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srmp import _srmp
+from srmp._errors import checked
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import srmp
 
 
+@checked
 def verify(
     scene: srmp.PlannerInterface | str | os.PathLike[str],
     trajectory: srmp.Trajectory,

@@ -65,6 +65,13 @@ def test_update_moves_objects(ready):
     batch.update(1, {"post": [2, 0, 0.4, 0, 0, 0, 1]})
     assert batch.scenes[1].get_object_pose("post").p[0] == 2
     assert batch.scenes[0].get_object_pose("post").p[0] == 0.35
+    result = batch.plan([ready] * 2, poses=[GOAL] * 2)
+    batch.update(0, {"post": [2, 0, 0.4, 0, 0, 0, 1]})
+    again = batch.plan([ready] * 2, poses=[GOAL] * 2)
+    assert not np.array_equal(result.trajectories[0].positions, result.trajectories[1].positions)
+    assert np.array_equal(again.trajectories[0].positions, result.trajectories[1].positions)
+    assert np.array_equal(again.trajectories[1].positions, result.trajectories[1].positions)
+    batch.update(0, {"post": srmp.Pose(p=[0.35, 0.2, 0.4])})
     with pytest.raises(srmp.InvalidArgument, match="unknown object 'psot'"):
         batch.update(0, {"post": srmp.Pose(p=[3, 0, 0]), "psot": srmp.Pose()})
     assert batch.scenes[0].get_object_pose("post").p[0] == 0.35
@@ -89,7 +96,7 @@ def test_what_is_refused(ready):
             srmp.BatchPlanner(scenes)
     with pytest.raises(srmp.InvalidArgument, match="threads 0"):
         srmp.BatchPlanner([one], threads=0)
-    with pytest.raises(srmp.InvalidArgument, match="threads 'two'"):
+    with pytest.raises(srmp.InvalidArgument, match="threads must be a whole number or None, but is 'two'"):
         srmp.BatchPlanner([one], threads="two")
     with pytest.raises(srmp.InvalidArgument, match=r"\bamr\b"):
         srmp.BatchPlanner([one], "amr")
@@ -118,8 +125,8 @@ def test_what_is_refused(ready):
         with pytest.raises(srmp.InvalidArgument, match=sentence):
             batch.plan([ready], poses=poses)
     for scene, poses, sentence in (
-        ("a", {}, "scene 'a': there are scenes 0 to 0"),
-        (0, [1], r"poses is \[1\]; it must be a mapping"),
+        ("a", {}, "scene must be a whole number, but is 'a'"),
+        (0, [1], r"poses must be a dictionary .*, but is \[1\]"),
         (0, {"post": "up"}, "the pose of 'post' are not numbers"),
         (0, {"post": [np.nan] * 7}, "post|finite"),
     ):

@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 
 import srmp
+import srmp.robots
 from srmp import GoalConstraint, GoalType, Pose
 
 PAGE = Path(__file__).parents[2] / "docs" / "from-other-packages.md"
+CALLS, BLOCKS = PAGE.read_text().split("## Its documentation, block by block")
 URDF, SRDF = srmp.data_path("arm7.urdf"), srmp.data_path("arm7.srdf")
 READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])
 ARM = {"end_effector": "arm7_hand", "urdf_path": URDF}
+THEIR_ROBOT = ("end_effector", "description", "default_qpos", "joint_names", "gripper_joint_names")
 THEIR_PRIMITIVES = "motion_primitives:\n  - name: long\n    mprims: [[10, 0, 0, 0, 0, 0, 0]]\n"
 
 
@@ -48,8 +51,16 @@ def in_module(*names):
     return [lambda planner, name=name: getattr(srmp, name) for name in names]
 
 
+def in_robots(*names):
+    return [lambda planner, name=name: getattr(srmp.robots, name) for name in names]
+
+
 def of(cls, *names):
     return [lambda planner, name=name: getattr(cls, name) for name in names]
+
+
+def assign(name, value):
+    return lambda planner: setattr(Pose(), name, value)
 
 
 def sphere(planner):
@@ -150,6 +161,20 @@ ROWS = {
     "`srmp.save_scene": (r"write planner\.(save|load)_scene", *in_module("save_scene", "load_scene")),
     "`srmp.GridConfig": (GRID, *in_module("GridConfig", "OccupancyGrid")),
     "`srmp.ViserPlannerInterface": (r"write planner\.show\(\)", *in_module("ViserPlannerInterface")),
+    "`srmp.robots.list_available": (
+        r"write (available\(\)|find\(name\)|srmp\.InvalidArgument)",
+        *in_robots("list_available", "get", "info", "RobotNotFoundError"),
+    ),
+    "`srmp.robots.download": (
+        "nothing is downloaded here",
+        *in_robots("download", "download_all", "get_cache_dir", "set_cache_dir", "DownloadError"),
+    ),
+    "`srmp.robots.register": (
+        "it is a line of a TOML file here",
+        lambda p: srmp.robots.register(name="mine", urdf_path=URDF, srdf_path=SRDF),
+        *(lambda p, key=key: srmp.robots.register("mine.toml", **{key: "x"}) for key in THEIR_ROBOT),
+    ),
+    "`srmp.robots.unregister": ("registered again replaces", *in_robots("unregister")),
     "`PlannerInterface()": ("", lambda p: srmp.PlannerInterface()),
     "`PlannerInterface(grid": (
         GRID,
@@ -199,6 +224,7 @@ ROWS = {
     "`Pose(p": ("", other_quaternions),
     "`Pose(matrix": ("position must be one row of numbers", lambda p: Pose(np.eye(4))),
     "`Pose.inv": (r"write (inverse\(\)|p|q, which is|matrix\(\))", *of(Pose(), "inv", "get_p", "get_q")),
+    "`pose.p =": ("poses do not change, and q is x, y, z, w", assign("p", [1, 2, 3]), assign("q", [1, 0, 0, 0])),
     "`Pose.set_p": ("poses do not change|numpy.linalg.norm", *of(Pose(), "set_p", "set_q", "distance")),
     "`compute_fk(name": ("", call("compute_fk", "arm", READY)),
     "`compute_fk(articulation": (
@@ -353,14 +379,25 @@ def read_a_simulation(planner):
 
 def table():
     """First and second cell of each row."""
-    rows = re.findall(r"^\| (.+?) \| (accepted|renamed|refused|different) \|", PAGE.read_text(), re.MULTILINE)
-    assert len(rows) == len(ROWS) == len(re.findall(r"^\| (?!call )", PAGE.read_text(), re.MULTILINE))
+    rows = re.findall(r"^\| (.+?) \| (accepted|renamed|refused|different) \|", CALLS, re.MULTILINE)
+    assert len(rows) == len(ROWS) == len(re.findall(r"^\| (?!call )", CALLS, re.MULTILINE))
+    return rows
+
+
+def blocks():
+    """The cells of each row of the last table."""
+    rows = re.findall(r"^\| (.+?, \d+) \| (accepted|renamed|refused) \| (.*)\|$", BLOCKS, re.MULTILINE)
+    assert len(rows) == len(re.findall(r"^\| (?!block )", BLOCKS, re.MULTILINE)) == 72
     return rows
 
 
 @pytest.fixture
 def planner(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    return arm_alone()
+
+
+def arm_alone():
     planner = srmp.PlannerInterface()
     planner.add_articulation(name="arm", srdf_path=SRDF, **ARM)
     return planner
@@ -368,6 +405,22 @@ def planner(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("text", "here"), table(), ids=[text for text, _ in table()])
 def test_row(planner, text, here):
+    make_calls_of_row(planner, text, here)
+
+
+@pytest.mark.parametrize(("block", "here", "cell"), blocks(), ids=[block for block, _, _ in blocks()])
+def test_block_of_their_documentation(block, here, cell, tmp_path, monkeypatch):
+    """Each call in a world of its own."""
+    monkeypatch.chdir(tmp_path)
+    found = ["accepted"]
+    for beginning in filter(None, cell.strip().split("; ")):
+        ((text, verdict),) = [row for row in table() if row[0].startswith(beginning)]
+        make_calls_of_row(arm_alone(), text, verdict)
+        found.append(verdict)
+    assert here == max(found, key=("accepted", "renamed", "refused").index), block
+
+
+def make_calls_of_row(planner, text, here):
     ((says, *made),) = [row for beginning, row in ROWS.items() if text.startswith(beginning)]
     assert here in (("renamed", "refused") if says else ("accepted", "different"))
     for one in made:

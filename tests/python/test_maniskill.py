@@ -54,6 +54,6 @@ print("solved", solved)
 def test_a_solver_does_its_task(task, solved):
     """Each in a process of its own: the name mplib is taken in it."""
     command = [sys.executable, "-W", "ignore", "-c", PROGRAM, task]
-    result = subprocess.run(command, capture_output=True, text=True)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=900)
     assert result.returncode == 0, result.stderr[-2000:]
     assert int(result.stdout.split("solved ")[-1]) >= solved

@@ -8,14 +8,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support import ERD, needs_example_robot_data
 
 import srmp
 import srmp.robots
 from srmp.cli import main
 from srmp.robots._packages import PACKAGES
-
-ERD = PACKAGES["example-robot-data"]()
-needs_example_robot_data = pytest.mark.skipif(ERD is None, reason="needs pip install example-robot-data")
 
 
 @pytest.fixture(autouse=True)

@@ -7,15 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import needs_example_robot_data
 
 import srmp
 import srmp.robots
 from srmp import GoalConstraint, GoalType, PathConstraint, Pose, Segment
-from srmp.robots._packages import PACKAGES
 
 pinocchio = pytest.importorskip("pinocchio")
 
-ERD = PACKAGES["example-robot-data"]()
 HANDS = {  # on both sides of a box that is 0.3 m wide, in its frame
     "left_hand": Pose.from_rpy([0, 0.151, 0], [pi / 2, 0, 0]),
     "right_hand": Pose.from_rpy([0, -0.151, 0], [-pi / 2, 0, 0]),
@@ -390,7 +389,7 @@ def test_both_hands_carry_a_box(planner, ready, kinematics):
 # --- robots of example-robot-data -------------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(ERD is None, reason="needs pip install example-robot-data")
+@needs_example_robot_data
 @pytest.mark.parametrize(
     ("name", "links"),
     [

@@ -10,6 +10,8 @@ import pytest
 import srmp
 
 pytest.importorskip("viser", reason="the viewer needs viser: pip install '.[viewer]'")
+from support import eventually
+
 from srmp.viewer import Viewer
 
 ARM = srmp.data_path("arm7.urdf")
@@ -33,13 +35,6 @@ def arm_world(names=("arm",)):
 def moved(planner, robot="arm", by=(0, -0.1, 0.1)):
     pose = planner.compute_fk(robot, planner.get_qpos(robot))
     return srmp.Pose(np.add(pose.p, by), pose.q)
-
-
-def eventually(condition, seconds=10):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @pytest.fixture
@@ -91,6 +86,26 @@ def test_a_plan_of_the_program_is_played(planner, viewer):
     eventually(lambda: np.allclose(hand.position, trajectory.end_effector_path()[-1], atol=1e-6))
     viewer.on_seek(0.0)
     assert np.allclose(hand.position, trajectory.end_effector_path()[0], atol=1e-6)
+
+
+def test_a_motion_is_scrubbed_paused_and_played_slower(planner, viewer):
+    q = planner.get_qpos("arm")
+    slow = srmp.Trajectory(planner.get_joint_names("arm"), [q, q - 0.3], [0, 30])
+    viewer.play(slow)
+    eventually(lambda: viewer._time > 0.1)
+    viewer.on_play()  # pauses
+    time.sleep(0.2)  # the frame that was under way
+    paused = viewer._time
+    time.sleep(0.2)
+    assert viewer._time == paused
+    viewer.on_seek(15.0)
+    assert viewer._time == 15.0 and not viewer._playing
+    viewer._panel._speed.value = "0.1×"
+    begin = time.perf_counter()
+    viewer.on_play()
+    eventually(lambda: viewer._time > 15.05)
+    assert viewer._time - 15 < 0.1 * (time.perf_counter() - begin) + 0.05
+    assert len(viewer._panel._plot_handles) >= 2 and viewer._panel._plots.visible
 
 
 def test_goals_are_dragged_and_planned_to(planner, viewer):

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from support import eventually
 
 import srmp
 
@@ -60,13 +61,6 @@ def of_colour(picture, colour):
     unit = np.asarray(colour) / np.linalg.norm(colour)
     norms = np.linalg.norm(picture, axis=2)
     return (picture @ unit > 0.985 * norms) & (norms > 0.3) & (np.ptp(picture, axis=2) > 0.25)
-
-
-def eventually(condition, seconds=20):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.1)
 
 
 def errors(browser):

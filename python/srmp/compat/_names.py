@@ -18,7 +18,8 @@ def refuses_unknown(cls: type[_T]) -> type[_T]:
     """Public calls refuse unknown keywords with the nearest; **options are those that cls._options names."""
 
     def checked(call: Callable[..., Any]) -> Callable[..., Any]:
-        known = [name for name in inspect.signature(call).parameters if name != "self"]
+        signature = inspect.signature(call)
+        known = [name for name in signature.parameters if name != "self"]
         if "options" in known:
             known = list(dict.fromkeys([*known[:-1], *cls._options]))  # type: ignore[attr-defined]
 
@@ -26,7 +27,11 @@ def refuses_unknown(cls: type[_T]) -> type[_T]:
         def refuse_unknown(*args: Any, **keywords: Any) -> Any:
             for name in keywords:
                 if name not in known:
-                    raise TypeError(f"{call.__qualname__} has no argument '{name}'{nearest(name, known)}")
+                    raise srmp.WrongType(f"{call.__qualname__} has no argument '{name}'{nearest(name, known)}")
+            try:
+                signature.bind(*args, **keywords)
+            except TypeError as error:
+                raise srmp.WrongType(f"{call.__qualname__}: {error}") from None
             return call(*args, **keywords)
 
         return refuse_unknown

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import srmp
+from srmp._errors import checked
 from srmp.compat._names import nearest, refuses_unknown, require_positive
 from srmp.compat._pose import Array, Pose, screw
 from srmp.compat._world import Box, Capsule, CollisionObject, Cone, Cylinder, Sphere, World, WorldCollisionResult
@@ -61,11 +62,12 @@ class Planner(World):
     there is none) and, with success, time (n,), position, velocity and acceleration (n, joints of the move group), and
     duration; rows are evenly spread, at most time_step apart. The motion is proved free between rows too, and the same
     request has the same result. Raises srmp.InvalidArgument for wrong arguments, srmp.NotSupported for what cannot be
-    done here, and TypeError for unknown keywords.
+    done here, and srmp.WrongType, which is a TypeError too, for unknown keywords.
     """
 
     _options = tuple(field.name for field in fields(_Options))
 
+    @checked
     def __init__(
         self,
         urdf: str | Path,
@@ -93,7 +95,7 @@ class Planner(World):
         if len(objects):
             raise srmp.NotSupported("objects cannot be given to Planner; add_object adds them one by one")
         if use_convex:
-            self._warn("use_convex", "convex meshes are taken as solids and all others as their triangles, always", 4)
+            self._warn("use_convex", "convex meshes are taken as solids and all others as their triangles, always")
         super().__init__(Path(urdf), move_group, srdf, new_package_keyword, user_link_names, user_joint_names)
         slow = np.minimum(1.0, self.srmp.get_joint_limits(self._name)[:, 2])
         self.joint_vel_limits = slow if joint_vel_limits is None else np.asarray(joint_vel_limits)
@@ -309,10 +311,10 @@ class Planner(World):
                     f"{argument} holds '{name}', which is planned; a Planner with a URDF where it is fixed can do that"
                 )
 
-    def _warn(self, argument: str, sentence: str, stacklevel: int = 5) -> None:
+    def _warn(self, argument: str, sentence: str) -> None:
         """Warns once for each Planner, at the line of the user."""
         if argument not in self._warned:
-            warnings.warn(f"{argument} has no effect: {sentence}", stacklevel=stacklevel)
+            warnings.warn(f"{argument} has no effect: {sentence}", stacklevel=5)
         self._warned.add(argument)
 
     def _log(self, verbose: bool, message: str, *values: Any) -> None:

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from srmp import InvalidArgument, NotSupported, PlannerInterface
-from srmp._authors_words import ARGUMENTS
+from srmp._authors_words import ARGUMENTS, missing_in_module
+from srmp._errors import checked
 from srmp._names import did_you_mean
 from srmp.robots._list import Robot, read_list
 from srmp.robots.srdf import AllowedCollisions, sample_allowed_collisions
@@ -32,6 +33,11 @@ _ARGUMENTS = (
 _registered: dict[str, Robot] = {}
 
 
+def __getattr__(name: str) -> Any:
+    missing_in_module(name, __name__)
+
+
+@checked
 def register(path: str | os.PathLike[str]) -> list[Robot]:
     """Adds the robots of a TOML file, or of all TOML files of a directory, to the list of known robots.
 

@@ -106,10 +106,13 @@ class Robot:
 
 def read_list(path: str | os.PathLike[str]) -> list[Robot]:
     """The robots of a TOML file, or of all TOML files of a directory. Raises FileError."""
-    where = Path(path).resolve()
-    if where.is_dir():
-        return [robot for file in sorted(where.glob("*.toml")) for robot in _read_file(file)]
-    return _read_file(where)
+    try:
+        where = Path(path).resolve()
+        files = sorted(where.glob("*.toml")) if where.is_dir() else [where]
+    except (OSError, ValueError, RuntimeError) as error:  # of a path that cannot be: too long, a loop of links
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise FileError(f"cannot read the list of robots '{path}': {reason}") from error
+    return [robot for file in files for robot in _read_file(file)]
 
 
 def _read_file(path: Path) -> list[Robot]:
@@ -117,8 +120,10 @@ def _read_file(path: Path) -> list[Robot]:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise FileError(f"cannot read the list of robots '{path}': {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise FileError(f"the list of robots '{path}' is not TOML: {error}") from error
+    except RecursionError as error:
+        raise FileError(f"the list of robots '{path}' has brackets nested too deeply") from error
     package = tables.pop("package", "")
     package_dirs = tables.pop("package_dirs", [])
     defaults = {"package": package, "package_dirs": package_dirs}

@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 import srmp
+from srmp._errors import checked
 from srmp._files import write_text
 from srmp._names import did_you_mean
 
@@ -60,11 +61,13 @@ class AllowedCollisions:
         ElementTree.indent(root)
         return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the SRDF. Raises FileError."""
         write_text(path, self.to_srdf())
 
 
+@checked
 def sample_allowed_collisions(
     urdf_path: str | os.PathLike[str],
     *,
@@ -138,7 +141,7 @@ def _root_of(urdf: str) -> ElementTree.Element:
         return ElementTree.parse(urdf).getroot()
     except OSError as error:
         raise srmp.FileError(f"cannot read '{urdf}': {error.strerror or error}") from error
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, ValueError) as error:  # ValueError: a character that no path has
         raise srmp.FileError(f"'{urdf}' is not a URDF: {error}") from error
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from srmp import _srmp
+from srmp._errors import checked
 from srmp._files import write_text
 from srmp.viewer._drawing import make_drawing
 from srmp.viewer._html import page
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     Trajectories = srmp.Trajectory | srmp.MultiTrajectory | Mapping[str, srmp.Trajectory] | None
 
 
+@checked
 def show(
     planner: srmp.PlannerInterface,
     trajectory: Trajectories = None,
@@ -43,6 +45,7 @@ def show(
     return viewer
 
 
+@checked
 def to_html(
     planner: srmp.PlannerInterface,
     path: str | os.PathLike[str] | None = None,
@@ -61,6 +64,7 @@ def to_html(
     return None
 
 
+@checked
 def plot(
     planner: srmp.PlannerInterface,
     path: str | os.PathLike[str] | None = None,

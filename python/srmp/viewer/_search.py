@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import InvalidArgument, _srmp
+from srmp._errors import checked
 from srmp._files import write_text
 from srmp.viewer._scene import CONTACT
 from srmp.viewer._shapes import Segments
@@ -132,6 +133,7 @@ def drawing_of(trace: SearchTrace, planner: PlannerInterface) -> Drawing:
     return replace(drawing, segments=segments, panels=panels, notes=[*drawing.notes, sentence(trace)])
 
 
+@checked
 def plot(trace: SearchTrace, planner: PlannerInterface, path: str | os.PathLike[str] | None = None) -> Any:
     """SearchTrace.plot."""
     from srmp.plot import write_figure
@@ -143,6 +145,7 @@ def plot(trace: SearchTrace, planner: PlannerInterface, path: str | os.PathLike[
     return figure
 
 
+@checked
 def to_html(trace: SearchTrace, planner: PlannerInterface, path: str | os.PathLike[str] | None = None) -> str | None:
     """SearchTrace.to_html."""
     from srmp.viewer._html import page

@@ -6,6 +6,7 @@ import contextlib
 import html
 import io
 import queue
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import srmp
+from srmp._errors import checked
 from srmp.viewer._drawing import Drawing, make_drawing
 from srmp.viewer._failure import Failure, touches_together
 from srmp.viewer._html import FIELD_OF_VIEW, view
@@ -43,6 +45,7 @@ class Viewer:
     it plans, and nothing that is done in the browser reaches it. Use it as a context manager, or close it.
     """
 
+    @checked
     def __init__(
         self,
         planner: PlannerInterface,
@@ -111,6 +114,7 @@ class Viewer:
         self._seen = _signature(self._watched)
         self._adopt(copied(self._watched), wait=True)
 
+    @checked
     def play(self, trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory] | None = None) -> None:
         """Plays a trajectory of the scene's robots from its start; None: the one that is there.
 
@@ -121,6 +125,7 @@ class Viewer:
             self._run(lambda: self._draw(make_drawing(self._world, chosen, kinds=self._kinds)), wait=True)
         self._time, self._playing = 0.0, self._motion is not None
 
+    @checked
     def show_search(self, trace: srmp.SearchTrace | None) -> None:
         """Draws what was searched, where the end effector is there; None: no longer. Stays until the next call.
 
@@ -156,6 +161,7 @@ class Viewer:
             )
         self._run(lambda: self._show_conflict(node), wait=True)
 
+    @checked
     def set_goal(self, robot: str, pose: Pose) -> None:
         """Moves the handle of a robot's end effector to a pose in the world, as dragging it does.
 
@@ -484,10 +490,21 @@ def _quiet() -> Iterator[None]:
 
 
 def _require_address(host: object, port: object) -> None:
-    if not isinstance(host, str) or not host:
+    if not isinstance(host, str) or not _is_of_this_machine(host):
         raise srmp.InvalidArgument(f"host must be the name of this machine or one of its addresses, but is {host!r}")
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
         raise srmp.InvalidArgument(f"port must be a whole number from 0 to 65535, but is {port!r}")
+
+
+def _is_of_this_machine(host: str) -> bool:
+    """Whether one can serve there: viser would wait for ever for a server at another address."""
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind) as listener:
+            listener.bind(address)
+    except (OSError, ValueError, TypeError):  # there is no such name, it is no text of a name, or it is elsewhere
+        return False
+    return bool(host)
 
 
 def _signature(planner: PlannerInterface) -> tuple[Any, ...]:

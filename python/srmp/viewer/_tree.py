@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srmp import InvalidArgument, _srmp
+from srmp._errors import checked
 from srmp.viewer._failure import touches_together
 from srmp.viewer._scene import copied
 
@@ -41,6 +42,7 @@ def conflict_points(planner: PlannerInterface, nodes: Sequence[ConstraintNode]) 
     return np.array(list(points.values())).reshape(-1, 3)
 
 
+@checked
 def plot_constraints(trace: SearchTrace, path: str | os.PathLike[str] | None = None) -> Any:
     """SearchTrace.plot_constraints: a panel for each tree, its root above; a node says who collide first, and when."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
