@@ -67,6 +67,19 @@ def add_object(planner, kind, name, pose):
     adders[kind]()
 
 
+def test_vertices_of_a_mesh_are_scaled(arm):
+    hand = arm.compute_fk("arm", np.zeros(7)).p
+    beside = srmp.Pose(p=np.add(hand, [0.5, 0, 0]))
+    millimetres = 1000 * np.array(TETRAHEDRON[0])
+    for name, vertices, scale in (("a", TETRAHEDRON[0], None), ("b", millimetres, [1e-3] * 3)):
+        arm.add_mesh(name, vertices=vertices, triangles=TETRAHEDRON[1], scale=scale, pose=beside)
+        distance = arm.distance_to_collision("arm", np.zeros(7))
+        arm.remove_object(name)
+        if scale is None:
+            expected = distance
+    assert 0 < distance == pytest.approx(expected, abs=1e-9)
+
+
 KINDS = ["box", "sphere", "cylinder", "capsule", "cone", "mesh", "cloud"]
 
 
