@@ -17,7 +17,7 @@ except ImportError:  # the libraries of other wheels are not beside this package
     from srmp import _srmp
 
 from srmp._authors_words import explain_missing_names, missing_in_module
-from srmp._errors import checked, speak_in_one_sentence
+from srmp._errors import checked, shorten_error_texts
 from srmp._names import did_you_mean
 from srmp._srmp import *  # noqa: F403
 from srmp._verify import verify as verify
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from srmp._batch_planner import BatchPlanner as BatchPlanner
     from srmp.options import *  # noqa: F403
 
-speak_in_one_sentence()
+shorten_error_texts()
 explain_missing_names()
-del speak_in_one_sentence, explain_missing_names
+del shorten_error_texts, explain_missing_names
 
 _OPTIONS = tuple(_srmp.planner_info(planner_id).class_name for planner_id in _srmp.available_planners())
 _BATCH = ("Batch", "BatchPlanner")

@@ -11,7 +11,7 @@ from srmp import _srmp
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _LONGEST, _FRONT, _BACK = 499, 300, 190  # characters
-_LINE_BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]+")  # and other control characters
+_LINE_BREAKS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]+")  # these are all control characters
 
 
 def one_sentence(text: str) -> str:
@@ -20,7 +20,7 @@ def one_sentence(text: str) -> str:
     return line if len(line) <= _LONGEST else f"{line[:_FRONT]} … {line[-_BACK:]}"
 
 
-def speak_in_one_sentence() -> None:
+def shorten_error_texts() -> None:
     """Every srmp.Error makes one sentence of its text, wherever it is raised."""
 
     def __init__(self: _srmp.Error, *args: object) -> None:

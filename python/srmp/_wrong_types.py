@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import inspect
+import operator
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -66,6 +67,8 @@ def require_arguments(
 
 def require_options(cls: type, args: Sequence[Any], keywords: Mapping[str, Any]) -> None:
     """Raises WrongType where a class of options has no such option; make_planner judges values, but not of 'robots'."""
+    if cls.__module__ != "srmp.options":  # a user's class, which has arguments of its own
+        return
     parameters = [
         parameter if parameter.name == "robots" else parameter._replace(type=None)
         for parameter in _own_parameters(cls.__init__)[1:]  # type: ignore[misc]
@@ -204,9 +207,9 @@ def _fits(type_: ast.expr | None, value: object) -> bool:
     name, inside = _parts(type_)
     checks: dict[str, Callable[[], bool]] = {
         "str": lambda: isinstance(value, str),
-        "int": lambda: hasattr(value, "__index__"),
+        "int": lambda: _is_index(value),
         "float": lambda: hasattr(value, "__float__") or hasattr(value, "__index__"),
-        "bool": lambda: isinstance(value, bool),
+        "bool": lambda: isinstance(value, bool) or type(value).__name__ in ("bool_", "bool"),  # NumPy's too
         "None": lambda: value is None,
         "dict": lambda: isinstance(value, dict),
         "Callable": lambda: callable(value),
@@ -226,6 +229,14 @@ def _fits(type_: ast.expr | None, value: object) -> bool:
         return checks[name]()
     cls = getattr(_srmp, name, None)
     return isinstance(value, cls) if isinstance(cls, type) else True
+
+
+def _is_index(value: object) -> bool:
+    try:
+        operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        return False
+    return True
 
 
 def _is_list(value: object) -> bool:

@@ -106,6 +106,10 @@ BOOST_AUTO_TEST_CASE(files_that_count_more_than_they_hold_are_refused_at_once) {
   refused("a.ply", "ply\nformat ascii 1.0\nproperindices\nend_header\n", "has 'properindices' in its header");
   const std::string rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
   BOOST_TEST(read_mesh_file(directory.write("a.off", "OFF\n4 4 6\n" + rows)).triangles.size() == 4u);
+  BOOST_TEST(read_mesh_file(directory.write("a.off", "OFF 4 4 6\r\n" + rows)).triangles.size() == 4u);
+  refused("a.off", "OFF # of a tetrahedron\n4 4 6\n" + rows, "has a comment (#)");
+  refused("a.off", "nOFF\n3\n4 100000000 6\n" + rows, "nOFF");
+  refused("a.gltf", "OFF\n4 4 6\n" + rows, "is no glTF");
   refused("a.off", "OFF\n4#4 6\n" + rows, "'4#4' as the number of vertices");
   refused("a.off", "OFF\n4000 4 6\n" + rows, "has 4000 vertices");
   refused("a.off", "OFF\n4 99 6\n" + rows, "has 99 faces");

@@ -289,3 +289,20 @@ def test_ctrl_c_is_no_wrong_type():
 
     with pytest.raises(KeyboardInterrupt):
         srmp.Pose(p=Interrupted())
+
+
+def test_classes_of_options_can_be_derived_from():
+    class Quick(srmp.Auto):
+        def __init__(self, **options):
+            super().__init__(time_limit=0.5, **options)
+
+    assert Quick(weight=3.0).to_dict()["weight"] == 3.0
+    assert Quick().time_limit == 0.5
+
+
+def test_numbers_of_numpy_are_whole_numbers_and_arrays_are_not():
+    scene = srmp.PlannerInterface()
+    scene.add_robot("arm7", name="arm")
+    srmp.BatchPlanner([scene], threads=np.int64(1))
+    with pytest.raises(srmp.WrongType, match="threads"):
+        srmp.BatchPlanner([scene], threads=np.array([1, 2]))

@@ -27,9 +27,10 @@ SOURCES = ("configuration", "region", "states")
 TIME_LIMIT = 60.0
 """Of a plan [s], unless the spec says otherwise."""
 MAX_EXPANSIONS = 10_000
-"""Of a plan by `auto`, unless the spec says otherwise: 40 times what the hardest of 10 000 motions takes."""
+"""A plan by `auto` ends after so many expanded states, unless the spec says otherwise: about 40 times what the hardest
+of 10 000 motions takes. Another number makes other records, and needs another FORMAT_VERSION."""
 MAX_GROUP_EXPANSIONS = 1_000_000
-"""The same of robots that are planned together: 25 times what the hardest of 60 motions of two arms takes."""
+"""A plan of robots together ends after so many: 25 times what the hardest of 60 motions of two arms takes."""
 _MAX_SHARDS = 10_000_000
 _NOT_CONTENT = ("count", "records_per_shard", "skip")
 """What a spec says of the data set as a whole, and not of each record."""

@@ -499,12 +499,14 @@ def _require_address(host: object, port: object) -> None:
 def _is_of_this_machine(host: str) -> bool:
     """Whether one can serve there: viser would wait for ever for a server at another address."""
     try:
-        family, kind, _, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family, kind) as listener:
-            listener.bind(address)
-    except (OSError, ValueError, TypeError):  # there is no such name, it is no text of a name, or it is elsewhere
+        found = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM) if host else []
+    except (OSError, ValueError, TypeError):  # there is no such name, or it is no text of a name
         return False
-    return bool(host)
+    for family, kind, _, _, address in found:  # a name may have an address of a family that is switched off
+        with contextlib.suppress(OSError), socket.socket(family, kind) as listener:
+            listener.bind(address)
+            return True
+    return False
 
 
 def _signature(planner: PlannerInterface) -> tuple[Any, ...]:

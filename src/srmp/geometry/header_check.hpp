@@ -10,4 +10,7 @@ namespace srmp {
 void require_sound_ply_header(const std::string& path);
 void require_sound_off_header(const std::string& path);
 
+/// Throws FileError unless the file begins like glTF: assimp would read it as whatever else it looks like.
+void require_gltf(const std::string& path);
+
 }  // namespace srmp

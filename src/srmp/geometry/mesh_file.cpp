@@ -120,6 +120,7 @@ void require_known_format(const std::string& path) {
   if (extension == ".dae") require_sound_collada(path);
   if (extension == ".ply") require_sound_ply_header(path);
   if (extension == ".off") require_sound_off_header(path);
+  if (extension == ".glb" || extension == ".gltf") require_gltf(path);
 }
 
 /// assimp itself trusts the numbers of vertices that files give, when it makes triangles of faces.

@@ -16,6 +16,8 @@ constexpr double limit_tolerance = 1e-6;  // of a limit
 constexpr double min_half_range = 1e-9;   // [rad or m] of a joint whose two limits are the same
 constexpr double jump_tolerance = 1e-3;   // of the acceleration limit: smaller jumps of the acceleration are none,
 constexpr double jump_time = 4e-4;        // [s] nor are those that the jerk limit allows in this time
+constexpr double stated_tolerance =
+    1e-4;  // of the acceleration limit: what rows say may be rounded where they came from
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Where a joint uses the largest fraction of a limit, and the value there.
@@ -133,8 +135,8 @@ class LimitCheck {
         unknown = 12 * rounding_of(p, t_.times[row + 1]) / p.h / p.h;
       }
       const double value = t_.accelerations(row, j);
-      worst.update(std::max(0.0, std::abs(value) - std::max(unknown, unknown_before)) / limits_.acceleration[j], value,
-                   t_.times[row], row);
+      const double rounding = std::max(unknown, unknown_before) + stated_tolerance * limits_.acceleration[j];
+      worst.update(std::max(0.0, std::abs(value) - rounding) / limits_.acceleration[j], value, t_.times[row], row);
       unknown_before = unknown;
     }
   }
