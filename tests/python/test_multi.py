@@ -274,7 +274,7 @@ def test_the_result_is_a_mapping():
     assert "lft" not in trajectory
     assert trajectory.values() == [trajectory["left"], trajectory["right"]]
     assert dict(trajectory.items()) == {name: trajectory[name] for name in trajectory}
-    assert repr(trajectory) == f"MultiTrajectory(2 robots, {trajectory.duration!r} s)"
+    assert repr(trajectory) == f"MultiTrajectory(2 robots, {round(trajectory.duration, 6)} s)"
     with pytest.raises(srmp.InvalidArgument, match="no trajectory of robot 'lft', did you mean 'left'"):
         trajectory["lft"]
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from srmp import InvalidArgument, MultiTrajectory, PlannerInterface, Trajectory
-from srmp._errors import checked
 from srmp._names import did_you_mean
 from srmp.sim.execution import Execution as Execution
 from srmp.sim.parity import ParityReport as ParityReport
@@ -20,7 +19,6 @@ from srmp.sim.world import require_planner, world_of
 _SIMULATORS = {"mujoco": "MuJoCo", "sapien": "Sapien", "genesis": "Genesis", "pybullet": "PyBullet"}
 
 
-@checked
 def read_sim(
     planner: PlannerInterface,
     sim: Any,
@@ -40,7 +38,6 @@ def read_sim(
     return world
 
 
-@checked
 def execute(
     planner: PlannerInterface,
     trajectory: Trajectory | MultiTrajectory | Mapping[str, Trajectory],

@@ -47,7 +47,7 @@ constexpr std::array kOptions{
     Words{"range rrtrange maxdistance goalbias delaycc maxnearestneighbors intermediatestates",
           "planners that sample have nothing to tune here; 'auto' chooses between them and searches"},
     Words{"optimizationobjective objective", "cost is the length of the path in joint space here"},
-    Words{"maxiterations maxiters iterations maxexpansions maxnodes maxsamples terminationcondition",
+    Words{"maxiterations maxiters iterations maxnodes maxsamples terminationcondition",
           "plans end by 'time_limit' here [s]"},
     Words{"goaltolerance goaljointtolerance goalpositiontolerance goalorientationtolerance positiontolerance "
           "orientationtolerance rotationtolerance tolerance positionthreshold rotationthreshold",
