@@ -66,7 +66,7 @@ def require_arguments(
 
 
 def require_options(cls: type, args: Sequence[Any], keywords: Mapping[str, Any]) -> None:
-    """Raises WrongType where a class of options has no such option; make_planner judges values, but not of 'robots'."""
+    """Raises WrongType where a class of options has no such option; make_planner checks values, but not of 'robots'."""
     if cls.__module__ != "srmp.options":  # a user's class, which has arguments of its own
         return
     parameters = [
@@ -209,7 +209,7 @@ def _fits(type_: ast.expr | None, value: object) -> bool:
         "str": lambda: isinstance(value, str),
         "int": lambda: _is_index(value),
         "float": lambda: hasattr(value, "__float__") or hasattr(value, "__index__"),
-        "bool": lambda: isinstance(value, bool) or type(value).__name__ in ("bool_", "bool"),  # NumPy's too
+        "bool": lambda: type(value).__name__ in ("bool", "bool_"),  # NumPy's has either name
         "None": lambda: value is None,
         "dict": lambda: isinstance(value, dict),
         "Callable": lambda: callable(value),

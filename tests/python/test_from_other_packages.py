@@ -414,9 +414,9 @@ def test_block_of_their_documentation(block, here, cell, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = ["accepted"]
     for beginning in filter(None, cell.strip().split("; ")):
-        ((text, verdict),) = [row for row in table() if row[0].startswith(beginning)]
-        make_calls_of_row(arm_alone(), text, verdict)
-        found.append(verdict)
+        ((text, outcome),) = [row for row in table() if row[0].startswith(beginning)]
+        make_calls_of_row(arm_alone(), text, outcome)
+        found.append(outcome)
     assert here == max(found, key=("accepted", "renamed", "refused").index), block
 
 

@@ -12,12 +12,11 @@ namespace srmp {
 
 namespace {
 
-constexpr double limit_tolerance = 1e-6;  // of a limit
-constexpr double min_half_range = 1e-9;   // [rad or m] of a joint whose two limits are the same
-constexpr double jump_tolerance = 1e-3;   // of the acceleration limit: smaller jumps of the acceleration are none,
-constexpr double jump_time = 4e-4;        // [s] nor are those that the jerk limit allows in this time
-constexpr double stated_tolerance =
-    1e-4;  // of the acceleration limit: what rows say may be rounded where they came from
+constexpr double limit_tolerance = 1e-6;   // of a limit
+constexpr double min_half_range = 1e-9;    // [rad or m] of a joint whose two limits are the same
+constexpr double jump_tolerance = 1e-3;    // of the acceleration limit: smaller jumps of the acceleration are none,
+constexpr double jump_time = 4e-4;         // [s] nor are those that the jerk limit allows in this time
+constexpr double stated_tolerance = 1e-4;  // of the acceleration limit: what rows say may have been rounded before
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Where a joint uses the largest fraction of a limit, and the value there.
@@ -100,6 +99,9 @@ class LimitCheck {
   static double rounding_of(const detail::Cubic& p, double end) {
     return std::numeric_limits<double>::epsilon() * (1.0 + std::abs(p.c[0]) + std::abs(p.c[1]) * std::abs(end));
   }
+  static double acceleration_rounding_of(const detail::Cubic& p, double end) {
+    return 12 * rounding_of(p, end) / p.h / p.h;
+  }
 
   void update_derivatives(const detail::Cubic& p, Eigen::Index j, Eigen::Index row, Use& use) const {
     const double begin = t_.times[row], h = p.h, rounding = rounding_of(p, t_.times[row + 1]);
@@ -130,10 +132,8 @@ class LimitCheck {
     double unknown_before = 0.0;
     for (Eigen::Index row = 0; row < t_.accelerations.rows(); ++row) {
       double unknown = unknown_before;
-      if (row + 1 < t_.accelerations.rows()) {
-        const detail::Cubic p = detail::segment_of(t_, row, j);
-        unknown = 12 * rounding_of(p, t_.times[row + 1]) / p.h / p.h;
-      }
+      if (row + 1 < t_.accelerations.rows())
+        unknown = acceleration_rounding_of(detail::segment_of(t_, row, j), t_.times[row + 1]);
       const double value = t_.accelerations(row, j);
       const double rounding = std::max(unknown, unknown_before) + stated_tolerance * limits_.acceleration[j];
       worst.update(std::max(0.0, std::abs(value) - rounding) / limits_.acceleration[j], value, t_.times[row], row);
@@ -154,7 +154,7 @@ class LimitCheck {
     for (Eigen::Index row = 0; row <= last && last > 0; ++row) {
       const detail::Cubic p = detail::segment_of(t_, std::min(row, last - 1), j);
       const double end = t_.times[std::min(row + 1, last)];
-      const double unknown = 12 * rounding_of(p, end) / p.h / p.h, after = row < last ? p.acceleration(0.0) : 0.0;
+      const double unknown = acceleration_rounding_of(p, end), after = row < last ? p.acceleration(0.0) : 0.0;
       const bool inside = row > 0 && row < last;
       const double jump = std::max(0.0, std::abs(after - before) - unknown - unknown_before);
       if ((inside || options_.at_rest) && jump > allowed_jump(j))

@@ -105,13 +105,13 @@ BOOST_AUTO_TEST_CASE(spare_joints_avoid_what_the_shortest_motion_hits) {
   const std::string elbow = free.get_link_names("arm7")[4];
   const Eigen::VectorXd middle = direct.sample(direct.duration());
   const Eigen::Vector3d at = free.compute_fk("arm7", middle, elbow).p;
-  blocked.add_sphere("ball", 0.02, Pose{at + Eigen::Vector3d(0.0, 0.0, 0.14), Eigen::Quaterniond::Identity()});
+  blocked.add_sphere("bead", 0.02, Pose{at + Eigen::Vector3d(0.0, 0.0, 0.14), Eigen::Quaterniond::Identity()});
   try {
     const Trajectory around = blocked.plan_linear("arm7", home, goal);
     BOOST_TEST(around.certificate->proved_free());
     BOOST_TEST(around.certificate->cartesian_deviation->position <= 1e-3);
   } catch (const PlanningError& error) {
-    BOOST_TEST(std::string(error.what()).find("ball") != std::string::npos, error.what());
+    BOOST_TEST(std::string(error.what()).find("bead") != std::string::npos, error.what());
   }
 }
 
