@@ -94,8 +94,8 @@ MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handl
                                   const ToConstraint& to_constraint = constraint_without_scene);
 /// A str or os.PathLike.
 std::string to_path(nb::handle path);
-/// One name, or a list of names.
-std::vector<std::string> to_names(nb::handle names);
+/// One name, or a list of names, of the argument that errors call `what`.
+std::vector<std::string> to_names(nb::handle names, const std::string& what);
 
 nb::dict to_dict(const PlanStatistics& statistics);
 nb::dict to_dict(const Solution& solution);

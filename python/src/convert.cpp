@@ -90,7 +90,7 @@ OptionMap to_option_map(nb::handle dictionary) {
     } else if (nb::isinstance<nb::str>(value)) {
       map[name] = nb::cast<std::string>(value);
     } else if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
-      map[name] = to_names(value);
+      map[name] = to_names(value, "option '" + name + "'");
     } else {
       double number{};
       if (!nb::try_cast<double>(value, number) && PyNumber_Check(value.ptr()))
@@ -114,18 +114,21 @@ nb::dict to_dict(const OptionMap& map) {
 std::string to_path(nb::handle path) {
   std::string text;
   const bool is_path = nb::isinstance<nb::str>(path) || nb::hasattr(path, "__fspath__");
-  if (!is_path || !nb::try_cast(nb::module_::import_("os").attr("fspath")(path), text))
+  if (!is_path)
     throw InvalidArgument("a path must be a str or an os.PathLike, but is " + nb::cast<std::string>(nb::repr(path)));
+  if (!nb::try_cast(nb::module_::import_("os").attr("fspath")(path), text))
+    throw InvalidArgument("a path must be text in characters that exist in UTF-8, but is " +
+                          nb::cast<std::string>(nb::repr(path)));
   if (text.find('\0') != std::string::npos)
     throw InvalidArgument("a path cannot hold a null character, as " + nb::cast<std::string>(nb::repr(path)) + " does");
   return text;
 }
 
-std::vector<std::string> to_names(nb::handle names) {
+std::vector<std::string> to_names(nb::handle names, const std::string& what) {
   if (nb::isinstance<nb::str>(names)) return {nb::cast<std::string>(names)};
   std::vector<std::string> result;
   if (!nb::try_cast(names, result))
-    throw InvalidArgument("expected a name or a list of names, but got " + nb::cast<std::string>(nb::repr(names)));
+    throw InvalidArgument(what + " must be text or a list of texts, but is " + brief(names));
   return result;
 }
 

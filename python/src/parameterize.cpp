@@ -19,7 +19,7 @@ Trajectory in_time(const ArrayLike& waypoints, nb::handle joint_names, const Mot
                    const std::optional<ArrayLike>& reach, const std::optional<nb::callable>& is_free,
                    const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& end_velocity,
                    const std::optional<ArrayLike>& start_acceleration, nb::handle planner, nb::handle robot) {
-  const std::vector<std::string> names = to_names(joint_names);
+  const std::vector<std::string> names = to_names(joint_names, "joint_names");
   const RowMatrix rows = waypoints.rows("waypoints", static_cast<Eigen::Index>(names.size()));
   TimingOptions options{.method = to_method(method),
                         .sample_period = sample_period,

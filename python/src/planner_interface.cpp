@@ -11,7 +11,7 @@ PlacedRobot placed_robot(nb::handle planner, nb::handle robot) {
     const std::vector<std::string> known = p.scene().robot_names();
     if (robot.is_none() && known.size() != 1)
       throw InvalidArgument("robot must be named where there is not exactly one; there are " + quoted_list(known));
-    const RobotInstance& instance = p.scene().robot(robot.is_none() ? known[0] : to_names(robot).at(0));
+    const RobotInstance& instance = p.scene().robot(robot.is_none() ? known[0] : to_names(robot, "robot").at(0));
     return {instance.model, instance.base, instance.other_positions};
   });
 }

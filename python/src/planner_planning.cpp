@@ -53,7 +53,7 @@ std::vector<PlanResult> plan_many(PlannerInterface& planner, const std::vector<P
 }
 
 std::string only_robot(nb::handle robots) {
-  const std::vector<std::string> names = to_names(robots);
+  const std::vector<std::string> names = to_names(robots, "robots");
   if (names.size() != 1)
     throw InvalidArgument("plan is for one robot, but " + std::to_string(names.size()) +
                           " were named; use plan_multi for many");
@@ -226,7 +226,7 @@ void bind_planning(PlannerClass& cls) {
   cls.def(
          "make_planner",
          [](Self& self, nb::handle robots, nb::handle options) {
-           const auto names = to_names(robots);
+           const auto names = to_names(robots, "robots");
            const OptionMap map = to_option_map(options);
            self.use([&](auto& p) { p.make_planner(names, map); });
          },

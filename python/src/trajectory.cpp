@@ -41,7 +41,7 @@ RowMatrix to_matrix(const std::optional<ArrayLike>& array, const std::string& wh
 Trajectory make_trajectory(nb::handle joint_names, const ArrayLike& positions, const std::optional<ArrayLike>& times,
                            const std::optional<ArrayLike>& velocities, const std::optional<ArrayLike>& accelerations,
                            const std::optional<ArrayLike>& waypoints) {
-  const std::vector<std::string> names = to_names(joint_names);
+  const std::vector<std::string> names = to_names(joint_names, "joint_names");
   Trajectory t{names,
                to_matrix(positions.value, "positions", names.size()),
                to_matrix(velocities, "velocities", names.size()),

@@ -92,8 +92,11 @@ class _Options:
         return super().__new__(cls)  # type: ignore[misc]
 
     def to_dict(self) -> dict[str, Any]:
-        """The dictionary with the same options."""
+        """The dictionary with the same options. Raises WrongType where an attribute was set to what is no option."""
+        from srmp._wrong_types import require_options
+
         options = dataclasses.asdict(self)
+        require_options(type(self), (), options)
         for robot, own in options.pop("robots", {}).items():
             options |= {f"{key}_{robot}": value for key, value in own.items()}
         return {"planner_id": self.planner_id, **options}

@@ -37,6 +37,11 @@ CALLS = [
     (lambda p: p.set_base_pose("arm", None), "set_base_pose: pose must be a Pose, but is None"),
     (lambda p: p.collision_checker("arm", 7), "collision_checker: "),
     (lambda p: p.make_planner("arm"), "make_planner needs 'options'"),
+    (
+        lambda p: p.make_planner("arm", {"planner_id": "auto", "time_limit": [1]}),
+        r"option 'time_limit' must be text or a list of texts, but is \[1\]",
+    ),
+    (lambda p: p.make_planner("arm", {"planner_id": [None]}), r"option 'planner_id' must be .*, but is \[None\]"),
     (lambda p: p.plan_many(7), r"plan_many: requests must be a list \(a PlanRequest each\), but is 7"),
     (lambda p: srmp.Pose(p=[0, 0, 0], qq=[0, 0, 0, 1]), "Pose has no argument 'qq'"),
     (lambda p: srmp.GoalConstraint("POSE", srmp.Pose()), "GoalConstraint: type must be a GoalType, but is 'POSE'"),

@@ -37,7 +37,7 @@ bool same(const std::vector<PlacedSphere>& a, const std::vector<PlacedSphere>& b
 bool same(const GeometryCover& a, const GeometryCover& b) {
   return same(std::vector{a.bound}, std::vector{b.bound}) && same(a.coarse, b.coarse) && same(a.fine, b.fine) &&
          same(a.inner, b.inner) && a.children == b.children && a.exact == b.exact && a.hollow == b.hollow &&
-         same_bits(a.coarse_inflation.max, b.coarse_inflation.max) &&
+         a.quick == b.quick && same_bits(a.coarse_inflation.max, b.coarse_inflation.max) &&
          same_bits(a.coarse_inflation.mean, b.coarse_inflation.mean) &&
          same_bits(a.fine_inflation.max, b.fine_inflation.max) &&
          same_bits(a.fine_inflation.mean, b.fine_inflation.mean);
@@ -249,6 +249,27 @@ BOOST_AUTO_TEST_CASE(loaded_covers_equal_computed_ones_bit_for_bit) {
   const auto copy = RobotModel::load(arm7());  // the same content at other addresses
   BOOST_TEST((cover_robot(*copy, second, options).origin == CoverStore::Origin::memory));
   BOOST_TEST((cover_robot(*robot, second, {.levels = kRough, .max_coarse = 150}).origin == CoverStore::Origin::built));
+}
+
+BOOST_AUTO_TEST_CASE(quick_covers_of_a_robot_are_kept_in_a_file) {
+  const TemporaryDirectory directory;
+  const auto robot = RobotModel::load(arm7()), copy = RobotModel::load(arm7());
+  CoverStore first(directory.path("covers"), kRough), second(directory.path("covers"), kRough);
+  ensure_quickly_covered(*robot, first);
+  const auto files = [&] {
+    const std::filesystem::directory_iterator all(directory.path("covers"));
+    return std::distance(begin(all), end(all));
+  };
+  BOOST_TEST(files() == 1);
+  ensure_quickly_covered(*copy, second);
+  BOOST_TEST(files() == 1);
+  for (std::size_t i = 0; i < robot->geometries().size(); ++i) {
+    const auto built = first.adopted_quick(*robot->geometries()[i].shape);
+    const auto loaded = second.adopted_quick(*copy->geometries()[i].shape);
+    BOOST_REQUIRE((built && loaded));
+    BOOST_TEST(same(*built, *loaded));
+  }
+  BOOST_TEST(!ensure_covered(*copy, second));  // a file of quick covers is not taken for one of close covers
 }
 
 BOOST_AUTO_TEST_CASE(covers_are_keyed_by_content_and_levels) {

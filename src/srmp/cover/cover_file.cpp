@@ -11,7 +11,7 @@ namespace srmp {
 namespace {
 
 constexpr std::string_view kExtension = ".cover";
-constexpr std::uint32_t kFileVersion = 2;   // incremented when the layout changes
+constexpr std::uint32_t kFileVersion = 3;   // incremented when the layout changes
 constexpr std::uint32_t kCoverVersion = 2;  // incremented when covers of the same geometry change
 
 class Writer {
@@ -42,6 +42,7 @@ class Writer {
     put(cover.children);
     put(static_cast<std::uint8_t>(cover.exact));
     put(static_cast<std::uint8_t>(cover.hollow));
+    put(static_cast<std::uint8_t>(cover.quick));
     put(cover.coarse_inflation);
     put(cover.fine_inflation);
   }
@@ -102,6 +103,7 @@ class Reader {
     get(cover.children);
     get(cover.exact);
     get(cover.hollow);
+    get(cover.quick);
     get(cover.coarse_inflation);
     get(cover.fine_inflation);
     ok = ok && (cover.children.empty() || cover.children.size() == cover.coarse.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "srmp/core/interruption.hpp"
 #include "srmp/robot/robot_cover.hpp"
 
 namespace srmp {
@@ -32,6 +33,8 @@ void RobotPreparation::begin(Robot& robot, const RobotInstance& instance) const 
     tables->tables(model, parts, 1, progress);
     cover_robot(*model, *covers, {.threads = 1}, progress);
     *computed = true;
+    const InterruptionScope scope([&] { progress(0, 1); });
+    ensure_quickly_covered(*model, *covers);  // for plans of several robots
   });
 }
 
@@ -56,6 +59,7 @@ bool RobotPreparation::finish(const Scene& scene, const StepProgress& progress) 
   bool changed = false;
   for (const auto& [name, instance] : scene.robots()) {
     Robot& robot = robot_of(instance.model);
+    if (scene.robots().size() > 1) ensure_quickly_covered(*instance.model, *covers_);
     if (robot.ready) continue;
     robot.job.cancel();
     robot.begun_by = 0;  // where `progress` ends this, the next plan begins again

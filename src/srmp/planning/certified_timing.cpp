@@ -37,10 +37,7 @@ class CertifiedTiming {
         preferred_(problem.checkers, common_, until_),
         statistics_(statistics) {
     for (JointPath& path : paths.smoothed) groups_.push_back({std::move(path)});
-    if (world_)
-      world_->stop_at(until_);
-    else
-      checker(0).stop_at(until_, *(workspace_ = checker(0).make_workspace()));
+    if (world_) world_->stop_at(until_);
     if (problem.robots.front().constraints) constraints_.emplace(*problem.robots.front().constraints);
   }
 
@@ -220,6 +217,7 @@ class CertifiedTiming {
     MotionLimits limits;
     LinkSpeeds speeds;
     Eigen::VectorXd reach;
+    const bool timed = common_.timing != "none";
     for (const std::size_t i : path.robots) {
       const MotionLimits own = scaled(problem_.robots[i].limits, common_);
       speeds.add(model(i), checker(i).other_positions(), own.link_speeds, names.size());
@@ -227,7 +225,7 @@ class CertifiedTiming {
       append(limits.velocity, own.velocity);
       append(limits.acceleration, own.acceleration);
       append(limits.jerk, own.jerk);
-      append(reach, checker(i).reach());
+      if (timed) append(reach, checker(i).reach());
       limits.continuous.insert(limits.continuous.end(), own.continuous.begin(), own.continuous.end());
     }
     RowMatrix waypoints(static_cast<Eigen::Index>(path.size()), limits.velocity.size());
@@ -236,7 +234,7 @@ class CertifiedTiming {
       waypoints.middleCols(first, q.cols()) = q;
       first += q.cols();
     }
-    if (common_.timing == "none") {
+    if (!timed) {
       const RowMatrix none(0, waypoints.cols());
       return parts({names, waypoints, none, none, {}, waypoints}, path);
     }
@@ -267,7 +265,8 @@ class CertifiedTiming {
   /// The straight motion of all robots of a path.
   bool is_motion_free(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     if (constraints_ && !constraints_->keeps(a, b, 1.0)) return false;
-    if (!world_) return checker(0).is_motion_free(a, b, *workspace_) && keeps_preferred_clearance(path, a, b);
+    if (!world_) return is_motion_of_one_free(a, b) && keeps_preferred_clearance(path, a, b);
+    if (deadline_.expired()) return false;  // too late to check the motions of several robots: corners are stops
     Eigen::Index first = 0;
     std::vector<Eigen::VectorXd> from, to;
     for (const RowMatrix& q : path.positions) {
@@ -282,6 +281,11 @@ class CertifiedTiming {
       for (std::size_t j = i + 1; j < path.robots.size(); ++j)
         if (!world_->are_collision_free(path.robots[i], from[i], to[i], path.robots[j], from[j], to[j])) return false;
     return true;
+  }
+
+  bool is_motion_of_one_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    if (!workspace_) checker(0).stop_at(until_, *(workspace_ = checker(0).make_workspace()));
+    return checker(0).is_motion_free(a, b, *workspace_);
   }
 
   /// Does a motion beside a corner of one robot's path keep what is preferred of the clearance of the two halves of
@@ -350,7 +354,7 @@ class CertifiedTiming {
   const Deadline until_;
   PreferredClearance preferred_;  // of one robot
   PlanStatistics& statistics_;
-  Checker::WorkspacePtr workspace_;                    // of one robot
+  Checker::WorkspacePtr workspace_;                    // of one robot, made when it is first needed
   std::optional<ConstraintChecker> constraints_;       // of one robot
   std::map<Eigen::Index, std::size_t> corner_levels_;  // of preferred clearance, by waypoint of one robot
   std::vector<Group> groups_;

@@ -11,7 +11,7 @@ namespace srmp {
 
 /// What certified_timing may do beyond the time limit and the path.
 struct CertifiedTimingOptions {
-  double grace_period{0.010};  ///< [s] past the time limit: a path that was found should not be lost
+  double grace_period{0.005};  ///< [s] past the time limit: a path that was found should not be lost
   /// A rounded corner that the certificate cannot prove free gets so many times the deviation, until it is a stop.
   double shrink{0.25};
   double min_deviation{1e-4};  ///< [m]; below, corners are stops

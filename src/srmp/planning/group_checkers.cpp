@@ -85,14 +85,14 @@ const Checker& ProblemCheckers::with_clearance(double clearance) const {
   if (!checker) {
     CheckerOptions changed = options;
     changed.clearance = clearance;
-    checker = backend(scene_, planning.names().front(), changed);
+    checker = backend(planning.scene(), planning.names().front(), changed);
   }
   return *checker;
 }
 
 ProblemCheckers::Made ProblemCheckers::made_by_coal(double clearance) const {
   const CheckerOptions options{.mode = CheckMode::coal, .clearance = clearance};
-  return std::make_unique<const GroupCheckers>(scene_, planning.names(), options, threads_);
+  return std::make_unique<const GroupCheckers>(planning.scene(), planning.names(), options, threads_);
 }
 
 }  // namespace srmp

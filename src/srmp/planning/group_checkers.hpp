@@ -19,6 +19,7 @@ class GroupCheckers {
   GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
                 std::size_t threads = 1, const CheckerFactory& backend = make_checker, const Deadline& deadline = {});
 
+  const Scene& scene() const { return scene_; }
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }
   const Checker& alone(std::size_t i) const { return *alone_[i]; }
@@ -55,7 +56,6 @@ class ProblemCheckers {
       : options(options),
         backend(backend),
         planning(scene, robots, options, threads, backend, deadline),
-        scene_(scene),
         threads_(threads) {}
 
   const CheckerOptions options;  ///< of those that plan
@@ -71,8 +71,7 @@ class ProblemCheckers {
   using Made = std::unique_ptr<const GroupCheckers>;
   Made made_by_coal(double clearance) const;
 
-  const Scene scene_;
-  std::size_t threads_;
+  const std::size_t threads_;
   mutable std::once_flag made_, clearance_made_;
   mutable Made verification_, clearance_verification_;
   mutable std::mutex mutex_;  // of what follows

@@ -98,6 +98,14 @@ Sha256::Digest key_of(const Distinct& distinct, const RobotCoverOptions& options
   return key.digest();
 }
 
+/// Of quick covers.
+Sha256::Digest quick_key_of(const Distinct& distinct) {
+  Sha256 key = cover_key("quick");
+  const Sha256::Digest content = Sha256(distinct.key).digest();
+  key.add(content.data(), content.size());
+  return key.digest();
+}
+
 /// The cover of a geometry, given that of its envelope.
 std::shared_ptr<const GeometryCover> within_envelope(const LinkGeometry& geometry,
                                                      std::shared_ptr<const GeometryCover> envelope) {
@@ -143,15 +151,29 @@ void adopt(const RobotCover& cover, const RobotModel& model, CoverStore& store) 
 
 /// Each cover is adopted at once: a call that is interrupted leaves less to the next.
 void cover_quickly(const RobotModel& model, const Distinct& distinct, CoverStore& store) {
+  const Sha256::Digest key = quick_key_of(distinct);
+  const std::optional<CoverStore::Result> known = store.find(key);
   std::vector<std::shared_ptr<const GeometryCover>> covers(distinct.shapes.size());
   for (std::size_t i = 0; i < distinct.index.size(); ++i) {
     const LinkGeometry& geometry = model.geometries()[i];
     if (store.adopted_quick(*geometry.shape)) continue;
-    rare_interruption_point();
-    auto& cover = covers[distinct.index[i]];
-    if (!cover) cover = std::make_shared<const GeometryCover>(quick_cover(*distinct.shapes[distinct.index[i]]));
+    const std::size_t shape = distinct.index[i];
+    auto& cover = covers[shape];
+    if (known) {
+      cover = {known->covers, &known->covers->at(shape)};
+    } else if (!cover) {
+      rare_interruption_point();
+      cover = std::make_shared<const GeometryCover>(quick_cover(*distinct.shapes[shape]));
+    }
     store.adopt_quick(geometry.shape, within_envelope(geometry, cover));
   }
+  const bool all_made = std::all_of(covers.begin(), covers.end(), [](const auto& cover) { return cover != nullptr; });
+  if (known || !all_made) return;
+  store.get(key, [&] {
+    CoverSet set;
+    for (const auto& cover : covers) set.push_back(*cover);
+    return set;
+  });
 }
 
 bool is_quickly_covered(const RobotModel& model, const CoverStore& store) {
