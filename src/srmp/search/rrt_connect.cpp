@@ -9,9 +9,12 @@ namespace srmp::search {
 
 namespace {
 
-// Of steps that are projected: how much nearer they have to come, and how long they have to be.
-constexpr double min_progress = 0.1;  // of their length
-constexpr double min_step = 0.05;     // of max_step
+/// Of steps that are projected onto a constraint: less lets trees creep on, more ends them where surfaces bend.
+struct ProjectionOptions {
+  double min_progress{0.1};  ///< towards the sample, of the step's length
+  double min_step{0.05};     ///< of RrtSpace::max_step
+};
+const ProjectionOptions projection;
 
 /// The angle wrapped to [-pi, pi] [rad].
 double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle / (2.0 * M_PI)); }
@@ -117,8 +120,9 @@ bool RrtConnect::extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd 
   const bool arrives = length <= space_.max_step;
   const bool on_surface = arrives && space_.is_motion_free(a, towards);  // nodes of the other tree are
   if (!on_surface) {
-    if (!space_.project(to) || difference(to, towards).norm() > length - min_progress * difference(a, to).norm() ||
-        difference(a, to).norm() < min_step * space_.max_step || !space_.is_motion_free(a, to))
+    if (!space_.project(to) ||
+        difference(to, towards).norm() > length - projection.min_progress * difference(a, to).norm() ||
+        difference(a, to).norm() < projection.min_step * space_.max_step || !space_.is_motion_free(a, to))
       return false;
   }
   add(tree, to, from);

@@ -1,5 +1,7 @@
 #include "srmp/planning/endpoints/start_in_motion.hpp"
 
+#include <array>
+
 #include "srmp/core/error.hpp"
 #include "srmp/planning/validity.hpp"
 
@@ -7,8 +9,13 @@ namespace srmp {
 
 namespace {
 
-constexpr double farther_leads[] = {1.25, 1.5, 2.0};  // times the distance to RobotProblem::start
-constexpr int samples_of_reason = 64;
+/// What LeadOutOfMotion tries.
+struct LeadOptions {
+  /// As multiples of the distance to RobotProblem::start: more of them find faster motions and take longer.
+  std::array<double, 3> farther{1.25, 1.5, 2.0};
+  int samples_of_reason{64};  ///< of the way ahead, to say what is in it: the first one that is invalid
+};
+const LeadOptions tuning;
 
 }  // namespace
 
@@ -40,7 +47,7 @@ std::vector<RowMatrix> LeadOutOfMotion::followed_by(const RowMatrix& waypoints) 
   if (waypoints.rows() < 2) return paths;
   const Eigen::VectorXd next = waypoints.row(1).transpose();
   try {
-    for (const double lead : farther_leads) {
+    for (const double lead : tuning.farther) {
       const Eigen::VectorXd turn = ahead(lead);
       if (!violation(turn).empty() || !is_motion_free(task_.start, turn)) break;
       if (!is_motion_free(turn, next)) continue;
@@ -63,8 +70,8 @@ bool LeadOutOfMotion::is_motion_free(const Eigen::VectorXd& from, const Eigen::V
 }
 
 std::string LeadOutOfMotion::reason() {
-  for (int i = 1; i <= samples_of_reason; ++i) {
-    const std::string why = violation(ahead(static_cast<double>(i) / samples_of_reason));
+  for (int i = 1; i <= tuning.samples_of_reason; ++i) {
+    const std::string why = violation(ahead(static_cast<double>(i) / tuning.samples_of_reason));
     if (!why.empty()) return why;
   }
   return "it would pass something too closely";

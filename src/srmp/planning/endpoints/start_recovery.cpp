@@ -13,8 +13,6 @@ namespace srmp {
 
 namespace {
 
-constexpr double damping = 1e-6;  // of the least squares, so that parallel gradients do no harm
-
 using PairName = std::pair<std::string, std::string>;
 using Depths = std::map<PairName, double>;  // of every pair in contact [m]
 
@@ -141,7 +139,7 @@ class StartRecoverySearch {
     const Eigen::VectorXd required = -(depths.array() + options_.clearance);
     for (Eigen::Index attempt = 0; attempt <= q.size(); ++attempt) {
       Eigen::MatrixXd normal = gradients * gradients.transpose();
-      normal.diagonal().array() += damping;
+      normal.diagonal().array() += options_.damping;
       const Eigen::VectorXd step = gradients.transpose() * normal.ldlt().solve(required);
       bool within_limits = true;
       for (Eigen::Index j = 0; j < q.size(); ++j) {

@@ -27,6 +27,8 @@ struct StartRecoveryOptions {
   int max_checks{20'000};
   /// In (0, 1]: of recovery_tolerance, what the search itself allows; the rest is for depths between samples.
   double tolerance_fraction{0.25};
+  /// > 0: of the least squares; smaller steps are more exact, larger ones keep parallel gradients from doing harm.
+  double damping{1e-6};
 };
 
 /// A path by the rule above from `start`, which is in collision but within limits, to a free configuration: straight

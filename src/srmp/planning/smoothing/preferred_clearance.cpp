@@ -1,11 +1,17 @@
 #include "srmp/planning/smoothing/preferred_clearance.hpp"
 
+#include <array>
+
 namespace srmp {
 
 namespace {
 
-constexpr double level_fractions[] = {1.0, 0.5, 0.25, 0.125};  // of the preferred clearance
-constexpr int max_halvings = 4;  // of a segment, until its parts keep a level or count as a part that does not
+/// Of PreferredClearance: finer levels and more halvings keep more of the clearance and check more motions.
+struct PreferredClearanceOptions {
+  std::array<double, 4> level_fractions{1.0, 0.5, 0.25, 0.125};  ///< of the preferred clearance
+  int max_halvings{4};  ///< of a segment, until its parts keep a level or count as a part that does not
+};
+const PreferredClearanceOptions tuning;
 
 /// Shortens a path by steps that keep a level, which take no clearance from whatever they replace, and then the parts
 /// of it that do not keep the level by steps that keep the next one.
@@ -45,7 +51,7 @@ class LevelledShortcut {
     std::vector<Part> parts;
     for (Eigen::Index i = 0; i + 1 < path.rows(); ++i) {
       begins_segment_ = true;
-      split(path.row(i).transpose(), path.row(i + 1).transpose(), level, max_halvings, parts);
+      split(path.row(i).transpose(), path.row(i + 1).transpose(), level, tuning.max_halvings, parts);
     }
     return parts;
   }
@@ -82,7 +88,7 @@ class LevelledShortcut {
 PreferredClearance::PreferredClearance(const ProblemCheckers& checkers, const CommonOptions& options,
                                        const Deadline& deadline)
     : checkers_(checkers), deadline_(deadline) {
-  for (const double fraction : level_fractions)
+  for (const double fraction : tuning.level_fractions)
     if (const double clearance = fraction * options.preferred_clearance; clearance > options.clearance)
       levels_.push_back({clearance});
 }

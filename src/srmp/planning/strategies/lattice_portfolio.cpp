@@ -10,11 +10,10 @@ namespace {
 std::vector<LatticeMember> members_of(const LatticePortfolioOptions& options) {
   std::vector<LatticeMember> members;
   for (const double scale : options.scales)
-    for (std::size_t d = 0; d < options.directions.size(); ++d)
+    for (std::size_t end = 0; end < options.ends.size(); ++end)
       for (std::size_t variant = 0; variant < options.variants; ++variant)
-        members.push_back({.choice = {.backward = options.directions[d], .scale = scale},
-                           .slice = options.slices[d],
-                           .variant = variant});
+        members.push_back(
+            {.choice = {.from = options.ends[end], .scale = scale}, .slice = options.slices[end], .variant = variant});
   return members;
 }
 

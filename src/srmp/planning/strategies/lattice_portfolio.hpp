@@ -13,9 +13,12 @@
 
 namespace srmp {
 
+/// The end of the path at which a search begins.
+enum class SearchFrom { start, goals };
+
 /// Which lattice of a family.
 struct LatticeChoice {
-  bool backward{};    ///< from the goals, not from the start
+  SearchFrom from{};
   double scale{1.0};  ///< > 0: its steps, as multiples of the resolution that the options name
 };
 
@@ -51,11 +54,11 @@ struct LatticePortfolioOptions {
   /// Resolutions of the lattices, as multiples of the one that the options name: coarse ones find paths in open space
   /// within a few expansions, fine ones find those through narrow places.
   std::vector<double> scales{3.0, 1.5, 0.75, 0.4};
-  std::vector<bool> directions{true, false};  ///< backward? in this order
+  std::vector<SearchFrom> ends{SearchFrom::goals, SearchFrom::start};  ///< in this order
   /// Joint-space length: only states that may lie on a path shorter than this are searched.
   double max_length{std::numeric_limits<double>::infinity()};
   std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};  ///< of one search
-  std::vector<std::uint64_t> slices{8, 8};  ///< expansions of one search in a round, by direction
+  std::vector<std::uint64_t> slices{8, 8};  ///< expansions of one search in a round, by end
   bool first_only{true};                    ///< search::PortfolioOptions::first_only
   std::size_t variants{1};                  ///< searches for each lattice
   MakeLatticeSearch search{};               ///< empty: search::AlternatingSearch

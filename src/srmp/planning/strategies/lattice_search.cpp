@@ -93,8 +93,8 @@ bool LatticeSearch::anytime() const {
 }
 
 Lattice LatticeSearch::make_lattice(const LatticeChoice& choice) {
-  if (std::holds_alternative<AMRAStar>(context_.options)) return lattices_.multi_resolution(choice.backward);
-  return several_ ? lattices_.lattice(choice) : lattices_.plain(choice.backward);
+  if (std::holds_alternative<AMRAStar>(context_.options)) return lattices_.multi_resolution(choice.from);
+  return several_ ? lattices_.lattice(choice) : lattices_.plain(choice.from);
 }
 
 LatticePortfolioOptions LatticeSearch::portfolio_options() {
@@ -112,23 +112,22 @@ LatticePortfolioOptions LatticeSearch::portfolio_options() {
     return options;
   }
   options.scales = {1.0};
-  if (options.directions.size() > 1) options.directions = {narrower_at_goals()};
+  if (options.ends.size() > 1) options.ends = {narrower_end()};
   options.slices = {anytime() ? std::uint64_t{64} : search::unlimited};
   return options;
 }
 
 void LatticeSearch::prefer_narrow_end(LatticePortfolioOptions& options) {
-  if (options.directions.size() < 2) return;
-  const bool backward = narrower_at_goals();
-  options.directions = {backward, !backward};
+  if (options.ends.size() < 2) return;
+  if (narrower_end() != options.ends.front()) std::swap(options.ends.front(), options.ends.back());
   options.slices = {12, 4};
 }
 
 /// A search out of a narrow place is easier than one into it.
-bool LatticeSearch::narrower_at_goals() {
+SearchFrom LatticeSearch::narrower_end() {
   double at_goals = search::infinity;
   for (const Eigen::VectorXd& target : endpoints_.targets) at_goals = std::min(at_goals, clearance(target));
-  return at_goals < clearance(endpoints_.start);
+  return at_goals < clearance(endpoints_.start) ? SearchFrom::goals : SearchFrom::start;
 }
 
 double LatticeSearch::clearance(const Eigen::VectorXd& q) {

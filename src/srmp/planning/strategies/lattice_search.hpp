@@ -29,9 +29,9 @@ class LatticeSearch : public Strategy {
   bool anytime() const;
   Lattice make_lattice(const LatticeChoice& choice);
   LatticePortfolioOptions portfolio_options();
-  /// Both directions, the one that begins at the end with less clearance more often.
+  /// From both ends, from the one with less clearance more often.
   void prefer_narrow_end(LatticePortfolioOptions& options);
-  bool narrower_at_goals();
+  SearchFrom narrower_end();
   double clearance(const Eigen::VectorXd& q);
   Attempt run(LatticePortfolio& searches, const Deadline& deadline);
   std::unique_ptr<search::ResumableSearch> make_search(LatticeMember& member);

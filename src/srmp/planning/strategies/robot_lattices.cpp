@@ -18,10 +18,9 @@ RobotLattices::RobotLattices(RobotContext& context, const RobotEndpoints& endpoi
     goal_connection_ = make_ik_goal_connection(*context.task.placed, context.task.goals, step());
 }
 
-Lattice RobotLattices::plain(bool backward) {
+Lattice RobotLattices::plain(SearchFrom from) {
   const std::vector<Joint>& joints = context_.robot.joints();
-  return make({.backward = backward},
-              own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
+  return make({.from = from}, own_primitives() ? read_primitives() : default_primitives(joints, step(), pairs()));
 }
 
 Lattice RobotLattices::lattice(const LatticeChoice& choice) {
@@ -29,9 +28,9 @@ Lattice RobotLattices::lattice(const LatticeChoice& choice) {
   return make(choice, own_primitives() ? read_primitives() : rich_primitives(joints, step(choice.scale), pairs()));
 }
 
-Lattice RobotLattices::multi_resolution(bool backward) {
-  if (own_primitives()) return make({.backward = backward}, read_primitives());
-  if (context_.task.constraints) return lattice({backward, finest_scale});
+Lattice RobotLattices::multi_resolution(SearchFrom from) {
+  if (own_primitives()) return make({.from = from}, read_primitives());
+  if (context_.task.constraints) return lattice({from, finest_scale});
   const std::vector<Joint>& joints = context_.robot.joints();
   PrimitiveSet finest = rich_primitives(joints, step(finest_scale), pairs());
   const Eigen::VectorXd whole = finest.families.front().moves.front();  // on the grid, all joints at once
@@ -41,11 +40,11 @@ Lattice RobotLattices::multi_resolution(bool backward) {
     if (factor * resolution(finest_scale) > std::max(context_.common.resolution, 90.0)) break;
     coarser.push_back({step, rich_primitives(joints, step, pairs())});
   }
-  return make({backward, finest_scale}, std::move(finest), std::move(coarser));
+  return make({from, finest_scale}, std::move(finest), std::move(coarser));
 }
 
 std::string RobotLattices::describe(const LatticeChoice& choice) const {
-  const std::string end = choice.backward ? "the goals" : "the start";
+  const std::string end = choice.from == SearchFrom::goals ? "the goals" : "the start";
   if (own_primitives()) return "the lattice of '" + context_.common.mprim_path + "' from " + end;
   return "the lattice of " + to_text(resolution(choice.scale)) + " degrees" +
          (context_.task.constraints ? ", projected onto the constraints, from " : " from ") + end;
@@ -54,15 +53,17 @@ std::string RobotLattices::describe(const LatticeChoice& choice) const {
 FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& lattice,
                                  const LatticeChoice& choice) const {
   std::vector<Eigen::VectorXd> waypoints = lattice.configurations(result.path);
-  const search::StateId goal = choice.backward ? result.path.front() : result.path.back();
+  const search::StateId goal = choice.from == SearchFrom::goals ? result.path.front() : result.path.back();
   const ConnectedGoal* connected = lattice.connected_goal(goal);
-  if (choice.backward) std::reverse(waypoints.begin(), waypoints.end());
+  if (choice.from == SearchFrom::goals) std::reverse(waypoints.begin(), waypoints.end());
   RowMatrix rows = stack_waypoints(waypoints);
-  if (choice.backward) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
+  if (choice.from == SearchFrom::goals) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
   const std::string graph = describe(choice);
   return {.path = path_of_one(std::move(rows)),
-          .goal_index = connected ? connected->goal
-                                  : endpoints_.goal_indices[choice.backward ? goal : goal - lattice.root_count()],
+          .goal_index =
+              connected
+                  ? connected->goal
+                  : endpoints_.goal_indices[choice.from == SearchFrom::goals ? goal : goal - lattice.root_count()],
           .cost = result.cost,
           .lower = result.cost / result.bound,
           .graph = graph,
@@ -75,7 +76,7 @@ LatticePortfolioOptions RobotLattices::portfolio_options(double weight, double f
   if (own_primitives()) options.scales = {1.0};
   for (double& scale : options.scales) scale = finer * scale;
   const std::string& direction = context_.common.direction;
-  if (direction != "auto") options.directions = {direction == "backward"};
+  if (direction != "auto") options.ends = {direction == "backward" ? SearchFrom::goals : SearchFrom::start};
   return options;
 }
 
@@ -89,12 +90,12 @@ void RobotLattices::count(const LatticePortfolio& searches) {
 Lattice RobotLattices::make(const LatticeChoice& choice, PrimitiveSet primitives,
                             std::vector<Lattice::CoarseLevel> coarser) {
   std::vector<Eigen::VectorXd> roots{endpoints_.start}, goals = endpoints_.targets;
-  if (choice.backward) roots.swap(goals);
+  if (choice.from == SearchFrom::goals) roots.swap(goals);
   const bool alone = context_.problem.robots.size() == 1;  // threads plan several robots, in no order
   return Lattice(
       context_.robot, std::move(roots), std::move(goals),
       {.primitives = std::move(primitives),
-       .goal_connection = choice.backward ? GoalConnection{} : goal_connection_,
+       .goal_connection = choice.from == SearchFrom::goals ? GoalConnection{} : goal_connection_,
        .coarser = std::move(coarser),
        .projection = projection(),
        .observer = alone ? lattice_recorder(context_.task.robot, describe(choice)) : LatticeObserver{}},

@@ -10,7 +10,7 @@
 
 namespace srmp {
 
-/// Makes the lattices of one robot's search, from the start or, backward, from the targets, and turns what a search
+/// Makes the lattices of one robot's search, from the start or from the targets, and turns what a search
 /// found in them into a path.
 class RobotLattices : public LatticeFamily {
  public:
@@ -21,10 +21,10 @@ class RobotLattices : public LatticeFamily {
   bool own_primitives() const { return !context_.common.mprim_path.empty(); }
   RobotHeuristics& heuristics() { return heuristics_; }
 
-  Lattice plain(bool backward);  ///< with default_primitives, at the resolution that the options name
+  Lattice plain(SearchFrom from);  ///< with default_primitives, at the resolution that the options name
   /// With rich_primitives: of finest_scale times that resolution, with three coarser levels of double steps each. The
   /// user's own primitives have one level.
-  Lattice multi_resolution(bool backward);
+  Lattice multi_resolution(SearchFrom from);
   static constexpr double finest_scale = 0.4;
   /// With rich_primitives.
   Lattice lattice(const LatticeChoice& choice) override;
