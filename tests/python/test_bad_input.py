@@ -205,6 +205,7 @@ QUESTIONS = [
     (lambda p, q: p.is_state_colliding("arm", q[:3]), "7.*3"),
     (lambda p, q: p.plan_multi({}, {"arm": goal_of(q)}), "'arm' has a goal but no start"),
     (lambda p, q: p.load("a\0b"), r"a path cannot hold a null character, as 'a\\x00b' does"),
+    (lambda p, q: p.load("a\ud800"), r"a path must be text in characters that exist in UTF-8, but is 'a\\ud800'"),
     (lambda p, q: p.plan("arm", q + 1j, goal_of(q)), "start.* must be real numbers, but is array"),
 ]
 

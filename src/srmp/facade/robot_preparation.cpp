@@ -13,6 +13,14 @@ namespace {
 /// Ends a job in the background.
 struct PreparationStopped {};
 
+/// For plans of several robots. What `progress` throws ends it.
+void prepare_quick_covers(const RobotModel& model, CoverStore& covers, const StepProgress& progress) {
+  const InterruptionScope scope([&] {
+    if (progress) progress(0, 1);
+  });
+  ensure_quickly_covered(model, covers);
+}
+
 }  // namespace
 
 RobotPreparation::Robot& RobotPreparation::robot_of(const std::shared_ptr<const RobotModel>& model) {
@@ -33,8 +41,7 @@ void RobotPreparation::begin(Robot& robot, const RobotInstance& instance) const 
     tables->tables(model, parts, 1, progress);
     cover_robot(*model, *covers, {.threads = 1}, progress);
     *computed = true;
-    const InterruptionScope scope([&] { progress(0, 1); });
-    ensure_quickly_covered(*model, *covers);  // for plans of several robots
+    prepare_quick_covers(*model, *covers, progress);
   });
 }
 
@@ -59,7 +66,7 @@ bool RobotPreparation::finish(const Scene& scene, const StepProgress& progress) 
   bool changed = false;
   for (const auto& [name, instance] : scene.robots()) {
     Robot& robot = robot_of(instance.model);
-    if (scene.robots().size() > 1) ensure_quickly_covered(*instance.model, *covers_);
+    if (scene.robots().size() > 1) prepare_quick_covers(*instance.model, *covers_, progress);
     if (robot.ready) continue;
     robot.job.cancel();
     robot.begun_by = 0;  // where `progress` ends this, the next plan begins again

@@ -149,31 +149,30 @@ void adopt(const RobotCover& cover, const RobotModel& model, CoverStore& store) 
   for (std::size_t i = 0; i < cover.parts.size(); ++i) store.adopt(model.geometries()[i].shape, cover.parts[i].cover);
 }
 
-/// Each cover is adopted at once: a call that is interrupted leaves less to the next.
+void adopt_quick(const RobotCover& cover, const RobotModel& model, CoverStore& store) {
+  for (std::size_t i = 0; i < cover.parts.size(); ++i)
+    store.adopt_quick(model.geometries()[i].shape, cover.parts[i].cover);
+}
+
+/// Where they have to be made, each cover is adopted at once: a call that is interrupted leaves less to the next. They
+/// are kept when one call has made them all.
 void cover_quickly(const RobotModel& model, const Distinct& distinct, CoverStore& store) {
   const Sha256::Digest key = quick_key_of(distinct);
-  const std::optional<CoverStore::Result> known = store.find(key);
-  std::vector<std::shared_ptr<const GeometryCover>> covers(distinct.shapes.size());
+  if (const auto known = store.find(key))
+    return adopt_quick(robot_cover(geometries_of(model), distinct, *known), model, store);
+  std::vector<std::shared_ptr<const GeometryCover>> made(distinct.shapes.size());
   for (std::size_t i = 0; i < distinct.index.size(); ++i) {
     const LinkGeometry& geometry = model.geometries()[i];
     if (store.adopted_quick(*geometry.shape)) continue;
-    const std::size_t shape = distinct.index[i];
-    auto& cover = covers[shape];
-    if (known) {
-      cover = {known->covers, &known->covers->at(shape)};
-    } else if (!cover) {
-      rare_interruption_point();
-      cover = std::make_shared<const GeometryCover>(quick_cover(*distinct.shapes[shape]));
-    }
+    rare_interruption_point();
+    auto& cover = made[distinct.index[i]];
+    if (!cover) cover = std::make_shared<const GeometryCover>(quick_cover(*distinct.shapes[distinct.index[i]]));
     store.adopt_quick(geometry.shape, within_envelope(geometry, cover));
   }
-  const bool all_made = std::all_of(covers.begin(), covers.end(), [](const auto& cover) { return cover != nullptr; });
-  if (known || !all_made) return;
-  store.get(key, [&] {
-    CoverSet set;
-    for (const auto& cover : covers) set.push_back(*cover);
-    return set;
-  });
+  CoverSet all;
+  for (const auto& cover : made)
+    if (cover) all.push_back(*cover);
+  if (all.size() == made.size()) store.get(key, [&] { return all; });
 }
 
 bool is_quickly_covered(const RobotModel& model, const CoverStore& store) {

@@ -9,7 +9,7 @@ namespace srmp::search {
 
 namespace {
 
-/// Of steps that are projected onto a constraint: less lets trees creep on, more ends them where surfaces bend.
+/// Of steps that are projected onto a constraint: with less, trees creep on; with more, they end where surfaces bend.
 struct ProjectionOptions {
   double min_progress{0.1};  ///< towards the sample, of the step's length
   double min_step{0.05};     ///< of RrtSpace::max_step

@@ -13,7 +13,7 @@ namespace {
 struct LeadOptions {
   /// As multiples of the distance to RobotProblem::start: more of them find faster motions and take longer.
   std::array<double, 3> farther{1.25, 1.5, 2.0};
-  int samples_of_reason{64};  ///< of the way ahead, to say what is in it: the first one that is invalid
+  int samples_of_reason{64};  ///< of the motion ahead: the first that is invalid says why the robot cannot stop
 };
 const LeadOptions tuning;
 

@@ -27,7 +27,7 @@ struct StartRecoveryOptions {
   int max_checks{20'000};
   /// In (0, 1]: of recovery_tolerance, what the search itself allows; the rest is for depths between samples.
   double tolerance_fraction{0.25};
-  /// > 0: of the least squares; smaller steps are more exact, larger ones keep parallel gradients from doing harm.
+  /// Of the least squares, > 0: less is more exact, more keeps parallel gradients from doing harm.
   double damping{1e-6};
 };
 

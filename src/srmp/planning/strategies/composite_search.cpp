@@ -23,7 +23,7 @@ class CompositeLattices : public LatticeFamily {
 
   Lattice lattice(const LatticeChoice& choice) override {
     std::vector<Eigen::VectorXd> roots{space_.start()}, targets = space_.targets();
-    if (choice.from == SearchFrom::goals) roots.swap(targets);
+    if (choice.from_goals()) roots.swap(targets);
     return Lattice(space_.joints(), std::move(roots), std::move(targets), {.primitives = primitives(choice.scale)},
                    [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
                      return space_.is_motion_free(a, b);
@@ -40,7 +40,7 @@ class CompositeLattices : public LatticeFamily {
 
   FoundPath path_of(const search::Result& result, const Lattice& lattice, const LatticeChoice& choice) const override {
     std::vector<Eigen::VectorXd> rows = lattice.configurations(result.path);
-    if (choice.from == SearchFrom::goals) std::reverse(rows.begin(), rows.end());
+    if (choice.from_goals()) std::reverse(rows.begin(), rows.end());
     rows.front() = space_.start();  // unwrapped from the start on
     FoundPath found{.path = space_.path(rows), .graph = describe(choice), .found_by = "composite lattice"};
     found.cost = found.path.length();
@@ -49,7 +49,7 @@ class CompositeLattices : public LatticeFamily {
 
   std::string describe(const LatticeChoice& choice) const override {
     return "the composite lattice of " + to_text(choice.scale) + " times the resolution from " +
-           (choice.from == SearchFrom::goals ? "the goals" : "the start");
+           (choice.from_goals() ? "the goals" : "the start");
   }
   std::string no_path_sentence(const search::Result& result, const std::string& no_path) const override {
     return no_path + " path (" + std::string(to_string(result.status)) + ")";

@@ -20,6 +20,8 @@ enum class SearchFrom { start, goals };
 struct LatticeChoice {
   SearchFrom from{};
   double scale{1.0};  ///< > 0: its steps, as multiples of the resolution that the options name
+
+  bool from_goals() const { return from == SearchFrom::goals; }
 };
 
 /// Lattices over one joint space: of one robot, or of several robots as one.

@@ -44,7 +44,7 @@ Lattice RobotLattices::multi_resolution(SearchFrom from) {
 }
 
 std::string RobotLattices::describe(const LatticeChoice& choice) const {
-  const std::string end = choice.from == SearchFrom::goals ? "the goals" : "the start";
+  const std::string end = choice.from_goals() ? "the goals" : "the start";
   if (own_primitives()) return "the lattice of '" + context_.common.mprim_path + "' from " + end;
   return "the lattice of " + to_text(resolution(choice.scale)) + " degrees" +
          (context_.task.constraints ? ", projected onto the constraints, from " : " from ") + end;
@@ -53,17 +53,15 @@ std::string RobotLattices::describe(const LatticeChoice& choice) const {
 FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& lattice,
                                  const LatticeChoice& choice) const {
   std::vector<Eigen::VectorXd> waypoints = lattice.configurations(result.path);
-  const search::StateId goal = choice.from == SearchFrom::goals ? result.path.front() : result.path.back();
+  const search::StateId goal = choice.from_goals() ? result.path.front() : result.path.back();
   const ConnectedGoal* connected = lattice.connected_goal(goal);
-  if (choice.from == SearchFrom::goals) std::reverse(waypoints.begin(), waypoints.end());
+  if (choice.from_goals()) std::reverse(waypoints.begin(), waypoints.end());
   RowMatrix rows = stack_waypoints(waypoints);
-  if (choice.from == SearchFrom::goals) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
+  if (choice.from_goals()) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
   const std::string graph = describe(choice);
   return {.path = path_of_one(std::move(rows)),
-          .goal_index =
-              connected
-                  ? connected->goal
-                  : endpoints_.goal_indices[choice.from == SearchFrom::goals ? goal : goal - lattice.root_count()],
+          .goal_index = connected ? connected->goal
+                                  : endpoints_.goal_indices[choice.from_goals() ? goal : goal - lattice.root_count()],
           .cost = result.cost,
           .lower = result.cost / result.bound,
           .graph = graph,
@@ -90,12 +88,12 @@ void RobotLattices::count(const LatticePortfolio& searches) {
 Lattice RobotLattices::make(const LatticeChoice& choice, PrimitiveSet primitives,
                             std::vector<Lattice::CoarseLevel> coarser) {
   std::vector<Eigen::VectorXd> roots{endpoints_.start}, goals = endpoints_.targets;
-  if (choice.from == SearchFrom::goals) roots.swap(goals);
+  if (choice.from_goals()) roots.swap(goals);
   const bool alone = context_.problem.robots.size() == 1;  // threads plan several robots, in no order
   return Lattice(
       context_.robot, std::move(roots), std::move(goals),
       {.primitives = std::move(primitives),
-       .goal_connection = choice.from == SearchFrom::goals ? GoalConnection{} : goal_connection_,
+       .goal_connection = choice.from_goals() ? GoalConnection{} : goal_connection_,
        .coarser = std::move(coarser),
        .projection = projection(),
        .observer = alone ? lattice_recorder(context_.task.robot, describe(choice)) : LatticeObserver{}},

@@ -10,8 +10,8 @@
 
 namespace srmp {
 
-/// Makes the lattices of one robot's search, from the start or from the targets, and turns what a search
-/// found in them into a path.
+/// Makes the lattices of one robot's search, from the start or from the targets, and turns what a search found in them
+/// into a path.
 class RobotLattices : public LatticeFamily {
  public:
   /// Both outlive this and its lattices.
