@@ -44,6 +44,7 @@ std::vector<std::string> with_other_robots(const std::string& robot, std::vector
 std::string Contact::describe() const {
   const std::string pair = kind_text(kind_a) + body_a + "' and " + kind_text(kind_b) + body_b + "'";
   const double unpadded = distance + padding;
+  if (padding == 0.0 && std::abs(unpadded) <= detail::NarrowPhase::contact_distance) return pair + " touch";
   if (unpadded <= 0.0) return pair + " overlap by " + millimetres(-unpadded);
   if (distance <= 0.0)
     return pair + " are " + millimetres(unpadded) + " apart, less than their padding of " + millimetres(padding);

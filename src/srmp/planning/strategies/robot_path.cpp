@@ -6,6 +6,7 @@
 
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/strategies/anytime.hpp"
+#include "srmp/planning/strategies/joint_barriers.hpp"
 #include "srmp/planning/strategies/lattice_portfolio.hpp"
 #include "srmp/planning/strategies/lattice_search.hpp"
 #include "srmp/planning/strategies/rrt_connect.hpp"
@@ -65,6 +66,7 @@ class PathSearch {
     if (wants_rrt_connect())
       strategies.push_back(
           std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{.alone = false}));
+    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
     auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
     const LatticePortfolio& searches = *portfolio;
     strategies.push_back(std::move(portfolio));
@@ -86,12 +88,14 @@ class PathSearch {
   FoundPath find_by_rrt_connect() {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
+    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
     strategies.push_back(std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{}));
     return attempt_in_rounds(strategies, direct_, search::infinity, context_.deadline);
   }
 
   void run_lattice_search() {
     Strategies strategies;
+    strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
     strategies.push_back(std::make_unique<LatticeSearch>(context_, endpoints_, lattices_, best_, direct_));
     FoundPath found = attempt_in_rounds(strategies, 0.0, 1.0, context_.deadline);
     if (!best_.empty()) return;  // an anytime planner has handed in its paths

@@ -21,6 +21,7 @@ FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double w
         attempt.found.lower = std::max(attempt.found.lower, lower);
         return std::move(attempt.found);
       }
+      if (attempt.of_all_paths) throw PlanningError(Status::exhausted, attempt.reason);
       if (strategy->can_exhaust()) {
         some_can_exhaust = true;
         all_exhausted = all_exhausted && attempt.status == Status::exhausted;

@@ -36,6 +36,7 @@ struct Attempt {
   FoundPath found{};
   double lower{};        ///< whatever the status: no path at all costs less
   std::string reason{};  ///< why there is no path: a sentence; may be empty
+  bool of_all_paths{};   ///< exhausted: there is no path at all, on whatever graph
 };
 
 /// One way to find a path of one robot, or of several robots together. An attempt goes on where the one before it
@@ -55,8 +56,8 @@ using WorkUsedUp = std::function<std::optional<std::string>()>;
 /// Attempts by all strategies in their order, round after round, until one finds a path that costs no more than
 /// `weight` times the lower bound known by then, which begins with `lower` (a portfolio: Huberman, Lukose, Hogg 1997,
 /// "An Economics Approach to Hard Computational Problems"). Throws PlanningError with the reason of the last strategy
-/// that gave one: exhausted when all strategies that can exhaust their graphs have; timed_out, also when the
-/// work is used up, or cancelled.
+/// that gave one: exhausted when all strategies that can exhaust their graphs have, or one has proved that there is no
+/// path at all; timed_out, also when the work is used up, or cancelled.
 FoundPath attempt_in_rounds(const Strategies& strategies, double lower, double weight, const Deadline& deadline,
                             const WorkUsedUp& used_up = {});
 
