@@ -28,6 +28,8 @@ AlignedFloats aligned_floats(std::size_t count) {
   return AlignedFloats(p);
 }
 
+constexpr unsigned all_lanes = (1u << kLanes) - 1;
+
 struct Interval {
   double t, half;
 };
@@ -70,11 +72,12 @@ class BatchChecker::Workspace {
   std::array<Interval, kLanes> lanes;
   BatchStatistics statistics;
 
-  batch::KernelResult run(const BatchModel& impl, bool moving, unsigned proofs_only = 0) {
+  batch::KernelResult run(const BatchModel& impl, bool moving, unsigned proofs_only = 0, unsigned decisive = 0) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, pair_lanes.data()};
     const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving,
-                                       static_cast<batch::LaneMask>(proofs_only)};
+                                       static_cast<batch::LaneMask>(proofs_only),
+                                       static_cast<batch::LaneMask>(decisive)};
     impl.kernel(view, request, scratch.get(), result);
     return result;
   }
@@ -244,7 +247,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
     unsigned whole = 0;  // lanes that are not subdivided any more
     for (std::size_t i = 0; i < kLanes; ++i)
       if (w.lanes[i].half < (over_budget ? first : finest)) whole |= 1u << i;
-    const batch::KernelResult result = w.run(*impl_, true, whole);
+    const batch::KernelResult result = w.run(*impl_, true, all_lanes, whole);
     if (result.undecided) w.clear_pair_lanes();
     if (result.colliding || (result.undecided & whole)) {
       ++w.statistics.motions_undecided;

@@ -13,7 +13,7 @@ struct V3 {
 
 /// Is a lane found that is not free, where one such lane decides the request?
 SRMP_INLINE bool is_decided(const KernelRequest& request, const KernelResult& result) {
-  return (result.colliding | (result.undecided & request.proofs_only)) != 0;
+  return (result.colliding | (result.undecided & request.decisive)) != 0;
 }
 
 /// One slice of kWidth lanes of a block.
@@ -25,7 +25,8 @@ class Slice {
         request_(request),
         result_(result),
         lane_(first_lane),
-        proofs_only_((static_cast<unsigned>(request.proofs_only) >> first_lane) & ((1u << kWidth) - 1)) {
+        proofs_only_(lanes_of(request.proofs_only)),
+        ends_(request.every_lane ? 0 : lanes_of(request.decisive)) {
     frames_ = scratch;
     centers_ = frames_ + 12 * kWidth * m_.node_count;
     stages_ = centers_ + 3 * kWidth * m_.body_count;
@@ -48,7 +49,11 @@ class Slice {
   }
 
  private:
-  SRMP_INLINE bool done() const { return request_.every_lane ? alive_ == 0 : is_decided(request_, result_); }
+  SRMP_INLINE bool done() const { return alive_ == 0 || (!request_.every_lane && is_decided(request_, result_)); }
+
+  SRMP_INLINE unsigned lanes_of(LaneMask mask) const {
+    return (static_cast<unsigned>(mask) >> lane_) & ((1u << kWidth) - 1);
+  }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -321,9 +326,8 @@ class Slice {
     place_spheres(pair.a);
     place_spheres(pair.b);
     const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
-    const unsigned ends = request_.every_lane ? 0 : proofs_only_;
     unsigned undecided = 0;
-    for (int i = a.first_sphere; i < a.first_sphere + a.spheres && !(undecided & ends); ++i) {
+    for (int i = a.first_sphere; i < a.first_sphere + a.spheres && !(undecided & ends_); ++i) {
       const V3 ci = coarse(i);
       const float ri = m_.spheres[i].radius;
       const unsigned around = within(between(ci, cb), add(limit, all(ri + b.radius))) & pending & ~undecided;
@@ -428,7 +432,7 @@ class Slice {
   const KernelRequest& request_;
   KernelResult& result_;
   const int lane_;
-  const unsigned proofs_only_;          // of this slice
+  const unsigned proofs_only_, ends_;   // of this slice
   unsigned alive_{(1u << kWidth) - 1};  // lanes that are not decided yet
   float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_;
 };

@@ -1,6 +1,7 @@
 #include "srmp/planning/strategies/group_strategies.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "srmp/core/error.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
@@ -20,8 +21,8 @@ struct GroupBudget {
   std::uint64_t roadmap_checks{2'000};            ///< of motions of two robots, until there is a path
   std::uint64_t shorter_checks{8'000};            ///< for each search after it; the same in every round
   std::vector<double> shorter_weights{3.0, 1.5};  ///< of those searches
-  double worth_shortening{1.05};  ///< only if the path is longer by this factor than the robots' paths alone
-  std::uint64_t rrt_attempts{2'048};
+  double worth_shortening{1.05};            ///< only if the path is longer by this factor than the robots' paths alone
+  std::uint64_t rrt_attempts{2'048};        ///< of the shortest trees, too
   std::uint64_t conflict_evaluations{128};  ///< of lattice edges
   std::uint64_t lattice_expansions{16};     ///< of each search of the composite lattices
 };
@@ -81,12 +82,36 @@ bool CompositeRoadmapStrategy::may_be_shorter(const JointPath& path) const {
 
 // --- RRT-Connect
 
+namespace {
+
+/// Element number n = 0, 1, 2, … of 1, 1, 2, 1, 1, 2, 4, …
+std::uint64_t luby(std::uint64_t n) {
+  for (++n;;) {
+    const std::uint64_t power = std::bit_floor(n);
+    if (n + 1 == 2 * power) return power;
+    n -= power - 1;
+  }
+}
+
+}  // namespace
+
+std::optional<std::vector<Eigen::VectorXd>> CompositeRrtStrategy::grow_trees(std::uint64_t attempts,
+                                                                             const Deadline& deadline) {
+  while (attempts > 0 && !deadline.stop_requested()) {
+    const std::uint64_t now = std::min(attempts, budgets.rrt_attempts * luby(restarts_));
+    const std::uint64_t seed = restarts_++ << 16;  // none of those that GroupPlanner::replan takes
+    search::RrtConnect trees(rrt_space(space_), seed);
+    const auto rows = trees.grow(now, deadline);
+    statistics_.samples += trees.attempts();
+    note_memory(statistics_, trees.memory());
+    if (rows) return rows;
+    attempts -= now;
+  }
+  return std::nullopt;
+}
+
 Attempt CompositeRrtStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
-  const std::uint64_t seed = (growth(budget) - 1) << 16;  // none of those that GroupPlanner::replan takes
-  search::RrtConnect trees(rrt_space(space_), seed);
-  const auto rows = trees.grow(budgets.rrt_attempts * growth(budget), deadline);
-  statistics_.samples += trees.attempts();
-  note_memory(statistics_, trees.memory());
+  const auto rows = grow_trees(budgets.rrt_attempts * growth(budget), deadline);
   if (!rows) return {};
   JointPath path = space_.path(*rows);
   if (shorten_) path = shortened(std::move(path), world_, deadline);  // random paths make large detours

@@ -37,8 +37,10 @@ class CompositeRoadmapStrategy : public Strategy {
 };
 
 /// RRT-Connect in the joint space of all robots: quick where robots block each other from start to goal, of which no
-/// lattice of so many joints holds a path that is found soon. Each round takes other samples, for some take a hundred
-/// times as long as others (Wedge, Branicky 2008, "On Heavy-tailed Runtimes and Restarts in RRTs").
+/// lattice of so many joints holds a path that is found soon. Some samples take a hundred times as long as others
+/// (Wedge, Branicky 2008, "On Heavy-tailed Runtimes and Restarts in RRTs"), so the trees begin anew with others after
+/// one, one, two, one, one, two, four, … times as many attempts (Luby, Sinclair, Zuckerman 1993, "Optimal Speedup of
+/// Las Vegas Algorithms").
 class CompositeRrtStrategy : public Strategy {
  public:
   CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space, bool shorten, PlanStatistics& statistics)
@@ -48,10 +50,13 @@ class CompositeRrtStrategy : public Strategy {
   bool can_exhaust() const override { return false; }
 
  private:
+  std::optional<std::vector<Eigen::VectorXd>> grow_trees(std::uint64_t attempts, const Deadline& deadline);
+
   MultiRobotWorld& world_;
   const CompositeSpace& space_;
   const bool shorten_;  // before the path is compared with the budget
   PlanStatistics& statistics_;
+  std::uint64_t restarts_{};
 };
 
 /// Conflict-based search on the robots' lattices in discrete time (multi/conflict_search.hpp): CBS, ECBS, prioritised.
