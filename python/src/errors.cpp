@@ -84,7 +84,9 @@ void bind_errors(nb::module_& m) {
   nb::enum_<Status>(m, "Status", "How a plan ended.")
       .value("solved", Status::solved, "There is a trajectory.")
       .value("timed_out", Status::timed_out, "The time limit passed before a path was found.")
-      .value("exhausted", Status::exhausted, "The whole graph was searched: it has no path (a finer resolution may).")
+      .value("exhausted", Status::exhausted,
+             "The whole graph was searched: it has no path (a finer resolution may). Or the reason says that there is "
+             "none.")
       .value("start_invalid", Status::start_invalid, "The start is in collision or outside a limit.")
       .value("goal_invalid", Status::goal_invalid,
              "No goal can be reached: in collision, outside limits or out of reach.")

@@ -320,6 +320,32 @@ def test_exhausted_is_told_apart(arm, ready, tmp_path):
             assert error.value.status == srmp.Status.exhausted
 
 
+def test_no_path_past_what_blocks_a_joint():
+    """Whatever the planner: the rod that the first joint alone turns cannot get past the post."""
+    urdf = """<robot name="rod"><link name="base"/>
+      <link name="upper"><collision><origin xyz="0.4 0 0"/>
+        <geometry><box size="0.6 0.05 0.05"/></geometry></collision></link>
+      <link name="lower"><collision><origin xyz="0.2 0 0"/>
+        <geometry><box size="0.2 0.05 0.05"/></geometry></collision></link>
+      <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+        <limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+      <joint name="bend" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="0.7 0 0"/>
+        <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>"""
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(name="rod", urdf_text=urdf, end_effector="lower")
+    planner.add_box("post", [0.05, 0.05, 1], srmp.Pose([0.5, 0, 0]))
+    start, goal = np.array([-1.0, 0.5]), srmp.GoalConstraint(srmp.GoalType.JOINTS, [1.0, -0.5])
+    reason = (
+        r"^there is no path: joint 'turn' cannot get from -1 to 1, because at -?0(\.\d+)? "
+        r"link 'upper' and object 'post' overlap by [\d.]+ mm wherever the other joints are$"
+    )
+    for options in ("auto", "RRTConnect", "Astar", "wAstar", "ARAstar", "MHAstar", "wPASE", "AMRAstar"):
+        planner.make_planner("rod", {"planner_id": options, "time_limit": 600})
+        with pytest.raises(srmp.PlanningError, match=reason) as error:
+            planner.plan("rod", start, goal)
+        assert error.value.status == srmp.Status.exhausted
+
+
 @pytest.fixture
 def interruptible():
     """Python's own Ctrl-C, which a program started in the background may have been told to ignore."""

@@ -8,7 +8,7 @@ namespace srmp {
 enum class Status {
   solved,         ///< a trajectory was found
   timed_out,      ///< the time limit passed before a path was found
-  exhausted,      ///< the whole graph was searched and contains no path (one of a finer resolution may)
+  exhausted,      ///< the graph, searched whole, has no path (a finer one may); or there is none, as the reason says
   start_invalid,  ///< the start is in collision or outside a limit
   goal_invalid,   ///< every goal is in collision, outside limits or out of reach
   cancelled,      ///< the caller requested to stop

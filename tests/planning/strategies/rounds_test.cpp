@@ -55,6 +55,15 @@ BOOST_AUTO_TEST_CASE(rounds_end_when_all_that_can_exhaust_have) {
   BOOST_TEST(std::string(error.what()) == "no");
 }
 
+BOOST_AUTO_TEST_CASE(rounds_end_at_a_proof_that_there_is_no_path_at_all) {
+  Attempt proof = ended(Status::exhausted, "a wall");
+  proof.of_all_paths = true;
+  const auto error =
+      error_of(strategies(Scripted(false, {proof}), Scripted(true, {ended(Status::timed_out, "")})), 1e9);
+  BOOST_TEST((error.status() == Status::exhausted));
+  BOOST_TEST(std::string(error.what()) == "a wall");
+}
+
 BOOST_AUTO_TEST_CASE(a_plan_that_is_stopped_is_not_called_exhausted) {
   const Scripted exhausted(true, {ended(Status::exhausted, "no")});
   const auto silent = error_of(strategies(exhausted, Scripted(true, {ended(Status::timed_out, "")})), 0.01);
