@@ -219,6 +219,7 @@ def draw(rows: Sequence[dict[str, Any]], path: Path) -> None:
     """A panel for each series: scene, first plan and later plan over size."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
     names = list(dict.fromkeys(row["series"] for row in rows))
     columns = min(3, len(names))
@@ -236,6 +237,9 @@ def draw(rows: Sequence[dict[str, Any]], path: Path) -> None:
             y = [np.nan if row[key] is None else 1e3 * row[key] for row in own]
             axes.plot(x, y, style, marker="o", markersize=3, label=label)
         axes.set(xscale="log", yscale="log", xlabel=SERIES[name][0], ylabel="CPU time [ms]" if k % columns == 0 else "")
+        if max(x) < 10 * min(x):  # hardly a decade: the sizes themselves
+            axes.set_xticks(x, [f"{value:g}" for value in x])
+            axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3, which="both")
         if k == 0:
             axes.legend(frameon=False)

@@ -222,7 +222,8 @@ class PlannerInterface {
   std::vector<std::string> load_joint_limits(const std::string& robot, const std::string& path);
   /// A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
   /// nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and
-  /// goals. Faults are reported, not thrown. Throws InvalidArgument for an unknown robot and options out of range.
+  /// goals, path constraints, clearance. Faults are reported, not thrown. Throws InvalidArgument for an unknown robot,
+  /// constraints as plan does, and options out of range.
   Certificate verify(const std::string& robot, const Trajectory& trajectory, const VerifyOptions& options = {}) const;
   /// verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,
   /// which rest where their motions end. Robots not named stand still. Throws InvalidArgument for an unknown robot,

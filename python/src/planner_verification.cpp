@@ -153,7 +153,8 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           [](Self& self, const std::string& robot, const Trajectory& trajectory, const std::optional<ArrayLike>& start,
              nb::handle goals, const std::optional<MotionLimits>& limits, bool jerk,
              std::optional<double> max_deviation, double gap_tolerance, bool at_rest,
-             const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& start_acceleration) {
+             const std::optional<ArrayLike>& start_velocity, const std::optional<ArrayLike>& start_acceleration,
+             const std::vector<PathConstraint>& constraints, double clearance) {
             VerifyOptions options{
                 .limits = limits,
                 .jerk = jerk,
@@ -161,7 +162,9 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
                 .start_velocity = vector_or_none(start_velocity, "start_velocity of '" + robot + "'"),
                 .start_acceleration = vector_or_none(start_acceleration, "start_acceleration of '" + robot + "'"),
                 .max_deviation = max_deviation,
-                .gap_tolerance = gap_tolerance};
+                .gap_tolerance = gap_tolerance,
+                .constraints = constraints,
+                .clearance = clearance};
             if (start) options.start = start->vector("start of '" + robot + "'");
             const std::vector<Goal> forms = goals.is_none() ? std::vector<Goal>{} : to_goals(goals);
             return self.use([&](const PlannerInterface& p) {
@@ -173,13 +176,15 @@ NotSupported for position limits narrower than the URDF's, limits of deceleratio
           nb::arg("robot"), nb::arg("trajectory"), nb::arg("start") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("limits") = nb::none(), nb::kw_only(), nb::arg("jerk") = false, nb::arg("max_deviation") = nb::none(),
           nb::arg("gap_tolerance") = 0.5, nb::arg("at_rest") = true, nb::arg("start_velocity") = nb::none(),
-          nb::arg("start_acceleration") = nb::none(),
+          nb::arg("start_acceleration") = nb::none(), nb::arg("constraints") = std::vector<PathConstraint>(),
+          nb::arg("clearance") = 0.0,
           nb::sig("def verify(self, robot: str, trajectory: Trajectory, start: numpy.typing.ArrayLike | None = None, "
                   "goals: " SRMP_GOALS " | None = None, "
                   "limits: MotionLimits | None = None, *, jerk: bool = False, max_deviation: float | None = None, "
                   "gap_tolerance: float = 0.5, at_rest: bool = True, "
                   "start_velocity: numpy.typing.ArrayLike | None = None, "
-                  "start_acceleration: numpy.typing.ArrayLike | None = None) -> Certificate"),
+                  "start_acceleration: numpy.typing.ArrayLike | None = None, "
+                  "constraints: collections.abc.Sequence[PathConstraint] = (), clearance: float = 0.0) -> Certificate"),
           R"(A certificate of any trajectory of the robot, whoever planned it, in the scene as it is, made by code that plans
 nothing: limits at every instant, collisions between rows too, whether it is at rest at both ends, start and goals.
 Faults are reported, not raised.
@@ -189,10 +194,12 @@ motion_limits(robot). jerk: verify the jerk limits too. max_deviation: [m] that 
 gap_tolerance: in (0, 1), how well the clearance is to be known: it is proved until (clearance - clearance_proved) /
 clearance is no more than this, within some hundred distances; what is proved free does not depend on it. at_rest: a
 velocity at the first or last row is a fault; False for a slice of a motion. start_velocity: (dof,) [rad/s or m/s] with
-which it should begin. start_acceleration: (dof,) [rad/s^2 or m/s^2] before the motion, for its jerk (default: 0). The
-GIL is released.
+which it should begin. start_acceleration: (dof,) [rad/s^2 or m/s^2] before the motion, for its jerk (default: 0).
+constraints: PathConstraints that it should keep at every instant; Certificate.constraints has the proved deviations.
+clearance: [m] that it should keep from everything, except near ends that are closer, as the option of make_planner
+says; Certificate.clearance_kept. The GIL is released.
 
-Raises InvalidArgument for an unknown robot and options out of range.)")
+Raises InvalidArgument for an unknown robot, constraints that plan would refuse, and options out of range.)")
       .def(
           "verify_multi",
           [](Self& self, nb::handle trajectory, nb::handle starts, nb::handle goals, nb::handle obstacles, bool jerk,

@@ -303,3 +303,49 @@ def test_wrong_calls_end_in_one_sentence(planned, arguments, text):
     assert result.exit_code == 2
     assert text in result.output
     assert "Traceback" not in result.output
+
+
+def test_path_constraints_are_verified_as_plans_prove_them(arm_alone):
+    start = np.array([0.0, 0.4, 0.0, -1.6, 0.0, 1.0, 0.0])
+    here = arm_alone.compute_fk("arm", start)
+    aside = srmp.Pose(p=here.p + np.array([-0.05, 0.3, 0.1]), q=here.q)
+    axis = np.asarray(here.matrix())[:3, 2]
+    upright = srmp.PathConstraint.cone([0, 0, 1], axis, np.radians(5))
+    kept = arm_alone.plan("arm", start, aside, constraints=[upright])
+    certificate = arm_alone.verify("arm", kept, constraints=[upright])
+    assert certificate.holds, certificate.report()
+    assert certificate.constraints == kept.certificate.constraints
+    assert arm_alone.verify("arm", kept).constraints == []
+    tight = srmp.PathConstraint.cone([0, 0, 1], axis, 1e-4)
+    broken = arm_alone.verify("arm", kept, constraints=[upright, tight])
+    assert kinds(broken) == [srmp.FaultKind.constraint]
+    assert [c.tolerance for c in broken.constraints] == pytest.approx([np.radians(5), 1e-4])
+
+
+def test_a_clearance_is_verified_as_plans_prove_it(arm, ready):
+    goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, ready - [1.8, 0, 0, 0, 0, 0, 0])
+    arm.make_planner("arm", {"planner_id": "auto", "clearance": 0.02})
+    plan = arm.plan("arm", ready, goal)
+    certificate = arm.verify("arm", plan, clearance=0.02)
+    assert certificate.holds, certificate.report()
+    assert certificate.clearance_kept == plan.certificate.clearance_kept
+    assert arm.verify("arm", plan).clearance_kept is None
+    more = arm.verify("arm", plan, clearance=plan.certificate.clearance + 0.02)
+    assert kinds(more) == [srmp.FaultKind.clearance]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"clearance": -0.01}, "clearance is -0.01; it must be 0 m or above"),
+        ({"clearance": float("nan")}, "clearance is NaN; it must be 0 m or above"),
+        (
+            {"constraints": [srmp.PathConstraint.cone([0, 0, 1], [0, 0, 1], 0.1, link="arm7_hnd")]},
+            "'arm7_hnd'.*did you mean 'arm7_hand'",
+        ),
+    ],
+)
+def test_bad_constraints_and_clearances_are_refused(solved, arguments, message):
+    arm, plan, _ = solved
+    with pytest.raises(srmp.InvalidArgument, match=message):
+        arm.verify("arm", plan, **arguments)

@@ -7,6 +7,7 @@
 
 #include "srmp/planning/goal.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
+#include "srmp/trajectory/path_constraint.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
@@ -24,6 +25,10 @@ struct VerifyOptions {
   /// In (0, 1): the clearance is proved until (clearance - clearance_proved) / clearance is no more than this, within
   /// some hundred distances. What is proved free does not depend on it.
   double gap_tolerance{0.5};
+  std::vector<PathConstraint> constraints{};  ///< that it should keep at every instant; Certificate::constraints
+  /// [m] that it should keep from everything, except near ends that are closer, as CommonOptions::clearance says; 0:
+  /// none. Certificate::clearance_kept.
+  double clearance{0.0};
 };
 
 /// What trajectories of many robots are verified against, besides the scene and each other.

@@ -316,7 +316,7 @@ Certificate PlannerInterface::verify(const std::string& robot, const Trajectory&
   const Checker& checker = impl_->checker(robot);
   if (!options.goals.empty())
     require_request(impl_->scene, robot, options.start.value_or(impl_->scene.robot(robot).q), options.goals);
-  return srmp::verify(trajectory, checker, impl_->limits_of(robot), options);
+  return srmp::verify(trajectory, checker, impl_->limits_of(robot), options, place(options, impl_->scene, robot));
 }
 
 std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTrajectory& trajectory,

@@ -4,6 +4,10 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/constraints/place_constraints.hpp"
+#include "srmp/trajectory/prove_clearance.hpp"
+#include "srmp/trajectory/prove_constraints.hpp"
 
 namespace srmp {
 
@@ -94,8 +98,17 @@ GoalError goal_error(const std::vector<GoalConstraint>& goals, const Checker& ch
   return best;
 }
 
+PlacedVerifyOptions place(const VerifyOptions& options, const Scene& scene, const std::string& robot) {
+  if (!(options.clearance >= 0.0 && std::isfinite(options.clearance)))
+    throw InvalidArgument("clearance is " + to_text(options.clearance) + "; it must be 0 m or above");
+  PlacedVerifyOptions placed{.constraints = place_constraints(scene, robot, options.constraints)};
+  if (options.clearance != 0.0)
+    placed.with_clearance = make_checker(scene, robot, {.mode = CheckMode::coal, .clearance = options.clearance});
+  return placed;
+}
+
 Certificate verify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
-                   const VerifyOptions& options) {
+                   const VerifyOptions& options, const PlacedVerifyOptions& placed) {
   if (options.max_deviation && !(*options.max_deviation >= 0.0))
     throw InvalidArgument("max_deviation is " + to_text(*options.max_deviation) + "; it must be 0 m or above");
   const RobotModel& robot = checker.robot();
@@ -110,6 +123,8 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
                                      .start_velocity = options.start_velocity,
                                      .start_acceleration = options.start_acceleration});
   if (unreadable(trajectory, robot)) return certificate;
+  if (placed.constraints) add_constraints(certificate, with_times(trajectory), *placed.constraints, Deadline());
+  if (placed.with_clearance) add_clearance(certificate, with_times(trajectory), *placed.with_clearance, Deadline());
   if (options.start) check_start(trajectory, robot, *options.start, certificate);
   if (!options.goals.empty()) check_goal(trajectory, checker, options.goals, certificate);
   if (options.max_deviation && certificate.deviation > *options.max_deviation + rounding)

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <limits>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "srmp/planning/verify.hpp"
+#include "srmp/scene/scene.hpp"
 #include "srmp/trajectory/certify.hpp"
+#include "srmp/trajectory/placed_constraints.hpp"
 
 namespace srmp {
 
@@ -16,9 +20,17 @@ struct GoalError {
 };
 GoalError goal_error(const std::vector<GoalConstraint>& goals, const Checker& checker, ConstVector q);
 
+/// What the options of one robot name in the scene; null: nothing.
+struct PlacedVerifyOptions {
+  std::shared_ptr<const PlacedConstraints> constraints{};
+  std::shared_ptr<const Checker> with_clearance{};
+};
+/// Throws InvalidArgument as place_constraints, and for a clearance out of range.
+PlacedVerifyOptions place(const VerifyOptions& options, const Scene& scene, const std::string& robot);
+
 /// certify, and whether the trajectory begins and ends where it should. Throws InvalidArgument for options out of
 /// range.
 Certificate verify(const Trajectory& trajectory, const Checker& checker, const MotionLimits& limits,
-                   const VerifyOptions& options);
+                   const VerifyOptions& options, const PlacedVerifyOptions& placed = {});
 
 }  // namespace srmp
