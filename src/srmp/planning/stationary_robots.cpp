@@ -5,6 +5,7 @@
 #include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/validity.hpp"
+#include "srmp/trajectory/certify.hpp"
 
 namespace srmp {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
-#include "srmp/planning/certificates/joint_certificates.hpp"
 #include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/trajectory/prove_clearance.hpp"
 #include "srmp/trajectory/prove_constraints.hpp"

@@ -23,7 +23,8 @@ std::string sentence(const RobotModel& robot, const Eigen::VectorXd& from, const
 Attempt JointBarriers::attempt(const AttemptBudget& budget, const Deadline&) {
   Attempt result;
   const auto is_configuration = [](const GoalConstraint& goal) { return goal.type == GoalType::joints; };
-  if (budget.round > 0 || !std::all_of(context_.task.goals.begin(), context_.task.goals.end(), is_configuration))
+  if (budget.round > 0 || endpoints_.targets.empty() ||
+      !std::all_of(context_.task.goals.begin(), context_.task.goals.end(), is_configuration))
     return result;
   for (const Eigen::VectorXd& target : endpoints_.targets) {
     const auto barrier =
