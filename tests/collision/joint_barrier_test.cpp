@@ -43,7 +43,7 @@ BOOST_AUTO_TEST_CASE(a_barrier_is_a_contact_wherever_the_other_joints_are_and_no
     const auto barrier = find_joint_barrier(*checker, from, to, *workspace);
     if (!barrier) {
       ++none;
-      for (double s = 0.0; s <= 1.0; s += 1e-3)  // the other joint turned, so that only the upper link can be in common
+      for (double s = 0.0; s <= 1.0; s += 1e-3)  // the upper link alone depends on one joint
         for (const std::string& pair : contacts_at(*checker, from + s * Eigen::Vector2d(to - from), *workspace))
           BOOST_CHECK_MESSAGE(pair.find("upper") == std::string::npos, "seed " << seed << ": " << pair);
       continue;
@@ -74,7 +74,7 @@ BOOST_AUTO_TEST_CASE(what_only_touches_is_a_barrier_and_what_is_near_is_none) {
   }
 }
 
-BOOST_AUTO_TEST_CASE(two_ways_round_a_continuous_joint_are_no_barrier) {
+BOOST_AUTO_TEST_CASE(a_continuous_joint_that_can_turn_in_the_other_direction_has_no_barrier) {
   RobotDescription description = robots::planar_description();
   std::string& urdf = description.urdf_text;
   for (std::size_t at = urdf.find("revolute"); at != std::string::npos; at = urdf.find("revolute"))

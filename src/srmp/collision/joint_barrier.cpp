@@ -1,7 +1,6 @@
 #include "srmp/collision/joint_barrier.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "srmp/collision/scene_workspace.hpp"
 #include "srmp/core/interruption.hpp"
@@ -17,66 +16,82 @@ namespace {
 
 constexpr int max_placements = 1'000;  // of a pair: where it slides along the other it is not followed any further
 
-/// Conservative advancement of one pair at a time along one joint.
+/// Conservative advancement of one pair at a time along one joint, of those that come near each other there.
 class BarrierSearch {
  public:
   BarrierSearch(const SceneModel& model, ConstVector from, ConstVector to, SceneWorkspace& workspace)
-      : model_(model), from_(from), to_(to), here_(from), workspace_(workspace), change_(dof(), 0.0) {}
+      : model_(model), from_(from), to_(to), workspace_(workspace) {}
 
   std::optional<JointBarrier> run() {
-    for (const Pair& pair : model_.bodies.pairs)
-      if (const auto joint = only_joint_of(pair))
-        if (const auto position = contact_on_the_way(pair, *joint))
-          return JointBarrier{*joint, *position, contact_of(pair)};
+    const std::vector<char>& continuous = model_.group.continuous();
+    for (std::size_t joint = 0; joint < continuous.size(); ++joint) {
+      const auto j = static_cast<Eigen::Index>(joint);
+      if (continuous[joint] || from_[j] == to_[j]) continue;
+      begin(joint);
+      for (const Pair* pair : pairs_near())
+        if (const auto position = contact_on_the_way(*pair)) return JointBarrier{joint, *position, contact_of(*pair)};
+    }
     return std::nullopt;
   }
 
  private:
-  std::size_t dof() const { return static_cast<std::size_t>(from_.size()); }
+  /// Values of the joint.
+  struct Interval {
+    double low, high;
+    double middle() const { return (low + high) / 2; }
+  };
 
-  /// The joint on which alone the relative pose of the two depends, if it is one of those that are to be looked at.
-  std::optional<std::size_t> only_joint_of(const Pair& pair) const {
-    std::optional<std::size_t> only;
-    const std::uint64_t support = pair.support_a | pair.support_b;
-    for (std::size_t k = 0; k < model_.group.actuated_joints().size(); ++k) {
-      if (!(support >> k & 1)) continue;
-      const std::size_t joint = model_.group.actuated_joints()[k].joint;
-      if (only && *only != joint) return std::nullopt;
-      only = joint;
-    }
-    if (!only || model_.group.continuous()[*only]) return std::nullopt;
-    const auto j = static_cast<Eigen::Index>(*only);
-    return from_[j] == to_[j] ? std::nullopt : only;
+  void begin(std::size_t joint) {
+    joint_ = joint;
+    support_ = 0;
+    const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
+    for (std::size_t k = 0; k < actuated_joints.size(); ++k)
+      if (actuated_joints[k].joint == joint) support_ |= std::uint64_t{1} << k;
+    workspace_.start_any_motion(support_);
+    here_ = from_;
+    change_.assign(static_cast<std::size_t>(from_.size()), 0.0);
+    still_ = change_;
+    const auto [low, high] =
+        std::minmax(from_[static_cast<Eigen::Index>(joint)], to_[static_cast<Eigen::Index>(joint)]);
+    whole_ = {low, high};
   }
 
-  void place(std::size_t joint, double position, double half_width) {
-    here_[static_cast<Eigen::Index>(joint)] = position;
-    change_[joint] = half_width;
+  void place(const Interval& interval) {
+    here_[static_cast<Eigen::Index>(joint_)] = interval.middle();
+    change_[joint_] = (interval.high - interval.low) / 2;
     workspace_.place_in_range(here_, change_, still_, change_);
   }
 
-  std::optional<double> contact_on_the_way(const Pair& pair, std::size_t joint) {
-    const auto j = static_cast<Eigen::Index>(joint);
-    here_ = from_;
-    change_.assign(dof(), 0.0);
-    still_.assign(dof(), 0.0);
-    workspace_.start_any_motion(pair.support_a | pair.support_b);
-    struct Interval {
-      double low, high;
-    };
-    std::vector<Interval> open{{std::min(from_[j], to_[j]), std::max(from_[j], to_[j])}};
+  /// Two that are farther apart do not touch while they approach each other by `motion`.
+  static double margin(const Pair& pair, double motion) { return pair.padding + motion + NarrowPhase::tolerance; }
+
+  /// Pairs whose relative pose depends on the joint alone, and that may touch on its way.
+  std::vector<const Pair*> pairs_near() {
+    place(whole_);
+    std::vector<const Pair*> near;
+    for (const Pair& pair : model_.bodies.pairs) {
+      const std::uint64_t support = pair.support_a | pair.support_b;
+      if (support != 0 && (support & ~support_) == 0 &&
+          workspace_.distance_bound(pair) <= margin(pair, workspace_.approach(pair)))
+        near.push_back(&pair);
+    }
+    return near;
+  }
+
+  std::optional<double> contact_on_the_way(const Pair& pair) {
+    std::vector<Interval> open{whole_};
     for (int placements = 0; !open.empty() && placements < max_placements; ++placements) {
       rare_interruption_point();
-      const auto [low, high] = open.back();
+      const Interval interval = open.back();
+      const double middle = interval.middle();
       open.pop_back();
-      const double middle = (low + high) / 2;
-      place(joint, middle, (high - low) / 2);
+      place(interval);
       if (workspace_.in_contact(pair, {.use_tables = false})) return middle;
-      const double motion = workspace_.approach(pair), margin = pair.padding + motion + NarrowPhase::tolerance;
-      if (motion < Checker::motion_floor || workspace_.distance_bound(pair) > margin) continue;
-      if (workspace_.distance(pair, margin, margin) == detail::infinity) continue;
-      open.push_back({middle, high});
-      open.push_back({low, middle});
+      const double motion = workspace_.approach(pair), enough = margin(pair, motion);
+      if (motion < Checker::motion_floor || workspace_.distance_bound(pair) > enough) continue;
+      if (workspace_.distance(pair, enough, enough) == detail::infinity) continue;
+      open.push_back({middle, interval.high});
+      open.push_back({interval.low, middle});
     }
     return std::nullopt;
   }
@@ -89,8 +104,11 @@ class BarrierSearch {
 
   const SceneModel& model_;
   const Eigen::VectorXd from_, to_;
-  Eigen::VectorXd here_;
   SceneWorkspace& workspace_;
+  std::size_t joint_{};
+  std::uint64_t support_{};  // actuated joints that the joint moves
+  Interval whole_{};
+  Eigen::VectorXd here_;
   std::vector<double> change_, still_;
 };
 

@@ -10,7 +10,6 @@
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/smoothing/preferred_clearance.hpp"
-#include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/even_rows.hpp"
 #include "srmp/trajectory/prove_clearance.hpp"
 #include "srmp/trajectory/prove_constraints.hpp"

@@ -5,7 +5,6 @@
 #include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/validity.hpp"
-#include "srmp/trajectory/certify.hpp"
 
 namespace srmp {
 

@@ -338,10 +338,4 @@ Certificate certify(const Trajectory& trajectory, const Checker& checker, const 
   return certificate;
 }
 
-Trajectory with_times(Trajectory trajectory) {
-  const Eigen::Index rows = trajectory.positions.rows();
-  if (!trajectory.timed()) trajectory.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
-  return trajectory;
-}
-
 }  // namespace srmp

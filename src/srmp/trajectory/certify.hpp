@@ -40,7 +40,4 @@ Certificate certify(const Trajectory& trajectory, const Checker& checker, const 
 /// parts are appended.
 void add_proof(Certificate& certificate, const MotionProof& proof);
 
-/// With times where it has none, one a row: a certificate needs times.
-Trajectory with_times(Trajectory trajectory);
-
 }  // namespace srmp

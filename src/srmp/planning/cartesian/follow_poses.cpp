@@ -8,7 +8,6 @@
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/solution_record.hpp"
 #include "srmp/search/astar.hpp"
-#include "srmp/trajectory/certify.hpp"
 
 namespace srmp {
 

@@ -83,4 +83,10 @@ MotionLimits scaled(MotionLimits limits, const CommonOptions& options) {
   return limits;
 }
 
+Trajectory with_times(Trajectory trajectory) {
+  const Eigen::Index rows = trajectory.positions.rows();
+  if (!trajectory.timed()) trajectory.times = Eigen::VectorXd::LinSpaced(rows, 0.0, static_cast<double>(rows - 1));
+  return trajectory;
+}
+
 }  // namespace srmp

@@ -41,4 +41,7 @@ void attach_certificate(Trajectory& motion, Certificate certificate, const std::
 /// The fractions of the limits that the options allow.
 MotionLimits scaled(MotionLimits limits, const CommonOptions& options);
 
+/// With times where it has none, one a row: a certificate needs times.
+Trajectory with_times(Trajectory trajectory);
+
 }  // namespace srmp
