@@ -308,10 +308,10 @@ def test_wrong_calls_end_in_one_sentence(planned, arguments, text):
 def test_path_constraints_are_verified_as_plans_prove_them(arm_alone):
     start = np.array([0.0, 0.4, 0.0, -1.6, 0.0, 1.0, 0.0])
     here = arm_alone.compute_fk("arm", start)
-    aside = srmp.Pose(p=here.p + np.array([-0.05, 0.3, 0.1]), q=here.q)
+    beside = srmp.Pose(p=here.p + np.array([-0.05, 0.3, 0.1]), q=here.q)
     axis = np.asarray(here.matrix())[:3, 2]
     upright = srmp.PathConstraint.cone([0, 0, 1], axis, np.radians(5))
-    kept = arm_alone.plan("arm", start, aside, constraints=[upright])
+    kept = arm_alone.plan("arm", start, beside, constraints=[upright])
     certificate = arm_alone.verify("arm", kept, constraints=[upright])
     assert certificate.holds, certificate.report()
     assert certificate.constraints == kept.certificate.constraints

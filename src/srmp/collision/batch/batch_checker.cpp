@@ -28,8 +28,6 @@ AlignedFloats aligned_floats(std::size_t count) {
   return AlignedFloats(p);
 }
 
-constexpr unsigned all_lanes = (1u << kLanes) - 1;
-
 struct Interval {
   double t, half;
 };
@@ -72,11 +70,10 @@ class BatchChecker::Workspace {
   std::array<Interval, kLanes> lanes;
   BatchStatistics statistics;
 
-  batch::KernelResult run(const BatchModel& impl, bool moving, unsigned proofs_only = 0, unsigned decisive = 0) {
+  batch::KernelResult run(const BatchModel& impl, bool moving, bool proofs_only = false, unsigned decisive = 0) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, pair_lanes.data()};
-    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving,
-                                       static_cast<batch::LaneMask>(proofs_only),
+    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving, proofs_only,
                                        static_cast<batch::LaneMask>(decisive)};
     impl.kernel(view, request, scratch.get(), result);
     return result;
@@ -171,7 +168,7 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
     }
   }
   const unsigned used = (1u << count) - 1;
-  const batch::KernelResult result = w.run(*impl_, false, options.proofs_only ? (1u << kLanes) - 1 : 0);
+  const batch::KernelResult result = w.run(*impl_, false, options.proofs_only);
   w.collect(*impl_, result, used, [](int lane) { return Interval{static_cast<double>(lane), 0}; });
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
   const unsigned colliding = result.colliding & used;
@@ -247,7 +244,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
     unsigned whole = 0;  // lanes that are not subdivided any more
     for (std::size_t i = 0; i < kLanes; ++i)
       if (w.lanes[i].half < (over_budget ? first : finest)) whole |= 1u << i;
-    const batch::KernelResult result = w.run(*impl_, true, all_lanes, whole);
+    const batch::KernelResult result = w.run(*impl_, true, true, whole);
     if (result.undecided) w.clear_pair_lanes();
     if (result.colliding || (result.undecided & whole)) {
       ++w.statistics.motions_undecided;

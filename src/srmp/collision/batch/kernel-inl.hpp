@@ -25,8 +25,8 @@ class Slice {
         request_(request),
         result_(result),
         lane_(first_lane),
-        proofs_only_(lanes_of(request.proofs_only)),
-        ends_(request.every_lane ? 0 : lanes_of(request.decisive)) {
+        proofs_only_(request.proofs_only ? all_lanes : 0),
+        ends_((static_cast<unsigned>(request.decisive) >> first_lane) & all_lanes) {
     frames_ = scratch;
     centers_ = frames_ + 12 * kWidth * m_.node_count;
     stages_ = centers_ + 3 * kWidth * m_.body_count;
@@ -49,11 +49,9 @@ class Slice {
   }
 
  private:
-  SRMP_INLINE bool done() const { return alive_ == 0 || (!request_.every_lane && is_decided(request_, result_)); }
+  static constexpr unsigned all_lanes = (1u << kWidth) - 1;
 
-  SRMP_INLINE unsigned lanes_of(LaneMask mask) const {
-    return (static_cast<unsigned>(mask) >> lane_) & ((1u << kWidth) - 1);
-  }
+  SRMP_INLINE bool done() const { return alive_ == 0 || (!request_.every_lane && is_decided(request_, result_)); }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -432,8 +430,8 @@ class Slice {
   const KernelRequest& request_;
   KernelResult& result_;
   const int lane_;
-  const unsigned proofs_only_, ends_;   // of this slice
-  unsigned alive_{(1u << kWidth) - 1};  // lanes that are not decided yet
+  const unsigned proofs_only_, ends_;  // of this slice
+  unsigned alive_{all_lanes};          // lanes that are not decided yet
   float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
 

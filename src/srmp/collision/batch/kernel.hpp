@@ -93,8 +93,8 @@ struct KernelRequest {
   const float* values;       // [actuated joint][kLanes]: angle (|.| <= 2 pi) or travel
   const float* half_widths;  // [actuated joint][kLanes]: how far it may be from there, >= 0; null: exactly there
   int every_lane;            // go on after a collision, until it is known which lanes collide
-  LaneMask proofs_only;      // lanes of which only whether they are free matters: one undecided pair decides that
-  LaneMask decisive;         // of these, lanes in which it ends the run, unless every_lane
+  int proofs_only;           // only whether lanes are free matters: one undecided pair decides that of a lane
+  LaneMask decisive;         // lanes in which it ends the run; none with every_lane
 };
 
 struct KernelResult {

@@ -122,8 +122,8 @@ Certificate verify(const Trajectory& trajectory, const Checker& checker, const M
                                      .start_velocity = options.start_velocity,
                                      .start_acceleration = options.start_acceleration});
   if (unreadable(trajectory, robot)) return certificate;
-  if (placed.constraints) add_constraints(certificate, with_times(trajectory), *placed.constraints, Deadline());
-  if (placed.with_clearance) add_clearance(certificate, with_times(trajectory), *placed.with_clearance, Deadline());
+  if (placed.constraints) add_constraints(certificate, trajectory, *placed.constraints, Deadline());
+  if (placed.with_clearance) add_clearance(certificate, trajectory, *placed.with_clearance, Deadline());
   if (options.start) check_start(trajectory, robot, *options.start, certificate);
   if (!options.goals.empty()) check_goal(trajectory, checker, options.goals, certificate);
   if (options.max_deviation && certificate.deviation > *options.max_deviation + rounding)

@@ -8,8 +8,8 @@
 #include "srmp/planning/strategies/roadmap_levels.hpp"
 #include "srmp/planning/strategies/strategy.hpp"
 
-// The strategies that plan several robots of a world jointly. What they do in a round grows fourfold from one round to
-// the next. References outlive them; they add their work to the statistics.
+// The strategies that plan several robots of a world jointly. What they do grows from one round to the next. References
+// outlive them; they add their work to the statistics.
 namespace srmp {
 
 /// Roadmaps of the robots, searched jointly (composite_roadmap.hpp): quick where robots need only wait or retreat. Each
