@@ -139,10 +139,18 @@ def multi(
 @click.option(
     "--planner", "planners", multiple=True, help="Only this one: a name of the tables, or an id; may be repeated."
 )
-@click.option("--problems", default="", help="Base problems, and numbers in MotionBenchMaker's scenarios, such as 1-5.")
+@click.option(
+    "--problems",
+    multiple=True,
+    metavar="[LETTER=]NUMBERS",
+    help="Base problems, and numbers in MotionBenchMaker's scenarios, such as 1-5; c=1-5 for that experiment only.",
+)
 @click.option("--repetitions", type=click.IntRange(min=1), help="Of each base problem; default: 10 (a), 5 (b).")
 @click.option(
-    "--time-limit", type=click.FloatRange(min=0, min_open=True), help="Seconds; default: 5 (a), 20 (b), 10 (c)."
+    "--time-limit",
+    multiple=True,
+    metavar="[LETTER=]SECONDS",
+    help="Seconds; default: 5 (a), 20 (b), 10 (c); b=10 for that experiment only.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Of generated problems, and of OMPL's planners.")
 @click.option(

@@ -129,6 +129,13 @@ def test_without_data_the_third_is_not_run():
     assert "--data DIR" in result["header"]["notes"][-1]
 
 
+def test_sizes_can_be_given_for_one_experiment(stand_in_dir):
+    sizes = {"problems": ["1", "b=2"], "time_limit": ["a=0.5", "2"]}
+    header = small_run(experiments="a,b", planners=["auto"], data=stand_in_dir, **sizes)["header"]
+    assert header["options"]["problems"] == {"a": "1", "b": "2"}
+    assert header["options"]["time_limit"] == {"a": 0.5, "b": 2.0}
+
+
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
@@ -136,6 +143,9 @@ def test_without_data_the_third_is_not_run():
         ({"planners": ["RRT-Conect"]}, "did you mean 'RRT-Connect'"),
         ({"repetitions": 0}, "repetitions 0"),
         ({"problems": "0-1"}, "numbered from 1"),
+        ({"problems": "x=1"}, "'x' is not one of a"),
+        ({"time_limit": "soon"}, "time-limit 'soon' must be seconds above 0"),
+        ({"time_limit": ["a=0"]}, "time-limit '0' must be"),
     ],
 )
 def test_wrong_choices_are_refused(settings, message):

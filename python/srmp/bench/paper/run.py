@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import math
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,9 +26,9 @@ def run(
     *,
     experiments: str = "a,b,c",
     planners: Sequence[str] = (),
-    problems: str = "",
+    problems: str | Sequence[str] = (),
     repetitions: int | None = None,
-    time_limit: float | None = None,
+    time_limit: float | str | Sequence[str] = (),
     seed: int = 0,
     data: str | Path | None = None,
     execution: Execution | None = None,
@@ -36,7 +37,8 @@ def run(
     """Runs the experiments and returns {"header": …, "rows": […]}; runner.run_rows says how.
 
     planners: only those of these names or ids. problems: numbers of base problems, and in each of MotionBenchMaker's
-    scenarios. What is not given is as in the paper. header["notes"] says what could not be run here, and why.
+    scenarios. time_limit: [s]. Both for all experiments, or for one as "a=1-5". What is not given is as in the paper.
+    header["notes"] says what could not be run here, and why.
 
     Ctrl-C ends it early: header["complete"] is then False, and the rows are those that were finished.
     """
@@ -45,12 +47,14 @@ def run(
     _require_known(planners, chosen)
     if repetitions is not None and repetitions < 1:
         raise srmp.InvalidArgument(f"repetitions {repetitions}: there must be at least 1.")
+    numbers = _by_experiment("problems", problems, chosen)
+    limits = {letter: _seconds(text) for letter, text in _by_experiment("time-limit", time_limit, chosen).items()}
     described = {
         "experiments": [experiment.letter for experiment in chosen],
         "planners": list(planners),
-        "problems": {e.letter: problems or e.problems for e in chosen},
+        "problems": {e.letter: numbers.get(e.letter, e.problems) for e in chosen},
         "repetitions": {e.letter: repetitions or e.repetitions for e in chosen if e.letter != "c"},
-        "time_limit": {e.letter: time_limit or e.time_limit for e in chosen},
+        "time_limit": {e.letter: limits.get(e.letter, e.time_limit) for e in chosen},
         "seed": seed,
         "data": data,
     }
@@ -84,6 +88,32 @@ def _experiments(letters: str) -> list[Experiment]:
         if letter not in EXPERIMENTS:
             raise srmp.InvalidArgument(f"experiment '{letter}' is not one of {', '.join(EXPERIMENTS)}.")
     return [experiment for letter, experiment in EXPERIMENTS.items() if letter in chosen]
+
+
+def _by_experiment(option: str, given: float | str | Sequence[str], chosen: Sequence[Experiment]) -> dict[str, str]:
+    """By letter, of ["1-5", "c=1-3"]; what names an experiment wins."""
+    letters = [experiment.letter for experiment in chosen]
+    for_all: dict[str, str] = {}
+    for_one: dict[str, str] = {}
+    for value in [given] if isinstance(given, str | float | int) else given:
+        letter, named, text = str(value).rpartition("=")
+        if named and letter not in letters:
+            raise srmp.InvalidArgument(f"{option} '{value}': '{letter}' is not one of {', '.join(letters)}.")
+        if named:
+            for_one[letter] = text
+        else:
+            for_all = dict.fromkeys(letters, text)
+    return for_all | for_one
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0.0 < seconds < math.inf:
+        raise srmp.InvalidArgument(f"time-limit '{text}' must be seconds above 0.")
+    return seconds
 
 
 def _require_known(planners: Sequence[str], experiments: Sequence[Experiment]) -> None:
