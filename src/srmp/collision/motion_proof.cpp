@@ -192,7 +192,7 @@ class Prover {
         fraction_(1.0 - options.gap_tolerance),
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
-    body_motion_.resize(model.bodies.moving.size());
+    displacements_.resize(model.bodies.moving.size());
     separations_.resize(model.bodies.pairs.size());
     open_.reserve(4 * model.bodies.pairs.size());
   }
@@ -220,7 +220,15 @@ class Prover {
     double room{};  // undecided: shorter intervals are proved free where their motion is no more than this
   };
 
+  /// How far the actuated joints of `support` can move a body.
+  struct Displacement {
+    std::uint64_t support{};
+    double motion{};
+  };
+
   bool stopped() const { return deadline_ && deadline_->stop_requested(); }
+  /// Looks at the clock at every eighth call: that takes longer than a check by bounds.
+  bool seldom_stopped() { return ++checks_ % 8 == 0 && stopped(); }
   void place_at(const Interval& interval);
   void find_nearest_at(Eigen::Index row, double enough);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
@@ -232,6 +240,7 @@ class Prover {
     return std::clamp(static_cast<int>(std::log2(motion / std::max(room, 0.1 * motion))), 0, max_levels);
   }
   double approach(const Pair& pair);
+  double displacement(std::uint32_t body, std::uint64_t support);
   Separation& separation_of(const Pair& pair) {
     return separations_[static_cast<std::size_t>(&pair - model_.bodies.pairs.data())];
   }
@@ -259,11 +268,12 @@ class Prover {
   Eigen::VectorXd nearest_configuration_;
   double proved_{infinity};
   int samples_{};
+  unsigned checks_{};  // that bounds did not decide
   Segments::Range range_;
-  std::vector<double> body_motion_;      // by moving body, in the current interval; -1: not known yet
-  std::vector<Separation> separations_;  // by pair
-  std::vector<Open> open_;               // a stack: those of the current interval on top
-  std::vector<Proved> to_sharpen_;       // a heap: less than the goal is proved of these
+  std::vector<Displacement> displacements_;  // by moving body, in the current interval
+  std::vector<Separation> separations_;      // by pair
+  std::vector<Open> open_;                   // a stack: those of the current interval on top
+  std::vector<Proved> to_sharpen_;           // a heap: less than the goal is proved of these
   std::vector<std::pair<std::uint32_t, std::pair<double, double>>> unproved_;
   std::vector<std::pair<double, std::uint32_t>> order_;
 };
@@ -315,19 +325,24 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
   }
 }
 
-/// How far the pair can approach each other; the same for all fixed bodies that a moving one may hit.
+/// How far the pair can approach each other.
 double Prover::approach(const Pair& pair) {
-  if (!pair.b_fixed) return workspace_.approach(pair);
-  double& known = body_motion_[pair.a];
-  if (known < 0.0) known = workspace_.approach(pair);
-  return known;
+  const double motion = displacement(pair.a, pair.support_a);
+  return pair.b_fixed ? motion : motion + displacement(pair.b, pair.support_b);
+}
+
+/// How far the joints of `support` can move the body: often the same as for the pair before.
+double Prover::displacement(std::uint32_t body, std::uint64_t support) {
+  Displacement& known = displacements_[body];
+  if (known.support != support) known = {support, workspace_.displacement(body, support)};
+  return known.motion;
 }
 
 void Prover::place_at(const Interval& interval) {
   ++samples_;
   segments_.range(interval, range_);
   workspace_.place_in_range(range_.middle, range_.change, range_.linear, range_.rest);
-  std::fill(body_motion_.begin(), body_motion_.end(), -1.0);
+  std::fill(displacements_.begin(), displacements_.end(), Displacement{});
 }
 
 /// Checks a pair over the interval around the current configuration. A clearance of `required` will do, though
@@ -335,7 +350,7 @@ void Prover::place_at(const Interval& interval) {
 Prover::Check Prover::check(const Pair& pair, double motion, double required) {
   const double bound = workspace_.distance_bound(pair), left = bound - pair.padding - motion - NarrowPhase::tolerance;
   if (left > required) return {CollisionStatus::free, left, false};
-  if (stopped()) return {CollisionStatus::undecided, 0.0, false};
+  if (seldom_stopped()) return {CollisionStatus::undecided, 0.0, false};
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
     return measure(pair, motion, required);
   // No distance could prove it.

@@ -59,6 +59,10 @@ class SceneWorkspace final : public Checker::Workspace {
   /// by `rest[j]` at most besides.
   void place_in_range(ConstVector q, std::span<const double> change, std::span<const double> linear,
                       std::span<const double> rest);
+  /// By how far the body can move while the actuated joints of `support` move through `half_width` of the motion around
+  /// here; with a unit vector, along it.
+  double displacement(std::size_t body, std::uint64_t support, double half_width = 1.0,
+                      const Eigen::Vector3d* direction = nullptr);
   /// By how much the two bodies of the pair can approach each other within `half_width` of the motion around here; with
   /// a unit vector, along it.
   double approach(const Pair& pair, double half_width = 1.0, const Eigen::Vector3d* direction = nullptr);
@@ -86,9 +90,6 @@ class SceneWorkspace final : public Checker::Workspace {
   double axis_reach(std::size_t body, std::size_t actuated);
   void place_with_axes(ConstVector q);
   void place_on_motion(double t);
-  /// By how far the body can move while the actuated joints of `support` move through `half_width` of the motion.
-  double displacement(std::size_t body, std::uint64_t support, double half_width,
-                      const Eigen::Vector3d* direction = nullptr);
   /// Does the motion leave the two where they are relative to each other?
   bool is_still(const Pair& pair) const { return ((pair.support_a | pair.support_b) & active_) == 0; }
   template <class Visit>
