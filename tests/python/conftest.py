@@ -9,6 +9,9 @@ import pytest
 import srmp
 
 sys.path.append(str(Path(__file__).parent))  # modules that tests share
+pytest.register_assert_rewrite("support")
+
+from support import NAMES, TIMES, analytic  # noqa: E402
 
 
 def pytest_collection_modifyitems(items):
@@ -94,3 +97,36 @@ def arm(arm_alone):
 def ready(arm):
     """A free configuration of the arm, off to one side."""
     return np.array(arm.get_group_states("arm")["ready"]) + np.array([0.9, 0, 0, 0, 0, 0, 0])
+
+
+@pytest.fixture
+def cubic():
+    """Rows of a motion that is known at every time."""
+    position, velocity, acceleration, _ = analytic(TIMES)
+    return srmp.Trajectory(NAMES, position, TIMES, velocity, acceleration)
+
+
+@pytest.fixture
+def jumpy():
+    """Rows that nothing but their positions and velocities ties together."""
+    return srmp.Trajectory(
+        NAMES,
+        [[0, 0], [0.3, -0.2], [0.1, 0.4], [-0.5, 0.2]],
+        [0, 0.4, 0.5, 1.5],
+        [[0, 0], [0.5, 0.1], [-0.7, 0.3], [-0.2, -0.1]],
+        waypoints=[[0, 0], [-0.5, 0.2]],
+    )
+
+
+@pytest.fixture
+def untimed():
+    """A path without times."""
+    return srmp.Trajectory(NAMES, [[0, 0], [1, 1], [2, 0]])
+
+
+@pytest.fixture(params=["cubic", "jumpy", pytest.param("untimed", id="path"), "planned"])
+def any_trajectory(request, arm, ready):
+    """Each of the three above, and one by a planner."""
+    if request.param == "planned":
+        return arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.1))
+    return request.getfixturevalue(request.param)

@@ -2,8 +2,10 @@
 
 import time
 
+import numpy as np
 import pytest
 
+import srmp
 from srmp.robots._packages import PACKAGES
 
 ERD = PACKAGES["example-robot-data"]()  # where the package's robots are; None where it is not installed
@@ -16,3 +18,27 @@ def eventually(condition, seconds=20):
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.05)
+
+
+def refuses(call, sentence, kind=srmp.InvalidArgument):
+    """The call is refused by one sentence, which matches."""
+    with pytest.raises(kind, match=sentence) as error:
+        call()
+    assert "\n" not in str(error.value)
+
+
+# Of the trajectories that conftest.py makes by hand: cubic, jumpy and untimed.
+NAMES = ["a", "b"]
+TIMES = np.array([0.5, 0.75, 1.5, 2.0, 3.0])
+
+
+def analytic(t):
+    """Joint a: t^3 - 2 t, joint b: 1 + 3 t^2. Position, velocity, acceleration, jerk: (k, 2) each."""
+    t = np.asarray(t, dtype=float)
+    columns = [
+        (t**3 - 2 * t, 1 + 3 * t**2),
+        (3 * t**2 - 2, 6 * t),
+        (6 * t, 6 + 0 * t),
+        (6 + 0 * t, 0 * t),
+    ]
+    return [np.stack(pair, axis=-1) for pair in columns]

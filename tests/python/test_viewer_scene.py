@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support import refuses
 
 import srmp
 from srmp.cli import main
@@ -46,11 +47,6 @@ def data_of(page):
 
 def numbers(text, kind):
     return np.frombuffer(base64.b64decode(text), kind).reshape(-1, 3)
-
-
-def refuses(call, words, error=srmp.InvalidArgument):
-    with pytest.raises(error, match=words):
-        call()
 
 
 # --- shapes
