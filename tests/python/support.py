@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import srmp
+from srmp import GoalConstraint, GoalType
 from srmp.robots._packages import PACKAGES
 
 ERD = PACKAGES["example-robot-data"]()  # where the package's robots are; None where it is not installed
@@ -25,6 +26,19 @@ def refuses(call, sentence, kind=srmp.InvalidArgument):
     with pytest.raises(kind, match=sentence) as error:
         call()
     assert "\n" not in str(error.value)
+
+
+# Of the package's own arm: its hand 0.43 m in front of the base, fingers down.
+READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])
+
+
+def turned(angle):
+    """Ready, turned about the vertical axis."""
+    return READY + np.array([angle, 0, 0, 0, 0, 0, 0])
+
+
+def joints(*targets):
+    return GoalConstraint(GoalType.JOINTS, list(targets))
 
 
 # Of the trajectories that conftest.py makes by hand: cubic, jumpy and untimed.

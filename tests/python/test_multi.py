@@ -1,79 +1,20 @@
-"""plan_multi: motions of many robots together, and what is said when there are none."""
+"""plan_multi: motions of many robots together, their goals and options, what is returned, and time limits."""
 
 import collections.abc
-import hashlib
-import os
 import pickle
 import signal
-import subprocess
-import sys
 import threading
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
+from multi_arms import GOALS, STARTS, in_contact, quarter_turns, ring, two
+from support import READY, joints, turned
 
 import srmp
 from srmp import GoalConstraint, GoalType, Pose
 
-READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])  # the hand 0.43 m in front of the base, fingers down
 PLANNERS = ("auto", "CBS", "ECBS", "xECBS", "prioritised")
-
-
-def turned(angle):
-    """Ready, turned about the vertical axis."""
-    return READY + np.array([angle, 0, 0, 0, 0, 0, 0])
-
-
-def joints(*targets):
-    return GoalConstraint(GoalType.JOINTS, list(targets))
-
-
-def world(bases, planner_id="xECBS", **options):
-    """Arms of the package at (x, y, yaw), by name."""
-    planner = srmp.PlannerInterface()
-    for name, (x, y, yaw) in bases.items():
-        planner.add_articulation(
-            urdf_path=srmp.data_path("arm7.urdf"),
-            srdf_path=srmp.data_path("arm7.srdf"),
-            name=name,
-            end_effector="arm7_hand",
-            base_pose=Pose.from_rpy([x, y, 0], [0, 0, yaw]),
-        )
-    planner.make_planner(list(bases), {"planner_id": planner_id, "time_limit": 20, **options})
-    return planner
-
-
-def two(planner_id="xECBS", distance=0.7, **options):
-    """Face to face; at 0.7 m hands that are both ready overlap, at 0.9 m they pass each other."""
-    return world({"left": (0, 0, 0), "right": (distance, 0, np.pi)}, planner_id, **options)
-
-
-def ring(**options):
-    """Four arms around a point that each of them reaches over."""
-    bases = {
-        f"arm{i}": (0.38 * np.cos(yaw), 0.38 * np.sin(yaw), yaw + np.pi)
-        for i, yaw in enumerate(np.arange(4) * np.pi / 2)
-    }
-    return world(bases, **options)
-
-
-STARTS = {"left": turned(0.6), "right": turned(0.6)}
-GOALS = {"left": joints(turned(-0.6)), "right": joints(turned(-0.6))}
-
-
-def in_contact(planner, trajectory):
-    """Instants, 1 ms apart, at which robots touch each other or an object."""
-    merged = trajectory.merged()
-    found = []
-    for t in np.arange(0.0, merged.duration + 1e-3, 1e-3):
-        positions = {name: one.sample(min(t, one.duration)) for name, one in trajectory.items()}
-        for name, q in positions.items():
-            planner.set_qpos(name, q)
-        if any(planner.is_state_colliding(name, q) for name, q in positions.items()):
-            found.append(t)
-    return found
 
 
 @pytest.mark.parametrize("planner_id", ["auto", "ECBS", "xECBS", "prioritised"])
@@ -138,6 +79,14 @@ def test_a_path_that_is_shown_optimal_has_bound_1():
     planner = two("CBS", distance=0.9)
     planner.plan_multi(STARTS, GOALS)
     assert planner.get_planning_stats()["bound"] == 1
+
+
+def test_many_planners_for_one_robot():
+    planner = two(distance=5)
+    for options in (srmp.XECBS(), srmp.ECBS(), srmp.CBS(), srmp.Prioritised(), srmp.Auto()):
+        planner.make_planner(["left"], options)
+        trajectory = planner.plan_multi({"left": READY}, {"left": joints(turned(1.0))})
+        np.testing.assert_allclose(trajectory["left"].positions[-1], turned(1.0), atol=1e-12)
 
 
 # --- goals
@@ -288,6 +237,29 @@ def test_a_result_pickles_and_compares():
     assert srmp.MultiTrajectory({"left": trajectory["left"]}) != trajectory
 
 
+def test_motions_are_a_mapping():
+    one = srmp.Trajectory(["a"], [[0.0], [1.0]], [0, 1])
+    motions = srmp.MultiTrajectory({"left": one})
+    assert isinstance(motions, collections.abc.Mapping)
+    assert srmp.MultiTrajectory(motions) == motions
+    assert dict(motions) == {"left": one}
+    assert motions.get("left") == one
+    assert motions.get("right") is None
+    assert motions.get("right", 7) == 7
+    assert "left" in motions
+    for unknown in ("right", 3, None):
+        assert unknown not in motions
+        with pytest.raises(KeyError) as error:
+            motions[unknown]
+        assert isinstance(error.value, srmp.UnknownRobot)
+        assert isinstance(error.value, srmp.InvalidArgument)
+    with pytest.raises(srmp.UnknownRobot, match=r"^there is no trajectory of robot 'lft', did you mean 'left'"):
+        motions["lft"]
+    for wrong in (None, [one], {"left": None}, {1: one}):
+        with pytest.raises(srmp.InvalidArgument, match="the trajectories must be"):
+            srmp.MultiTrajectory(wrong)
+
+
 def test_merged_is_every_robots_motion_on_common_rows():
     trajectory = ring().plan_multi(*quarter_turns())
     merged = trajectory.merged()
@@ -399,23 +371,6 @@ def test_a_robot_has_motion_primitives_of_its_own(tmp_path):
         planner.plan_multi(STARTS, GOALS)
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        (
-            {"heuristic_lfet": "bfs"},
-            "for robot 'lfet' alone, which is none of the robots.*did you mean 'left'",
-        ),
-        ({"heuristic_left": "bsf"}, "'heuristic_left' is 'bsf', did you mean 'bfs'"),
-        ({"heuristic_left": 3}, "'heuristic_left' must be a word"),
-        ({"resolution_left": 3}, "no option 'resolution_left', did you mean 'resolution'"),
-    ],
-)
-def test_wrong_options_of_single_robots(options, sentence):
-    with pytest.raises(srmp.InvalidArgument, match=sentence):
-        two().make_planner(["left", "right"], {"planner_id": "xECBS", **options})
-
-
 def test_options_of_single_robots_are_kept(tmp_path):
     planner = two()
     planner.make_planner(["left", "right"], srmp.XECBS(robots={"left": {"heuristic": "bfs"}}))
@@ -431,87 +386,6 @@ def test_options_of_single_robots_are_kept(tmp_path):
     planner.make_planner(["left", "right"], {"planner_id": "xECBS", "heuristic_left": "mine"})
     with pytest.raises(srmp.InvalidArgument, match="heuristic 'mine' of yours"):
         planner.save(tmp_path / "mine.json")
-
-
-# --- the same result every time
-
-
-def quarter_turns():
-    names = [f"arm{i}" for i in range(4)]
-    return {name: turned(0.6) for name in names}, {name: joints(turned(-0.6)) for name in names}
-
-
-def outcome(planner):
-    trajectory = planner.plan_multi(*quarter_turns()).merged()
-    statistics = planner.get_planning_stats()
-    counts = [statistics[key] for key in ("expansions", "generated", "tree_nodes", "states", "edge_checks", "bound")]
-    return trajectory.positions.tobytes() + trajectory.times.tobytes(), counts
-
-
-AGAIN = """
-import hashlib, sys
-sys.path.insert(0, sys.argv[1])
-from test_multi import outcome, ring
-motion, counts = outcome(ring())
-print(hashlib.sha256(motion).hexdigest(), counts)
-"""
-
-
-def test_the_same_bits_on_every_run_and_instruction_set():
-    planner = ring()
-    first = outcome(planner)
-    assert first[1][0] > 4  # they are in each other's way
-    assert outcome(planner) == first  # what is kept from the plan before changes nothing
-    assert outcome(ring()) == first
-    printed = []
-    for backend in ("portable", "avx2", "avx512"):
-        result = subprocess.run(
-            [sys.executable, "-c", AGAIN, Path(__file__).parent],
-            env={**os.environ, "SRMP_SIMD": backend},
-            capture_output=True,
-            text=True,
-        )
-        if "which this CPU does not have" not in result.stderr:
-            assert result.returncode == 0, result.stderr
-            printed.append(result.stdout)
-    assert len(printed) >= 1
-    assert set(printed) == {f"{hashlib.sha256(first[0]).hexdigest()} {first[1]}\n"}
-
-
-@pytest.mark.parametrize("planner_id", ["auto", "xECBS", "prioritised"])
-def test_the_same_bits_for_every_number_of_threads(planner_id):
-    first = outcome(ring(planner_id=planner_id))
-    for threads in (2, 4):
-        assert outcome(ring(planner_id=planner_id, num_threads=threads)) == first
-
-
-def test_heuristics_in_python_are_asked_from_many_threads():
-    def distance(configurations, goals):
-        return np.linalg.norm(configurations[:, None] - goals[None], axis=2).min(axis=1)
-
-    planner, outcomes = ring(), []
-    planner.add_heuristic("mine", distance)
-    for threads in (1, 4):
-        planner.make_planner(list(quarter_turns()[0]), srmp.XECBS(heuristic="mine", num_threads=threads))
-        outcomes.append(outcome(planner))
-    assert outcomes[0] == outcomes[1]
-
-
-def test_what_a_heuristic_throws_on_another_thread_is_told():
-    def broken(configurations, goals):
-        raise ZeroDivisionError("no luck")
-
-    planner = ring()
-    planner.add_heuristic("mine", broken)
-    planner.make_planner(list(quarter_turns()[0]), srmp.XECBS(heuristic="mine", num_threads=3))
-    with pytest.raises(ZeroDivisionError, match="no luck"):
-        planner.plan_multi(*quarter_turns())
-
-
-def test_the_order_of_the_dictionaries_does_not_matter():
-    starts, goals = quarter_turns()
-    backwards = ring().plan_multi(dict(reversed(starts.items())), dict(reversed(goals.items())))
-    assert backwards == ring().plan_multi(starts, goals)
 
 
 # --- time
@@ -541,134 +415,3 @@ def test_ctrl_c_stops_it(threads):
         assert time.perf_counter() - began < 30
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-# --- what is refused
-
-NAN = float("nan")
-REFUSED = [
-    ({"left": READY}, {"left": GOALS["left"], "right": GOALS["right"]}, "'right' has a goal but no start"),
-    (STARTS, {"lft": GOALS["left"]}, "'lft', did you mean 'left'"),
-    ({"lft": READY, "right": READY}, {}, "'lft', did you mean 'left'"),
-    ({"left": READY[:6], "right": READY}, GOALS, "start of 'left' has 6 values.*7 planned"),
-    ({"left": [NAN] * 7, "right": READY}, GOALS, "start of 'left': arm7_joint1 is NaN"),
-    ({"left": "up", "right": READY}, GOALS, "start of 'left' must be numbers, but is 'up'"),
-    (STARTS, {"left": joints(READY[:6])}, "goal of 'left' has 6 values"),
-    ({"lfet": READY}, {"left": GOALS["left"]}, "'lfet', did you mean 'left'"),
-    (
-        STARTS,
-        {"left": GoalConstraint.hold(), "right": GoalConstraint.hold()},
-        "nothing to plan: every robot",
-    ),
-    (STARTS, {}, "every robot with a start holds; one moves when it has a goal to reach"),
-    (None, GOALS, "starts must be a dictionary by robot name, but are None"),
-    ([READY], GOALS, "starts must be a dictionary by robot name, but are "),
-    ({1: READY}, GOALS, "starts must be by robot name, which is a string, but one is by 1"),
-    ({"left": None, "right": READY}, GOALS, "start of 'left' must be numbers, but is None"),
-    ({"left": READY * 1j, "right": READY}, GOALS, "start of 'left' must be real numbers, but is array"),
-    (STARTS, None, "goals must be a dictionary by robot name, but are None"),
-    (STARTS, {"left": None}, "the goal of 'left' must be a GoalConstraint"),
-    (STARTS, {"left": [READY, READY]}, "the goal of 'left' must be one; a GoalConstraint can have several"),
-    ({}, {}, "at least one robot"),
-]
-
-
-@pytest.mark.parametrize(("starts", "goals", "sentence"), REFUSED)
-def test_invalid_requests_are_refused(starts, goals, sentence):
-    planner = two()
-    with pytest.raises(srmp.InvalidArgument, match=sentence) as error:
-        planner.plan_multi(starts, goals)
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("obstacles", "sentence"),
-    [
-        ([1], r"obstacles must be a dictionary by robot name, but are \[1\]"),
-        ({"right": None}, "obstacles must be Trajectory objects by robot name, but that of 'right' is None"),
-    ],
-)
-def test_wrong_obstacles_are_no_type_errors(obstacles, sentence):
-    planner = two()
-    with pytest.raises(srmp.InvalidArgument, match=sentence):
-        planner.plan_multi(STARTS, GOALS, obstacles=obstacles)
-    with pytest.raises(srmp.InvalidArgument, match=sentence):
-        planner.verify_multi({}, obstacles=obstacles)
-    with pytest.raises(srmp.InvalidArgument, match=sentence):
-        srmp.MultiPlanRequest(STARTS, GOALS, obstacles)
-
-
-def test_motions_are_a_mapping():
-    one = srmp.Trajectory(["a"], [[0.0], [1.0]], [0, 1])
-    motions = srmp.MultiTrajectory({"left": one})
-    assert isinstance(motions, collections.abc.Mapping)
-    assert srmp.MultiTrajectory(motions) == motions
-    assert dict(motions) == {"left": one}
-    assert motions.get("left") == one
-    assert motions.get("right") is None
-    assert motions.get("right", 7) == 7
-    assert "left" in motions
-    for unknown in ("right", 3, None):
-        assert unknown not in motions
-        with pytest.raises(KeyError) as error:
-            motions[unknown]
-        assert isinstance(error.value, srmp.UnknownRobot)
-        assert isinstance(error.value, srmp.InvalidArgument)
-    with pytest.raises(srmp.UnknownRobot, match=r"^there is no trajectory of robot 'lft', did you mean 'left'"):
-        motions["lft"]
-    for wrong in (None, [one], {"left": None}, {1: one}):
-        with pytest.raises(srmp.InvalidArgument, match="the trajectories must be"):
-            srmp.MultiTrajectory(wrong)
-
-
-FAR = turned(9)
-INVALID = [
-    ({"left": FAR, "right": READY}, GOALS, "start_invalid", "'left': the start.*arm7_joint1: 9 rad is above.*2.9 rad"),
-    (STARTS, {"left": joints(FAR)}, "goal_invalid", "'left'.*arm7_joint1: 9 rad is above.*2.9 rad"),
-    ({"left": READY, "right": READY}, GOALS, "start_invalid", "'left' and 'right'.*'arm7_.*'right/arm7_.*overlap by"),
-    (
-        STARTS,
-        {"left": joints(READY), "right": joints(READY)},
-        "goal_invalid",
-        "'left' and 'right'.*'arm7_.*'right/arm7_.*overlap by",
-    ),
-    ({"left": turned(0.6), "right": READY}, {"left": joints(READY)}, "goal_invalid", "'left'.*'right/arm7_.*overlap"),
-    (STARTS, {"left": GoalConstraint(GoalType.POSITION, [5, 0, 0])}, "goal_invalid", "'left'.*no configuration within"),
-]
-
-
-@pytest.mark.parametrize(("starts", "goals", "status", "sentence"), INVALID)
-def test_what_cannot_be_says_why(starts, goals, status, sentence):
-    planner = two()
-    with pytest.raises(srmp.PlanningError, match=sentence) as error:
-        planner.plan_multi(starts, goals)
-    assert error.value.status == getattr(srmp.Status, status)
-    assert "\n" not in str(error.value)
-    assert planner.plan_multi(STARTS, GOALS)["left"].certificate.holds  # nothing is left of it
-
-
-def test_planners_are_for_one_robot_or_for_many():
-    planner = two()
-    with pytest.raises(srmp.InvalidArgument, match=r"'wAstar' plans for one robot, but 2 were named; use 'xECBS'"):
-        planner.make_planner(["left", "right"], {"planner_id": "wAstar"})
-    planner.make_planner(["left"], srmp.WAStar())
-    with pytest.raises(srmp.InvalidArgument, match="a goal of type 'hold' is for plan_multi"):
-        planner.plan("left", READY, GoalConstraint.hold())
-
-
-def test_many_planners_for_one_robot():
-    planner = two(distance=5)
-    for options in (srmp.XECBS(), srmp.ECBS(), srmp.CBS(), srmp.Prioritised(), srmp.Auto()):
-        planner.make_planner(["left"], options)
-        trajectory = planner.plan_multi({"left": READY}, {"left": joints(turned(1.0))})
-        np.testing.assert_allclose(trajectory["left"].positions[-1], turned(1.0), atol=1e-12)
-
-
-def test_hold_and_any_have_no_targets():
-    for goal, kind in ((GoalConstraint.hold(), "hold"), (GoalConstraint.any(), "any")):
-        assert len(goal.targets) == 0
-        assert pickle.loads(pickle.dumps(goal)) == goal
-        assert repr(goal).startswith(f"GoalConstraint({kind}")
-        with pytest.raises(srmp.InvalidArgument, match=f"a goal of type '{kind}' has no target"):
-            GoalConstraint(goal.type, [0.0] * 7)
-    assert GoalConstraint.hold() != GoalConstraint.any()

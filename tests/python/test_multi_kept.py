@@ -9,23 +9,14 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support import READY, joints, turned
 
 import srmp
 from srmp import GoalConstraint, GoalType, Pose
 from srmp.cli import main
 
-READY = np.array([0, 0, 0, np.pi / 2, 0, np.pi / 2, 0])  # the hand 0.43 m in front of the base, fingers down
 ROWS = ("positions", "velocities", "accelerations", "times")
 NAMES = ["holder", "idler", "left", "right"]
-
-
-def turned(angle):
-    """Ready, turned about the vertical axis."""
-    return READY + np.array([angle, 0, 0, 0, 0, 0, 0])
-
-
-def joints(*targets):
-    return GoalConstraint(GoalType.JOINTS, list(targets))
 
 
 @pytest.fixture

@@ -8,7 +8,8 @@ import itertools
 
 import numpy as np
 import pytest
-from test_multi import GOALS, STARTS, in_contact, joints, ring, turned, two, world
+from multi_arms import GOALS, STARTS, in_contact, ring, two, world
+from support import joints, turned
 
 import srmp
 from srmp import Pose
