@@ -130,3 +130,13 @@ def any_trajectory(request, arm, ready):
     if request.param == "planned":
         return arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, ready + 0.1))
     return request.getfixturevalue(request.param)
+
+
+@pytest.fixture(scope="session")
+def small_data_set(tmp_path_factory):
+    """What generate() returns of data_sets.spec_of(); the files are there, and stay as they are."""
+    from data_sets import spec_of
+
+    from srmp.datasets.generation import generate
+
+    return generate(spec_of(), tmp_path_factory.mktemp("datasets") / "one", workers=1)
