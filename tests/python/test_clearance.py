@@ -32,60 +32,82 @@ def add(planner, item):
     adders[item["type"]](item["name"], *size, pose)
 
 
-def scenario(objects, held=()):
-    robot = {
-        "urdf": srmp.data_path("arm7.urdf"),
-        "srdf": srmp.data_path("arm7.srdf"),
-        "package_dirs": [],
-        "base": [0, 0, 0, 0, 0, 0, 1],
-        "fixed_joints": {},
+ARM_BASE = {"arm": [0, 0, 0, 0, 0, 0, 1]}
+FACING_BASES = {"arm": [0, 0, 0, 0, 0, 0, 1], "other": [1.1, 0, 0, 0, 0, 1, 0]}
+
+
+def scenario(objects, held=(), bases=ARM_BASE):
+    robots = {
+        name: {
+            "urdf": srmp.data_path("arm7.urdf"),
+            "srdf": srmp.data_path("arm7.srdf"),
+            "package_dirs": [],
+            "base": base,
+            "fixed_joints": {},
+        }
+        for name, base in bases.items()
     }
-    return {"robots": {"arm": robot}, "held": list(held), "objects": objects}
+    return {"robots": robots, "held": list(held), "objects": objects}
 
 
-def make_arm():
+def make_arm(bases=ARM_BASE):
     planner = srmp.PlannerInterface()
-    planner.add_articulation(
-        urdf_path=srmp.data_path("arm7.urdf"),
-        srdf_path=srmp.data_path("arm7.srdf"),
-        name="arm",
-        end_effector="arm7_hand",
-    )
+    for name, base in bases.items():
+        planner.add_articulation(
+            urdf_path=srmp.data_path("arm7.urdf"),
+            srdf_path=srmp.data_path("arm7.srdf"),
+            name=name,
+            end_effector="arm7_hand",
+            base_pose=srmp.Pose(p=base[:3], q=base[3:]),
+        )
     return planner
 
 
 class Measured:
     """Distances of all pairs of bodies along a motion, by Pinocchio and Coal alone."""
 
-    def __init__(self, suite, objects, held=()):
+    def __init__(self, suite, objects, held=(), bases=ARM_BASE):
         self.pin = pytest.importorskip("pinocchio")
         suite("recheck_multi")
         from srmp.recheck.world import World
 
-        self.world = World(scenario(objects, held))
+        self.world = World(scenario(objects, held, bases))
         parts = [self.world.body(part) for part in self.world.geometry.geometryObjects]
         pairs = self.world.geometry.collisionPairs
         self.pairs = [frozenset((parts[pair.first], parts[pair.second])) for pair in pairs]
 
-    def at(self, names, position):
+    def at(self, positions):
+        """[m] of each pair; `positions` by "robot/joint"."""
         world = self.world
         q = world.default_q.copy()
-        for name, value in zip(names, position, strict=True):
-            world.set_joint(q, f"arm/{name}", value)
+        for name, value in positions.items():
+            world.set_joint(q, name, value)
         self.pin.updateGeometryPlacements(world.model, world.data, world.geometry, world.geometry_data, q)
         self.pin.computeDistances(world.geometry, world.geometry_data)
         return np.array([result.min_distance for result in world.geometry_data.distanceResults])
 
-    def along(self, motion):
+    def along(self, motions):
         """(instants, pairs) [m], of bodies, at instants that no joint moves by more than 4 mrad between."""
-        times = [motion.times[0]]
-        for a, b, t, u in zip(motion.positions, motion.positions[1:], motion.times, motion.times[1:], strict=False):
-            steps = int(np.ceil(np.abs(b - a).max() / 4e-3)) + 1
-            times += np.linspace(t, u, steps + 1)[1:].tolist()
-        found = np.array([self.at(motion.joint_names, motion.sample(t)) for t in times])
+        times = set()
+        for motion in motions.values():
+            rows = zip(motion.positions, motion.positions[1:], motion.times, motion.times[1:], strict=False)
+            times |= {motion.times[0]}
+            for a, b, t, u in rows:
+                steps = int(np.ceil(np.abs(b - a).max() / 4e-3)) + 1
+                times |= set(np.linspace(t, u, steps + 1)[1:].tolist())
+        times = sorted(times)
+        found = np.array([self.at(positions_at(motions, t)) for t in times])
         bodies = list(dict.fromkeys(self.pairs))
         of = [[k for k, pair in enumerate(self.pairs) if pair == body] for body in bodies]
         return np.array(times), bodies, np.stack([found[:, columns].min(axis=1) for columns in of], axis=1)
+
+
+def positions_at(motions, t):
+    return {
+        f"{robot}/{joint}": value
+        for robot, motion in motions.items()
+        for joint, value in zip(motion.joint_names, motion.sample(min(t, motion.times[-1])), strict=True)
+    }
 
 
 def require_kept(distances, clearance):
@@ -135,7 +157,7 @@ def test_motions_in_random_worlds_keep_it_except_near_ends_that_are_closer(suite
         assert kept.violation == 0
         np.testing.assert_array_equal(motion.positions[0], start)
         np.testing.assert_allclose(motion.positions[-1], goal, atol=1e-9)
-        times, bodies, distances = measured.along(motion)
+        times, bodies, distances = measured.along({"arm": motion})
         for k, pair in enumerate(bodies):
             if pair != BUILT_CLOSE:
                 require_kept(distances[:, k], CLEARANCE)
@@ -187,7 +209,7 @@ def test_objects_that_are_held_keep_it_too(post, suite):
     post.attach_object("rod", "arm", "arm7_hand", touch_links=touched, pose_in_link=srmp.Pose(p=[0, 0, 0.1]))
     motion = plan(post, clearance=0.015)
     carried = {**held, "robot": "arm", "link": "arm7_hand", "may_touch": touched}
-    _, bodies, distances = Measured(suite, [POST], [carried]).along(motion)
+    _, bodies, distances = Measured(suite, [POST], [carried]).along({"arm": motion})
     assert distances[:, bodies.index(frozenset(("rod", "post")))].min() >= 0.015 - 3e-6
 
 
@@ -252,7 +274,6 @@ def test_what_cannot_keep_it_says_so(post, name):
     here = post.compute_fk("arm", START)
     away = srmp.Pose(p=here.p + np.array([0, 0, 0.05]), q=here.q)
     for call in (
-        lambda: post.plan_multi({"arm": START}, {"arm": GOAL}),
         lambda: post.plan_linear("arm", START, away),
         lambda: post.follow("arm", START, [away]),
         lambda: post.plan_sequence("arm", START, [srmp.Segment.move(GOAL)]),
@@ -270,6 +291,113 @@ def test_ends_in_contact_are_invalid_as_ever(post):
     with pytest.raises(srmp.PlanningError, match=r"the start is invalid: .* overlap") as caught:
         post.plan("arm", GOAL, START)
     assert caught.value.status == srmp.Status.start_invalid
+
+
+# --- several robots
+
+
+def apart(planner, rng, count):
+    """Configurations of both robots that keep 20 mm from everything and from each other."""
+    found = []
+    for _ in range(4000):
+        q = {name: rng.uniform(-1.8, 1.8, 7) for name in planner.robot_names}
+        for name, row in q.items():
+            planner.set_qpos(name, row)
+        if all(planner.distance_to_collision(name, row) > 0.02 - 1e-4 for name, row in q.items()):
+            found.append(q)
+        if len(found) == count:
+            return found
+    raise AssertionError("too few configurations are free")
+
+
+@pytest.mark.parametrize("planner_id", ["auto", "xECBS", "prioritised"])
+@pytest.mark.parametrize("seed", range(2))
+def test_robots_keep_it_from_each_other_and_from_everything_else(suite, seed, planner_id):
+    rng = np.random.default_rng(200 + seed)
+    objects = random_objects(rng, 3)
+    planner = make_arm(FACING_BASES)
+    for item in objects:
+        add(planner, item)
+    points = apart(planner, rng, 4)
+    measured = Measured(suite, objects, bases=FACING_BASES)
+    planner.make_planner(["arm", "other"], {"planner_id": planner_id, "clearance": CLEARANCE, "time_limit": 20.0})
+    solved = 0
+    for starts, goals in itertools.pairwise(points):
+        try:
+            motions = planner.plan_multi(starts, goals)
+        except srmp.PlanningError as error:
+            assert "clearance" in str(error) or error.status != srmp.Status.start_invalid
+            continue
+        solved += 1
+        _, bodies, distances = measured.along(dict(motions.items()))
+        built_close = [frozenset(f"{name}/{part.split('/')[1]}" for part in BUILT_CLOSE) for name in FACING_BASES]
+        for k, pair in enumerate(bodies):
+            if pair not in built_close:
+                assert distances[:, k].min() >= CLEARANCE - 3e-6, pair
+        judged = planner.verify_multi(motions, starts, goals, clearance=CLEARANCE)
+        for name, motion in motions.items():
+            kept = motion.certificate.clearance_kept
+            assert (kept.required, kept.violation, kept.relaxed) == (CLEARANCE, 0, [])
+            assert (kept.from_time, kept.to_time) == (motion.times[0], motion.times[-1])
+            assert motion.certificate.proved_free
+            assert judged[name].holds
+            assert judged[name].clearance_kept == kept
+    assert solved >= 1
+
+
+SIDE, OTHER_SIDE = [0.7, 0.9, 0, 1.2, 0, 1, 0], [-0.7, 0.9, 0, 1.2, 0, 1, 0]
+
+
+def swap(planner, planner_id="auto", **options):
+    """The hands of both pass each other between the robots."""
+    planner.make_planner(["arm", "other"], {"planner_id": planner_id, **options})
+    return planner.plan_multi({"arm": SIDE, "other": SIDE}, {"arm": OTHER_SIDE, "other": OTHER_SIDE})
+
+
+def test_verify_multi_tells_by_how_much_robots_come_too_close():
+    planner = make_arm(FACING_BASES)
+    motions = swap(planner)
+    nearest = motions["arm"].certificate.clearance
+    assert nearest < 0.02
+    for certificate in planner.verify_multi(motions, clearance=0.03).values():
+        assert [fault.kind for fault in certificate.faults] == [srmp.FaultKind.clearance]
+        assert certificate.clearance_kept.violation == pytest.approx(0.03 - nearest, abs=1e-4)
+    for certificate in planner.verify_multi(swap(planner, clearance=0.03), clearance=0.03).values():
+        assert certificate.holds
+    with pytest.raises(srmp.InvalidArgument, match="clearance is -1; it must be 0 m or above"):
+        planner.verify_multi(motions, clearance=-1)
+
+
+def test_several_robots_have_to_begin_and_end_with_it():
+    planner = make_arm(FACING_BASES)
+    near = planner.compute_fk("arm", SIDE).p
+    planner.add_sphere("near", 0.02, srmp.Pose(p=near + np.array([0, 0, 0.27])))
+    planner.set_qpos("arm", SIDE)
+    distance = planner.distance_to_collision("arm", SIDE)
+    assert 0 < distance < 0.019
+    with pytest.raises(
+        srmp.PlanningError, match=r"robot 'arm': the start is invalid: .* less than the clearance"
+    ) as caught:
+        swap(planner, clearance=distance + 0.01)
+    assert caught.value.status == srmp.Status.start_invalid
+    planner.remove_object("near")
+    facing = [0.0, 0.9, 0, 1.2, 0, 1, 0]
+    planner.make_planner(["arm", "other"], {"clearance": 0.3})
+    with pytest.raises(
+        srmp.PlanningError, match=r"'arm' and 'other' are too close: .* less than the clearance"
+    ) as caught:
+        planner.plan_multi({"arm": facing, "other": SIDE}, {"arm": SIDE, "other": OTHER_SIDE})
+    assert caught.value.status == srmp.Status.start_invalid
+
+
+def test_what_several_robots_cannot_keep_is_refused():
+    planner = make_arm(FACING_BASES)
+    motions = swap(planner)
+    with pytest.raises(srmp.NotSupported, match="plan_multi knows no preferred clearance"):
+        swap(planner, preferred_clearance=0.01)
+    planner.make_planner(["arm"], {"clearance": 0.01})
+    with pytest.raises(srmp.NotSupported, match="plan_multi among robots in motion cannot keep a clearance"):
+        planner.plan_multi({"arm": SIDE}, {"arm": OTHER_SIDE}, obstacles={"other": motions["other"]})
 
 
 # --- preferred_clearance
@@ -293,7 +421,7 @@ def test_shortening_gives_away_no_clearance_that_the_searched_path_had(suite, se
         planner.make_planner(["arm"], {"time_limit": 20.0, **options})
         motion = planner.plan("arm", start, goal)
         assert motion.certificate.proved_free
-        _, _, distances = measured.along(motion)
+        _, _, distances = measured.along({"arm": motion})
         return distances.min()
 
     for start, goal in itertools.pairwise(points):

@@ -42,6 +42,7 @@ struct MultiVerifyOptions {
   bool at_rest{true};                             ///< as VerifyOptions::at_rest
   std::optional<double> max_deviation{};          ///< as VerifyOptions::max_deviation
   double gap_tolerance{0.5};                      ///< as VerifyOptions::gap_tolerance
+  double clearance{0.0};  ///< [m] as VerifyOptions::clearance; from each other the robots keep it at their ends too
 };
 
 }  // namespace srmp

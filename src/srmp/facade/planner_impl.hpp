@@ -89,11 +89,15 @@ struct PlannerInterface::Impl {
     require_heuristics(options, heuristic_names());
     require_robots(options, {request.robot});
     require_planner_for_one(options);
-    if (checkers.has_other_backend()) require_no_clearance(options, "a collision backend of your own");
+    require_backend_keeps_clearance(options);
     require_request(scene, request.robot, request.start, request.goals);
     place_constraints(scene, request.robot, request.constraints);  // throws
     require_start_in_motion(request, *placed(request.robot), scaled(limits_of(request.robot), common_options(options)),
                             common_options(options));
+  }
+
+  void require_backend_keeps_clearance(const PlannerOptions& options) const {
+    if (checkers.has_other_backend()) require_no_clearance(options, "a collision backend of your own");
   }
 
   /// Forgets the last plan.
@@ -186,7 +190,8 @@ struct PlannerInterface::Impl {
     std::vector<std::string> names;
     for (const RobotProblem& robot : moving) names.push_back(robot.robot);
     const auto threads = static_cast<std::size_t>(num_threads(options));
-    const auto group = make_checkers(deadline, [&] { return checkers.of(now, names, threads, deadline); });
+    const auto group = make_checkers(
+        deadline, [&] { return checkers.of(now, names, common_options(options).clearance, threads, deadline); });
     const PlanProblem problem{now, std::move(moving),     *group,           options, heuristics,
                               {},  std::move(stationary), request.obstacles};
     return run_pipeline(problem, deadline, statistics);

@@ -332,7 +332,7 @@ std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTra
   for (const auto& [name, motion] : options.obstacles)
     if (!motions.emplace(name, motion).second)
       throw InvalidArgument("robot '" + name + "' has a trajectory to verify and is an obstacle too");
-  MotionsTogether together(impl_->scene, motions, options.gap_tolerance);
+  MotionsTogether together(impl_->scene, motions, {options.gap_tolerance, options.clearance});
   std::map<std::string, Certificate> certificates;
   for (const auto& [name, motion] : trajectory.robots)
     certificates.emplace(name,
@@ -414,7 +414,8 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
   const PlannerOptions& options = planner_options(names_of(request));
   const Deadline deadline(common_options(options).time_limit, interrupt);
   require_for_many(options);
-  require_no_clearance(options, "plan_multi");
+  impl_->require_backend_keeps_clearance(options);
+  require_clearance_for_many(options, request);
   require_heuristics(options, impl_->heuristic_names());
   if (!request.obstacles.empty())
     require_no_sample_rate(common_options(options), "a motion that waits for moving obstacles");

@@ -38,6 +38,15 @@ void require_no_clearance(const PlannerOptions& options, const std::string& what
                          " cannot keep a clearance; make_planner with 0, and give padding to objects instead");
 }
 
+void require_clearance_for_many(const PlannerOptions& options, const MultiPlanRequest& request) {
+  if (!request.obstacles.empty()) return require_no_clearance(options, "plan_multi among robots in motion");
+  const double preferred = common_options(options).preferred_clearance;
+  if (preferred > 0.0)
+    throw NotSupported("preferred_clearance is " + to_text(preferred) +
+                       " m, but plan_multi knows no preferred clearance; make_planner with 0, or with a clearance that "
+                       "has to be kept");
+}
+
 void require_for_many(const PlannerOptions& options) {
   const PlannerInfo& info = registered_planner(options).info;
   if (!info.many_robots)

@@ -19,13 +19,17 @@ const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, C
 }
 
 std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots,
-                                                         std::size_t threads, const Deadline& deadline) {
+                                                         double clearance, std::size_t threads,
+                                                         const Deadline& deadline) {
   std::vector<Eigen::VectorXd> others;
   for (const auto& [name, robot] : scene.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
-  if (together_ && together_->planning.names() == robots && others_ == others) return together_;
-  auto made =
-      std::make_shared<const ProblemCheckers>(scene, robots, options(CheckMode::exact), threads, backend_, deadline);
+  if (together_ && together_->planning.names() == robots && together_->options.clearance == clearance &&
+      others_ == others)
+    return together_;
+  CheckerOptions options = this->options(CheckMode::exact);
+  options.clearance = clearance;
+  auto made = std::make_shared<const ProblemCheckers>(scene, robots, options, threads, backend_, deadline);
   together_ = std::move(made);
   others_ = std::move(others);
   return together_;

@@ -27,10 +27,10 @@ class SceneCheckers {
   /// Of one robot that moves while the others stand as in `scene`, whose state this must be, and that keeps a clearance
   /// [m]; of clearances above 0, the last one's are kept. Throws as `of`.
   std::shared_ptr<const ProblemCheckers> of_one(const Scene& scene, const std::string& robot, double clearance = 0.0);
-  /// Of robots that move together while the others stand as in `scene`; the last ones are kept. Throws PlanningError
-  /// once the deadline has passed before all are made.
+  /// Of robots that move together while the others stand as in `scene`, and that keep a clearance [m]; the last ones
+  /// are kept. Throws PlanningError once the deadline has passed before all are made.
   std::shared_ptr<const ProblemCheckers> of(const Scene& scene, const std::vector<std::string>& robots,
-                                            std::size_t threads, const Deadline& deadline);
+                                            double clearance, std::size_t threads, const Deadline& deadline);
 
   /// Has the scene's robots prepared in the background, and makes checkers again that this makes faster. Takes
   /// milliseconds for a robot seen for the first time, nothing otherwise.

@@ -124,10 +124,7 @@ class CertifiedTiming {
       if (!common_.certify && !constraints_) return;
       {
         const PhaseTimer timer(until, statistics.verification_time_s);
-        group.certificates = joint_certificates(checkers(), motions_of(group), common_, until);
-        if (common_.clearance > 0.0)  // of one robot alone
-          add_clearance(group.certificates.front(), with_times(group.trajectories.front()),
-                        problem_.checkers.clearance_verification().alone(0), until);
+        group.certificates = joint_certificates(checkers(), with_clearance(), motions_of(group), common_, until);
       }
       const auto is_proved = [](const Certificate& c) {
         return c.proved_free() && keeps_constraints(c) && keeps_clearance(c);
@@ -138,6 +135,10 @@ class CertifiedTiming {
   }
 
   const GroupCheckers& checkers() const { return problem_.checkers.verification(); }
+  const GroupCheckers* with_clearance() const {
+    return common_.clearance > 0.0 ? &problem_.checkers.clearance_verification() : nullptr;
+  }
+  const GroupCheckers& pair_checkers() const { return with_clearance() ? *with_clearance() : checkers(); }
 
   RobotMotion motion_of(const Group& group, std::size_t i) const {
     const std::size_t robot = group.path.robots[i];
@@ -166,7 +167,7 @@ class CertifiedTiming {
           for (std::size_t l = 0; l < groups_[j].path.robots.size(); ++l) {
             MemberPair pair{{i, k}, {j, l}};
             if (number(pair.a) > number(pair.b)) std::swap(pair.a, pair.b);
-            if (checkers().may_conflict(number(pair.a), number(pair.b)) &&
+            if (pair_checkers().may_conflict(number(pair.a), number(pair.b)) &&
                 !proofs_.contains({number(pair.a), number(pair.b)}))
               open.push_back(pair);
           }
@@ -184,7 +185,7 @@ class CertifiedTiming {
     work_.run(open.size(), until_, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
       if (k > first) return;
       const PhaseTimer timer(deadline, statistics.verification_time_s);
-      found[k] = *prove_pair(checkers(), motion_of(open[k].a), motion_of(open[k].b), deadline);
+      found[k] = *prove_pair(pair_checkers(), motion_of(open[k].a), motion_of(open[k].b), deadline);
       if (found[k].free && found[k].unproved.empty()) return;
       for (std::size_t known = first; k < known && !first.compare_exchange_weak(known, k);) {
       }
@@ -207,7 +208,7 @@ class CertifiedTiming {
       for (std::size_t k = 0; k < groups_[i].path.robots.size(); ++k) members[groups_[i].path.robots[k]] = {i, k};
     for (const auto& [numbers, proof] : proofs_) {
       const Member a = members.at(numbers.first), b = members.at(numbers.second);
-      add_pair_proof(checkers(), proof, motion_of(a), groups_[a.group].certificates[a.index], motion_of(b),
+      add_pair_proof(pair_checkers(), proof, motion_of(a), groups_[a.group].certificates[a.index], motion_of(b),
                      groups_[b.group].certificates[b.index]);
     }
   }

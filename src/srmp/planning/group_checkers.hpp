@@ -22,6 +22,7 @@ class GroupCheckers {
   const Scene& scene() const { return scene_; }
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }
+  double clearance() const { return options_.clearance; }  ///< [m] CheckerOptions::clearance
   const Checker& alone(std::size_t i) const { return *alone_[i]; }
   /// i < j: collisions between i and j; a configuration is i's, then j's. Null: they cannot reach each other.
   const Checker* pair(std::size_t i, std::size_t j) const {

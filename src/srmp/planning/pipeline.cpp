@@ -20,7 +20,7 @@ class Pipeline {
         deadline_(deadline),
         statistics_(statistics),
         work_(static_cast<std::size_t>(num_threads(problem.options)), statistics),
-        one_robot_(problem.robots.size() == 1 && registered_planner(problem.options).info.one_robot) {}
+        one_robot_(problem.is_for_one()) {}
 
   MultiTrajectory run() {
     require_stationary_starts(problem_);
@@ -115,10 +115,12 @@ class Pipeline {
   const Deadline& deadline_;
   PlanStatistics& statistics_;
   ParallelWork work_;
-  const bool one_robot_;  // and a planner for one: it plans all there is
+  const bool one_robot_;
 };
 
 }  // namespace
+
+bool PlanProblem::is_for_one() const { return robots.size() == 1 && registered_planner(options).info.one_robot; }
 
 MultiTrajectory run_pipeline(const PlanProblem& problem, const Deadline& deadline, PlanStatistics& statistics) {
   try {

@@ -45,6 +45,9 @@ struct PlanProblem {
   OnSolution on_solution{};                       ///< of one robot alone; may be empty
   std::vector<RobotProblem> stationary{};         ///< robots that stay where they start
   std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that others are committed to
+
+  /// Whether one robot is planned, by a planner for one: that planner plans all there is.
+  bool is_for_one() const;
 };
 
 }  // namespace srmp

@@ -4,8 +4,7 @@
 
 namespace srmp {
 
-std::string invalidity(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
-  if (const auto violation = checker.robot().limit_violation(q)) return *violation;
+std::string contact_sentence(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
   if (checker.is_free(q, workspace)) return "";
   const std::vector<Contact> contacts = checker.contacts(q, workspace);
   if (contacts.empty()) return "it is in collision";
@@ -14,6 +13,11 @@ std::string invalidity(const Checker& checker, const Eigen::VectorXd& q, Checker
   deepest.padding -= checker.clearance_kept();
   return deepest.describe() +
          (deepest.distance > 0.0 ? ", less than the clearance of " + to_text(checker.clearance_kept()) + " m" : "");
+}
+
+std::string invalidity(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
+  const auto violation = checker.robot().limit_violation(q);
+  return violation ? *violation : contact_sentence(checker, q, workspace);
 }
 
 }  // namespace srmp

@@ -9,6 +9,9 @@ namespace srmp {
 inline constexpr double limit_tolerance =
     1e-6;  ///< [rad or m] starts and goals outside a limit by no more are moved onto it
 
+/// What a configuration is in contact with or too close to, as the end of a sentence; "": it is free.
+std::string contact_sentence(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace);
+
 /// Why the robot cannot be at q: the limit that it exceeds or what it touches, as the end of a sentence; "": it can.
 std::string invalidity(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace);
 

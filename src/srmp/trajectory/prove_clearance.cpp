@@ -16,6 +16,18 @@ constexpr double sample_step = 1e-3;     // [rad or m] of a joint, between sampl
 constexpr double rule_tolerance = 2e-5;  // [m] of the clearance at samples
 constexpr double proof_reserve = 1e-4;   // [m] beyond the clearance, from where on it is proved
 
+/// By `amount` [m]; the worst is told.
+void add_violation(Certificate& certificate, ClearanceKept& kept, const std::string& a, const std::string& b,
+                   double amount, double time) {
+  if (kept.violation > 0.0 && amount <= kept.violation) return;
+  std::erase_if(certificate.faults, [](const Fault& fault) { return fault.kind == FaultKind::clearance; });
+  kept.violation = std::max(amount, std::numeric_limits<double>::min());
+  certificate.faults.push_back({FaultKind::clearance,
+                                "'" + a + "' and '" + b + "' break the clearance of " + to_text(kept.required) +
+                                    " m by " + to_text(amount) + " m at " + to_text(time) + " s",
+                                time});
+}
+
 class ClearanceProof {
  public:
   ClearanceProof(Certificate& certificate, const Trajectory& trajectory, const Checker& checker,
@@ -125,15 +137,8 @@ class ClearanceProof {
                                     named ? kept_.relaxed[first_relaxed].body_b : ""});
   }
 
-  /// By `amount` [m]; the worst is told.
   void broken(const std::string& a, const std::string& b, double amount, double time) {
-    if (kept_.violation > 0.0 && amount <= kept_.violation) return;
-    std::erase_if(certificate_.faults, [](const Fault& fault) { return fault.kind == FaultKind::clearance; });
-    kept_.violation = std::max(amount, std::numeric_limits<double>::min());
-    certificate_.faults.push_back({FaultKind::clearance,
-                                   "'" + a + "' and '" + b + "' break the clearance of " + to_text(kept_.required) +
-                                       " m by " + to_text(amount) + " m at " + to_text(time) + " s",
-                                   time});
+    add_violation(certificate_, kept_, a, b, amount, time);
   }
 
   Certificate& certificate_;
@@ -150,6 +155,23 @@ class ClearanceProof {
 void add_clearance(Certificate& certificate, const Trajectory& trajectory, const Checker& checker,
                    const Deadline& deadline) {
   ClearanceProof(certificate, trajectory, checker, deadline).run();
+}
+
+void add_clearance(Certificate& certificate, const MotionProof& proof, double required) {
+  for (const MotionProof::Part& part : proof.unproved)
+    certificate.sampled.push_back({part.from, part.to, part.body_a, part.body_b});
+  if (!certificate.clearance_kept) certificate.clearance_kept = ClearanceKept{.required = required};
+  if (proof.free) return;
+  add_violation(certificate, *certificate.clearance_kept, proof.body_a, proof.body_b,
+                std::min(std::max(-proof.clearance, 0.0), required), proof.time);
+}
+
+MotionProof without_clearance(MotionProof proof, double required) {
+  if (proof.free && proof.unproved.empty()) proof.proved += required;
+  proof.clearance += required;
+  proof.free = proof.clearance > detail::NarrowPhase::contact_distance;
+  proof.unproved.clear();
+  return proof;
 }
 
 bool keeps_clearance(const Certificate& certificate) {

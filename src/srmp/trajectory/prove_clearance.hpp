@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/collision/checker.hpp"
+#include "srmp/collision/motion_proof.hpp"
 #include "srmp/core/deadline.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
@@ -13,6 +13,14 @@ namespace srmp {
 /// clearance. What is not proved once the deadline has passed goes to Certificate::sampled.
 void add_clearance(Certificate& certificate, const Trajectory& trajectory, const Checker& checker,
                    const Deadline& deadline);
+
+/// The same of a proof (with ProofOptions of any kind) that two robots keep a clearance [m] all along, by a checker
+/// with that clearance; near the ends too. Adds what it did not prove to Certificate::sampled.
+void add_clearance(Certificate& certificate, const MotionProof& proof, double required);
+
+/// What such a proof says of contacts, as add_proof takes it: distances are larger by the clearance. What it did not
+/// prove is left out.
+MotionProof without_clearance(MotionProof proof, double required);
 
 /// Whether no required clearance is broken.
 bool keeps_clearance(const Certificate& certificate);

@@ -3,6 +3,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/planning/certificates/verify.hpp"
 #include "srmp/trajectory/certify.hpp"
+#include "srmp/trajectory/prove_clearance.hpp"
 #include "srmp/trajectory/prove_collision_free.hpp"
 #include "srmp/trajectory/prove_constraints.hpp"
 
@@ -39,16 +40,22 @@ Certificate certify_alone(const Checker& checker, const RobotMotion& robot, cons
 
 }  // namespace
 
-std::vector<Certificate> joint_certificates(const GroupCheckers& checkers, const std::vector<RobotMotion>& motions,
-                                            const CommonOptions& options, const Deadline& until) {
+std::vector<Certificate> joint_certificates(const GroupCheckers& checkers, const GroupCheckers* with_clearance,
+                                            const std::vector<RobotMotion>& motions, const CommonOptions& options,
+                                            const Deadline& until) {
   std::vector<Certificate> certificates;
-  for (const RobotMotion& robot : motions)
-    certificates.push_back(robot.task ? certify_alone(checkers.alone(robot.robot), robot, options, until)
-                                      : Certificate{});
+  for (const RobotMotion& robot : motions) {
+    certificates.emplace_back();
+    if (!robot.task) continue;
+    certificates.back() = certify_alone(checkers.alone(robot.robot), robot, options, until);
+    if (with_clearance)
+      add_clearance(certificates.back(), with_times(robot.motion), with_clearance->alone(robot.robot), until);
+  }
+  const GroupCheckers& of_pairs = with_clearance ? *with_clearance : checkers;
   for (std::size_t i = 0; i < motions.size(); ++i)
     for (std::size_t j = i + 1; j < motions.size(); ++j)
-      if (const auto proof = prove_pair(checkers, motions[i], motions[j], until))
-        add_pair_proof(checkers, *proof, motions[i], certificates[i], motions[j], certificates[j]);
+      if (const auto proof = prove_pair(of_pairs, motions[i], motions[j], until))
+        add_pair_proof(of_pairs, *proof, motions[i], certificates[i], motions[j], certificates[j]);
   return certificates;
 }
 
@@ -61,9 +68,14 @@ std::optional<MotionProof> prove_pair(const GroupCheckers& checkers, const Robot
 
 void add_pair_proof(const GroupCheckers& checkers, const MotionProof& proof, const RobotMotion& a, Certificate& of_a,
                     const RobotMotion& b, Certificate& of_b) {
-  if (a.task) add_proof(of_a, proof);
-  if (b.task)
-    add_proof(of_b, seen_from_other_robot(proof, *checkers.pair(a.robot, b.robot), checkers.names()[b.robot]));
+  const double clearance = checkers.clearance();
+  const auto add = [&](Certificate& certificate, const MotionProof& seen) {
+    if (clearance == 0.0) return add_proof(certificate, seen);
+    add_proof(certificate, without_clearance(seen, clearance));
+    add_clearance(certificate, seen, clearance);
+  };
+  if (a.task) add(of_a, proof);
+  if (b.task) add(of_b, seen_from_other_robot(proof, *checkers.pair(a.robot, b.robot), checkers.names()[b.robot]));
 }
 
 void attach_certificate(Trajectory& motion, Certificate certificate, const std::string& robot,

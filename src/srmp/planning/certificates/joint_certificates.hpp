@@ -20,16 +20,17 @@ struct RobotMotion {
 
 /// Certificates of robots that move on one clock: of each by itself, and of each two against each other. In the order
 /// of `motions`, whose indices increase; without bounds; empty for moving obstacles. Once the deadline passes, what is
-/// not proved yet goes to Certificate::sampled. `checkers`: of all these robots, by Coal alone. References outlive the
-/// call.
-std::vector<Certificate> joint_certificates(const GroupCheckers& checkers, const std::vector<RobotMotion>& motions,
-                                            const CommonOptions& options, const Deadline& until);
+/// not proved yet goes to Certificate::sampled. `checkers`: of all these robots, by Coal alone. `with_clearance`: the
+/// same with the clearance that they have to keep; null: none. References outlive the call.
+std::vector<Certificate> joint_certificates(const GroupCheckers& checkers, const GroupCheckers* with_clearance,
+                                            const std::vector<RobotMotion>& motions, const CommonOptions& options,
+                                            const Deadline& until);
 
-/// The proof that two robots do not collide, a.robot < b.robot; nothing: they cannot reach each other, or neither needs
-/// a certificate.
+/// The proof that two robots do not collide, a.robot < b.robot, or that they keep the checkers' clearance; nothing:
+/// they cannot reach each other, or neither needs a certificate.
 std::optional<MotionProof> prove_pair(const GroupCheckers& checkers, const RobotMotion& a, const RobotMotion& b,
                                       const Deadline& until);
-/// Adds that proof to the certificates of both.
+/// Adds that proof, by the same checkers, to the certificates of both.
 void add_pair_proof(const GroupCheckers& checkers, const MotionProof& proof, const RobotMotion& a, Certificate& of_a,
                     const RobotMotion& b, Certificate& of_b);
 

@@ -97,9 +97,13 @@ GoalError goal_error(const std::vector<GoalConstraint>& goals, const Checker& ch
   return best;
 }
 
+void require_clearance(double clearance) {
+  if (!(clearance >= 0.0 && std::isfinite(clearance)))
+    throw InvalidArgument("clearance is " + to_text(clearance) + "; it must be 0 m or above");
+}
+
 PlacedVerifyOptions place(const VerifyOptions& options, const Scene& scene, const std::string& robot) {
-  if (!(options.clearance >= 0.0 && std::isfinite(options.clearance)))
-    throw InvalidArgument("clearance is " + to_text(options.clearance) + "; it must be 0 m or above");
+  require_clearance(options.clearance);
   PlacedVerifyOptions placed{.constraints = place_constraints(scene, robot, options.constraints)};
   if (options.clearance != 0.0)
     placed.with_clearance = make_checker(scene, robot, {.mode = CheckMode::coal, .clearance = options.clearance});

@@ -25,6 +25,7 @@ struct PlacedVerifyOptions {
   std::shared_ptr<const PlacedConstraints> constraints{};
   std::shared_ptr<const Checker> with_clearance{};
 };
+void require_clearance(double clearance);  ///< throws InvalidArgument where it is not 0 m or above
 /// Throws InvalidArgument as place_constraints, and for a clearance out of range.
 PlacedVerifyOptions place(const VerifyOptions& options, const Scene& scene, const std::string& robot);
 

@@ -20,21 +20,31 @@ Certificate certify_among(const Scene& scene, const std::string& robot, const Tr
 /// verify of any motions.
 class MotionsTogether {
  public:
-  /// By robot name; references outlive this. `gap_tolerance`: of proofs of two, VerifyOptions::gap_tolerance. Throws
-  /// InvalidArgument for a robot that is not in the scene.
-  MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions, double gap_tolerance);
+  /// Of proofs of two, as in VerifyOptions.
+  struct Options {
+    double gap_tolerance{0.5};
+    double clearance{0.0};  ///< [m]
+  };
+
+  /// By robot name; references outlive this. Throws InvalidArgument for a robot that is not in the scene and for a
+  /// clearance that is not 0 or above.
+  MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions, const Options& options);
 
   /// Of one of the robots. A motion of another one that cannot be read, or does not begin at time 0, is a fault too.
   Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options);
 
  private:
+  using Proofs = std::map<std::pair<std::string, std::string>, MotionProof>;
   /// Of two robots, as the first one's checker names the bodies; made once for both.
   const MotionProof& proof(const std::string& robot, const std::string& other);
+  MotionProof clearance_proof(const std::string& robot, const std::string& other);
+  const MotionProof& known_or_made(Proofs& proofs, const std::string& robot, const std::string& other,
+                                   double clearance);
 
   const Scene& scene_;
   const std::map<std::string, Trajectory>& motions_;
-  double gap_tolerance_;
-  std::map<std::pair<std::string, std::string>, MotionProof> proofs_;
+  const Options options_;
+  Proofs proofs_, clearance_proofs_;
   std::map<std::string, Fault> unfit_;  // why a motion cannot be verified against others
 };
 

@@ -15,10 +15,12 @@ namespace {
 /// Contacts computed for one end that is too close to something, at most.
 constexpr int max_approach_checks = 4000;
 
-/// Is a configuration that is within the limits and not free only closer to something than the required clearance?
+/// May the robot be at a configuration that is not free because it is within the limits, and only closer to something
+/// than the required clearance? One of several robots may not.
 bool is_only_close(RobotContext& context, const Eigen::VectorXd& q) {
   const Checker& checker = context.checks.checker();
   if (checker.clearance_kept() == 0.0 || checker.robot().limit_violation(q)) return false;
+  if (!context.problem.is_for_one()) return false;
   const Checker& contacts = context.problem.checkers.verification().alone(0);
   return contacts.is_free(q, *contacts.make_workspace());
 }

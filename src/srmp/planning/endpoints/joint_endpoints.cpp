@@ -1,6 +1,7 @@
 #include "srmp/planning/endpoints/joint_endpoints.hpp"
 
 #include "srmp/core/error.hpp"
+#include "srmp/planning/validity.hpp"
 
 namespace srmp {
 
@@ -13,11 +14,10 @@ std::string contact(const GroupCheckers& checkers, std::size_t i, const Eigen::V
   if (!checker) return "";
   Eigen::VectorXd both(a.size() + b.size());
   both << a, b;
-  const auto workspace = checker->make_workspace();
-  if (checker->is_free(both, *workspace)) return "";
-  const auto contacts = checker->contacts(both, *workspace);
-  return "'" + checkers.names()[i] + "' and '" + checkers.names()[j] + "' are in collision" +
-         (contacts.empty() ? "" : ": " + contacts.front().describe());
+  const std::string contact = contact_sentence(*checker, both, *checker->make_workspace());
+  if (contact.empty()) return "";
+  return "'" + checkers.names()[i] + "' and '" + checkers.names()[j] + "' are " +
+         (checkers.clearance() > 0.0 ? "too close" : "in collision") + ": " + contact;
 }
 
 /// The collision at the first two targets; "" = some targets are free of collisions with each other, or there are none.

@@ -309,7 +309,7 @@ class PlanAround {
       else
         moving.push_back({i, nullptr, obstacles_.at(name)});
     }
-    std::vector<Certificate> certificates = joint_certificates(*group_, moving, common_, until);
+    std::vector<Certificate> certificates = joint_certificates(*group_, nullptr, moving, common_, until);
     for (std::size_t i = 0; i < count; ++i) {
       const std::string& name = group_->names()[i];
       attach_certificate(planned_.robots.at(name), std::move(certificates[i]), name, statistics_);
