@@ -140,3 +140,14 @@ def small_data_set(tmp_path_factory):
     from srmp.datasets.generation import generate
 
     return generate(spec_of(), tmp_path_factory.mktemp("datasets") / "one", workers=1)
+
+
+@pytest.fixture
+def client():
+    """A connection to a PyBullet of its own."""
+    import pybullet
+
+    number = pybullet.connect(pybullet.DIRECT)
+    yield number
+    if pybullet.isConnected(number):
+        pybullet.disconnect(number)
