@@ -9,7 +9,9 @@ from call to return, the first plan in a changed scene, and one object moved amo
 
 Times are CPU times of a process whose planner has one thread. Every case runs --rounds times in a process of its own;
 with --baseline, the Python of an environment that holds another build, both take turns. A problem's time is its best of
-all rounds; the last columns are the baseline's median and the median of the problems' ratios to it.
+all rounds; the last columns are the baseline's median and the median of the problems' ratios to it. Where the `ompl`
+wheel is installed (pip install ompl), OMPL's RRTConnect and AORRTC are run on the same problems and collision checker,
+as a yardstick; their checks go through Python.
 """
 
 from __future__ import annotations
@@ -38,6 +40,7 @@ ANYTIME = dict(zip(SCENARIOS, (4.23, 4.53, 4.33, 4.25, 5.87, 4.35, 4.54), strict
 TIMES = (0.001, 0.01, 0.03, 0.1)  # [s] of aim 4
 PATH_ONLY = {"timing": "none", "certify": False}
 LIMIT = 20.0  # [s] of a plan
+YARDSTICK = "yardstick"  # the kind of case that no other build runs
 REPEATS = 5  # of a plan in one process
 
 Measured = dict[str, dict[str, Any]]
@@ -56,10 +59,16 @@ class Case:
 
 
 def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
-    """Of the chosen aims."""
+    """Of the chosen aims; with OMPL's planners beside them where the `ompl` wheel is installed."""
+    wheel = has_wheel()
     found = [
         Case(1, f"{scenario}, spheres", "path", ("panda", "spheres", scenario), f"{SPHERES.get(scenario, 0.35)} ms")
         for scenario in SCENARIOS
+    ]
+    found += [
+        Case(1, f"{scenario}, OMPL's RRTConnect", YARDSTICK, ("RRT-Connect", scenario), "–")
+        for scenario in SCENARIOS
+        if wheel
     ]
     found += [
         Case(2, f"{scenario}, meshes", "path", ("panda", "urdf", scenario), "2 × spheres") for scenario in SCENARIOS
@@ -77,6 +86,11 @@ def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
         Case(4, f"{scenario}, at {1e3 * TIMES[-1]:g} ms", "anytime", ("panda", "spheres", scenario), f"cost {cost}")
         for scenario, cost in ANYTIME.items()
     ]
+    found += [
+        Case(4, f"{scenario}, AORRTC at {1e3 * TIMES[-1]:g} ms", YARDSTICK, ("AORRTC", scenario), "–")
+        for scenario in SCENARIOS
+        if wheel
+    ]
     if multi_data:
         files = {"two_rod": "8 ms", "four": "30 ms"}
         found += [
@@ -85,6 +99,12 @@ def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
         ]
     found += [Case(5, f"{name} of {count}", "arms", (name, count, None), goal) for name, count, goal in GENERATED]
     return [case for case in found if case.aim in aims]
+
+
+def has_wheel() -> bool:
+    from srmp.bench import ompl_wheel  # which other builds may not have
+
+    return ompl_wheel.module() is not None
 
 
 OTHERS = {"ur5": "2 ms", "fetch": "10 ms"}
@@ -207,6 +227,26 @@ def anytime(data: str, problems: str, robot: str, geometry: str, scenario: str) 
     return over_problems(data, problems, robot, geometry, scenario, options, measure)
 
 
+def yardstick(data: str, problems: str, name: str, scenario: str) -> Measured:
+    """A planner of OMPL's, on our checker: the median time and mean cost of its REPEATS plans, which are random."""
+    from srmp.bench import ompl_wheel
+
+    files = mbm.robot_files(data, "panda", "spheres")
+    runner = mbm.Runner(files, "auto", {}, LIMIT)
+    limit = TIMES[-1] if name == "AORRTC" else LIMIT
+    found: Measured = {}
+    with mbm.open_problems(files.directory, "panda", (scenario,), mbm.parse_numbers(problems)) as chosen:
+        for problem in chosen:
+            planner, own = runner.set_up(problem)
+            goal = own.goals[0].targets[0]
+            results = [ompl_wheel.plan(planner, "panda", own.start, goal, name, limit) for _ in range(REPEATS)]
+            solved = [r for r in results if r["status"] == "solved"]
+            lengths = [float(np.linalg.norm(np.diff(r["waypoints"], axis=0), axis=1).sum()) for r in solved]
+            seconds = float(np.median([r["plan_time_s"] for r in results])) if len(solved) == REPEATS else None
+            found[problem.name] = {"seconds": seconds, "cost": float(np.mean(lengths)) if lengths else None}
+    return found
+
+
 def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: str | None) -> Measured:
     from srmp.bench.scenarios import find
 
@@ -226,7 +266,7 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
     return result
 
 
-KINDS = {function.__name__: function for function in (path, certified, first, moved, anytime, arms)}
+KINDS = {function.__name__: function for function in (path, certified, first, moved, anytime, yardstick, arms)}
 
 
 # --- rounds and pairs -------------------------------------------------------------------------------------------------
@@ -266,9 +306,10 @@ def run(
     builds = {"own": sys.executable, **({"baseline": baseline} if baseline else {})}
     rows = []
     for case in cases(numbers, multi_data):
-        measured: dict[str, list[Measured]] = {build: [] for build in builds}
+        chosen = ["own"] if case.kind == YARDSTICK else list(builds)
+        measured: dict[str, list[Measured]] = {build: [] for build in chosen}
         for number in range(rounds):
-            for build in builds if number % 2 else reversed(builds):  # neither is always the first
+            for build in chosen if number % 2 else reversed(chosen):  # neither is always the first
                 measured[build].append(run_in_process(builds[build], case, data, problems))
         rows.append(
             {"aim": case.aim, "name": case.name, "goal": case.goal} | {b: merge(r) for b, r in measured.items()}

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import srmp
+from srmp.bench import ompl_wheel
 from srmp.bench.paper import contestants, page, run, solve, statements, tables
 from srmp.bench.runner import Execution
 from srmp.cli import main
@@ -181,6 +182,29 @@ def test_ompl_refuses_what_it_does_not_know(arm, ready):
     beyond = ready + np.array([100, 0, 0, 0, 0, 0, 0])
     assert _srmp_ompl.plan(arm, ["arm"], ready, beyond, "PRM", 0.2, 1)["status"] in ("goal_invalid", "timed_out")
     assert _srmp_ompl.plan(arm, ["arm"], beyond, ready, "PRM", 0.2, 1)["status"] == "start_invalid"
+
+
+@pytest.mark.skipif(ompl_wheel.module() is None, reason="the ompl wheel is not installed (pip install ompl)")
+@pytest.mark.parametrize("name", ompl_wheel.PLANNERS)
+def test_planners_of_the_wheel_use_our_checker(arm, ready, name):
+    goal = ready - np.array([1.8, 0, 0, 0, 0, 0, 0])
+    found = ompl_wheel.plan(arm, "arm", ready, goal, name, 1.0)
+    assert found["status"] == "solved"
+    path = found["waypoints"]
+    np.testing.assert_allclose(path[[0, -1]], [ready, goal])
+    assert arm.collision_checker("arm").motions_free(path[:-1], path[1:]).all()
+
+
+def test_aorrtc_is_the_wheels_where_the_module_has_none(monkeypatch):
+    single = {(c.name, c.library): c for c in contestants.EXPERIMENTS["a"].contestants}
+    aorrtc = single["AORRTC", contestants.OMPL]
+    monkeypatch.setattr(contestants, "ompl_module", lambda: None)
+    monkeypatch.setattr(ompl_wheel, "has", lambda name: True)
+    assert contestants.why_not_run(aorrtc) == ""
+    assert contestants.why_not_run(single["RRT-Connect", contestants.OMPL]) == "no OMPL"
+    assert contestants.why_not_run(single["AORRTC", contestants.COAL]) == "no OMPL"
+    monkeypatch.setattr(ompl_wheel, "has", lambda name: False)
+    assert contestants.why_not_run(aorrtc) == "no OMPL"
 
 
 # --- re-check ---------------------------------------------------------------------------------------------------------

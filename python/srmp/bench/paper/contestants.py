@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
 
+from srmp.bench import ompl_wheel
+
 BENCHMARK = "the paper's experiments"
 """What result files are called."""
 SRMP, OMPL, COAL, MOVEIT = "SRMP", "OMPL", "OMPL, plain Coal", "MoveIt"
@@ -57,7 +59,8 @@ _PASE = Contestant("wPA*SE", SRMP, "wPASE", search=True)
 _ARA = Contestant("ARA*", SRMP, "ARAstar", search=True, anytime=True)
 _AMRA = Contestant("AMRA*", SRMP, "AMRAstar", anytime=True)
 _AUTO = Contestant("auto", SRMP)
-_ANYTIME = ("RRT*", "AORRTC")
+_OF_WHEEL = "AORRTC"
+_ANYTIME = ("RRT*", _OF_WHEEL)
 
 
 def _of_ompl(*names: str, library: str = OMPL) -> tuple[Contestant, ...]:
@@ -114,12 +117,22 @@ def ompl_module() -> ModuleType | None:
     return _srmp_ompl
 
 
+def by_wheel(contestant: Contestant) -> bool:
+    """Whether the `ompl` wheel runs it: AORRTC, which OMPL has since version 2, where the module is of an older one."""
+    if contestant.library != OMPL or contestant.id != _OF_WHEEL:
+        return False
+    module = ompl_module()
+    return ompl_wheel.has(_OF_WHEEL) and not (module and _OF_WHEEL in module.planners)
+
+
 def why_not_run(contestant: Contestant) -> str:
     """Why a contestant cannot be run here; empty where it can."""
     if contestant.library == MOVEIT:
         return "not run"
-    if contestant.library == SRMP:
+    if contestant.library == SRMP or by_wheel(contestant):
         return ""
     if (module := ompl_module()) is None:
         return "no OMPL"
-    return "" if contestant.id in module.planners else "not in this OMPL"
+    if contestant.id in module.planners:
+        return ""
+    return "not in this OMPL"

@@ -41,11 +41,13 @@ _METHOD = """## How it is measured
 - **OMPL** plans on the same robot, scene and collision checker as our planners: motions are proved free between
   samples, so that only the planner differs. **OMPL, plain Coal** uses Pinocchio and Coal
   [as one writes it](benchmarks.md#plain-coal), and samples motions as MoveIt does by default (half a percent of the
-  space's extent).
+  space's extent). AORRTC is that of the `ompl` wheel where it is installed; its checks go through Python, which makes
+  each some microseconds slower.
 - **Every path is checked again** by code that plans nothing: start, goal and joint limits are compared, and Coal's
   distances prove the motion between waypoints free. Motions of several robots from our planners are verified on their
   common clock. A path with a fault is *faulty* and does not count as solved.
-- OMPL's planners take random numbers from a seed that depends on the problem. Our planners need none. What PRM and the
+- OMPL's planners take random numbers from a seed that depends on the problem (the wheel's from one of its own). Our
+  planners need none. What PRM and the
   anytime planners find within their time depends on the machine.
 - A statement about OMPL's planners is compared with those on the same collision checker, and, unless it names them,
   without the anytime planners.
@@ -180,6 +182,7 @@ def _how_it_was_run(header: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]
     text = (
         f"srmp {header['versions']['srmp']}"
         + (f", OMPL {header['ompl']}" if header["ompl"] else "")
+        + (f" (AORRTC: {header['ompl_wheel']})" if header.get("ompl_wheel") else "")
         + f"; {header['cpu']}, {header['cores']} cores; seed {options['seed']}; {header['created'][:10]}.\n"
         + f"Setting up, planning and checking took {took or 'no time'}, by {by}."
     )

@@ -12,8 +12,16 @@ from typing import Any
 
 import srmp
 from srmp._names import did_you_mean
-from srmp.bench import mbm
-from srmp.bench.paper.contestants import BENCHMARK, EXPERIMENTS, Contestant, Experiment, ompl_module, why_not_run
+from srmp.bench import mbm, ompl_wheel
+from srmp.bench.paper.contestants import (
+    BENCHMARK,
+    EXPERIMENTS,
+    Contestant,
+    Experiment,
+    by_wheel,
+    ompl_module,
+    why_not_run,
+)
 from srmp.bench.paper.solve import Task, make_solver
 from srmp.bench.runner import Execution, Progress, run_rows
 from srmp.bench.scenarios import KINDS
@@ -60,6 +68,8 @@ def run(
     }
     module = ompl_module()
     versions = {} if module is None else {"ompl": module.version}
+    if any(by_wheel(contestant) for experiment in chosen for contestant in experiment.contestants):
+        versions["ompl_wheel"] = ompl_wheel.version()
     begin = time.perf_counter()
     with contextlib.ExitStack() as stack:
         tasks = [
@@ -76,6 +86,7 @@ def run(
         described,
         execution,
         ompl=versions.get("ompl"),
+        ompl_wheel=versions.get("ompl_wheel"),
         notes=_notes(chosen, data),
         elapsed_s=time.perf_counter() - begin,
     )

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 import srmp
-from srmp.bench import mbm
-from srmp.bench.paper.contestants import COAL, SRMP, Contestant, ompl_module
+from srmp.bench import mbm, ompl_wheel
+from srmp.bench.paper.contestants import COAL, SRMP, Contestant, by_wheel, ompl_module
 from srmp.bench.scenarios import GeneratedScenario
 from srmp.bench.scenes import Configurations
 
@@ -181,7 +181,17 @@ def _solve(query: Query, task: Task) -> Found:
     return Found(status, reason, stats["plan_time_s"], paths, together, stats["found_by"], stats["bound"])
 
 
+def _solve_by_wheel(query: Query, task: Task) -> Found:
+    name = query.names[0]
+    ends = query.starts[name], query.goals[name]
+    result = ompl_wheel.plan(query.planner, name, *ends, task.contestant.id, task.time_limit)
+    paths = query.parted(result["waypoints"]) if result["status"] == "solved" else None
+    return Found(result["status"], "", result["plan_time_s"], paths)
+
+
 def _solve_by_ompl(query: Query, task: Task, seed: int) -> Found:
+    if by_wheel(task.contestant):
+        return _solve_by_wheel(query, task)
     module = ompl_module()
     assert module is not None
     result = module.plan(
