@@ -14,17 +14,11 @@ namespace {
 using srmp::Pose;
 using Code = srmp::MoveItErrorCode;
 
-/// Runs `translate`; its errors are refused with the code `invalid`, or `unsupported`.
-template <class Translate>
-auto refused_with(Code invalid, Code unsupported, Translate&& translate) {
-  try {
-    return translate();
-  } catch (const srmp::NotSupported& error) {
-    throw Refusal(unsupported, error.what());
-  } catch (const srmp::Error& error) {
-    throw Refusal(invalid, error.what());
-  }
-}
+/// With which codes a shape is refused.
+struct ShapeCodes {
+  Code invalid, unsupported;
+};
+constexpr ShapeCodes of_object{Code::invalid_object_name, Code::collision_checking_unavailable};
 
 template <class Vector>
 Eigen::Vector3d vector_of(const Vector& v) {
@@ -40,25 +34,26 @@ Pose pose_of(const Eigen::Vector3d& p, const Quaternion& q) {
 Pose pose_of(const geometry_messages::Pose& pose) { return pose_of(vector_of(pose.position), pose.orientation); }
 Pose pose_of(const geometry_messages::Transform& t) { return pose_of(vector_of(t.translation), t.rotation); }
 
-srmp::Shape shape_of(const Library& library, const shape_messages::SolidPrimitive& primitive, const std::string& what) {
+srmp::Shape shape_of(const Library& library, const shape_messages::SolidPrimitive& primitive, const std::string& what,
+                     const ShapeCodes& codes) {
   try {
     return library.solid_primitive(primitive.type, {primitive.dimensions.begin(), primitive.dimensions.end()});
-  } catch (const srmp::InvalidArgument& error) {
-    throw srmp::InvalidArgument(what + " " + error.what());
   } catch (const srmp::NotSupported& error) {
-    throw srmp::NotSupported(what + " " + error.what());
+    throw Refusal(codes.unsupported, what + " " + error.what());
+  } catch (const srmp::Error& error) {
+    throw Refusal(codes.invalid, what + " " + error.what());
   }
 }
 
-srmp::Shape shape_of(const shape_messages::Mesh& message) {
+srmp::Shape shape_of(const shape_messages::Mesh& message, const std::string& what) {
   srmp::Mesh mesh;
   for (const auto& vertex : message.vertices) mesh.vertices.push_back(vector_of(vertex));
   for (const auto& triangle : message.triangles) {
     const auto& i = triangle.vertex_indices;
     for (const auto index : i)
       if (index >= mesh.vertices.size())
-        throw srmp::InvalidArgument("a mesh has the index " + std::to_string(index) + ", but " +
-                                    std::to_string(mesh.vertices.size()) + " vertices");
+        throw Refusal(of_object.invalid, "a mesh of " + what + " has the index " + std::to_string(index) + ", but " +
+                                             std::to_string(mesh.vertices.size()) + " vertices");
     mesh.triangles.push_back({static_cast<int>(i[0]), static_cast<int>(i[1]), static_cast<int>(i[2])});
   }
   return mesh;
@@ -71,15 +66,13 @@ Pose nth(const Poses& poses, std::size_t i) {
 }
 
 std::vector<srmp::io::PlacedShape> shapes_of(const Library& library, const moveit_messages::CollisionObject& message) {
-  return refused_with(Code::invalid_object_name, Code::collision_checking_unavailable, [&] {
-    std::vector<srmp::io::PlacedShape> shapes;
-    for (std::size_t i = 0; i < message.primitives.size(); ++i)
-      shapes.push_back(
-          {shape_of(library, message.primitives[i], "object '" + message.id + "'"), nth(message.primitive_poses, i)});
-    for (std::size_t i = 0; i < message.meshes.size(); ++i)
-      shapes.push_back({shape_of(message.meshes[i]), nth(message.mesh_poses, i)});
-    return shapes;
-  });
+  const std::string what = "object '" + message.id + "'";
+  std::vector<srmp::io::PlacedShape> shapes;
+  for (std::size_t i = 0; i < message.primitives.size(); ++i)
+    shapes.push_back({shape_of(library, message.primitives[i], what, of_object), nth(message.primitive_poses, i)});
+  for (std::size_t i = 0; i < message.meshes.size(); ++i)
+    shapes.push_back({shape_of(message.meshes[i], what), nth(message.mesh_poses, i)});
+  return shapes;
 }
 
 srmp::io::CollisionObject object_of(const Library& library, const moveit_messages::CollisionObject& message) {
@@ -88,6 +81,11 @@ srmp::io::CollisionObject object_of(const Library& library, const moveit_message
   object.frame = message.header.frame_id;
   object.pose = pose_of(message.pose);
   object.planes = message.planes.size();
+  if (message.operation < moveit_messages::CollisionObject::ADD ||
+      message.operation > moveit_messages::CollisionObject::MOVE)
+    throw Refusal(Code::invalid_object_name, "object '" + message.id + "' has the unknown operation " +
+                                                 std::to_string(message.operation) +
+                                                 "; known are 0 (add), 1 (remove), 2 (append) and 3 (move)");
   object.operation = static_cast<srmp::io::ObjectOperation>(message.operation);  // the same numbers
   object.shapes = shapes_of(library, message);
   for (std::size_t i = 0; i < message.subframe_names.size(); ++i)
@@ -100,29 +98,64 @@ double speed_of(const Twist& twist) {
   return std::max(vector_of(twist.linear).norm(), vector_of(twist.angular).norm());
 }
 
+double speed_of(const moveit_messages::RobotState& message) {
+  double speed = 0.0;
+  for (const auto& twist : message.multi_dof_joint_state.twist) speed = std::max(speed, speed_of(twist));
+  return speed;
+}
+
+std::vector<srmp::io::AttachedObject> attached_of(const Library& library, const moveit_messages::RobotState& message) {
+  std::vector<srmp::io::AttachedObject> objects;
+  for (const auto& attached : message.attached_collision_objects)
+    objects.push_back({attached.link_name,
+                       object_of(library, attached.object),
+                       {attached.touch_links.begin(), attached.touch_links.end()}});
+  return objects;
+}
+
+/// A list of a state must have an entry for each name.
+void require_one_each(const std::string& state, std::size_t names, std::size_t values, const std::string& what) {
+  if (names != values)
+    throw Refusal(Code::invalid_robot_state, state + " names " + std::to_string(names) + " joints, but has " +
+                                                 std::to_string(values) + " " + what);
+}
+
+/// MoveIt passes over what it does not understand of a start state, and plans from elsewhere; here it is refused.
+void require_understood(const moveit_messages::RobotState& start, const planning_scene::PlanningScene& scene) {
+  const auto& joints = start.joint_state;
+  require_one_each("the start state's joint_state", joints.name.size(), joints.position.size(), "positions");
+  if (!joints.velocity.empty())
+    require_one_each("the start state's joint_state", joints.name.size(), joints.velocity.size(), "velocities");
+  const auto& variables = scene.getRobotModel()->getVariableNames();
+  for (const std::string& joint : joints.name)
+    if (std::find(variables.begin(), variables.end(), joint) == variables.end())
+      throw Refusal(Code::start_state_invalid,
+                    "the start state names joint '" + joint + "', which is no movable joint of the robot model");
+  const auto& others = start.multi_dof_joint_state;
+  require_one_each("the start state's multi_dof_joint_state", others.joint_names.size(), others.transforms.size(),
+                   "transforms");
+  for (const std::string& joint : others.joint_names)
+    if (!scene.getRobotModel()->hasJointModel(joint))
+      throw Refusal(Code::start_state_invalid,
+                    "the start state names joint '" + joint + "', which is no joint of the robot model");
+  const std::string& frame = others.header.frame_id;
+  if (!others.joint_names.empty() && !frame.empty() && !scene.knowsFrameTransform(frame))
+    throw Refusal(Code::frame_transform_failure,
+                  "the start state's multi_dof_joint_state is in the unknown frame '" + frame + "'");
+}
+
+/// `message` was written by MoveIt.
 srmp::io::RobotState state_of(const Library& library, const moveit_messages::RobotState& message) {
   srmp::io::RobotState state;
   state.is_diff = message.is_diff;
   const auto& joints = message.joint_state;
-  if (joints.name.size() != joints.position.size())
-    throw Refusal(Code::invalid_robot_state, "a joint state names " + std::to_string(joints.name.size()) +
-                                                 " joints, but has " + std::to_string(joints.position.size()) +
-                                                 " positions");
-  for (std::size_t i = 0; i < joints.name.size(); ++i) state.joints[joints.name[i]] = joints.position[i];
-  if (!joints.velocity.empty() && joints.velocity.size() != joints.name.size())
-    throw Refusal(Code::invalid_robot_state, "a joint state names " + std::to_string(joints.name.size()) +
-                                                 " joints, but has " + std::to_string(joints.velocity.size()) +
-                                                 " velocities");
+  for (std::size_t i = 0; i < joints.name.size(); ++i) state.joints[joints.name[i]] = joints.position.at(i);
   for (std::size_t i = 0; i < joints.velocity.size(); ++i) state.velocities[joints.name[i]] = joints.velocity[i];
   const auto& others = message.multi_dof_joint_state;
   state.multi_dof_frame = others.header.frame_id;
   for (std::size_t i = 0; i < others.joint_names.size() && i < others.transforms.size(); ++i)
     state.multi_dof_joints[others.joint_names[i]] = pose_of(others.transforms[i]);
-  for (const auto& twist : others.twist) state.speed = std::max(state.speed, speed_of(twist));
-  for (const auto& attached : message.attached_collision_objects)
-    state.attached.push_back({attached.link_name,
-                              object_of(library, attached.object),
-                              {attached.touch_links.begin(), attached.touch_links.end()}});
+  state.attached = attached_of(library, message);
   return state;
 }
 
@@ -168,7 +201,9 @@ void add_octomap(const planning_scene::PlanningScene& scene, srmp::io::SceneFile
   }
 }
 
-srmp::io::GoalAlternative constraints_of(const Library& library, const moveit_messages::Constraints& message) {
+/// `code`: with which regions that are wrong are refused.
+srmp::io::GoalAlternative constraints_of(const Library& library, const moveit_messages::Constraints& message,
+                                         Code code) {
   srmp::io::GoalAlternative goal;
   goal.name = message.name;
   goal.visibilities = message.visibility_constraints.size();
@@ -182,8 +217,8 @@ srmp::io::GoalAlternative constraints_of(const Library& library, const moveit_me
     const auto& region = position.constraint_region;
     constraint.mesh_regions = region.meshes.size();
     for (std::size_t i = 0; i < region.primitives.size(); ++i)
-      constraint.regions.push_back(
-          {shape_of(library, region.primitives[i], "a constraint region"), nth(region.primitive_poses, i)});
+      constraint.regions.push_back({shape_of(library, region.primitives[i], "a constraint region", {code, code}),
+                                    nth(region.primitive_poses, i)});
     goal.positions.push_back(std::move(constraint));
   }
   for (const auto& orientation : message.orientation_constraints) {
@@ -253,6 +288,21 @@ srmp::io::SceneFile scene_of(const Library& library, const planning_scene::Plann
   return result;
 }
 
+/// Joints are where MoveIt puts them; what the message attaches, the session attaches, which refuses what it cannot.
+srmp::io::RobotState start_of(const Library& library, const moveit_messages::RobotState& message,
+                              const planning_scene::PlanningScene& scene) {
+  require_understood(message, scene);
+  moveit_messages::RobotState whole;
+  const bool with_attached_bodies = false;
+  moveit::core::robotStateToRobotStateMsg(*scene.getCurrentStateUpdated(message), whole, with_attached_bodies);
+  srmp::io::RobotState start = state_of(library, whole);
+  start.attached = attached_of(library, message);
+  start.speed = speed_of(message);
+  const bool names_joints = !message.joint_state.name.empty() || !message.multi_dof_joint_state.joint_names.empty();
+  start.is_diff = message.is_diff || !names_joints;
+  return start;
+}
+
 // Releases of moveit_msgs have one or the other name.
 template <class Message>
 auto speed_limited_link(const Message& message, int) -> decltype(message.cartesian_speed_limited_link) {
@@ -272,17 +322,12 @@ srmp::io::RequestFile request_of(const Library& library, const moveit_messages::
   if (message.allowed_planning_time != 0.0) request.allowed_planning_time = message.allowed_planning_time;
   request.velocity_scaling = message.max_velocity_scaling_factor;
   request.acceleration_scaling = message.max_acceleration_scaling_factor;
-  moveit_messages::RobotState start;
-  moveit::core::robotStateToRobotStateMsg(*scene.getCurrentStateUpdated(message.start_state), start);
-  start.is_diff = false;
-  request.start_state = state_of(library, start);
+  request.start_state = start_of(library, message.start_state, scene);
   const auto& box = message.workspace_parameters;
   request.workspace = {box.header.frame_id, vector_of(box.min_corner), vector_of(box.max_corner)};
-  refused_with(Code::invalid_goal_constraints, Code::invalid_goal_constraints, [&] {
-    for (const auto& goal : message.goal_constraints) request.goals.push_back(constraints_of(library, goal));
-  });
-  refused_with(Code::planning_failed, Code::planning_failed,
-               [&] { request.path_constraints = constraints_of(library, message.path_constraints); });
+  for (const auto& goal : message.goal_constraints)
+    request.goals.push_back(constraints_of(library, goal, Code::invalid_goal_constraints));
+  request.path_constraints = constraints_of(library, message.path_constraints, Code::planning_failed);
   request.trajectory_constraints = message.trajectory_constraints.constraints.size();
   request.reference_trajectories = message.reference_trajectories.size();
   request.max_cartesian_speed = message.max_cartesian_speed;
@@ -294,6 +339,7 @@ robot_trajectory::RobotTrajectoryPtr trajectory_of(const srmp::Trajectory& traje
                                                    const moveit::core::RobotState& start, const std::string& group) {
   auto result = std::make_shared<robot_trajectory::RobotTrajectory>(start.getRobotModel(), group);
   moveit::core::RobotState state(start);
+  if (trajectory.velocities.rows() == 0) state.dropVelocities();  // those of the start
   for (Eigen::Index row = 0; row < trajectory.positions.rows(); ++row) {
     set_row(state, trajectory, row);
     const double step = row == 0 || !trajectory.timed() ? 0.0 : trajectory.times[row] - trajectory.times[row - 1];

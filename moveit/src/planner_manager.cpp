@@ -2,6 +2,7 @@
 #include <atomic>
 #include <memory>
 #include <srmp/core/error.hpp>
+#include <stdexcept>
 
 #include "messages.hpp"
 
@@ -18,7 +19,7 @@ class PlanningContext : public planning_interface::PlanningContext {
   SolveResult solve(planning_interface::MotionPlanResponse& response) override {
     const srmp::MoveItResponse result = respond();
     planning_time_of(response) = result.planning_time;
-    error_code_of(response).val = static_cast<int>(result.code);
+    set_code(error_code_of(response), static_cast<int>(result.code), result.message);
     const bool solved = result.code == srmp::MoveItErrorCode::success;
     if (solved) srmp_moveit::trajectory_of(response) = trajectory_of(result.trajectory, *start_, getGroupName());
     return result_of_solve(solved);
@@ -26,7 +27,7 @@ class PlanningContext : public planning_interface::PlanningContext {
 
   SolveResult solve(planning_interface::MotionPlanDetailedResponse& response) override {
     const srmp::MoveItResponse result = respond();
-    error_code_of(response).val = static_cast<int>(result.code);
+    set_code(error_code_of(response), static_cast<int>(result.code), result.message);
     const bool solved = result.code == srmp::MoveItErrorCode::success;
     if (!solved) return result_of_solve(false);
     const srmp::PlanStatistics& times = result.statistics;
@@ -53,12 +54,15 @@ class PlanningContext : public planning_interface::PlanningContext {
   srmp::MoveItResponse respond() {
     srmp::MoveItResponse response;
     try {
+      const srmp::io::RequestFile request = request_of(*library_, getMotionPlanRequest(), *getPlanningScene());
       start_ = getPlanningScene()->getCurrentStateUpdated(getMotionPlanRequest().start_state);
-      response = library_->solve(scene_of(*library_, *getPlanningScene()),
-                                 request_of(*library_, getMotionPlanRequest(), *getPlanningScene()), stop_);
+      response = library_->solve(scene_of(*library_, *getPlanningScene()), request, stop_);
     } catch (const Refusal& refusal) {
       response.code = refusal.code;
       response.message = refusal.what();
+    } catch (const std::exception& error) {  // of MoveIt itself
+      response.code = srmp::MoveItErrorCode::failure;
+      response.message = error.what();
     }
     if (response.code != srmp::MoveItErrorCode::success)
       log_warning(library_->name_of(response.code) + ": " + response.message);
@@ -79,8 +83,8 @@ planning_interface::PlannerConfigurationMap configurations_of(const Parameters& 
   const auto add = [&](const std::string& group, const std::string& key, const std::string& name) {
     const auto options = known.find(name);
     if (options == known.end())
-      throw srmp::InvalidArgument("group '" + group + "' names the planner configuration '" + name +
-                                  "', which planner_configs does not have");
+      throw std::runtime_error("group '" + group + "' names the planner configuration '" + name +
+                               "', which planner_configs does not have");
     result[key] = {group, key, options->second};
   };
   for (const std::string& group : model.getJointModelGroupNames()) {

@@ -105,6 +105,18 @@ auto& processing_times_of(Response& response) {
 }
 #endif
 
+/// The code, and the sentence where the message has room for one (MoveIt 2).
+template <class ErrorCodes>
+auto set_code(ErrorCodes& codes, int value, const std::string& sentence) -> decltype(void(codes.message)) {
+  codes.val = value;
+  codes.message = sentence;
+  codes.source = "SRMP";
+}
+template <class ErrorCodes, class... Sentence>
+void set_code(ErrorCodes& codes, int value, const Sentence&...) {
+  codes.val = value;
+}
+
 /// Planner configurations by name, with their options as text.
 using Configurations = std::map<std::string, std::map<std::string, std::string>>;
 

@@ -9,11 +9,14 @@
 // pipeline's parameters (planning_plugin, request_adapters).
 
 #include <moveit/planning_pipeline/planning_pipeline.h>
+#include <octomap/octomap.h>
 #include <ros/ros.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <numeric>
 #include <thread>
@@ -124,7 +127,7 @@ void expect(bool holds, const std::string& what) {
   failures += !holds;
 }
 
-void attach_rod(planning_scene::PlanningScene& scene, double length) {
+moveit_msgs::AttachedCollisionObject rod_of(double length) {
   moveit_msgs::AttachedCollisionObject rod;
   rod.link_name = "panda_hand";
   rod.touch_links = {"panda_hand", "panda_leftfinger", "panda_rightfinger"};
@@ -138,7 +141,7 @@ void attach_rod(planning_scene::PlanningScene& scene, double length) {
   rod.object.primitives[0].dimensions = {0.02, 0.02, length};
   rod.object.primitive_poses.resize(1);
   rod.object.primitive_poses[0].orientation.w = 1.0;
-  scene.processAttachedCollisionObjectMsg(rod);
+  return rod;
 }
 
 Eigen::Vector3d goal_position(const Question& question, const std::string& link) {
@@ -192,7 +195,7 @@ void check_scenes(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
 
   add_box(*question.scene, "low table", {goal.x(), goal.y(), goal.z() - 0.4}, {0.3, 0.3, 0.05});
   expect(bool(ask(pipeline, question).error_code_), "a table below the goal: a path");
-  attach_rod(*question.scene, 0.3);
+  question.scene->processAttachedCollisionObjectMsg(rod_of(0.3));
   expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION,
          "a rod of 30 cm in the hand reaches into the table: GOAL_IN_COLLISION");
   question.scene->getCurrentStateNonConst().clearAttachedBodies();
@@ -205,6 +208,83 @@ void check_scenes(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
          "links padded by 30 cm: GOAL_IN_COLLISION");
   set_padding(0.0);
   expect(bool(ask(pipeline, question).error_code_), "without rod and padding: a path");
+}
+
+/// What a request may say, and with which code it is refused.
+void check_requests(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+  using Codes = moveit_msgs::MoveItErrorCodes;
+  const auto code_of = [&](const std::function<void(Question&)>& change) {
+    Question question = turn(model);
+    change(question);
+    return ask(pipeline, question).error_code_.val;
+  };
+  const auto expect_code = [&](int code, const std::string& what, const std::function<void(Question&)>& change) {
+    const int got = code_of(change);
+    expect(got == code, what + ": error code " + std::to_string(got));
+  };
+  const auto start = [](Question& q) -> moveit_msgs::RobotState& { return q.request.start_state; };
+  expect_code(Codes::INVALID_GROUP_NAME, "no such group", [](Question& q) { q.request.group_name = "panda_leg"; });
+  expect_code(Codes::PLANNING_FAILED, "no such planner", [](Question& q) { q.request.planner_id = "wPASEE"; });
+  expect_code(Codes::TIMED_OUT, "a microsecond", [](Question& q) { q.request.allowed_planning_time = 1e-6; });
+  expect_code(Codes::START_STATE_INVALID, "a start with a joint that is none",
+              [&](Question& q) { start(q).joint_state.name[0] = "panda_joint9"; });
+  expect_code(Codes::INVALID_ROBOT_STATE, "a start with too few positions",
+              [&](Question& q) { start(q).joint_state.position.pop_back(); });
+  expect_code(Codes::START_STATE_INVALID, "a start faster than its limit", [&](Question& q) {
+    start(q).joint_state.velocity.assign(7, 0.0);
+    start(q).joint_state.velocity[0] = 50.0;
+  });
+  expect_code(Codes::START_STATE_INVALID, "a base that moves", [&](Question& q) {
+    start(q).multi_dof_joint_state.twist.resize(1);
+    start(q).multi_dof_joint_state.twist[0].linear.x = 0.5;
+  });
+  const auto attach = [&](Question& q, const std::string& link, const std::string& frame) {
+    start(q).attached_collision_objects = {rod_of(0.05)};
+    start(q).attached_collision_objects[0].link_name = link;
+    start(q).attached_collision_objects[0].object.header.frame_id = frame;
+  };
+  expect_code(Codes::SUCCESS, "a start that holds a rod", [&](Question& q) { attach(q, "panda_hand", "panda_hand"); });
+  expect_code(Codes::INVALID_LINK_NAME, "a rod on a link that is none",
+              [&](Question& q) { attach(q, "panda_hnad", "panda_hand"); });
+  expect_code(Codes::FRAME_TRANSFORM_FAILURE, "a rod in a frame that is none",
+              [&](Question& q) { attach(q, "panda_hand", "moon"); });
+  const auto at_goal = [&](Question& q) { return goal_position(q, "panda_hand"); };
+  expect_code(Codes::GOAL_IN_COLLISION, "an octomap with a cell at the goal", [&](Question& q) {
+    const auto tree = std::make_shared<octomap::OcTree>(0.05);
+    const Eigen::Vector3d goal = at_goal(q);
+    tree->updateNode(octomap::point3d(goal.x(), goal.y(), goal.z()), true);
+    q.scene->processOctomapPtr(tree, Eigen::Isometry3d::Identity());
+  });
+  expect_code(Codes::SUCCESS, "a box at the goal that may be touched", [&](Question& q) {
+    add_box(*q.scene, "box", at_goal(q), {0.1, 0.1, 0.1});
+    q.scene->getAllowedCollisionMatrixNonConst().setDefaultEntry("box", true);
+  });
+}
+
+/// The hand keeps its direction, or goes on with its velocity.
+void check_motions(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
+  Question question = turn(model);
+  const moveit::core::RobotState state = *question.scene->getCurrentStateUpdated(question.request.start_state);
+  moveit_msgs::OrientationConstraint upright;
+  upright.header.frame_id = question.scene->getPlanningFrame();
+  upright.link_name = "panda_hand";
+  upright.orientation = tf2::toMsg(Eigen::Quaterniond(state.getFrameTransform("panda_hand").rotation()));
+  upright.absolute_x_axis_tolerance = upright.absolute_y_axis_tolerance = 0.1;
+  upright.absolute_z_axis_tolerance = 7.0;
+  upright.weight = 1.0;
+  Question constrained = question;
+  constrained.request.path_constraints.orientation_constraints = {upright};
+  const auto kept = ask(pipeline, constrained);
+  expect(bool(kept.error_code_) &&
+             question.scene->isPathValid(*kept.trajectory_, constrained.request.path_constraints, "panda_arm"),
+         "a path constraint: the hand keeps its tilt, by MoveIt's check");
+
+  question.request.start_state.joint_state.velocity.assign(7, 0.0);
+  question.request.start_state.joint_state.velocity[1] = 0.3;
+  const auto moving = ask(pipeline, question);
+  expect(bool(moving.error_code_) && is_valid(*question.scene, *moving.trajectory_, "panda_arm") &&
+             moving.trajectory_->getFirstWayPoint().getVariableVelocity("panda_joint2") == 0.3,
+         "a start in motion: the trajectory begins with its velocity");
 }
 
 void check_planners(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
@@ -263,34 +343,89 @@ void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
 }
 
 /// Two arms, each to where the other one is: both turn through the space between them.
+Question cross(const moveit::core::RobotModelPtr& model, const std::string& planner_id) {
+  Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
+  auto& request = question.request;
+  request.group_name = "both";
+  request.planner_id = planner_id;
+  request.allowed_planning_time = 10.0;
+  request.start_state.is_diff = true;
+  request.goal_constraints.resize(1);
+  for (const std::string side : {"left", "right"})
+    for (int i = 1; i < 4; ++i) {
+      const double sign = side == "left" ? 1.0 : -1.0;
+      request.start_state.joint_state.name.push_back(side + "_joint" + std::to_string(i));
+      request.start_state.joint_state.position.push_back(i == 1 ? sign : 0.0);
+      moveit_msgs::JointConstraint constraint;
+      constraint.joint_name = request.start_state.joint_state.name.back();
+      constraint.position = i == 1 ? -0.7 * sign : i == 2 ? 1.4 * sign : 0.3;
+      constraint.tolerance_above = constraint.tolerance_below = 1e-4;
+      constraint.weight = 1.0;
+      request.goal_constraints[0].joint_constraints.push_back(constraint);
+    }
+  return question;
+}
+
+/// The goal of `cross` as positions of both arms' last links.
+Question cross_by_position(const moveit::core::RobotModelPtr& model, const std::string& planner_id) {
+  Question question = cross(model, planner_id);
+  auto& goal = question.request.goal_constraints[0];
+  for (const std::string link : {"left_lower", "right_lower"}) {
+    const Eigen::Vector3d at = goal_position(question, link);
+    moveit_msgs::PositionConstraint position;
+    position.header.frame_id = question.scene->getPlanningFrame();
+    position.link_name = link;
+    position.constraint_region.primitives.resize(1);
+    position.constraint_region.primitives[0].type = shape_msgs::SolidPrimitive::SPHERE;
+    position.constraint_region.primitives[0].dimensions = {0.01};
+    position.constraint_region.primitive_poses.resize(1);
+    position.constraint_region.primitive_poses[0].position = tf2::toMsg(at);
+    position.constraint_region.primitive_poses[0].orientation.w = 1.0;
+    position.weight = 1.0;
+    goal.position_constraints.push_back(position);
+  }
+  goal.joint_constraints.clear();
+  return question;
+}
+
 void check_arms(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
-  for (const char* id : {"xECBS", "ECBS", "auto"}) {
-    Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
-    auto& request = question.request;
-    request.group_name = "both";
-    request.planner_id = id;
-    request.allowed_planning_time = 10.0;
-    request.start_state.is_diff = true;
-    request.goal_constraints.resize(1);
-    for (const std::string side : {"left", "right"})
-      for (int i = 1; i < 4; ++i) {
-        const double sign = side == "left" ? 1.0 : -1.0;
-        const double goal = i == 1 ? -0.7 * sign : i == 2 ? 1.4 * sign : 0.3;
-        request.start_state.joint_state.name.push_back(side + "_joint" + std::to_string(i));
-        request.start_state.joint_state.position.push_back(i == 1 ? sign : 0.0);
-        moveit_msgs::JointConstraint constraint;
-        constraint.joint_name = request.start_state.joint_state.name.back();
-        constraint.position = goal;
-        constraint.tolerance_above = constraint.tolerance_below = 1e-4;
-        constraint.weight = 1.0;
-        request.goal_constraints[0].joint_constraints.push_back(constraint);
-      }
+  using Codes = moveit_msgs::MoveItErrorCodes;
+  const auto expect_motion = [&](const Question& question, const std::string& what) {
     const auto start = Clock::now();
     const auto response = ask(pipeline, question);
     const double time = seconds_since(start);
-    expect(bool(response.error_code_) && is_valid(*question.scene, *response.trajectory_, "both"),
-           std::string("two arms by ") + id + ": one trajectory of 6 joints, free by MoveIt's check, " + in_ms(time));
-  }
+    expect(bool(response.error_code_) && is_valid(*question.scene, *response.trajectory_, "both") &&
+               question.scene->isPathValid(*response.trajectory_, question.request.path_constraints,
+                                           question.request.goal_constraints, "both"),
+           what + ", by MoveIt's check, " + in_ms(time) + ", error code " + std::to_string(response.error_code_.val));
+  };
+  for (const char* id : {"xECBS", "ECBS", "CBS", "prioritised", "auto", "RRTConnect", "wPASE"})
+    expect_motion(cross(model, id), std::string("two arms by ") + id + ": one trajectory of 6 joints to the goal");
+  expect_motion(cross_by_position(model, "xECBS"), "two arms by xECBS to positions of their last links");
+
+  Question box = cross(model, "xECBS");
+  add_box(*box.scene, "box", {0.9, 0.0, 0.0}, {0.1, 0.1, 0.1});
+  expect_motion(box, "two arms by xECBS around a box between them");
+  Question around_goal = cross(model, "xECBS");
+  add_box(*around_goal.scene, "box", goal_position(around_goal, "left_lower"), {0.1, 0.1, 0.1});
+  expect(ask(pipeline, around_goal).error_code_.val == Codes::GOAL_IN_COLLISION,
+         "two arms, a box around the goal of one: GOAL_IN_COLLISION");
+
+  moveit_msgs::PositionConstraint near_base;
+  near_base.header.frame_id = box.scene->getPlanningFrame();
+  near_base.link_name = "left_lower";
+  near_base.constraint_region.primitives.resize(1);
+  near_base.constraint_region.primitives[0].type = shape_msgs::SolidPrimitive::SPHERE;
+  near_base.constraint_region.primitives[0].dimensions = {2.0};
+  near_base.constraint_region.primitive_poses.resize(1);
+  near_base.constraint_region.primitive_poses[0].orientation.w = 1.0;
+  near_base.weight = 1.0;
+  Question constrained = cross(model, "xECBS");
+  constrained.request.path_constraints.position_constraints = {near_base};
+  expect(ask(pipeline, constrained).error_code_.val == Codes::PLANNING_FAILED,
+         "two arms by xECBS with a path constraint: refused");
+  constrained.request.planner_id = "auto";
+  expect_motion(constrained, "two arms by auto with a path constraint");
 }
 
 /// What the plugin costs beside plan: the same request in an unchanged scene.
@@ -329,6 +464,8 @@ int main(int argc, char** argv) try {
     return failures;
   }
   check_scenes(pipeline, model);
+  check_requests(pipeline, model);
+  check_motions(pipeline, model);
   check_planners(pipeline, model);
   check_termination(pipeline, model);
   check_stages(pipeline, model);

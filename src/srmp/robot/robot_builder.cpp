@@ -306,6 +306,7 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
                        description.strict);
     m.warnings.insert(m.warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   }
+  if (srdf) m.virtual_joint = srdf->virtual_joint;
   if (texts.planar_bounds) {
     expand_planar_joint(m.self_contained, m.urdf, srdf ? &*srdf : nullptr);
     m.urdf = Urdf::parse(texts.urdf_text);
@@ -356,7 +357,6 @@ void RobotModelBuilder::choose_joints(Impl& m, const Srdf* srdf) {
   if (!srdf) return;
   collect_group_states(m, *srdf);
   list_end_effectors(m, *srdf);
-  m.virtual_joint = srdf->virtual_joint;
   for (const SrdfGroup& group : srdf->groups) {
     if (!group.fault.empty()) continue;
     Names& joints = m.groups[group.name];
