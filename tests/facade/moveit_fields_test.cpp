@@ -102,6 +102,9 @@ const std::vector<Row>& requests() {
       {"start_state.attached_collision_objects.object.operation",
        [](Case& c) { c.attach("rod", "arm7_hand").object.operation = io::ObjectOperation::remove; },
        Code::invalid_object_name, "rod"},
+      {"start_state.attached_collision_objects.object.operation, append",
+       [](Case& c) { c.attach("rod", "arm7_hand").object.operation = io::ObjectOperation::append; },
+       Code::invalid_object_name, "attach it anew"},
 
       {"start_state.attached_collision_objects.touch_links",
        [](Case& c) {

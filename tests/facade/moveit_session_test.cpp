@@ -198,7 +198,7 @@ BOOST_AUTO_TEST_CASE(a_group_of_two_arms_is_planned_by_planners_for_several_robo
   }
 }
 
-BOOST_AUTO_TEST_CASE(several_arms_take_no_path_constraints_and_start_at_rest) {
+BOOST_AUTO_TEST_CASE(planners_of_several_arms_take_no_path_constraints_and_start_at_rest) {
   MoveItSession session(two_arms());
   io::SceneFile scene;
   io::RequestFile request;
@@ -220,6 +220,113 @@ BOOST_AUTO_TEST_CASE(several_arms_take_no_path_constraints_and_start_at_rest) {
   const MoveItResponse constrained = session.solve(scene, request);
   BOOST_TEST(to_string(constrained.code) == "PLANNING_FAILED");
   BOOST_TEST(constrained.message.find("several arms") != std::string::npos, constrained.message);
+}
+
+BOOST_AUTO_TEST_CASE(auto_plans_several_arms_as_one_robot_for_what_only_one_robot_supports) {
+  MoveItSession session(two_arms());
+  io::SceneFile scene;
+  io::RequestFile request;
+  request.group_name = "both";
+  request.goals.resize(1);
+  for (const std::string joint : {"left_a", "left_b", "left_c", "right_a", "right_b", "right_c"}) {
+    scene.robot_state.joints[joint] = 0.0;
+    request.goals[0].joints.push_back({joint, joint.starts_with("left") ? 0.2 : -0.2, 0.001, 0.001});
+  }
+  io::PositionConstraint position{.link = "left_tip", .frame = ""};
+  position.regions.push_back({Sphere{3.0}, {}});
+  io::RequestFile constrained = request, moving = request, alternatives = request;
+  constrained.path_constraints.positions = {position};
+  moving.start_state.velocities["left_a"] = 0.1;
+  alternatives.goals.push_back(request.goals[0]);
+  for (const io::RequestFile& one : {constrained, moving, alternatives}) {
+    const MoveItResponse response = session.solve(scene, one);
+    BOOST_TEST(to_string(response.code) == "SUCCESS", response.message);
+    BOOST_TEST(response.trajectory.dof() == 6u);
+  }
+  BOOST_TEST(session.solve(scene, moving).trajectory.velocities.row(0).maxCoeff() == 0.1);
+}
+
+BOOST_AUTO_TEST_CASE(subgroups_that_move_a_link_together_are_one_robot) {
+  MoveItRobot robot = two_arms();  // the second group is carried by the first, as a hand is by an arm
+  robot.srdf_text =
+      "<robot name='pair'><group name='upper'><joint name='left_a'/><joint name='left_b'/></group>"
+      "<group name='wrist'><joint name='left_c'/></group><group name='whole'><group name='upper'/>"
+      "<group name='wrist'/></group><disable_collisions link1='left_upper' link2='left_middle' reason=''/>"
+      "<disable_collisions link1='left_middle' link2='left_lower' reason=''/></robot>";
+  MoveItSession session(robot);
+  io::SceneFile scene;
+  io::RequestFile request;
+  request.group_name = "whole";
+  request.goals.resize(1);
+  for (const std::string joint : {"left_a", "left_b", "left_c"}) {
+    scene.robot_state.joints[joint] = 0.0;
+    request.goals[0].joints.push_back({joint, 0.2, 0.001, 0.001});
+  }
+  for (const char* id : {"", "auto", "RRTConnect"}) {
+    request.planner_id = id;
+    const MoveItResponse response = session.solve(scene, request);
+    BOOST_TEST(to_string(response.code) == "SUCCESS", id << ": " << response.message);
+    BOOST_TEST(response.trajectory.dof() == 3u);
+  }
+  request.planner_id = "xECBS";
+  const MoveItResponse response = session.solve(scene, request);
+  BOOST_TEST(to_string(response.code) == "INVALID_GROUP_NAME");
+  BOOST_TEST(response.message.find("more than one of the groups") != std::string::npos, response.message);
+}
+
+BOOST_AUTO_TEST_CASE(what_is_placed_in_a_frame_that_moves_is_placed_anew_at_each_start) {
+  // A rod that is given in the world is held from where it lies; the start says where the hand is then.
+  Case question;
+  question.attach("rod", "arm7_hand");
+  io::CollisionObject& rod = question.request.start_state.attached.back().object;
+  rod.frame = "";
+  rod.pose = Pose{{0.33, 0.0, 0.39}};  // below the hand
+  question.add_box("cup", {0.0, 0.3, 0.0}, {0.05, 0.05, 0.05}).frame = "arm7_forearm";
+  Case turned = question;
+  turned.request.start_state.joints = ready;
+  turned.request.start_state.joints["arm7_joint1"] = -0.3;
+  turned.add_box("post", {0.33 * std::cos(0.3), -0.33 * std::sin(0.3), 0.35}, {0.02, 0.02, 0.02});
+  MoveItSession session(arm_robot()), fresh(arm_robot());
+  BOOST_REQUIRE(session.solve(question.scene, question.request).code == Code::success);
+  const MoveItResponse again = session.solve(turned.scene, turned.request);
+  const MoveItResponse first = fresh.solve(turned.scene, turned.request);
+  BOOST_TEST(to_string(first.code) == "SUCCESS", first.message);
+  BOOST_TEST(to_string(again.code) == "SUCCESS", again.message);
+  BOOST_TEST((again.trajectory.positions == first.trajectory.positions));
+  Case below = turned;  // still below the hand, it would touch the post
+  below.request.start_state.attached.clear();
+  below.attach("rod", "arm7_hand");
+  const MoveItResponse touches = fresh.solve(below.scene, below.request);
+  BOOST_TEST(to_string(touches.code) == "START_STATE_IN_COLLISION", touches.message);
+}
+
+BOOST_AUTO_TEST_CASE(a_start_in_motion_that_is_wrong_has_the_code_of_what_is_wrong) {
+  MoveItSession session(arm_robot());
+  const auto refused = [&](const Case& question, const std::string& code, const std::string& fragment) {
+    const MoveItResponse response = session.solve(question.scene, question.request);
+    BOOST_TEST(to_string(response.code) == code, response.message);
+    BOOST_TEST(response.message.find(fragment) != std::string::npos, response.message);
+  };
+  Case moving;
+  moving.request.start_state.velocities["arm7_joint1"] = 0.5;
+  Case goal = moving;
+  goal.add_box("box", {0.28, 0.28, 0.55}, {0.1, 0.1, 0.1});
+  refused(goal, "GOAL_IN_COLLISION", "box");
+  Case start = moving;
+  start.add_box("box", {0.3, 0, 0.6}, {0.3, 0.3, 0.3});
+  refused(start, "START_STATE_IN_COLLISION", "box");
+  Case stop = moving;  // free, but the robot runs into the wall before it stands
+  stop.request.start_state.velocities["arm7_joint1"] = 2.0;
+  stop.joint(0).position = -0.8;
+  stop.add_box("wall", {0.33, 0.16, 0.5}, {0.4, 0.02, 1.0});
+  refused(stop, "START_STATE_INVALID", "cannot stop");
+  Case fast = moving;
+  fast.request.start_state.velocities["arm7_joint1"] = 50;
+  refused(fast, "START_STATE_INVALID", "limit");
+  session.set_configurations({{"arm", {{"timing", std::string("none")}}}});
+  refused(moving, "PLANNING_FAILED", "timing is 'none'");
+  session.set_configurations({{"arm", {{"sample_rate", 100.0}}}});
+  refused(moving, "PLANNING_FAILED", "sample_rate");
 }
 
 BOOST_AUTO_TEST_CASE(a_start_in_motion_goes_on_with_its_velocity) {

@@ -76,15 +76,33 @@ const AttachedObject* find(const std::vector<AttachedObject>& all, const std::st
   return it == all.end() ? nullptr : &*it;
 }
 
-/// Detaches what is no longer attached as it was; it then is in the world.
-SceneFile detachments(const SceneFile& held, const SceneFile& target) {
+/// Is the frame one of these objects, or a subframe of one?
+bool is_in_one(const std::string& frame, const std::vector<CollisionObject>& objects) {
+  return std::any_of(objects.begin(), objects.end(), [&](const CollisionObject& object) {
+    return frame == object.id || frame.starts_with(object.id + "/");
+  });
+}
+
+/// The positions of the planned joints.
+std::map<std::string, double> planned_positions(const SceneFile& scene, const std::vector<std::string>& planned) {
+  std::map<std::string, double> joints;
+  for (const std::string& joint : planned)
+    if (const auto position = scene.robot_state.joints.find(joint); position != scene.robot_state.joints.end())
+      joints.insert(*position);
+  return joints;
+}
+
+/// Detaches what is no longer attached as it was; it then is in the world. `stays`: an object that is given as it was
+/// is where it was.
+template <class Stays>
+SceneFile detachments(const SceneFile& held, const SceneFile& target, const Stays& stays) {
   SceneFile change;
   change.path = target.path;
   change.robot_model_name = target.robot_model_name;
   change.is_diff = true;
   for (const AttachedObject& attached : held.robot_state.attached) {
     const AttachedObject* still = find(target.robot_state.attached, attached.object.id);
-    if (still && same(attached, *still)) continue;
+    if (still && same(attached, *still) && stays(attached)) continue;
     AttachedObject detached;
     detached.object.id = attached.object.id;
     detached.object.operation = io::ObjectOperation::remove;
@@ -109,22 +127,31 @@ void remove_gone(const SceneFile& held, const SceneFile& target, SceneFile& chan
 }  // namespace
 
 std::vector<SceneFile> scene_difference(const SceneFile& held, const SceneFile& target,
-                                        const std::vector<std::string>& planned) {
+                                        const std::vector<std::string>& planned,
+                                        const std::function<bool(const std::string&)>& moves) {
   const bool frames_stay = same(held.fixed_frames, target.fixed_frames);
+  // What is placed in a frame that the planned joints move is elsewhere when they are.
+  const bool joints_stay = planned_positions(held, planned) == planned_positions(target, planned);
+  const auto stays_attached = [&](const AttachedObject& attached) {
+    const bool in_link = !attached.object.shapes.empty() && attached.object.frame == attached.link;
+    return joints_stay || in_link || !(moves(attached.link) || moves(attached.object.frame));
+  };
   SceneFile change = target;  // what is set anew costs nothing: joints, frames, allowed collisions, padding
   change.is_diff = true;
   change.objects.clear();
   change.robot_state.attached.clear();
   remove_gone(held, target, change);
-  SceneFile before = detachments(held, target);
+  SceneFile before = detachments(held, target, stays_attached);
   for (const CollisionObject& object : target.objects) {
     const CollisionObject* earlier = find(held.objects, object.id);
-    const bool moved = find(before.robot_state.attached, object.id) || !(frames_stay || object.frame.empty());
+    const bool moved = find(before.robot_state.attached, object.id) || !(frames_stay || object.frame.empty()) ||
+                       !(joints_stay || !moves(object.frame)) || is_in_one(object.frame, change.objects);
     if (!earlier || moved || !same(*earlier, object)) change.objects.push_back(object);
   }
   for (const AttachedObject& attached : target.robot_state.attached) {
     const AttachedObject* earlier = find(held.robot_state.attached, attached.object.id);
-    if (!earlier || !same(*earlier, attached)) change.robot_state.attached.push_back(attached);
+    if (!earlier || !same(*earlier, attached) || !stays_attached(attached))
+      change.robot_state.attached.push_back(attached);
   }
   const bool stays =
       frames_stay && change.objects.empty() && change.robot_state.attached.empty() &&

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "srmp/facade/moveit_difference.hpp"
 #include "srmp/facade/moveit_goals.hpp"
+#include "srmp/facade/start_in_motion.hpp"
 #include "srmp/io/moveit_rules.h"
 #include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/robot/joint_names.hpp"
@@ -84,11 +86,6 @@ Code constraints_code(const std::vector<io::GoalAlternative>& alternatives, cons
   return otherwise;
 }
 
-bool holds_nothing(const io::GoalAlternative& constraints) {
-  return constraints.joints.empty() && constraints.positions.empty() && constraints.orientations.empty() &&
-         constraints.visibilities == 0;
-}
-
 /// One goal with the targets of all; plan_multi takes one for each robot.
 GoalConstraint one_goal(const std::vector<GoalConstraint>& goals) {
   if (goals.empty()) return GoalConstraint::any();
@@ -154,6 +151,27 @@ std::string MoveItModel::end_effector(const SrdfGroup& group, const std::string&
   return moves ? link : last;
 }
 
+std::map<std::string, std::set<std::string>> MoveItModel::moved_links(const Names& groups) const {
+  std::map<std::string, std::set<std::string>> moved;
+  for (const std::string& name : groups) {
+    const Names joints = joints_of(group(name));
+    for (const UrdfLink& link : urdf.links)
+      for (const std::size_t joint : support(link.name))
+        if (contains(joints, urdf.joints[joint].name)) moved[name].insert(link.name);
+  }
+  return moved;
+}
+
+bool MoveItModel::move_apart(const Names& groups) const {
+  std::set<std::string> all;
+  std::size_t sum = 0;
+  for (const auto& [group, links] : moved_links(groups)) {
+    all.insert(links.begin(), links.end());
+    sum += links.size();
+  }
+  return sum == all.size();
+}
+
 // --- the robots of a group
 
 MoveItGroup::MoveItGroup(const MoveItModel& model, const SrdfGroup& group, const std::string& end_effector,
@@ -170,13 +188,7 @@ MoveItGroup::MoveItGroup(const MoveItModel& model, const SrdfGroup& group, const
     return;
   }
   // Each arm takes the links that it moves; the first one all others too.
-  std::map<std::string, std::set<std::string>> moved;  // by arm
-  for (const std::string& arm : arms) {
-    const Names joints = model.joints_of(model.group(arm));
-    for (const UrdfLink& link : model.urdf.links)
-      for (const std::size_t joint : model.support(link.name))
-        if (contains(joints, model.urdf.joints[joint].name)) moved[arm].insert(link.name);
-  }
+  std::map<std::string, std::set<std::string>> moved = model.moved_links(arms);
   for (const std::string& arm : arms) {
     std::set<std::string> gone, bare;
     for (const UrdfLink& link : model.urdf.links) {
@@ -250,7 +262,12 @@ std::vector<std::string> MoveItGroup::update(const io::SceneFile& given) {
   io::SceneFile target = given;
   target.robot_model_name = arms_.front().robot;  // where several arms have a link, the first one has its geometry
   for (const Arm& arm : arms_) target = within_limits(std::move(target), planner_.robot(arm.robot));
-  const std::vector<io::SceneFile> changes = scene_difference(held_, target, planned_joints());
+  const io::FrameLookup frames(planner_.scene(), {}, arms_.front().robot);
+  const auto moves = [&](const std::string& name) {
+    const auto frame = frames.find(name);
+    return frame && frames.moves(*frame);
+  };
+  const std::vector<io::SceneFile> changes = scene_difference(held_, target, planned_joints(), moves);
   if (!changes.empty()) {
     Scene scene = planner_.scene();
     scene.clear_allowed_collisions();
@@ -357,7 +374,7 @@ void MoveItGroup::read_goals(const io::RequestFile& request) {
 
 void MoveItGroup::read_path_constraints(const io::RequestFile& request, const io::FrameLookup& frames, Arm& arm) const {
   arm.constraints.clear();
-  if (holds_nothing(request.path_constraints)) return;
+  if (io::holds_nothing(request.path_constraints)) return;
   if (arms_.size() > 1)
     throw MoveItRefusal(Code::planning_failed, "path_constraints are not supported for groups of several arms");
   try {
@@ -380,16 +397,28 @@ Eigen::VectorXd MoveItGroup::start_velocity_of(const io::RequestFile& request) c
   });
 }
 
-Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop) {
+Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const OptionMap& options,
+                                 const PlannerInterface::Interrupt& stop) {
   const Arm& arm = arms_.front();
   const PlanRequest wanted{.robot = arm.robot,
                            .start = arm.start,
                            .goals = arm.goals,
                            .constraints = arm.constraints,
                            .start_velocity = start_velocity_of(request)};
-  if (wanted.start_velocity.size() == 0) return planner_.plan(wanted, stop);
-  return refused_with(Code::start_state_invalid, Code::start_state_invalid,
-                      "the request: ", [&] { return planner_.plan(wanted, stop); });
+  in_motion_ = wanted.start_velocity.size() > 0;
+  if (in_motion_) {
+    const CommonOptions common = common_options(parse_options(options));
+    refused_with(Code::planning_failed, Code::planning_failed, "the request's planner: ", [&] {
+      timing_in_motion(common);
+      require_no_sample_rate(common, "a motion that begins in motion");
+    });
+    const RobotInstance& instance = planner_.scene().robot(arm.robot);
+    refused_with(Code::start_state_invalid, Code::start_state_invalid, "the request: ", [&] {
+      require_start_in_motion(wanted, {instance.model, instance.base, instance.other_positions},
+                              scaled(planner_.motion_limits(arm.robot), common), common);
+    });
+  }
+  return planner_.plan(wanted, stop);
 }
 
 /// max_cartesian_speed, of the arms that move its link.
@@ -415,12 +444,13 @@ void MoveItGroup::limit_speed(const io::RequestFile& request) {
 
 Trajectory MoveItGroup::plan(const io::RequestFile& request, const OptionMap& options,
                              const PlannerInterface::Interrupt& stop) {
+  in_motion_ = false;
   read_goals(request);
   Names robots;
   for (const Arm& arm : arms_) robots.push_back(arm.robot);
   planner_.make_planner(robots, options);
   limit_speed(request);
-  if (arms_.size() == 1) return plan_one(request, stop);
+  if (arms_.size() == 1) return plan_one(request, options, stop);
   start_velocity_of(request);
   std::map<std::string, Eigen::VectorXd> starts;
   std::map<std::string, GoalConstraint> goals;
@@ -442,6 +472,9 @@ MoveItErrorCode MoveItGroup::code_of(const PlanningError& error) const {
         if (planner_.robot(arm.robot).limit_violation(arm.start)) return Code::start_state_invalid;
         if (breaks_path_constraints(arm, arm.start)) return Code::start_violates_path_constraints;
       }
+      // A start that is free itself, but from whose velocity the robot cannot stop in time.
+      if (in_motion_ && !planner_.is_state_colliding(arms_.front().robot, arms_.front().start))
+        return Code::start_state_invalid;
       return Code::start_state_in_collision;
     case Status::goal_invalid:
       for (const Arm& arm : arms_)

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,10 @@ struct MoveItModel {
   std::string end_effector(const SrdfGroup& group, const std::string& link) const;
   /// The names of the group's joints.
   std::vector<std::string> joints_of(const SrdfGroup& group) const;
+  /// For each of these groups, the links that its joints move.
+  std::map<std::string, std::set<std::string>> moved_links(const std::vector<std::string>& groups) const;
+  /// No link is moved by two of these groups, which can be planned as robots of their own.
+  bool move_apart(const std::vector<std::string>& groups) const;
   /// The movable joints between the root and a link.
   std::vector<std::size_t> support(const std::string& link) const;
 
@@ -91,7 +96,8 @@ class MoveItGroup {
   void read_goals(const io::RequestFile& request);
   void read_path_constraints(const io::RequestFile& request, const io::FrameLookup& frames, Arm& arm) const;
   Eigen::VectorXd start_velocity_of(const io::RequestFile& request) const;
-  Trajectory plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop);
+  Trajectory plan_one(const io::RequestFile& request, const OptionMap& options,
+                      const PlannerInterface::Interrupt& stop);
   bool breaks_path_constraints(const Arm& arm, const Eigen::VectorXd& q) const;
   MoveItErrorCode goal_failure_at(const Arm& arm, const Eigen::VectorXd& q) const;
   void limit_speed(const io::RequestFile& request);
@@ -101,6 +107,7 @@ class MoveItGroup {
   std::vector<Arm> arms_;                                        ///< at least one
   io::SceneFile held_;                                           ///< what the scene was made of
   std::vector<std::string> notes_;                               ///< what of it had no effect
+  bool in_motion_{false};                                        ///< the last request's start
   std::map<std::pair<std::string, std::string>, bool> between_;  ///< contact that the SRDF allows between arms
 };
 

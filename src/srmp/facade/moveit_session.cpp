@@ -45,6 +45,10 @@ void attach(const io::AttachedObject& attached, io::SceneFile& scene) {
   std::vector<io::AttachedObject>& held = scene.robot_state.attached;
   const auto same_id = [&](const auto& other) { return other.object.id == attached.object.id; };
   const auto before = std::find_if(held.begin(), held.end(), same_id);
+  if (attached.object.operation == io::ObjectOperation::append ||
+      attached.object.operation == io::ObjectOperation::move)
+    throw MoveItRefusal(Code::invalid_object_name, "the start state appends to object '" + attached.object.id +
+                                                       "' or moves it, which is not supported; attach it anew");
   if (attached.object.operation == io::ObjectOperation::remove) {
     if (before == held.end())
       throw MoveItRefusal(Code::invalid_object_name,
@@ -139,20 +143,32 @@ struct MoveItSession::Impl {
     return options;
   }
 
-  /// The groups that are planned as robots of their own: the subgroups of a group, by planners for many robots.
-  static std::vector<std::string> arms_of(const SrdfGroup& group, const PlannerInfo& planner) {
-    if (planner.many_robots && group.subgroups.size() > 1 && group.chains.empty() && group.joints.empty())
-      return group.subgroups;
-    if (!planner.one_robot)
+  /// The groups that are planned as robots of their own: the subgroups of a group, by planners for many robots. A
+  /// planner that plans for one robot too takes the whole group where arms depend on each other, and for what is
+  /// supported for one robot only.
+  std::vector<std::string> arms_of(const SrdfGroup& group, const PlannerInfo& planner,
+                                   const io::RequestFile& request) const {
+    const bool several =
+        group.subgroups.size() > 1 && group.chains.empty() && group.joints.empty() && group.links.empty();
+    if (planner.one_robot &&
+        (!planner.many_robots || !several || needs_one_robot(request) || !model->move_apart(group.subgroups)))
+      return {};
+    if (!several)
       throw MoveItRefusal(Code::planning_failed, "planner '" + planner.id + "' plans for several robots, and group '" +
                                                      group.name + "' is not made of two or more subgroups");
-    return {};
+    return group.subgroups;
+  }
+
+  /// What groups of several arms are refused for.
+  static bool needs_one_robot(const io::RequestFile& request) {
+    return !io::holds_nothing(request.path_constraints) || request.goals.size() > 1 ||
+           io::is_moving(request.start_state);
   }
 
   MoveItGroup& group_of(const io::RequestFile& request, const PlannerInfo& planner) {
     if (!model) model = std::make_unique<const MoveItModel>(robot);
     const SrdfGroup& group = model->group(request.group_name);
-    const std::vector<std::string> arms = arms_of(group, planner);
+    const std::vector<std::string> arms = arms_of(group, planner, request);
     const std::string end_effector = arms.empty() ? model->end_effector(group, goal_link(request)) : goal_link(request);
     std::unique_ptr<MoveItGroup>& known = groups[{group.name, end_effector, !arms.empty()}];
     if (!known) known = std::make_unique<MoveItGroup>(*model, group, end_effector, arms);

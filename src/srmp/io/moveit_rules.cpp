@@ -191,6 +191,16 @@ std::string path_constraints_fault(const GoalAlternative& path) {
   return "";
 }
 
+bool holds_nothing(const GoalAlternative& constraints) {
+  return constraints.joints.empty() && constraints.positions.empty() && constraints.orientations.empty() &&
+         constraints.visibilities == 0;
+}
+
+bool is_moving(const RobotState& start) {
+  return std::any_of(start.velocities.begin(), start.velocities.end(),
+                     [](const auto& joint) { return std::abs(joint.second) > rest_speed; });
+}
+
 Eigen::VectorXd start_velocity(const RobotState& start, const RobotModel& robot) {
   const std::vector<std::string>& planned = robot.joint_names();
   Eigen::VectorXd velocity = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(planned.size()));

@@ -27,6 +27,11 @@ std::string padding_fault(const std::string& link, double padding);
 /// What of path constraints is not supported.
 std::string path_constraints_fault(const GoalAlternative& path);
 
+/// No constraint at all?
+bool holds_nothing(const GoalAlternative& constraints);
+/// Does a joint move, faster than sensors report of one that stands?
+bool is_moving(const RobotState& start);
+
 /// The sentences about what is never right.
 std::string cartesian_speed_fault(double max_cartesian_speed);
 std::string unsupported(const std::string& field);
