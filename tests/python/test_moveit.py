@@ -1,4 +1,4 @@
-"""MoveIt's files: every field of the messages is a row of docs/moveit.md; whole requests; the plugin's configuration."""
+"""MoveIt's files: every field of the messages is a row of docs/moveit.md; requests; the plugin's configuration."""
 
 import re
 from pathlib import Path
