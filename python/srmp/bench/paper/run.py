@@ -66,10 +66,7 @@ def run(
         "seed": seed,
         "data": data,
     }
-    module = ompl_module()
-    versions = {} if module is None else {"ompl": module.version}
-    if any(by_wheel(contestant) for experiment in chosen for contestant in experiment.contestants):
-        versions["ompl_wheel"] = ompl_wheel.version()
+    versions = _versions(chosen)
     begin = time.perf_counter()
     with contextlib.ExitStack() as stack:
         tasks = [
@@ -85,12 +82,20 @@ def run(
         complete,
         described,
         execution,
-        ompl=versions.get("ompl"),
-        ompl_wheel=versions.get("ompl_wheel"),
+        **{"ompl": None, **versions},
         notes=_notes(chosen, data),
         elapsed_s=time.perf_counter() - begin,
     )
     return {"header": header, "rows": rows}
+
+
+def _versions(chosen: Sequence[Experiment]) -> dict[str, Any]:
+    """Of OMPL, as far as it is here."""
+    module = ompl_module()
+    versions = {} if module is None else {"ompl": module.version}
+    if any(by_wheel(contestant) for experiment in chosen for contestant in experiment.contestants):
+        versions["ompl_wheel"] = ompl_wheel.version()
+    return versions
 
 
 def _experiments(letters: str) -> list[Experiment]:

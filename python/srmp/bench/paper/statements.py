@@ -14,7 +14,7 @@ from srmp.bench.paper.tables import INVALID, Entry, checked, number, rows_of, se
 
 REPRODUCED, EXCEEDED, NOT, UNKNOWN = "reproduced", "exceeded", "not", "not measured"
 TIE = 1e-3  # lengths that differ by less, relatively, are equal
-AT_LIMIT = 0.95  # of the time limit: the planner used it up
+AT_LIMIT = 0.85  # of the time limit: the planner used it up; ours improve their paths for nine tenths of it
 
 
 @dataclass(frozen=True)
