@@ -158,6 +158,45 @@ def test_motions_with_clearance_are_proved_and_samples_of_proved_ones_are_free(a
     assert proved >= 0.95 * clear
 
 
+def nearest_on_the_way(arm, start, end):
+    """[m] the least clearance from start to end, to less than a micrometre."""
+    checker, low, high = arm.collision_checker("arm", "coal"), 0.0, 1.0
+    for _ in range(4):
+        fractions = np.linspace(low, high, 1001)
+        found = checker.clearance(start + fractions[:, None] * (end - start))
+        step, best = fractions[1] - low, fractions[found.argmin()]
+        low, high = max(best - 2 * step, 0.0), min(best + 2 * step, 1.0)
+    return found.min()
+
+
+@pytest.mark.parametrize("gap", [6e-6, 8.5e-6, 15e-6])
+@pytest.mark.parametrize("seed", range(8))
+def test_motions_that_pass_by_micrometres_are_proved(seed, gap):
+    arm = srmp.PlannerInterface()
+    arm.add_articulation(
+        urdf_path=srmp.data_path("arm7.urdf"),
+        srdf_path=srmp.data_path("arm7.srdf"),
+        name="arm",
+        end_effector="arm7_hand",
+    )
+    rng = np.random.default_rng(seed)
+    start = np.array([0.0, 0.5, 0.0, 1.2, 0.0, 1.0, 0.0]) + rng.uniform(-0.2, 0.2, 7)
+    end = start + rng.uniform(-0.8, 0.8, 7) * [1, 0.2, 0.5, 0.2, 1, 0.5, 1]
+    above = srmp.Pose(p=arm.compute_fk("arm", (start + end) / 2).p + np.array([0, 0, 0.25]))
+    radius, nearest = 0.01, 1.0
+    while nearest > 0.018:  # two links are 20 mm apart, wherever the joints are
+        radius += min(nearest, 0.015)
+        if "near" in arm.object_names:
+            arm.remove_object("near")
+        arm.add_sphere("near", radius, above)
+        nearest = nearest_on_the_way(arm, start, end)
+    arm.remove_object("near")
+    arm.add_sphere("near", radius + nearest - gap, above)
+    checker = arm.collision_checker("arm")
+    if checker.motions_free([start], [end])[0]:
+        assert checker.certify_motion(start, end)
+
+
 def test_clearance_is_the_nearest_pair(arm):
     checker = arm.collision_checker("arm")
     q = random_states(arm, "arm", 50)

@@ -19,11 +19,12 @@ using detail::Separation;
 namespace {
 
 constexpr double rough_distance =
-    0.3;                              // of an interval's motion: smaller distances are not refined, it is halved anyway
-constexpr int max_levels = 3;         // of halving at once
-constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
-constexpr int max_sharpening = 256;   // distances to bring the proved clearance near the one that was found
-constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
+    0.3;  // of an interval's motion: smaller distances are not refined, it is halved anyway
+constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter intervals are left unproved
+constexpr int max_levels = 3;                                  // of halving at once
+constexpr int max_samples = 200'000;              // configurations: the proof of an endless motion ends too
+constexpr int max_sharpening = 256;               // distances to bring the proved clearance near the one that was found
+constexpr double largest = 1e100;                 // [rad or m] beyond it, squares overflow
 constexpr Eigen::Index max_linear_segments = 64;  // a line is fitted to no more of them
 
 /// Rows from, ..., to of a motion; or, of the segment between two rows, the part from u to v of [0, 1].
@@ -421,7 +422,7 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
     if (found.status == CollisionStatus::colliding) return false;
     if (found.status == CollisionStatus::free)
       note_proved({found.bound, interval, pair, found.measured});
-    else if (motion < Checker::motion_floor || interval.is_indivisible())
+    else if (motion < finest_motion || interval.is_indivisible())
       leave_unproved(interval, pair);
     else
       open_.push_back({pair, levels_for(found.room, motion)});

@@ -54,9 +54,10 @@ struct ProofOptions {
 /// two can approach each other anywhere in an interval around it (from the range of the polynomials' Bernstein
 /// coefficients and the kinematic tree), bounds their distance all through it; intervals where that is not above 0 are
 /// halved (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004).
-/// Intervals of less than Checker::motion_floor of motion are not: they go to `unproved`, and so does all that is open
-/// when time is up, or after 200 000 configurations. Where nothing is left open, the bounds are raised, the least first
-/// (best-first branch and bound), as far as ProofOptions::gap_tolerance asks.
+/// Intervals of less than a quarter of Checker::motion_floor of motion are not (a checker may decide between two
+/// floors, where this proof has to follow): they go to `unproved`, and so does all that is open when time is up, or
+/// after 200 000 configurations. Where nothing is left open, the bounds are raised, the least first (best-first branch
+/// and bound), as far as ProofOptions::gap_tolerance asks.
 ///
 /// With a checker of CheckMode::coal, no pair was left out because of a table either. The result depends on the
 /// arguments alone. Stops at the first contact. Throws InvalidArgument for no rows, sizes that do not match
