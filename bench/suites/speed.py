@@ -23,7 +23,7 @@ import re
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -142,15 +142,22 @@ def over_problems(
     data: str, problems: str, robot: str, geometry: str, scenario: str, options: Mapping[str, Any], measure: Any
 ) -> Measured:
     """measure(planner, plan) for each problem."""
+    return {
+        name: measure(planner, lambda: planner.plan(robot, own.start, own.goals))  # noqa: B023
+        for name, planner, own in set_up(data, problems, robot, geometry, scenario, options)
+    }
+
+
+def set_up(
+    data: str, problems: str, robot: str, geometry: str, scenario: str, options: Mapping[str, Any]
+) -> Iterator[tuple[str, srmp.PlannerInterface, srmp.MoveItProblem]]:
+    """The name of each problem, a planner in its scene, and its start and goals; good until the next one."""
     files = mbm.robot_files(data, robot, geometry)
     runner = mbm.Runner(files, "auto", dict(options), LIMIT)
-    found: Measured = {}
     named = (scenario,) if scenario else ()
     with mbm.open_problems(files.directory, robot, named, mbm.parse_numbers(problems)) as chosen:
         for problem in chosen:
-            planner, own = runner.set_up(problem)
-            found[problem.name] = measure(planner, lambda: planner.plan(robot, own.start, own.goals))  # noqa: B023
-    return found
+            yield problem.name, *runner.set_up(problem)
 
 
 def cost(planner: srmp.PlannerInterface) -> float:
@@ -231,19 +238,15 @@ def yardstick(data: str, problems: str, name: str, scenario: str) -> Measured:
     """A planner of OMPL's, on our checker: the median time and mean cost of its REPEATS plans, which are random."""
     from srmp.bench import ompl_wheel
 
-    files = mbm.robot_files(data, "panda", "spheres")
-    runner = mbm.Runner(files, "auto", {}, LIMIT)
     limit = TIMES[-1] if name == "AORRTC" else LIMIT
     found: Measured = {}
-    with mbm.open_problems(files.directory, "panda", (scenario,), mbm.parse_numbers(problems)) as chosen:
-        for problem in chosen:
-            planner, own = runner.set_up(problem)
-            goal = own.goals[0].targets[0]
-            results = [ompl_wheel.plan(planner, "panda", own.start, goal, name, limit) for _ in range(REPEATS)]
-            solved = [r for r in results if r["status"] == "solved"]
-            lengths = [float(np.linalg.norm(np.diff(r["waypoints"], axis=0), axis=1).sum()) for r in solved]
-            seconds = float(np.median([r["plan_time_s"] for r in results])) if len(solved) == REPEATS else None
-            found[problem.name] = {"seconds": seconds, "cost": float(np.mean(lengths)) if lengths else None}
+    for problem, planner, own in set_up(data, problems, "panda", "spheres", scenario, {}):
+        goal = own.goals[0].targets[0]
+        results = [ompl_wheel.plan(planner, "panda", own.start, goal, name, limit) for _ in range(REPEATS)]
+        solved = [r for r in results if r["status"] == "solved"]
+        lengths = [float(np.linalg.norm(np.diff(r["waypoints"], axis=0), axis=1).sum()) for r in solved]
+        seconds = float(np.median([r["plan_time_s"] for r in results])) if len(solved) == REPEATS else None
+        found[problem] = {"seconds": seconds, "cost": float(np.mean(lengths)) if lengths else None}
     return found
 
 

@@ -366,23 +366,29 @@ Question cross(const moveit::core::RobotModelPtr& model, const std::string& plan
   return question;
 }
 
+/// The link stays within `radius` of a point of the planning frame.
+moveit_msgs::PositionConstraint within_sphere(const planning_scene::PlanningScene& scene, const std::string& link,
+                                              const Eigen::Vector3d& center, double radius) {
+  moveit_msgs::PositionConstraint position;
+  position.header.frame_id = scene.getPlanningFrame();
+  position.link_name = link;
+  position.constraint_region.primitives.resize(1);
+  position.constraint_region.primitives[0].type = shape_msgs::SolidPrimitive::SPHERE;
+  position.constraint_region.primitives[0].dimensions = {radius};
+  position.constraint_region.primitive_poses.resize(1);
+  position.constraint_region.primitive_poses[0].position = tf2::toMsg(center);
+  position.constraint_region.primitive_poses[0].orientation.w = 1.0;
+  position.weight = 1.0;
+  return position;
+}
+
 /// The goal of `cross` as positions of both arms' last links.
 Question cross_by_position(const moveit::core::RobotModelPtr& model, const std::string& planner_id) {
   Question question = cross(model, planner_id);
   auto& goal = question.request.goal_constraints[0];
   for (const std::string link : {"left_lower", "right_lower"}) {
     const Eigen::Vector3d at = goal_position(question, link);
-    moveit_msgs::PositionConstraint position;
-    position.header.frame_id = question.scene->getPlanningFrame();
-    position.link_name = link;
-    position.constraint_region.primitives.resize(1);
-    position.constraint_region.primitives[0].type = shape_msgs::SolidPrimitive::SPHERE;
-    position.constraint_region.primitives[0].dimensions = {0.01};
-    position.constraint_region.primitive_poses.resize(1);
-    position.constraint_region.primitive_poses[0].position = tf2::toMsg(at);
-    position.constraint_region.primitive_poses[0].orientation.w = 1.0;
-    position.weight = 1.0;
-    goal.position_constraints.push_back(position);
+    goal.position_constraints.push_back(within_sphere(*question.scene, link, at, 0.01));
   }
   goal.joint_constraints.clear();
   return question;
@@ -411,17 +417,9 @@ void check_arms(planning_pipeline::PlanningPipeline& pipeline, const moveit::cor
   expect(ask(pipeline, around_goal).error_code_.val == Codes::GOAL_IN_COLLISION,
          "two arms, a box around the goal of one: GOAL_IN_COLLISION");
 
-  moveit_msgs::PositionConstraint near_base;
-  near_base.header.frame_id = box.scene->getPlanningFrame();
-  near_base.link_name = "left_lower";
-  near_base.constraint_region.primitives.resize(1);
-  near_base.constraint_region.primitives[0].type = shape_msgs::SolidPrimitive::SPHERE;
-  near_base.constraint_region.primitives[0].dimensions = {2.0};
-  near_base.constraint_region.primitive_poses.resize(1);
-  near_base.constraint_region.primitive_poses[0].orientation.w = 1.0;
-  near_base.weight = 1.0;
   Question constrained = cross(model, "xECBS");
-  constrained.request.path_constraints.position_constraints = {near_base};
+  constrained.request.path_constraints.position_constraints = {
+      within_sphere(*constrained.scene, "left_lower", Eigen::Vector3d::Zero(), 2.0)};
   expect(ask(pipeline, constrained).error_code_.val == Codes::PLANNING_FAILED,
          "two arms by xECBS with a path constraint: refused");
   constrained.request.planner_id = "auto";

@@ -38,6 +38,19 @@ MoveItRobot two_arms() {
   return {urdf + "</robot>", srdf, {}, {}};
 }
 
+/// A scene and a request in which both arms turn a little.
+std::pair<io::SceneFile, io::RequestFile> turn_of_both_arms() {
+  io::SceneFile scene;
+  io::RequestFile request;
+  request.group_name = "both";
+  request.goals.resize(1);
+  for (const std::string joint : {"left_a", "left_b", "left_c", "right_a", "right_b", "right_c"}) {
+    scene.robot_state.joints[joint] = 0.0;
+    request.goals[0].joints.push_back({joint, joint.starts_with("left") ? 0.2 : -0.2, 0.001, 0.001});
+  }
+  return {scene, request};
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(an_answer_is_what_plan_finds_and_does_not_depend_on_requests_before) {
@@ -200,15 +213,8 @@ BOOST_AUTO_TEST_CASE(a_group_of_two_arms_is_planned_by_planners_for_several_robo
 
 BOOST_AUTO_TEST_CASE(planners_of_several_arms_take_no_path_constraints_and_start_at_rest) {
   MoveItSession session(two_arms());
-  io::SceneFile scene;
-  io::RequestFile request;
-  request.group_name = "both";
+  auto [scene, request] = turn_of_both_arms();
   request.planner_id = "xECBS";
-  request.goals.resize(1);
-  for (const std::string joint : {"left_a", "left_b", "left_c", "right_a", "right_b", "right_c"}) {
-    scene.robot_state.joints[joint] = 0.0;
-    request.goals[0].joints.push_back({joint, joint.starts_with("left") ? 0.2 : -0.2, 0.001, 0.001});
-  }
   request.start_state.velocities["left_a"] = 0.1;
   const MoveItResponse moving = session.solve(scene, request);
   BOOST_TEST(to_string(moving.code) == "START_STATE_INVALID");
@@ -224,14 +230,7 @@ BOOST_AUTO_TEST_CASE(planners_of_several_arms_take_no_path_constraints_and_start
 
 BOOST_AUTO_TEST_CASE(auto_plans_several_arms_as_one_robot_for_what_only_one_robot_supports) {
   MoveItSession session(two_arms());
-  io::SceneFile scene;
-  io::RequestFile request;
-  request.group_name = "both";
-  request.goals.resize(1);
-  for (const std::string joint : {"left_a", "left_b", "left_c", "right_a", "right_b", "right_c"}) {
-    scene.robot_state.joints[joint] = 0.0;
-    request.goals[0].joints.push_back({joint, joint.starts_with("left") ? 0.2 : -0.2, 0.001, 0.001});
-  }
+  auto [scene, request] = turn_of_both_arms();
   io::PositionConstraint position{.link = "left_tip", .frame = ""};
   position.regions.push_back({Sphere{3.0}, {}});
   io::RequestFile constrained = request, moving = request, alternatives = request;

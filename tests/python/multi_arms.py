@@ -1,23 +1,14 @@
 """Arms that are in each other's way: what the tests of plan_multi plan for."""
 
 import numpy as np
-from support import joints, turned
+from support import arms, joints, turned
 
-import srmp
 from srmp import Pose
 
 
 def world(bases, planner_id="xECBS", **options):
     """Arms of the package at (x, y, yaw), by name."""
-    planner = srmp.PlannerInterface()
-    for name, (x, y, yaw) in bases.items():
-        planner.add_articulation(
-            urdf_path=srmp.data_path("arm7.urdf"),
-            srdf_path=srmp.data_path("arm7.srdf"),
-            name=name,
-            end_effector="arm7_hand",
-            base_pose=Pose.from_rpy([x, y, 0], [0, 0, yaw]),
-        )
+    planner = arms({name: Pose.from_rpy([x, y, 0], [0, 0, yaw]) for name, (x, y, yaw) in bases.items()})
     planner.make_planner(list(bases), {"planner_id": planner_id, "time_limit": 20, **options})
     return planner
 

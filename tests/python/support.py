@@ -41,6 +41,35 @@ def joints(*targets):
     return GoalConstraint(GoalType.JOINTS, list(targets))
 
 
+def arms(poses):
+    """A planner with the package's own arm at each of these poses, by name."""
+    planner = srmp.PlannerInterface()
+    for name, pose in poses.items():
+        planner.add_articulation(
+            urdf_path=srmp.data_path("arm7.urdf"),
+            srdf_path=srmp.data_path("arm7.srdf"),
+            name=name,
+            end_effector="arm7_hand",
+            base_pose=pose,
+        )
+    return planner
+
+
+def recheck_scenario(bases, objects=(), held=()):
+    """The same arms for srmp.recheck: where they stand as [x, y, z, qx, qy, qz, qw], by name."""
+    robots = {
+        name: {
+            "urdf": srmp.data_path("arm7.urdf"),
+            "srdf": srmp.data_path("arm7.srdf"),
+            "package_dirs": [],
+            "base": base,
+            "fixed_joints": {},
+        }
+        for name, base in bases.items()
+    }
+    return {"robots": robots, "held": list(held), "objects": list(objects)}
+
+
 # Of the trajectories that conftest.py makes by hand: cubic, jumpy and untimed.
 NAMES = ["a", "b"]
 TIMES = np.array([0.5, 0.75, 1.5, 2.0, 3.0])

@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+from support import arms, recheck_scenario
 
 import srmp
 
@@ -36,31 +37,8 @@ ARM_BASE = {"arm": [0, 0, 0, 0, 0, 0, 1]}
 FACING_BASES = {"arm": [0, 0, 0, 0, 0, 0, 1], "other": [1.1, 0, 0, 0, 0, 1, 0]}
 
 
-def scenario(objects, held=(), bases=ARM_BASE):
-    robots = {
-        name: {
-            "urdf": srmp.data_path("arm7.urdf"),
-            "srdf": srmp.data_path("arm7.srdf"),
-            "package_dirs": [],
-            "base": base,
-            "fixed_joints": {},
-        }
-        for name, base in bases.items()
-    }
-    return {"robots": robots, "held": list(held), "objects": objects}
-
-
-def make_arm(bases=ARM_BASE):
-    planner = srmp.PlannerInterface()
-    for name, base in bases.items():
-        planner.add_articulation(
-            urdf_path=srmp.data_path("arm7.urdf"),
-            srdf_path=srmp.data_path("arm7.srdf"),
-            name=name,
-            end_effector="arm7_hand",
-            base_pose=srmp.Pose(p=base[:3], q=base[3:]),
-        )
-    return planner
+def make_arms(bases=ARM_BASE):
+    return arms({name: srmp.Pose(p=base[:3], q=base[3:]) for name, base in bases.items()})
 
 
 class Measured:
@@ -71,7 +49,7 @@ class Measured:
         suite("recheck_multi")
         from srmp.recheck.world import World
 
-        self.world = World(scenario(objects, held, bases))
+        self.world = World(recheck_scenario(bases, objects, held))
         parts = [self.world.body(part) for part in self.world.geometry.geometryObjects]
         pairs = self.world.geometry.collisionPairs
         self.pairs = [frozenset((parts[pair.first], parts[pair.second])) for pair in pairs]
@@ -135,7 +113,7 @@ def ends(planner, rng, count):
 def test_motions_in_random_worlds_keep_it_except_near_ends_that_are_closer(suite, seed):
     rng = np.random.default_rng(seed)
     objects = random_objects(rng)
-    planner = make_arm()
+    planner = make_arms()
     for item in objects:
         add(planner, item)
     planner.make_planner(["arm"], {"clearance": CLEARANCE, "time_limit": 20.0})
@@ -315,7 +293,7 @@ def apart(planner, rng, count):
 def test_robots_keep_it_from_each_other_and_from_everything_else(suite, seed, planner_id):
     rng = np.random.default_rng(200 + seed)
     objects = random_objects(rng, 3)
-    planner = make_arm(FACING_BASES)
+    planner = make_arms(FACING_BASES)
     for item in objects:
         add(planner, item)
     points = apart(planner, rng, 4)
@@ -334,14 +312,14 @@ def test_robots_keep_it_from_each_other_and_from_everything_else(suite, seed, pl
         for k, pair in enumerate(bodies):
             if pair not in built_close:
                 assert distances[:, k].min() >= CLEARANCE - 3e-6, pair
-        judged = planner.verify_multi(motions, starts, goals, clearance=CLEARANCE)
+        verified = planner.verify_multi(motions, starts, goals, clearance=CLEARANCE)
         for name, motion in motions.items():
             kept = motion.certificate.clearance_kept
             assert (kept.required, kept.violation, kept.relaxed) == (CLEARANCE, 0, [])
             assert (kept.from_time, kept.to_time) == (motion.times[0], motion.times[-1])
             assert motion.certificate.proved_free
-            assert judged[name].holds
-            assert judged[name].clearance_kept == kept
+            assert verified[name].holds
+            assert verified[name].clearance_kept == kept
     assert solved >= 1
 
 
@@ -355,7 +333,7 @@ def swap(planner, planner_id="auto", **options):
 
 
 def test_verify_multi_tells_by_how_much_robots_come_too_close():
-    planner = make_arm(FACING_BASES)
+    planner = make_arms(FACING_BASES)
     motions = swap(planner)
     nearest = motions["arm"].certificate.clearance
     assert nearest < 0.02
@@ -369,7 +347,7 @@ def test_verify_multi_tells_by_how_much_robots_come_too_close():
 
 
 def test_several_robots_have_to_begin_and_end_with_it():
-    planner = make_arm(FACING_BASES)
+    planner = make_arms(FACING_BASES)
     near = planner.compute_fk("arm", SIDE).p
     planner.add_sphere("near", 0.02, srmp.Pose(p=near + np.array([0, 0, 0.27])))
     planner.set_qpos("arm", SIDE)
@@ -391,7 +369,7 @@ def test_several_robots_have_to_begin_and_end_with_it():
 
 
 def test_what_several_robots_cannot_keep_is_refused():
-    planner = make_arm(FACING_BASES)
+    planner = make_arms(FACING_BASES)
     motions = swap(planner)
     with pytest.raises(srmp.NotSupported, match="plan_multi knows no preferred clearance"):
         swap(planner, preferred_clearance=0.01)
@@ -411,7 +389,7 @@ def levels(clearance):
 def test_shortening_gives_away_no_clearance_that_the_searched_path_had(suite, seed):
     rng = np.random.default_rng(100 + seed)
     objects = random_objects(rng, 6)
-    planner = make_arm()
+    planner = make_arms()
     for item in objects:
         add(planner, item)
     measured = Measured(suite, objects)

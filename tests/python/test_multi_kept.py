@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support import READY, joints, turned
+from support import READY, arms, joints, turned
 
 import srmp
 from srmp import GoalConstraint, GoalType, Pose
@@ -22,17 +22,9 @@ NAMES = ["holder", "idler", "left", "right"]
 @pytest.fixture
 def world():
     """Two arms face to face, three beside them, of which one is committed."""
-    planner = srmp.PlannerInterface()
     bases = {"left": (0, 0, 0), "right": (0.7, 0, np.pi), "holder": (0.35, 0.9, -np.pi / 2)}
     bases |= {"idler": (0.35, -0.9, np.pi / 2), "committed": (-0.8, 0, np.pi)}
-    for name, (x, y, yaw) in bases.items():
-        planner.add_articulation(
-            urdf_path=srmp.data_path("arm7.urdf"),
-            srdf_path=srmp.data_path("arm7.srdf"),
-            name=name,
-            end_effector="arm7_hand",
-            base_pose=Pose.from_rpy([x, y, 0], [0, 0, yaw]),
-        )
+    planner = arms({name: Pose.from_rpy([x, y, 0], [0, 0, yaw]) for name, (x, y, yaw) in bases.items()})
     planner.make_planner(NAMES, {"planner_id": "xECBS", "time_limit": 20})
     return planner
 

@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from support import arms, recheck_scenario
 
 import srmp
 
@@ -13,15 +14,7 @@ NAN = float("nan")
 @pytest.fixture
 def two():
     """Two of the package's arms across a table, 0.6 m apart: their hands conflict half-way."""
-    planner = srmp.PlannerInterface()
-    for name, pose in (("left", srmp.Pose()), ("right", srmp.Pose.from_rpy([0.6, 0, 0], [0, 0, pi]))):
-        planner.add_articulation(
-            urdf_path=srmp.data_path("arm7.urdf"),
-            srdf_path=srmp.data_path("arm7.srdf"),
-            name=name,
-            end_effector="arm7_hand",
-            base_pose=pose,
-        )
+    planner = arms({"left": srmp.Pose(), "right": srmp.Pose.from_rpy([0.6, 0, 0], [0, 0, pi])})
     planner.add_box("table", size=[3, 3, 0.1], pose=srmp.Pose(p=[0.3, 0, -0.051]))
     planner.make_planner(["left"], {"planner_id": "xECBS", "time_limit": 20})
     return planner
@@ -57,20 +50,7 @@ def wait(trajectory):
     return trajectory.times[moved[0] - 1]
 
 
-def scenario():
-    robots = {
-        name: {
-            "urdf": srmp.data_path("arm7.urdf"),
-            "srdf": srmp.data_path("arm7.srdf"),
-            "package_dirs": [],
-            "base": base,
-            "fixed_joints": {},
-        }
-        for name, base in (("left", [0, 0, 0, 0, 0, 0, 1]), ("right", [0.6, 0, 0, 0, 0, 1, 0]))
-    }
-    return {"robots": robots, "held": [], "objects": []}
-
-
+BASES = {"left": [0, 0, 0, 0, 0, 0, 1], "right": [0.6, 0, 0, 0, 0, 1, 0]}
 WAITS = pytest.mark.parametrize(("duration", "way"), [(0.8, (-0.9, 0.9)), (0.8, (0.9, -0.9)), (2.0, (0.9, -0.9))])
 
 
@@ -123,7 +103,7 @@ def tables(motions):
 def contacts_at_1_khz(suite, motions):
     """By Pinocchio and Coal alone."""
     recheck = suite("recheck_multi")
-    world = recheck.World(scenario())
+    world = recheck.World(recheck_scenario(BASES))
     found = (world.touching(q) for q in recheck.motion(world, tables(motions), 1000.0)[1])
     return [pair for pair in found if pair]
 

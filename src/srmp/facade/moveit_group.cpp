@@ -397,8 +397,7 @@ Eigen::VectorXd MoveItGroup::start_velocity_of(const io::RequestFile& request) c
   });
 }
 
-Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const OptionMap& options,
-                                 const PlannerInterface::Interrupt& stop) {
+Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop) {
   const Arm& arm = arms_.front();
   const PlanRequest wanted{.robot = arm.robot,
                            .start = arm.start,
@@ -407,7 +406,7 @@ Trajectory MoveItGroup::plan_one(const io::RequestFile& request, const OptionMap
                            .start_velocity = start_velocity_of(request)};
   in_motion_ = wanted.start_velocity.size() > 0;
   if (in_motion_) {
-    const CommonOptions common = common_options(parse_options(options));
+    const CommonOptions common = common_options(planner_.planner_options({arm.robot}));
     refused_with(Code::planning_failed, Code::planning_failed, "the request's planner: ", [&] {
       timing_in_motion(common);
       require_no_sample_rate(common, "a motion that begins in motion");
@@ -450,7 +449,7 @@ Trajectory MoveItGroup::plan(const io::RequestFile& request, const OptionMap& op
   for (const Arm& arm : arms_) robots.push_back(arm.robot);
   planner_.make_planner(robots, options);
   limit_speed(request);
-  if (arms_.size() == 1) return plan_one(request, options, stop);
+  if (arms_.size() == 1) return plan_one(request, stop);
   start_velocity_of(request);
   std::map<std::string, Eigen::VectorXd> starts;
   std::map<std::string, GoalConstraint> goals;

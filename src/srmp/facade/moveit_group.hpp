@@ -96,8 +96,7 @@ class MoveItGroup {
   void read_goals(const io::RequestFile& request);
   void read_path_constraints(const io::RequestFile& request, const io::FrameLookup& frames, Arm& arm) const;
   Eigen::VectorXd start_velocity_of(const io::RequestFile& request) const;
-  Trajectory plan_one(const io::RequestFile& request, const OptionMap& options,
-                      const PlannerInterface::Interrupt& stop);
+  Trajectory plan_one(const io::RequestFile& request, const PlannerInterface::Interrupt& stop);
   bool breaks_path_constraints(const Arm& arm, const Eigen::VectorXd& q) const;
   MoveItErrorCode goal_failure_at(const Arm& arm, const Eigen::VectorXd& q) const;
   void limit_speed(const io::RequestFile& request);

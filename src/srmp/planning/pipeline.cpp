@@ -120,8 +120,6 @@ class Pipeline {
 
 }  // namespace
 
-bool PlanProblem::is_for_one() const { return robots.size() == 1 && registered_planner(options).info.one_robot; }
-
 MultiTrajectory run_pipeline(const PlanProblem& problem, const Deadline& deadline, PlanStatistics& statistics) {
   try {
     MultiTrajectory motions = Pipeline(problem, deadline, statistics).run();

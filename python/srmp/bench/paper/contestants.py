@@ -133,6 +133,4 @@ def why_not_run(contestant: Contestant) -> str:
         return ""
     if (module := ompl_module()) is None:
         return "no OMPL"
-    if contestant.id in module.planners:
-        return ""
-    return "not in this OMPL"
+    return "" if contestant.id in module.planners else "not in this OMPL"

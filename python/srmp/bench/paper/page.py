@@ -47,8 +47,7 @@ _METHOD = """## How it is measured
   distances prove the motion between waypoints free. Motions of several robots from our planners are verified on their
   common clock. A path with a fault is *faulty* and does not count as solved.
 - OMPL's planners take random numbers from a seed that depends on the problem (the wheel's from one of its own). Our
-  planners need none. What PRM and the
-  anytime planners find within their time depends on the machine.
+  planners need none. What PRM and the anytime planners find within their time depends on the machine.
 - A statement about OMPL's planners is compared with those on the same collision checker, and, unless it names them,
   without the anytime planners.
 """

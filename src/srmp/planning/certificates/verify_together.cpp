@@ -22,9 +22,9 @@ std::unique_ptr<const Checker> without(const Scene& scene, const std::string& ro
 
 std::unique_ptr<const Checker> beside(const Scene& scene, const std::string& robot, const std::string& other,
                                       double clearance = 0.0) {
-  CheckerOptions options{.mode = CheckMode::coal, .other_robots = {other}, .other_robots_only = true};
-  options.clearance = clearance;
-  return make_checker(scene, robot, options);
+  return make_checker(
+      scene, robot,
+      {.mode = CheckMode::coal, .other_robots = {other}, .other_robots_only = true, .clearance = clearance});
 }
 
 /// Why a motion cannot be verified against others; nothing: it can.

@@ -15,8 +15,8 @@ namespace {
 /// Contacts computed for one end that is too close to something, at most.
 constexpr int max_approach_checks = 4000;
 
-/// May the robot be at a configuration that is not free because it is within the limits, and only closer to something
-/// than the required clearance? One of several robots may not.
+/// Is a configuration that is not free within the limits and only closer to something than the required clearance,
+/// which is relaxed there? For several robots it is not.
 bool is_only_close(RobotContext& context, const Eigen::VectorXd& q) {
   const Checker& checker = context.checks.checker();
   if (checker.clearance_kept() == 0.0 || checker.robot().limit_violation(q)) return false;
