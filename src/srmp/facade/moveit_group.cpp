@@ -9,6 +9,7 @@
 #include "srmp/facade/moveit_goals.hpp"
 #include "srmp/facade/start_in_motion.hpp"
 #include "srmp/io/moveit_rules.h"
+#include "srmp/planning/certificates/joint_certificates.hpp"
 #include "srmp/planning/constraints/place_constraints.hpp"
 #include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/urdf_edit.hpp"
