@@ -8,6 +8,7 @@
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
 #include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/statistics_fields.hpp"
+#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
