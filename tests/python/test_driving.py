@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import srmp
+from srmp.bench import mbm
 from srmp.demo import BOXES
 
 PLANAR = [[-3, -3], [3, 3]]
@@ -11,9 +12,14 @@ NAMES = ["base/x", "base/y", "base/theta"]
 
 
 def rooms():
-    """Two rooms, a wall with a door of 0.9 m between them, and the demonstration's shelf in the second one."""
+    """arm7, which drives, in two rooms."""
     planner = srmp.PlannerInterface()
     planner.add_robot("arm7", planar_bounds=PLANAR)
+    return add_rooms(planner)
+
+
+def add_rooms(planner):
+    """Two rooms, a wall with a door of 0.9 m between them, and the demonstration's shelf in the second one."""
     planner.add_box("wall left", [0.1, 2.55, 2], srmp.Pose(p=[0, 1.725, 1]))
     planner.add_box("wall right", [0.1, 2.55, 2], srmp.Pose(p=[0, -1.725, 1]))
     planner.add_box("lintel", [0.1, 0.9, 0.2], srmp.Pose(p=[0, 0, 1.9]))
@@ -36,8 +42,8 @@ def driven():
     return planner, planner.plan(start_of(planner), goal)
 
 
-def test_a_robot_drives_through_a_door_and_reaches_into_a_shelf(driven):
-    planner, trajectory = driven
+def require_drive(planner, robot, trajectory, reached):
+    """It goes through the door, ends with the end effector at a point, and touches nothing."""
     assert trajectory.joint_names[:3] == NAMES
     assert trajectory.certificate.holds
     path = trajectory.positions
@@ -45,10 +51,33 @@ def test_a_robot_drives_through_a_door_and_reaches_into_a_shelf(driven):
     in_door = path[np.abs(path[:, 0]) < 0.1]
     assert len(in_door) > 0
     assert np.abs(in_door[:, 1]).max() < 0.45
-    reached = planner.compute_fk("arm7", path[-1])
-    np.testing.assert_allclose(reached.p, [1.60, 0.80, 0.55], atol=1e-3)
+    np.testing.assert_allclose(planner.compute_fk(robot, path[-1]).p, reached, atol=1e-3)
     for t in np.arange(0, trajectory.duration, 0.01):
-        assert not planner.is_state_colliding("arm7", trajectory.sample(t))
+        assert not planner.is_state_colliding(robot, trajectory.sample(t))
+
+
+def test_a_robot_drives_through_a_door_and_reaches_into_a_shelf(driven):
+    require_drive(driven[0], "arm7", driven[1], [1.60, 0.80, 0.55])
+
+
+@pytest.mark.filterwarnings("ignore::srmp.RobotWarning")
+def test_fetch_drives_through_a_door_and_reaches_into_a_shelf(mbm_data):
+    files = mbm.robot_files(mbm_data, "fetch", "urdf")
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(
+        urdf_path=str(files.urdf),
+        srdf_path=str(files.srdf),
+        name="fetch",
+        end_effector=mbm.END_EFFECTORS["fetch"],
+        group=mbm.GROUPS["fetch"],
+        package_dirs=[str(files.directory)],
+        planar_bounds=PLANAR,
+    )
+    add_rooms(planner)
+    tucked = [1.32, 1.40, -0.2, 1.72, 0.0, 1.66, 0.0]
+    start = np.concatenate([[-1.5, -1.0, 0.0, 0.0], tucked])  # the fourth joint lifts the torso
+    trajectory = planner.plan(start, srmp.Pose.from_rpy([1.60, 0.80, 0.55], [0.0, 0.0, 0.0]))
+    require_drive(planner, "fetch", trajectory, [1.60, 0.80, 0.55])
 
 
 def test_the_same_drive_every_time(driven):
