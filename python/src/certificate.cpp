@@ -23,9 +23,15 @@ Eigen::VectorXd to_vector(nb::handle list) {
 }
 
 MotionLimits make_limits(const ArrayLike& velocity, const ArrayLike& acceleration, const ArrayLike& jerk,
-                         const std::vector<bool>& continuous, nb::handle link_speeds) {
-  MotionLimits limits{velocity.vector("velocity limits"), acceleration.vector("acceleration limits"),
-                      jerk.vector("jerk limits"), continuous, to_link_speeds(link_speeds)};
+                         const std::vector<bool>& continuous, nb::handle link_speeds,
+                         const std::optional<ArrayLike>& torque, const std::optional<Payload>& payload) {
+  MotionLimits limits{.velocity = velocity.vector("velocity limits"),
+                      .acceleration = acceleration.vector("acceleration limits"),
+                      .jerk = jerk.vector("jerk limits"),
+                      .continuous = continuous,
+                      .link_speeds = to_link_speeds(link_speeds),
+                      .torque = torque ? torque->vector("torque limits") : Eigen::VectorXd(),
+                      .payload = payload};
   std::vector<std::string> names;
   for (std::size_t j = 0; j < limits.size(); ++j) names.push_back("joint " + std::to_string(j));
   require_limits(limits, names);
@@ -108,6 +114,49 @@ void bind_link_speeds(nb::module_& m) {
       });
 }
 
+Payload make_payload(double mass, const std::optional<ArrayLike>& center_of_mass,
+                     const std::optional<ArrayLike>& inertia, const std::string& link) {
+  Payload payload{.mass = mass, .link = link};
+  if (center_of_mass) payload.center_of_mass = center_of_mass->vector3("center_of_mass");
+  if (inertia) payload.inertia = inertia->vector3("inertia");
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  require_limits({.velocity = one, .acceleration = one, .jerk = one, .continuous = {}, .payload = payload}, {"joint"});
+  return payload;
+}
+
+void bind_payload(nb::module_& m) {
+  nb::class_<Payload> payload(m, "Payload", "What a link carries, for the torques of the joints.");
+  payload
+      .def(
+          "__init__",
+          [](Payload* self, double mass, const std::optional<ArrayLike>& center_of_mass,
+             const std::optional<ArrayLike>& inertia,
+             const std::string& link) { new (self) Payload(make_payload(mass, center_of_mass, inertia, link)); },
+          nb::arg("mass"), nb::kw_only(), nb::arg("center_of_mass") = nb::none(), nb::arg("inertia") = nb::none(),
+          nb::arg("link") = "",
+          "mass [kg]; center_of_mass (3,) in the link's frame [m], default its origin; inertia (3,) about it, for the\n"
+          "link's axes [kg m^2], default 0; link: '' = the end effector.\n\n"
+          "Raises InvalidArgument unless the mass is above 0 and all numbers are finite.")
+      .def_ro("mass", &Payload::mass, "[kg].")
+      .def_prop_ro(
+          "center_of_mass", [](const Payload& p) { return to_numpy(p.center_of_mass); },
+          "(3,), in the link's frame [m].")
+      .def_prop_ro(
+          "inertia", [](const Payload& p) { return to_numpy(p.inertia); },
+          "(3,) about the centre of mass, for the link's axes [kg m^2].")
+      .def_ro("link", &Payload::link, "The link; '' = the end effector.")
+      .def("__repr__", [](const Payload& p) {
+        return "Payload(" + to_text(p.mass) + (p.link.empty() ? " kg)" : " kg on '" + p.link + "')");
+      });
+  make_value(
+      payload,
+      [](const Payload& p) { return nb::make_tuple(p.mass, to_array(p.center_of_mass), to_array(p.inertia), p.link); },
+      [](const State& s) {
+        const auto c = nb::cast<std::array<double, 3>>(s[1]), i = nb::cast<std::array<double, 3>>(s[2]);
+        return Payload{number(s[0]), {c[0], c[1], c[2]}, {i[0], i[1], i[2]}, nb::cast<std::string>(s[3])};
+      });
+}
+
 void bind_limits(nb::module_& m) {
   nb::class_<MotionLimits> limits(m, "MotionLimits",
                                   "Limits of each joint's motion, one entry a joint, in the order of the joint names.");
@@ -115,17 +164,23 @@ void bind_limits(nb::module_& m) {
       .def(
           "__init__",
           [](MotionLimits* self, const ArrayLike& velocity, const ArrayLike& acceleration, const ArrayLike& jerk,
-             const std::vector<bool>& continuous, nb::handle link_speeds) {
-            new (self) MotionLimits(make_limits(velocity, acceleration, jerk, continuous, link_speeds));
+             const std::vector<bool>& continuous, nb::handle link_speeds, const std::optional<ArrayLike>& torque,
+             const std::optional<Payload>& payload) {
+            new (self)
+                MotionLimits(make_limits(velocity, acceleration, jerk, continuous, link_speeds, torque, payload));
           },
           nb::arg("velocity"), nb::arg("acceleration"), nb::arg("jerk"), nb::arg("continuous") = std::vector<bool>{},
-          nb::kw_only(), nb::arg("link_speeds") = nb::none(),
+          nb::kw_only(), nb::arg("link_speeds") = nb::none(), nb::arg("torque") = nb::none(),
+          nb::arg("payload") = nb::none(),
           nb::sig("def __init__(self, velocity: numpy.typing.ArrayLike, acceleration: numpy.typing.ArrayLike, "
                   "jerk: numpy.typing.ArrayLike, continuous: collections.abc.Sequence[bool] = [], *, "
-                  "link_speeds: " SRMP_LINK_SPEEDS " | None = None) -> None"),
+                  "link_speeds: " SRMP_LINK_SPEEDS " | None = None, torque: numpy.typing.ArrayLike | None = None, "
+                  "payload: Payload | None = None) -> None"),
           "(dof,) each: velocity [rad/s or m/s], acceleration [rad/s^2 or m/s^2], jerk [rad/s^3 or m/s^3]; continuous: "
           "a flag a joint,\n"
-          "empty = none is. link_speeds: limits of links, as PlannerInterface.set_motion_limits takes them.\n\n"
+          "empty = none is. link_speeds: limits of links, as PlannerInterface.set_motion_limits takes them. torque: "
+          "(dof,)\n"
+          "[N m, prismatic joints N], inf = not limited; None: none is. payload: what the robot carries.\n\n"
           "Raises InvalidArgument unless all have one entry a joint, above 0 and finite.")
       .def_prop_ro(
           "velocity", [](const MotionLimits& l) { return to_numpy(l.velocity); },
@@ -138,16 +193,27 @@ void bind_limits(nb::module_& m) {
       .def_ro("continuous", &MotionLimits::continuous,
               "Joints whose waypoints must follow by the short way round; empty = none.")
       .def_ro("link_speeds", &MotionLimits::link_speeds, "Limits of links, as LinkSpeedLimit; any number of a link.")
+      .def_prop_ro(
+          "torque",
+          [](const MotionLimits& l) { return l.torque.size() ? std::optional(to_numpy(l.torque)) : std::nullopt; },
+          nb::sig("def torque(self) -> numpy.typing.NDArray[numpy.float64] | None"),
+          "Torque limits (dof,) [N m, prismatic joints N], inf: not limited; None: none is.")
+      .def_ro("payload", &MotionLimits::payload, "What the robot carries, for the torques; None: nothing.")
       .def("__repr__", [](const MotionLimits& l) { return "MotionLimits(" + std::to_string(l.size()) + " joints)"; });
   make_value(
       limits,
       [](const MotionLimits& l) {
         return nb::make_tuple(to_list(l.velocity), to_list(l.acceleration), to_list(l.jerk), l.continuous,
-                              l.link_speeds);
+                              l.link_speeds, to_list(l.torque), l.payload);
       },
       [](const State& s) {
-        return MotionLimits{to_vector(s[0]), to_vector(s[1]), to_vector(s[2]), nb::cast<std::vector<bool>>(s[3]),
-                            nb::cast<std::vector<LinkSpeedLimit>>(s[4])};
+        return MotionLimits{to_vector(s[0]),
+                            to_vector(s[1]),
+                            to_vector(s[2]),
+                            nb::cast<std::vector<bool>>(s[3]),
+                            nb::cast<std::vector<LinkSpeedLimit>>(s[4]),
+                            to_vector(s[5]),
+                            nb::cast<std::optional<Payload>>(s[6])};
       });
 }
 
@@ -182,6 +248,8 @@ void bind_faults(nb::module_& m) {
       .value("constraint", FaultKind::constraint, "It breaks a path constraint, or is not proved to keep it.")
       .value("clearance", FaultKind::clearance,
              "It comes closer to something than the clearance that was asked for allows.")
+      .value("torque_limit", FaultKind::torque_limit,
+             "A joint that needs more torque than its limit, or is not proved to keep it.")
       .value("link_speed_limit", FaultKind::link_speed_limit,
              "A link is faster than its limit, or is not proved to keep it.");
 
@@ -335,7 +403,7 @@ nb::tuple state(const Certificate& c) {
                         plain(c.checked_from), plain(c.clearance), plain(c.clearance_time), c.body_a, c.body_b,
                         plain(c.clearance_proved), c.sampled, plain(c.deviation), plain(c.deviation_time),
                         plain(c.goal_error), plain(c.bound), c.bound_graph, plain(c.time_s), c.cartesian_deviation,
-                        c.constraints, c.clearance_kept, c.link_speeds);
+                        c.constraints, c.clearance_kept, c.link_speeds, c.torque);
 }
 
 Certificate from_state(const State& s) {
@@ -348,6 +416,7 @@ Certificate from_state(const State& s) {
           .acceleration = use(4),
           .jerk = use(5),
           .link_speeds = nb::cast<std::vector<LinkSpeedUse>>(s[23]),
+          .torque = use(24),
           .collisions_checked = nb::cast<bool>(s[6]),
           .checked_from = number(s[7]),
           .clearance = number(s[8]),
@@ -371,6 +440,7 @@ Certificate from_state(const State& s) {
 
 void bind_certificate(nb::module_& m) {
   bind_link_speeds(m);
+  bind_payload(m);
   bind_limits(m);
   bind_default_limits(m);
   bind_faults(m);
@@ -395,7 +465,7 @@ void bind_certificate(nb::module_& m) {
           "All fields as names, numbers and lists, as in files; infinity and NaN are the texts 'inf', '-inf' and "
           "'nan'. There is no key 'cartesian_deviation' where no poses were to be followed, no key\n"
           "'constraints' where there were no path constraints, no key 'clearance_kept' where no clearance was "
-          "required, and no key 'link_speeds' where no link's speed was limited.")
+          "required, no key 'link_speeds' where no link's speed was limited, and no key 'torque' where no torque was.")
       .def_ro("faults", &Certificate::faults, "Faults; empty: every claim below holds.")
       .def_ro("limits", &Certificate::limits, "MotionLimits that the motion was verified against.")
       .def_ro("position", &Certificate::position, "LimitUse of the position limits.")
@@ -404,6 +474,8 @@ void bind_certificate(nb::module_& m) {
       .def_ro("jerk", &Certificate::jerk, "LimitUse of the jerk limits.")
       .def_ro("link_speeds", &Certificate::link_speeds,
               "LinkSpeedUse of each of MotionLimits.link_speeds: how fast links move, at most.")
+      .def_ro("torque", &Certificate::torque,
+              "LimitUse of the torque limits, proved between samples too; 0 where there are none.")
       .def_ro("collisions_checked", &Certificate::collisions_checked, "Whether collisions were checked.")
       .def_ro("checked_from", &Certificate::checked_from,
               "[s]: what comes before is the recovery from a start in collision.")

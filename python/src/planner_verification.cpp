@@ -60,14 +60,40 @@ LinkSpeedLimit link_speed_of(const std::string& link, nb::handle value) {
   return limit;
 }
 
+/// "urdf" is the URDF's effort limits, {} none; otherwise as other limits, infinite for what is not named.
+Eigen::VectorXd to_torques(nb::handle value, const Eigen::VectorXd& now, const RobotModel& robot) {
+  if (nb::isinstance<nb::str>(value)) {
+    if (nb::cast<std::string>(value) == "urdf") return effort_limits(robot);
+    throw InvalidArgument("torque limits are " + brief(value) +
+                          "; as a text, only 'urdf' is known: the effort limits of the URDF");
+  }
+  if (nb::hasattr(value, "keys") && nb::len(value) == 0) return {};
+  const auto dof = static_cast<Eigen::Index>(robot.dof());
+  const Eigen::VectorXd none = Eigen::VectorXd::Constant(dof, std::numeric_limits<double>::infinity());
+  return to_limits(value, now.size() ? now : none, robot.joint_names(), "torque");
+}
+
+/// 0 or False removes it.
+std::optional<Payload> to_payload(nb::handle value) {
+  if (nb::isinstance<Payload>(value)) return nb::cast<Payload>(value);
+  if (is_number(value)) {
+    const double mass = nb::cast<double>(nb::float_(value));
+    return mass == 0.0 ? std::nullopt : std::optional(Payload{.mass = mass});
+  }
+  throw InvalidArgument("payload must be a Payload or a mass [kg], but is " + brief(value));
+}
+
 void set_motion_limits(PlannerInterface& planner, const std::string& robot, nb::handle velocity,
-                       nb::handle acceleration, nb::handle jerk, nb::handle link_speeds) {
+                       nb::handle acceleration, nb::handle jerk, nb::handle link_speeds, nb::handle torque,
+                       nb::handle payload) {
   const std::vector<std::string> joints = planner.get_joint_names(robot);
   MotionLimits limits = planner.motion_limits(robot);
   limits.velocity = to_limits(velocity, limits.velocity, joints, "velocity");
   limits.acceleration = to_limits(acceleration, limits.acceleration, joints, "acceleration");
   limits.jerk = to_limits(jerk, limits.jerk, joints, "jerk");
   if (!link_speeds.is_none()) limits.link_speeds = to_link_speeds(link_speeds);
+  if (!torque.is_none()) limits.torque = to_torques(torque, limits.torque, planner.robot(robot));
+  if (!payload.is_none()) limits.payload = to_payload(payload);
   planner.set_motion_limits(robot, limits);
 }
 
@@ -109,17 +135,21 @@ set_motion_limits.)")
       .def(
           "set_motion_limits",
           [](Self& self, const std::string& robot, nb::handle velocity, nb::handle acceleration, nb::handle jerk,
-             nb::handle link_speeds) {
-            self.use(
-                [&](PlannerInterface& p) { set_motion_limits(p, robot, velocity, acceleration, jerk, link_speeds); });
+             nb::handle link_speeds, nb::handle torque, nb::handle payload) {
+            self.use([&](PlannerInterface& p) {
+              set_motion_limits(p, robot, velocity, acceleration, jerk, link_speeds, torque, payload);
+            });
           },
           nb::arg("robot"), nb::arg("velocity") = nb::none(), nb::arg("acceleration") = nb::none(),
-          nb::arg("jerk") = nb::none(), nb::arg("link_speeds") = nb::none(),
+          nb::arg("jerk") = nb::none(), nb::arg("link_speeds") = nb::none(), nb::arg("torque") = nb::none(),
+          nb::arg("payload") = nb::none(),
           nb::sig("def set_motion_limits(self, robot: str, "
                   "velocity: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
                   "acceleration: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
                   "jerk: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | None = None, "
-                  "link_speeds: " SRMP_LINK_SPEEDS " | None = None) -> None"),
+                  "link_speeds: " SRMP_LINK_SPEEDS " | None = None, "
+                  "torque: numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | "
+                  "typing.Literal['urdf'] | None = None, payload: Payload | float | None = None) -> None"),
           R"(Sets the limits of all plans that follow, dof entries each: velocity [rad/s or m/s], acceleration [rad/s^2 or
 m/s^2], jerk [rad/s^3 or m/s^3].
 
@@ -130,8 +160,12 @@ that is not limited, or a list of LinkSpeedLimit, for points of links. {} remove
 They are limits in the world at every instant, which velocity_scaling does not change; Certificate.link_speeds has the
 proved speeds.
 
+torque [N m, prismatic joints N]: of the torques that the motion needs in gravity, by the masses of the URDF and the
+payload, at every instant; 'urdf' is the URDF's effort limits, inf not limited, {} removes all. payload: a Payload, or a
+mass [kg] at the origin of the end effector; 0 removes it. Certificate.torque has what is proved.
+
 Raises InvalidArgument for an unknown robot, joint or link (with the nearest name), a wrong size, a link that no planned
-joint moves, and limits that are not above 0 and finite.)")
+joint moves, torques of a robot without masses, and limits that are not above 0 and finite.)")
       .def(
           "load_joint_limits",
           [](Self& self, const std::string& robot, const nb::object& path) {

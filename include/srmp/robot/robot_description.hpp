@@ -83,6 +83,20 @@ struct Joint {
   double lower{};         ///< [rad or m]; minus infinity for continuous joints
   double upper{};         ///< [rad or m]; infinity for continuous joints
   double max_velocity{};  ///< [rad/s or m/s]; when the URDF gives none: 0, and 1 for planned joints
+  double max_effort{};    ///< [N m or N]; 0: the URDF gives none
+};
+
+/// What a link carries, for joint torques.
+struct Payload {
+  double mass{};                                  ///< [kg], > 0
+  Eigen::Vector3d center_of_mass{0.0, 0.0, 0.0};  ///< in the link's frame [m]
+  Eigen::Vector3d inertia{0.0, 0.0, 0.0};         ///< about the centre of mass, for the link's axes [kg m^2], >= 0
+  std::string link{};                             ///< "" = the end effector
+  /// Whether all numbers are the same.
+  bool operator==(const Payload& other) const {
+    return mass == other.mass && center_of_mass == other.center_of_mass && inertia == other.inertia &&
+           link == other.link;
+  }
 };
 
 /// One collision geometry of a link.

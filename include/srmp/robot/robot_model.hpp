@@ -38,7 +38,7 @@ class RobotModel {
  public:
   /// Reads URDF, SRDF and meshes. Throws FileError for files that are missing or wrong (a missing mesh lists every
   /// place tried, mistakes in URDF and SRDF give the line) and InvalidArgument for unknown groups, joints or links
-  /// (with the nearest known name) and for descriptions that contradict themselves. Visuals, inertias and soft limits
+  /// (with the nearest known name) and for descriptions that contradict themselves. Visuals and soft limits
   /// (safety_controller) are not read; the limits of mimic joints are not enforced.
   static std::shared_ptr<const RobotModel> load(const RobotDescription& description);
   ~RobotModel();
@@ -152,6 +152,7 @@ class RobotModel {
 
  private:
   friend struct RobotModelBuilder;
+  friend class RobotDynamics;
   RobotModel();
   std::unique_ptr<RobotModelImpl> impl_;
 };

@@ -29,6 +29,7 @@ enum class FaultKind {
   constraint,        ///< it breaks a path constraint, or is not proved to keep it
   clearance,         ///< it comes closer to something than the clearance that was asked for allows
   link_speed_limit,  ///< a link is faster than its limit, or is not proved to keep it
+  torque_limit,      ///< a joint needs more torque than its limit, or is not proved to keep it
 };
 /// The name of a kind, such as "velocity_limit".
 std::string to_string(FaultKind kind);
@@ -137,6 +138,7 @@ struct Certificate {
   MotionLimits limits;                              ///< that the motion was verified against
   LimitUse position, velocity, acceleration, jerk;  ///< use of the limits
   std::vector<LinkSpeedUse> link_speeds{};          ///< one for each of MotionLimits::link_speeds
+  LimitUse torque{};                                ///< use of MotionLimits::torque, proved between samples too
 
   bool collisions_checked{};   ///< whether collisions were checked
   double checked_from{};       ///< [s]: what comes before is the recovery from a start in collision

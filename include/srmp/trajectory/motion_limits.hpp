@@ -2,8 +2,11 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "srmp/robot/robot_description.hpp"
 
 namespace srmp {
 
@@ -28,6 +31,10 @@ struct MotionLimits {
   Eigen::VectorXd jerk;          ///< [rad/s^3 or m/s^3]
   std::vector<bool> continuous;  ///< joints that turn without limits: waypoints follow by the short way; empty = none
   std::vector<LinkSpeedLimit> link_speeds{};  ///< limits of links, in the world; any number of a link
+  /// [N m, prismatic joints N], > 0, infinity: not limited; of the torques that the motion needs in gravity, by the
+  /// masses of the URDF. Empty: none is limited.
+  Eigen::VectorXd torque{};
+  std::optional<Payload> payload{};  ///< that counts in the torques; none: nothing is carried
 
   /// Number of joints.
   std::size_t size() const { return static_cast<std::size_t>(velocity.size()); }
@@ -40,8 +47,12 @@ MotionLimits default_limits(const Eigen::VectorXd& velocity);
 /// The same from the model's velocity limits, with its continuous joints.
 MotionLimits default_limits(const RobotModel& robot);
 
-/// Throws InvalidArgument unless there is one of each a joint, all above 0, and every limit of a link limits something;
-/// names the joint or link. Whether the robot has the links is not checked.
+/// (dof,) the URDF's effort limits, for MotionLimits::torque; infinity for joints without one. Throws InvalidArgument
+/// where no joint has one.
+Eigen::VectorXd effort_limits(const RobotModel& robot);
+
+/// Throws InvalidArgument unless there is one of each a joint, all above 0 (of torques: or none), every limit of a link
+/// limits something, and the payload is one; names the joint or link. Whether the robot has the links is not checked.
 void require_limits(const MotionLimits& limits, const std::vector<std::string>& joint_names);
 
 }  // namespace srmp

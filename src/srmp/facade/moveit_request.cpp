@@ -3,7 +3,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/facade/moveit_goals.hpp"
 #include "srmp/facade/moveit_problem.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 
 namespace srmp {
 
@@ -47,7 +47,7 @@ std::vector<LinkSpeedLimit> link_speeds_of(const io::RequestFile& request, const
   limits.link_speeds = {{.link = request.cartesian_speed_limited_link, .speed = request.max_cartesian_speed}};
   try {
     require_limits(limits, robot.joint_names());
-    require_links(limits, robot);
+    require_bounds_of_robot(limits, robot);
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(request.path + ": max_cartesian_speed: " + error.what());
   }

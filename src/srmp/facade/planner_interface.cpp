@@ -10,7 +10,7 @@
 #include "srmp/io/scene_file.hpp"
 #include "srmp/planning/certificates/verify_together.hpp"
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 
 namespace srmp {
 
@@ -298,7 +298,7 @@ MotionLimits PlannerInterface::motion_limits(const std::string& robot) const { r
 void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits limits) {
   const RobotModel& model = impl_->model(robot);
   require_limits(limits, model.joint_names());
-  require_links(limits, model);
+  require_bounds_of_robot(limits, model);
   limits.continuous = default_limits(model).continuous;
   impl_->motion_limits.insert_or_assign(robot, std::move(limits));
   impl_->result.reset();
@@ -306,7 +306,10 @@ void PlannerInterface::set_motion_limits(const std::string& robot, MotionLimits 
 
 std::vector<std::string> PlannerInterface::load_joint_limits(const std::string& robot, const std::string& path) {
   io::JointLimitsFile file = io::read_joint_limits(path, impl_->model(robot));
-  file.limits.link_speeds = impl_->limits_of(robot).link_speeds;  // of which such files say nothing
+  const MotionLimits now = impl_->limits_of(robot);  // such files say nothing of what follows
+  file.limits.link_speeds = now.link_speeds;
+  file.limits.torque = now.torque;
+  file.limits.payload = now.payload;
   set_motion_limits(robot, std::move(file.limits));
   return file.unused;
 }

@@ -8,7 +8,7 @@
 #include "srmp/planning/obstacles/moving_obstacles.hpp"
 #include "srmp/planning/options/registry.hpp"
 #include "srmp/planning/statistics_fields.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 
 namespace srmp {
 
@@ -250,7 +250,7 @@ void read_limits(io::JsonReader& root, Problem& problem) {
     for (const auto& [robot, limits] : problem.motion_limits) {
       const RobotModel& model = *problem.scene.robot(robot).model;
       require_limits(limits, model.joint_names());
-      require_links(limits, model);
+      require_bounds_of_robot(limits, model);
       if (limits.continuous != default_limits(model).continuous)
         throw InvalidArgument("the continuous joints of '" + robot + "' are not those of its model");
     }

@@ -280,14 +280,18 @@ class JsonFile {
 inline const std::string problem_format = "srmp problem", scene_format = "srmp scene",
                          trajectory_format = "srmp trajectory";
 
-/// A list whose key is left out where it is empty: older files have none.
+/// A value whose key is left out where there is none: older files have none either.
+template <class Archive, class T>
+void describe_if(Archive& archive, const char* key, T& value, bool is_there) {
+  if constexpr (Archive::reading) {
+    if (archive.has(key)) archive(key, value);
+  } else {
+    if (is_there) archive(key, value);
+  }
+}
 template <class Archive, class List>
 void describe_list(Archive& archive, const char* key, List& list) {
-  if constexpr (Archive::reading) {
-    if (archive.has(key)) archive(key, list);
-  } else {
-    if (!list.empty()) archive(key, list);
-  }
+  describe_if(archive, key, list, !list.empty());
 }
 
 }  // namespace srmp::io

@@ -16,12 +16,22 @@ void describe(Archive& archive, Ref<Archive, LinkSpeedLimit> limit) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, Payload> payload) {
+  archive("mass", payload.mass);
+  archive("center_of_mass", payload.center_of_mass);
+  archive("inertia", payload.inertia);
+  archive("link", payload.link);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, MotionLimits> limits) {
   archive("velocity", limits.velocity);
   archive("acceleration", limits.acceleration);
   archive("jerk", limits.jerk);
   archive("continuous", limits.continuous);
   describe_list(archive, "link_speeds", limits.link_speeds);
+  describe_if(archive, "torque", limits.torque, limits.torque.size() > 0);
+  archive("payload", limits.payload);
 }
 
 template <class Archive>
@@ -98,6 +108,7 @@ void describe(Archive& archive, Ref<Archive, Certificate> certificate) {
   archive("acceleration", certificate.acceleration);
   archive("jerk", certificate.jerk);
   describe_list(archive, "link_speeds", certificate.link_speeds);
+  describe_if(archive, "torque", certificate.torque, certificate.limits.torque.size() > 0);
   archive("collisions_checked", certificate.collisions_checked);
   archive("checked_from", certificate.checked_from);
   archive("clearance", certificate.clearance);

@@ -216,12 +216,12 @@ class CertifiedTiming {
   std::vector<Trajectory> in_time(const JointPath& path, double deviation, const Deadline& until) {
     std::vector<std::string> names;
     MotionLimits limits;
-    LinkSpeeds speeds;
+    RobotBounds bounds;
     Eigen::VectorXd reach;
     const bool timed = common_.timing != "none";
     for (const std::size_t i : path.robots) {
       const MotionLimits own = scaled(problem_.robots[i].limits, common_);
-      speeds.add(model(i), checker(i).other_positions(), own.link_speeds, names.size());
+      bounds.add(*problem_.robots[i].placed, own, names.size());
       for (const std::string& joint : model(i).joint_names()) names.push_back(world_ ? name(i) + "/" + joint : joint);
       append(limits.velocity, own.velocity);
       append(limits.acceleration, own.acceleration);
@@ -249,9 +249,12 @@ class CertifiedTiming {
     options.deadline = &until;
     options.is_free = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_motion_free(path, a, b); };
     try {
-      const Trajectory motion = detail::time_parameterize(waypoints, names, limits, options, speeds);
+      const Trajectory motion = detail::time_parameterize(waypoints, names, limits, options, bounds);
       if (common_.sample_rate == 0.0) return parts(motion, path);
-      return parts(with_even_rows(motion, common_.sample_rate, limits, speeds, options), path);
+      return parts(with_even_rows(motion, common_.sample_rate, limits, bounds, options), path);
+    } catch (const Overload& why) {
+      throw PlanningError(Status::exhausted,
+                          "no timing of the path that was found keeps the torque limits: " + std::string(why.what()));
     } catch (const MotionCheckStopped&) {
       throw PlanningError(Status::timed_out, "the time limit of " + to_text(common_.time_limit) +
                                                  " s passed while corners of the path were rounded");

@@ -6,18 +6,28 @@
 namespace srmp {
 
 MotionChecks::MotionChecks(const Checker& checker, const Deadline& deadline, std::size_t workers,
-                           const PlacedConstraints* constraints)
+                           const PlacedConstraints* constraints, const MotionLimits& limits)
     : checker_(checker) {
   for (std::size_t i = 0; i < workers; ++i) {
     workers_.push_back({checker.make_workspace()});
     if (constraints) workers_.back().constraints = std::make_unique<ConstraintChecker>(*constraints);
+    if (limits.torque.size() == 0) continue;
+    workers_.back().torques = std::make_unique<JointTorques>();
+    workers_.back().torques->add(checker.robot(), checker.base(), checker.other_positions(), limits);
   }
   for (const Worker& worker : workers_) checker.stop_at(deadline, *worker.workspace);
+}
+
+std::string MotionChecks::violation(const Eigen::VectorXd& q) {
+  Worker& w = workers_.front();
+  const std::string broken = w.constraints ? w.constraints->violation(q) : "";
+  return broken.empty() && w.torques ? w.torques->overload(q) : broken;
 }
 
 bool MotionChecks::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker) {
   Worker& w = workers_[worker];
   if (w.constraints && !w.constraints->keeps(a, b, constraint_fractions.motions)) return false;
+  if (w.torques && !w.torques->can_hold(a, b)) return false;
   const CheckStatistics& checks = checker_.statistics(*w.workspace);
   const std::uint64_t by_spheres = checks.motions_by_spheres;
   try {

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "srmp/collision/checker.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/placed_constraints.hpp"
 
 namespace srmp {
@@ -22,9 +24,10 @@ inline constexpr ConstraintFractions constraint_fractions;
 /// MotionCheckStopped as Checker::stop_at says, unless there are several workers, which must not throw.
 class MotionChecks {
  public:
-  /// Checker, deadline and constraints outlive it; null: there are no constraints.
+  /// Checker, deadline and constraints outlive it; null: there are no constraints. `limits`: whose torques the robot
+  /// can keep at rest.
   MotionChecks(const Checker& checker, const Deadline& deadline, std::size_t workers,
-               const PlacedConstraints* constraints = nullptr);
+               const PlacedConstraints* constraints, const MotionLimits& limits);
 
   const Checker& checker() const { return checker_; }
   std::size_t workers() const { return workers_.size(); }
@@ -33,8 +36,12 @@ class MotionChecks {
   /// Path constraints, for the calling thread alone; null: there are none.
   ConstraintChecker* constraints() { return workers_.front().constraints.get(); }
 
-  /// `a` is known to be free. With path constraints: whether the motion is proved to keep them too, to the fraction
-  /// that searches may use.
+  /// Why the robot cannot be at q, of what checkers do not know: the path constraint that it breaks, or the joint that
+  /// cannot hold it there, as the end of a sentence; "": it can.
+  std::string violation(const Eigen::VectorXd& q);
+
+  /// `a` is known to be free. With torque limits: whether the joints can hold the robot all along. With path
+  /// constraints: whether the motion is proved to keep them too, to the fraction that searches may use.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
   /// Motions that the first worker checked.
   std::uint64_t motions() const { return checker_.statistics(*workers_.front().workspace).motions; }
@@ -47,7 +54,8 @@ class MotionChecks {
   struct Worker {
     Checker::WorkspacePtr workspace;
     std::unique_ptr<ConstraintChecker> constraints{};
-    std::uint64_t free{};  // motions
+    std::unique_ptr<JointTorques> torques{};  // null: none is limited
+    std::uint64_t free{};                     // motions
     std::uint64_t free_by_spheres{};
     bool stopped{};  // a check, by the deadline
   };

@@ -22,7 +22,7 @@ RobotContext::RobotContext(const PlanProblem& problem, const RobotProblem& task,
       robot(checker.robot()),
       deadline(deadline),
       statistics(statistics),
-      checks(checker, deadline, worker_count(options), task.constraints.get()) {}
+      checks(checker, deadline, worker_count(options), task.constraints.get(), task.limits) {}
 
 void RobotContext::stop_if_late(const std::string& phase) const {
   if (deadline.cancelled()) throw PlanningError(Status::cancelled, "the plan was cancelled during " + phase);

@@ -196,7 +196,7 @@ Joint joint_of(const UrdfJoint& joint) {
   const JointKind kind = joint.type == UrdfJointType::continuous  ? JointKind::continuous
                          : joint.type == UrdfJointType::prismatic ? JointKind::prismatic
                                                                   : JointKind::revolute;
-  return {joint.name, kind, joint.lower, joint.upper, joint.velocity.value_or(0.0)};
+  return {joint.name, kind, joint.lower, joint.upper, joint.velocity.value_or(0.0), joint.effort.value_or(0.0)};
 }
 
 /// The limit of a planned joint to which the URDF gives none, or 0, as many exporters do; with a warning.

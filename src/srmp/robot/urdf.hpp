@@ -8,8 +8,8 @@
 
 namespace srmp {
 
-// The parts of a URDF that this library uses, checked. Visuals, inertias, safety controllers and extension tags are not
-// read. Lines are those of the file, for messages.
+// The parts of a URDF that this library uses, checked. Visuals, safety controllers and extension tags are not read.
+// Lines are those of the file, for messages.
 
 /// A collision geometry.
 struct UrdfGeometry {
@@ -23,10 +23,18 @@ struct UrdfGeometry {
   int line{};
 };
 
+/// The mass of a link. Read without checks: most files are used without it.
+struct UrdfInertia {
+  double mass{};                                            ///< [kg]
+  Eigen::Isometry3d origin{Eigen::Isometry3d::Identity()};  ///< of the centre of mass, in the link's frame
+  Eigen::Matrix3d inertia{Eigen::Matrix3d::Zero()};         ///< about the centre of mass, along origin's axes [kg m^2]
+};
+
 /// A link; joints are indices into Urdf::joints.
 struct UrdfLink {
   std::string name;
   std::vector<UrdfGeometry> collisions;
+  std::optional<UrdfInertia> inertia;       ///< none: it has no mass, or one that cannot be used
   std::optional<std::size_t> parent_joint;  ///< none: the root
   std::vector<std::size_t> child_joints;    ///< in file order
   int line{};
@@ -50,6 +58,7 @@ struct UrdfJoint {
   Eigen::Vector3d axis{1, 0, 0};               ///< unit length
   double lower{}, upper{};                     ///< [rad or m]; infinite for continuous joints
   std::optional<double> velocity;              ///< limit [rad/s or m/s], >= 0
+  std::optional<double> effort;                ///< limit [N m or N], > 0
   std::optional<UrdfMimic> mimic;              ///< its source is not a mimic joint: chains are multiplied out
   int line{};
 

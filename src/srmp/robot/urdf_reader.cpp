@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <numbers>
+#include <sstream>
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/lengths.hpp"
@@ -67,7 +69,45 @@ class UrdfReader {
                               "collision_checking", "capsule", "audio", "light", "projector", "material"});
     for (auto e = element.FirstChildElement("collision"); e; e = e->NextSiblingElement("collision"))
       link.collisions.push_back(read_collision(*e, link.name));
+    link.inertia = read_inertia(element);
     urdf_.links.push_back(std::move(link));
+  }
+
+  /// nullopt where there is none that can be used: not all numbers, or not above 0.
+  static std::optional<UrdfInertia> read_inertia(const XMLElement& link) {
+    const XMLElement* inertial = link.FirstChildElement("inertial");
+    const XMLElement* mass = inertial ? inertial->FirstChildElement("mass") : nullptr;
+    UrdfInertia result;
+    if (!mass || mass->QueryDoubleAttribute("value", &result.mass) != tinyxml2::XML_SUCCESS) return std::nullopt;
+    if (const XMLElement* inertia = inertial->FirstChildElement("inertia")) {
+      const auto entry = [&](const char* name, int i, int j) {
+        inertia->QueryDoubleAttribute(name, &result.inertia(i, j));
+        result.inertia(j, i) = result.inertia(i, j);
+      };
+      for (int i = 0; i < 3; ++i) {
+        constexpr const char* names[3][3] = {{"ixx", "ixy", "ixz"}, {"", "iyy", "iyz"}, {"", "", "izz"}};
+        for (int j = i; j < 3; ++j) entry(names[i][j], i, j);
+      }
+    }
+    if (const XMLElement* origin = inertial->FirstChildElement("origin")) {
+      const Eigen::Vector3d xyz = numbers(*origin, "xyz"), rpy = numbers(*origin, "rpy");
+      result.origin = Eigen::Translation3d(xyz) * Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+                      Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+                      Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX());
+    }
+    const bool usable = result.mass > 0.0 && std::isfinite(result.mass) && result.inertia.allFinite() &&
+                        result.origin.matrix().allFinite();
+    return usable ? std::optional(result) : std::nullopt;
+  }
+
+  /// Three numbers of an attribute; NaN where they cannot be read, 0 where there is none.
+  static Eigen::Vector3d numbers(const XMLElement& element, const char* name) {
+    const char* text = element.Attribute(name);
+    if (!text) return Eigen::Vector3d::Zero();
+    std::istringstream in(text);
+    in.imbue(std::locale::classic());
+    Eigen::Vector3d result;
+    return in >> result[0] >> result[1] >> result[2] ? result : Eigen::Vector3d::Constant(std::nan(""));
   }
 
   UrdfGeometry read_collision(const XMLElement& element, const std::string& link) {
@@ -225,6 +265,8 @@ class UrdfReader {
         *e, Names{},
         Names{"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk", "stiffness", "damping"});
     joint.velocity = xml_.number(*e, "velocity");
+    if (double effort{}; e->QueryDoubleAttribute("effort", &effort) == tinyxml2::XML_SUCCESS && effort > 0.0)
+      joint.effort = effort;
     if (joint.velocity && *joint.velocity < 0.0)
       xml_.fail(*e, "joint '" + joint.name + "': the velocity limit " + to_text(*joint.velocity) + " is negative");
     const double lower = xml_.number(*e, "lower").value_or(0.0), upper = xml_.number(*e, "upper").value_or(0.0);

@@ -84,6 +84,7 @@ std::string to_string(FaultKind kind) {
     case FaultKind::constraint: return "constraint";
     case FaultKind::clearance: return "clearance";
     case FaultKind::link_speed_limit: return "link_speed_limit";
+    case FaultKind::torque_limit: return "torque_limit";
   }
   return "unknown";
 }
@@ -98,6 +99,7 @@ std::string Certificate::report() const {
   text += line("accelerations  ", acceleration) + "\n";
   text += line("jerks          ", jerk) + "\n";
   for (const LinkSpeedUse& use : link_speeds) text += "link speed     " + speed_text(use) + "\n";
+  if (limits.torque.size()) text += line("torques        ", torque) + "\n";
   text += "clearance      " + clearance_text(*this) + "\n";
   text += "proved free    " + free_text(*this) + "\n";
   text += "deviation      " +

@@ -11,8 +11,8 @@
 #include "srmp/core/interruption.hpp"
 #include "srmp/core/stopping.hpp"
 #include "srmp/trajectory/cubic.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/limit_check.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
@@ -158,6 +158,7 @@ class Certifier {
                   .start_acceleration = &options_.start_acceleration},
                  result_);
     check_link_speeds();
+    check_torques();
     check_start_velocity();
     check_ends_at_rest();
     check_deviation();
@@ -169,6 +170,13 @@ class Certifier {
     LinkSpeeds speeds;
     speeds.add(robot_, checker_.other_positions(), limits_.link_speeds);
     add_link_speeds(result_, t_, speeds, options_.limits);
+  }
+
+  void check_torques() {
+    if (limits_.torque.size() == 0) return;
+    JointTorques torques;
+    torques.add(robot_, checker_.base(), checker_.other_positions(), limits_);
+    add_torques(result_, t_, torques, options_.limits);
   }
 
   void check_start_velocity() {

@@ -51,7 +51,7 @@ Trajectory spline(const Trajectory& motion, double rate, double slower, const Ti
 
 }  // namespace
 
-Trajectory with_even_rows(const Trajectory& motion, double rate, const MotionLimits& limits, LinkSpeeds& speeds,
+Trajectory with_even_rows(const Trajectory& motion, double rate, const MotionLimits& limits, RobotBounds& bounds,
                           const TimingOptions& options) {
   if (motion.size() < 2) return motion;
   const bool jerk = options.method == TimingMethod::ruckig;
@@ -60,9 +60,8 @@ Trajectory with_even_rows(const Trajectory& motion, double rate, const MotionLim
     Trajectory even = spline(motion, rate, slower, options);
     Certificate use;
     check_limits(even, limits, {.limits = false}, use);
-    const double excess =
-        std::max({use.velocity.fraction, std::sqrt(use.acceleration.fraction),
-                  jerk ? std::cbrt(use.jerk.fraction) : 0.0, speeds.empty() ? 0.0 : speeds.use(even)});
+    const double excess = std::max({use.velocity.fraction, std::sqrt(use.acceleration.fraction),
+                                    jerk ? std::cbrt(use.jerk.fraction) : 0.0, bounds.slowdown(even)});
     if (excess <= 1.0 + relative_rounding) return even;
     slower *= excess * (1.0 + 1e-6);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "srmp/trajectory/link_speeds.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/timing_options.hpp"
 
 namespace srmp {
@@ -12,7 +12,7 @@ namespace srmp {
 /// takes up to three rows longer, keeps near the motion, and on it where that is straight; both ends are the motion's,
 /// bit for bit. The motion begins and ends at rest. TimingMethod::ruckig of the options: the jerk limits count. Throws
 /// InvalidArgument for more than TimingOptions::max_rows rows, and PlanningError at the deadline of the options.
-Trajectory with_even_rows(const Trajectory& motion, double rate, const MotionLimits& limits, LinkSpeeds& speeds,
+Trajectory with_even_rows(const Trajectory& motion, double rate, const MotionLimits& limits, RobotBounds& bounds,
                           const TimingOptions& options);
 
 }  // namespace srmp

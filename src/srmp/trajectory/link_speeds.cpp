@@ -5,32 +5,13 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/interruption.hpp"
+#include "srmp/trajectory/part_bound.hpp"
 
 namespace srmp {
 
 namespace {
 
-constexpr double slow = 0.1;            // of a limit: below, what is proved may be larger by more of it
-constexpr double decision = 5e-7;       // of a limit: the same where it decides whether the limit is kept
-constexpr double smallest_part = 1e-7;  // [s]
-constexpr double limit_excess = 1e-6;   // of a limit
-
-/// One speed of a part of a motion.
-struct PartSpeed {
-  double at_ends, between, limit;
-
-  double bound() const { return at_ends + between; }
-  bool is_known_well(double worst) const {
-    if (std::isinf(limit) || bound() <= worst || !std::isfinite(between)) return true;
-    if (at_ends <= limit && bound() > limit) return between <= decision * limit;
-    return between <= LinkSpeeds::fineness * std::max({worst, at_ends, slow * limit});
-  }
-  void raise(double& worst, double& time, double at) const {
-    if (std::isinf(limit) || bound() <= worst) return;
-    worst = bound();
-    time = at;
-  }
-};
+constexpr double limit_excess = 1e-6;  // of a limit
 
 }  // namespace
 
@@ -83,10 +64,11 @@ void LinkSpeeds::add_part(Link& link, const Sample& from, const Sample& to, doub
   const double time = to.time - from.time;
   const std::span<const detail::Cubic> joints(joints_.data() + link.first, static_cast<std::size_t>(link.dof));
   const LinkChain::Curvature curvature = link.chain.curvature(joints, from.time, to.time);
-  const PartSpeed speed{std::max(from.speed, to.speed), curvature.velocity * time * time / 8.0, link.limit.speed};
-  const PartSpeed angular{std::max(from.angular_speed, to.angular_speed),
+  const PartBound speed{std::max(from.speed, to.speed), curvature.velocity * time * time / 8.0, link.limit.speed};
+  const PartBound angular{std::max(from.angular_speed, to.angular_speed),
                           curvature.angular_velocity * time * time / 8.0, link.limit.angular_speed};
-  if ((speed.is_known_well(worst.speed) && angular.is_known_well(worst.angular_speed)) || time <= smallest_part) {
+  if ((speed.is_known_well(worst.speed) && angular.is_known_well(worst.angular_speed)) ||
+      time <= PartBound::smallest_part) {
     speed.raise(worst.speed, worst.speed_time, start + (from.speed > to.speed ? from.time : to.time));
     angular.raise(worst.angular_speed, worst.angular_speed_time,
                   start + (from.angular_speed > to.angular_speed ? from.time : to.time));
@@ -106,8 +88,8 @@ std::vector<LinkSpeedUse> LinkSpeeds::prove(const Motion& motion) {
       const double start = motion.cubics(i, joints_);
       ends[i] = {sample(link, 0.0), sample(link, joints_.front().h)};
       for (const Sample& end : {ends[i].first, ends[i].second}) {
-        PartSpeed{end.speed, 0.0, link.limit.speed}.raise(worst.speed, worst.speed_time, start + end.time);
-        PartSpeed{end.angular_speed, 0.0, link.limit.angular_speed}.raise(worst.angular_speed, worst.angular_speed_time,
+        PartBound{end.speed, 0.0, link.limit.speed}.raise(worst.speed, worst.speed_time, start + end.time);
+        PartBound{end.angular_speed, 0.0, link.limit.angular_speed}.raise(worst.angular_speed, worst.angular_speed_time,
                                                                           start + end.time);
       }
     }
@@ -121,16 +103,18 @@ std::vector<LinkSpeedUse> LinkSpeeds::prove(const Motion& motion) {
   return uses;
 }
 
-std::vector<LinkSpeedUse> LinkSpeeds::prove(const Trajectory& motion) {
-  const auto cubics = [&](std::size_t segment, std::vector<detail::Cubic>& joints) {
+LinkSpeeds::Motion LinkSpeeds::motion_of(const Trajectory& motion) {
+  const auto cubics = [&motion](std::size_t segment, std::vector<detail::Cubic>& joints) {
     const auto row = static_cast<Eigen::Index>(segment);
     joints.resize(motion.dof());
     for (std::size_t j = 0; j < joints.size(); ++j)
       joints[j] = detail::segment_of(motion, row, static_cast<Eigen::Index>(j));
     return motion.times[row];
   };
-  return prove({.segments = motion.size() > 0 ? motion.size() - 1 : 0, .cubics = cubics});
+  return {.segments = motion.size() > 0 ? motion.size() - 1 : 0, .cubics = cubics};
 }
+
+std::vector<LinkSpeedUse> LinkSpeeds::prove(const Trajectory& motion) { return prove(motion_of(motion)); }
 
 double LinkSpeeds::use(const Motion& motion) {
   double largest = 0.0;
@@ -154,10 +138,6 @@ double LinkSpeeds::straight_use(const Eigen::VectorXd& a, const Eigen::VectorXd&
     return 0.0;
   };
   return use(Motion{.segments = 1, .cubics = cubics});
-}
-
-void require_links(const MotionLimits& limits, const RobotModel& robot) {
-  if (!limits.link_speeds.empty()) LinkSpeeds().add(robot, robot.default_other_positions(), limits.link_speeds);
 }
 
 void add_link_speeds(Certificate& certificate, const Trajectory& motion, LinkSpeeds& speeds, bool faults) {

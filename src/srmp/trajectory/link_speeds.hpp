@@ -6,6 +6,7 @@
 
 #include "srmp/trajectory/cubic.hpp"
 #include "srmp/trajectory/link_motion.hpp"
+#include "srmp/trajectory/part_bound.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 
 namespace srmp {
@@ -19,8 +20,8 @@ namespace srmp {
 /// memory: one thread uses it at a time.
 class LinkSpeeds {
  public:
-  /// A proved value is larger than the true one by this fraction of it at most, or of a tenth of the limit.
-  static constexpr double fineness = 5e-4;
+  /// As PartBound::fineness.
+  static constexpr double fineness = PartBound::fineness;
 
   /// Without limits.
   LinkSpeeds() = default;
@@ -39,6 +40,8 @@ class LinkSpeeds {
     /// Writes the cubics of all joints of a segment, and returns when it begins [s].
     std::function<double(std::size_t segment, std::vector<detail::Cubic>& joints)> cubics{};
   };
+  /// That of a trajectory, which outlives it.
+  static Motion motion_of(const Trajectory& motion);
   /// What is proved of a motion: one for each limit, in the order in which they were added.
   std::vector<LinkSpeedUse> prove(const Motion& motion);
   std::vector<LinkSpeedUse> prove(const Trajectory& motion);
@@ -69,9 +72,6 @@ class LinkSpeeds {
   Eigen::MatrixXd jacobian_;
   std::vector<detail::Cubic> joints_;  // of the segment
 };
-
-/// Throws InvalidArgument as LinkSpeeds::add does.
-void require_links(const MotionLimits& limits, const RobotModel& robot);
 
 /// Adds what is proved of the motion to its certificate, and faults where a limit is not kept.
 void add_link_speeds(Certificate& certificate, const Trajectory& motion, LinkSpeeds& speeds, bool faults);

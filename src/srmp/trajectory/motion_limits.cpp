@@ -30,6 +30,29 @@ void require_link_speed(const LinkSpeedLimit& limit) {
     throw InvalidArgument("the point of " + name + " whose speed is limited must be three finite numbers [m]");
 }
 
+void require_payload(const Payload& payload) {
+  if (!(payload.mass > 0.0 && payload.mass <= max_motion_limit))
+    throw InvalidArgument("the payload's mass is " + to_text(payload.mass) + " kg; it must be above 0 and finite");
+  if (!payload.center_of_mass.allFinite() || payload.center_of_mass.cwiseAbs().maxCoeff() > max_motion_limit)
+    throw InvalidArgument("the payload's center of mass must be three finite numbers [m]");
+  if (!(payload.inertia.minCoeff() >= 0.0 && payload.inertia.maxCoeff() <= max_motion_limit))
+    throw InvalidArgument("the payload's inertia must be three finite numbers, 0 or above [kg m^2]");
+}
+
+void require_torques(const MotionLimits& limits, const std::vector<std::string>& joint_names) {
+  const auto torques = static_cast<std::size_t>(limits.torque.size());
+  if (torques != 0 && torques != joint_names.size())
+    throw InvalidArgument("torque limits: got " + std::to_string(torques) + ", but there are " +
+                          std::to_string(joint_names.size()) + " joints");
+  for (std::size_t j = 0; j < torques; ++j) {
+    const double limit = limits.torque[static_cast<Eigen::Index>(j)];
+    if (!(limit >= min_motion_limit) || (limit > max_motion_limit && !std::isinf(limit)))
+      throw InvalidArgument(joint_names[j] + ": the torque limit is " + to_text(limit) + "; it must be from " +
+                            to_text(min_motion_limit) + " to " + to_text(max_motion_limit) + ", or infinite for none");
+  }
+  if (limits.payload) require_payload(*limits.payload);
+}
+
 }  // namespace
 
 MotionLimits default_limits(const Eigen::VectorXd& velocity) {
@@ -59,6 +82,17 @@ MotionLimits default_limits(const RobotModel& robot) {
   return limits;
 }
 
+Eigen::VectorXd effort_limits(const RobotModel& robot) {
+  Eigen::VectorXd torque(static_cast<Eigen::Index>(robot.dof()));
+  for (std::size_t j = 0; j < robot.dof(); ++j) {
+    const double effort = robot.joints()[j].max_effort;
+    torque[static_cast<Eigen::Index>(j)] = effort > 0.0 ? effort : std::numeric_limits<double>::infinity();
+  }
+  if (torque.array().isInf().all())
+    throw InvalidArgument("the URDF of robot '" + robot.name() + "' gives no planned joint an effort limit above 0");
+  return torque;
+}
+
 void require_limits(const MotionLimits& limits, const std::vector<std::string>& joint_names) {
   const auto require = [&](const Eigen::VectorXd& values, const std::string& what) {
     if (static_cast<std::size_t>(values.size()) != joint_names.size())
@@ -76,6 +110,7 @@ void require_limits(const MotionLimits& limits, const std::vector<std::string>& 
   require(limits.acceleration, "acceleration");
   require(limits.jerk, "jerk");
   for (const LinkSpeedLimit& link : limits.link_speeds) require_link_speed(link);
+  require_torques(limits, joint_names);
 }
 
 }  // namespace srmp

@@ -24,6 +24,7 @@ constexpr double same_waypoint = 1e-7;    // [rad or m]
 constexpr double min_duration = 1e-3;     // [s] of a motion between stops: keeps second differences above rounding
 constexpr double rounding_margin = 1e-9;  // relative: the numbers reported must not exceed a limit by their last bit
 constexpr int attempts = 6;               // to bring cubics with given end speeds within the limits
+constexpr int torque_attempts = 40;       // to slow a motion down until it keeps the torque limits
 constexpr std::size_t parts_per_deadline_check = 16;
 
 /// Without waypoints that are hardly apart from the one before. The ends stay.
@@ -45,8 +46,8 @@ void stretch_time(Knots& knots, double factor) {
   for (Eigen::VectorXd& velocity : knots.velocities) velocity /= factor;
 }
 
-double link_use(const Knots& knots, LinkSpeeds& speeds) {
-  const auto cubics = [&](std::size_t i, std::vector<detail::Cubic>& joints) {
+LinkSpeeds::Motion motion_of(const Knots& knots) {
+  const auto cubics = [&knots](std::size_t i, std::vector<detail::Cubic>& joints) {
     joints.resize(static_cast<std::size_t>(knots.positions[i].size()));
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const auto joint = static_cast<Eigen::Index>(j);
@@ -55,16 +56,20 @@ double link_use(const Knots& knots, LinkSpeeds& speeds) {
     }
     return knots.times[i];
   };
-  return speeds.use(LinkSpeeds::Motion{.segments = knots.times.size() - 1, .cubics = cubics});
+  return {.segments = knots.times.size() - 1, .cubics = cubics};
 }
 
 /// The timing of a path between two stops, or from or to a given speed at an end of the whole motion.
 class SmoothPathTiming {
  public:
-  /// `speeds`: null, or with limits.
   SmoothPathTiming(const SmoothPath& path, const MotionLimits& limits, TimingMethod method, const EndSpeeds& ends,
-                   LinkSpeeds* speeds)
-      : path_(path), limits_(limits), method_(method), ends_(ends), speeds_(speeds) {}
+                   RobotBounds& bounds)
+      : path_(path),
+        limits_(limits),
+        method_(method),
+        ends_(ends),
+        speeds_(bounds.links.empty() ? nullptr : &bounds.links),
+        torques_(bounds.torques) {}
 
   Knots time() const {
     if (!ends_.at_rest()) return time_between_speeds();
@@ -72,6 +77,7 @@ class SmoothPathTiming {
     if (const double use = limit_use(knots, limits_, jerk_limited()) * (1.0 + rounding_margin); use > 1.0)
       stretch_time(knots, use);
     if (const double use = use_of_links(knots); use > 1.0) stretch_time(knots, use);
+    keep_torques(knots);
     if (knots.times.back() < min_duration) stretch_time(knots, min_duration / knots.times.back());
     return knots;
   }
@@ -82,9 +88,18 @@ class SmoothPathTiming {
   /// With a margin: rows between the knots divide the proof otherwise.
   double use_of_links(const Knots& knots) const {
     if (!speeds_) return 0.0;
-    const double use = link_use(knots, *speeds_) * (1.0 + LinkSpeeds::fineness);
+    const double use = speeds_->use(motion_of(knots)) * (1.0 + LinkSpeeds::fineness);
     if (!std::isfinite(use)) throw Error("the speed of a link has no bound");
     return use;
+  }
+
+  void keep_torques(Knots& knots) const {
+    for (int i = 0; i < torque_attempts; ++i) {
+      const double factor = torques_.slowdown(motion_of(knots));
+      if (factor == 1.0) return;
+      stretch_time(knots, factor);
+    }
+    throw Overload("the motion needs too much torque at every speed that was tried");
   }
 
   Knots solve(const MotionLimits& limits, double link_fraction) const {
@@ -112,8 +127,10 @@ class SmoothPathTiming {
     for (int i = 0; i < attempts; ++i) {
       Knots knots = solve(limits, link_fraction);
       const double use = limit_use(knots, limits_, jerk_limited()),
-                   of_links = speeds_ ? link_use(knots, *speeds_) : 0.0;
-      if (std::max(use, of_links) <= 1.0 + rounding_margin) return knots;
+                   of_links = speeds_ ? speeds_->use(motion_of(knots)) : 0.0;
+      const double of_torques = torques_.slowdown(motion_of(knots));
+      if (std::max(use, of_links) <= 1.0 + rounding_margin && of_torques == 1.0) return knots;
+      if (of_torques > 1.0) limits.acceleration /= of_torques * of_torques;
       if (of_links > 1.0) link_fraction /= of_links * (1.0 + LinkSpeeds::fineness);
       if (use <= 1.0 + rounding_margin) continue;
       limits.acceleration /= use * use * (1.0 + 1e-6);
@@ -126,7 +143,8 @@ class SmoothPathTiming {
   const MotionLimits& limits_;
   TimingMethod method_;
   const EndSpeeds ends_;
-  LinkSpeeds* const speeds_;
+  LinkSpeeds* const speeds_;  // null, or with limits
+  JointTorques& torques_;
 };
 
 /// Throws InvalidArgument unless there are none, or as many as joints, all finite.
@@ -162,7 +180,7 @@ double speed_along(const Eigen::VectorXd& velocity, const Eigen::VectorXd& direc
 }
 
 Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits, const TimingOptions& options,
-               const std::vector<std::string>& names, LinkSpeeds* speeds) {
+               const std::vector<std::string>& names, RobotBounds& bounds) {
   const PathSegment &first = paths.front().front(), &last = paths.back().back();
   require_entries(options.start_acceleration, first.direction.size(), names, "start acceleration");
   const EndSpeeds ends{speed_along(options.start_velocity, first.direction, limits, names, "start velocity"),
@@ -177,7 +195,9 @@ Knots time_all(const std::vector<SmoothPath>& paths, const MotionLimits& limits,
                         i == 0 ? ends.start_acceleration : 0.0};
     Knots part;
     try {
-      part = SmoothPathTiming(paths[i], limits, options.method, own, speeds).time();
+      part = SmoothPathTiming(paths[i], limits, options.method, own, bounds).time();
+    } catch (const Overload&) {
+      throw;
     } catch (const Error& error) {
       const std::string where = "part " + std::to_string(i + 1) + " of " + std::to_string(paths.size());
       if (own.at_rest()) throw Error("time parameterisation failed on " + where + ": " + error.what());
@@ -206,22 +226,23 @@ void require_options(const TimingOptions& options, Eigen::Index dof) {
 
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
                              const MotionLimits& limits, const TimingOptions& options) {
-  LinkSpeeds speeds;
-  if (!limits.link_speeds.empty()) {
+  RobotBounds bounds;
+  if (need_robot(limits)) {
+    const std::string what = limits.link_speeds.empty() ? "torques" : "link speeds";
     if (!options.robot || !options.robot->model)
-      throw InvalidArgument("the limits have link speeds, which need the robot whose joints these are; give it too");
+      throw InvalidArgument("the limits have " + what + ", which need the robot whose joints these are; give it too");
     if (options.robot->model->joint_names() != joint_names)
       throw InvalidArgument("the joints are " + quoted_list(joint_names) + ", but those of robot '" +
-                            options.robot->model->name() + "', whose link speeds are limited, are " +
+                            options.robot->model->name() + "', whose " + what + " are limited, are " +
                             quoted_list(options.robot->model->joint_names()));
     require_limits(limits, joint_names);
-    speeds.add(*options.robot->model, options.robot->other_positions, limits.link_speeds);
+    bounds.add(*options.robot, limits);
   }
-  return detail::time_parameterize(waypoints, joint_names, limits, options, speeds);
+  return detail::time_parameterize(waypoints, joint_names, limits, options, bounds);
 }
 
 Trajectory detail::time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
-                                     const MotionLimits& limits, const TimingOptions& options, LinkSpeeds& speeds) {
+                                     const MotionLimits& limits, const TimingOptions& options, RobotBounds& bounds) {
   require_waypoints(waypoints, joint_names);
   require_limits(limits, joint_names);
   require_short_way(waypoints, limits.continuous, joint_names);
@@ -238,8 +259,7 @@ Trajectory detail::time_parameterize(ConstRows waypoints, const std::vector<std:
   } else {
     TimingOptions rounding = options;
     if (options.method == TimingMethod::ruckig) rounding.blend_deviation = 0.0;
-    knots = time_all(detail::round_corners(path, limits, rounding), limits, options, joint_names,
-                     speeds.empty() ? nullptr : &speeds);
+    knots = time_all(detail::round_corners(path, limits, rounding), limits, options, joint_names, bounds);
     // Rounding of sums must not move the ends.
     knots.positions.front() = waypoints.row(0).transpose();
     knots.positions.back() = waypoints.bottomRows(1).transpose();

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/limit_check.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
 
 namespace srmp {
 
@@ -21,12 +21,13 @@ Certificate without_request(Certificate c) {
   return c;
 }
 
-/// Proves the speeds of links anew; the robot is known.
-void add_links(const Trajectory& motion, Certificate& c, bool faults) {
-  if (c.limits.link_speeds.empty()) return;
-  LinkSpeeds speeds;
-  speeds.add(*motion.robot->model, motion.robot->other_positions, c.limits.link_speeds);
-  add_link_speeds(c, motion, speeds, faults);
+/// Proves the speeds of links and the torques anew; the robot is known.
+void add_bounds_of_robot(const Trajectory& motion, Certificate& c, bool faults) {
+  if (!need_robot(c.limits)) return;
+  RobotBounds bounds;
+  bounds.add(*motion.robot, c.limits);
+  if (!bounds.links.empty()) add_link_speeds(c, motion, bounds.links, faults);
+  if (!bounds.torques.empty()) add_torques(c, motion, bounds.torques, faults);
 }
 
 /// Finds the use of limits anew; that of the position limits where they are known.
@@ -34,7 +35,7 @@ void use_limits_of(const Trajectory& motion, Certificate& c) {
   if (motion.robot) c.position = {};
   c.velocity = c.acceleration = c.jerk = {};
   check_limits(motion, c.limits, {.joints = joints_of(motion), .limits = false, .at_rest = false}, c);
-  if (motion.robot) add_links(motion, c, false);
+  if (motion.robot) add_bounds_of_robot(motion, c, false);
 }
 
 bool has_limits(const Trajectory& t) { return t.certificate && t.certificate->limits.size() == t.dof(); }
@@ -42,12 +43,13 @@ bool is_certified(const Trajectory& t) { return has_limits(t) && t.certificate->
 
 bool same(const MotionLimits& a, const MotionLimits& b) {
   return a.velocity == b.velocity && a.acceleration == b.acceleration && a.jerk == b.jerk &&
-         a.continuous == b.continuous && a.link_speeds == b.link_speeds;
+         a.continuous == b.continuous && a.link_speeds == b.link_speeds && a.torque == b.torque &&
+         a.payload == b.payload;
 }
 
 void delay(Certificate& c, double by) {
-  for (double* time : {&c.position.time, &c.velocity.time, &c.acceleration.time, &c.jerk.time, &c.checked_from,
-                       &c.clearance_time, &c.deviation_time})
+  for (double* time : {&c.position.time, &c.velocity.time, &c.acceleration.time, &c.jerk.time, &c.torque.time,
+                       &c.checked_from, &c.clearance_time, &c.deviation_time})
     *time += by;
   for (LinkSpeedUse& use : c.link_speeds) {
     use.speed_time += by;
@@ -120,6 +122,7 @@ std::shared_ptr<const Certificate> certificate_of_join(const Trajectory& first, 
   if (then.position.fraction > c.position.fraction) c.position = then.position;
   for (std::size_t i = 0; i < std::min(c.link_speeds.size(), then.link_speeds.size()); ++i)
     take_faster(c.link_speeds[i], then.link_speeds[i]);
+  if (then.torque.fraction > c.torque.fraction) c.torque = then.torque;
   use_limits_of(whole, c);
   c.collisions_checked = c.collisions_checked && then.collisions_checked;
   if (then.clearance < c.clearance) {
@@ -145,7 +148,7 @@ std::shared_ptr<const Certificate> certificate_of_limits(const Trajectory& of, c
   Certificate c;
   c.limits = of.certificate->limits;
   check_limits(motion, c.limits, {.joints = joints_of(motion)}, c);
-  if (motion.robot) add_links(motion, c, true);
+  if (motion.robot) add_bounds_of_robot(motion, c, true);
   c.deviation = c.deviation_time = unknown;
   return std::make_shared<const Certificate>(std::move(c));
 }

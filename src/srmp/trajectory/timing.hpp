@@ -1,7 +1,7 @@
 #pragma once
 
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/knots.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
 #include "srmp/trajectory/rounded_path.hpp"
 
 // The two methods of time parameterisation.
@@ -34,8 +34,8 @@ Knots time_with_ruckig(const PathSegment& segment, const MotionLimits& limits, c
 Knots stop_with_ruckig(const Eigen::VectorXd& start, const Eigen::VectorXd& direction, double speed,
                        double acceleration, const MotionLimits& limits);
 
-/// srmp::time_parameterize with limits of links of several robots; those of `limits` do not count.
+/// srmp::time_parameterize with bounds of several robots; those of `limits` do not count.
 Trajectory time_parameterize(ConstRows waypoints, const std::vector<std::string>& joint_names,
-                             const MotionLimits& limits, const TimingOptions& options, LinkSpeeds& speeds);
+                             const MotionLimits& limits, const TimingOptions& options, RobotBounds& bounds);
 
 }  // namespace srmp::detail

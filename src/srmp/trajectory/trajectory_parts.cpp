@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "srmp/core/error.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/limit_check.hpp"
-#include "srmp/trajectory/link_speeds.hpp"
 #include "srmp/trajectory/trajectory.hpp"
 #include "srmp/trajectory/trajectory_checks.hpp"
 
@@ -79,23 +79,22 @@ void require_no_jump(const RowMatrix& end, const RowMatrix& begin, double allowe
              " than this one ends with: " + names[static_cast<std::size_t>(j)] + " jumps by " + to_text(jump));
 }
 
-/// The limits' links; they need a robot that is known.
-LinkSpeeds link_speeds_of(const Trajectory& motion, const MotionLimits& limits) {
-  LinkSpeeds speeds;
-  if (limits.link_speeds.empty()) return speeds;
+/// The limits that need a robot that is known.
+RobotBounds bounds_of(const Trajectory& motion, const MotionLimits& limits) {
+  RobotBounds bounds;
+  if (!need_robot(limits)) return bounds;
   if (!motion.robot || !motion.robot->model)
-    refuse(
-        "the limits have link speeds, but the trajectory does not know its robot (only a plan does, until it is "
-        "pickled or written)");
-  speeds.add(*motion.robot->model, motion.robot->other_positions, limits.link_speeds);
-  return speeds;
+    refuse("the limits have " + std::string(limits.link_speeds.empty() ? "torques" : "link speeds") +
+           ", but the trajectory does not know its robot (only a plan does, until it is pickled or written)");
+  bounds.add(*motion.robot, limits);
+  return bounds;
 }
 
 /// By how much a motion uses the limits: where this is above 1, it must be slower by this factor to keep them.
-double largest_use(const Trajectory& motion, const MotionLimits& limits, LinkSpeeds& speeds) {
+double largest_use(const Trajectory& motion, const MotionLimits& limits, RobotBounds& bounds) {
   Certificate use;
   check_limits(motion, limits, {.limits = false}, use);
-  return std::max({use.velocity.fraction, std::sqrt(use.acceleration.fraction), speeds.use(motion)});
+  return std::max({use.velocity.fraction, std::sqrt(use.acceleration.fraction), bounds.slowdown(motion)});
 }
 
 /// The motion at `steps` even parts of its duration, each of which then takes dt.
@@ -116,13 +115,13 @@ Trajectory in_even_steps(const Trajectory& motion, Eigen::Index steps, double dt
 Trajectory Trajectory::resample(double dt, const MotionLimits& limits) const {
   require_limits(limits, joint_names);
   const Trajectory rough = resample(dt);
-  LinkSpeeds speeds = link_speeds_of(*this, limits);
+  RobotBounds bounds = bounds_of(*this, limits);
   if (duration() == 0.0) return rough;
   constexpr double rounding = 1e-9;
   auto steps = static_cast<Eigen::Index>(std::ceil(duration() / dt * (1.0 - rounding)));
   while (true) {
     Trajectory even = in_even_steps(*this, steps, dt);
-    const double use = largest_use(even, limits, speeds);
+    const double use = largest_use(even, limits, bounds);
     if (use <= 1.0 + rounding) {
       even.waypoints = waypoints;
       even.certificate = certificate_of_limits(*this, even);

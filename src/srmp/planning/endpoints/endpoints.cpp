@@ -70,8 +70,7 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints) {
   endpoints.start = context.robot.clamped(task.start, limit_tolerance);
   if (endpoints.start != task.start)
     context.statistics.note = "the start was moved onto a joint limit that it missed by at most 1e-6";
-  const std::string broken =
-      context.checks.constraints() ? context.checks.constraints()->violation(endpoints.start) : "";
+  const std::string broken = context.checks.violation(endpoints.start);
   if (!broken.empty()) throw PlanningError(Status::start_invalid, "the start is invalid: " + broken);
   const std::string why = invalidity(context.checks.checker(), endpoints.start, context.checks.workspace());
   if (why.empty()) return;
@@ -84,11 +83,12 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints) {
 /// Adds a configuration that meets a goal as a target, or where the way to it begins if it does not keep the clearance;
 /// otherwise tells why not.
 std::string add_target(RobotContext& context, RobotEndpoints& endpoints, Eigen::VectorXd q, int goal_index) {
-  std::string invalid = context.checks.constraints() ? context.checks.constraints()->violation(q) : "";
+  std::string invalid = context.checks.violation(q);
+  const bool is_refused = !invalid.empty();
   if (invalid.empty()) invalid = invalidity(context.checks.checker(), q, context.checks.workspace());
   std::vector<Eigen::VectorXd> approach;
   if (!invalid.empty()) {
-    if (context.task.constraints || !is_only_close(context, q)) return invalid;
+    if (is_refused || context.task.constraints || !is_only_close(context, q)) return invalid;
     approach = find_departure(context, q);
     if (approach.empty())
       return invalid +
