@@ -156,7 +156,7 @@ Eigen::Vector3d goal_position(const Question& question, const std::string& link)
 
 /// A turn of the first joint with the arm stretched out to the front.
 Question turn(const moveit::core::RobotModelPtr& model) {
-  Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
+  Question question{std::make_shared<planning_scene::PlanningScene>(model), moveit_messages::MotionPlanRequest()};
   auto& request = question.request;
   request.group_name = "panda_arm";
   request.allowed_planning_time = 5.0;
@@ -342,7 +342,7 @@ void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::c
 
 /// Two arms, each to where the other one is: both turn through the space between them.
 Question cross(const moveit::core::RobotModelPtr& model, const std::string& planner_id) {
-  Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
+  Question question{std::make_shared<planning_scene::PlanningScene>(model), moveit_messages::MotionPlanRequest()};
   auto& request = question.request;
   request.group_name = "both";
   request.planner_id = planner_id;

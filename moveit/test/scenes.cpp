@@ -47,9 +47,8 @@ shape_messages::SolidPrimitive primitive_of(const srmp::Shape& shape) {
 moveit::core::RobotModelPtr load(const std::string& urdf, const std::string& srdf) {
   set_parameter("robot_description", urdf);
   set_parameter("robot_description_semantic", srdf);
-  static std::vector<std::unique_ptr<robot_model_loader::RobotModelLoader>> loaders;  // which own the solvers
-  loaders.push_back(load_model("robot_description"));
-  return loaders.back()->getModel();
+  const std::shared_ptr<robot_model_loader::RobotModelLoader> loader = load_model("robot_description");
+  return {loader, loader->getModel().get()};  // which owns the solvers, and lives as long as the model
 }
 
 }  // namespace
