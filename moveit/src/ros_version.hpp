@@ -5,6 +5,7 @@
 // from 2.9.0 on SRMP_MOVEIT_SOLVE_RETURNS_VOID (moveit2#2429). Headers end with .hpp from 2.12.0 on.
 
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -198,7 +199,7 @@ class Parameters {
   /// A text that is a parameter of this name in the pipeline's namespace or of the node; "" where there is none.
   std::string text(const std::string& name) const {
     for (const std::string& full : {prefix_ + name, name})
-      if (rclcpp::Parameter value; node_->get_parameter(full, value)) return value.value_to_string();
+      if (rclcpp::Parameter value; node_->get_parameter(full, value)) return as_text(value);
     return "";
   }
   std::vector<std::string> texts(const std::string& group, const std::string& name) const {
@@ -209,7 +210,7 @@ class Parameters {
   }
   std::string text(const std::string& group, const std::string& name) const {
     rclcpp::Parameter value;
-    return node_->get_parameter(prefix_ + group + "." + name, value) ? value.value_to_string() : "";
+    return node_->get_parameter(prefix_ + group + "." + name, value) ? as_text(value) : "";
   }
   Configurations planner_configurations() const {
     Configurations configurations;
@@ -218,12 +219,30 @@ class Parameters {
       const std::string rest = full.substr(prefix.size());
       const std::size_t dot = rest.find('.');
       if (dot != std::string::npos)
-        configurations[rest.substr(0, dot)][rest.substr(dot + 1)] = node_->get_parameter(full).value_to_string();
+        configurations[rest.substr(0, dot)][rest.substr(dot + 1)] = as_text(node_->get_parameter(full));
     }
     return configurations;
   }
 
  private:
+  /// As the library reads options: value_to_string() writes six digits after the point, and lists in brackets.
+  static std::string as_text(const rclcpp::Parameter& value) {
+    using Type = rclcpp::ParameterType;
+    const Type type = value.get_type();
+    if (type == Type::PARAMETER_NOT_SET) return "";
+    std::ostringstream text;
+    text.precision(17);
+    if (type == Type::PARAMETER_DOUBLE)
+      text << value.as_double();
+    else if (type == Type::PARAMETER_INTEGER)
+      text << value.as_int();
+    else if (type == Type::PARAMETER_STRING_ARRAY)
+      for (const std::string& word : value.as_string_array()) text << (text.tellp() > 0 ? " " : "") << word;
+    else
+      text << value.value_to_string();
+    return text.str();
+  }
+
   rclcpp::Node::SharedPtr node_;
   std::string prefix_;
 };

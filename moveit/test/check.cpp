@@ -6,12 +6,11 @@
 //   srmp_moveit_check arms - - NAMESPACE
 //
 // DIR holds panda.urdf, panda.srdf and meshes; PROBLEMS is the unpacked problems.tar.bz2; NAMESPACE is that of the
-// pipeline's parameters (planning_plugin, request_adapters).
+// pipeline's parameters (planning_plugin, request_adapters). In MoveIt 2 the parameters are those of the program's
+// node:
+// --ros-args --params-file pipelines_humble.yaml.
 
-#include <moveit/planning_pipeline/planning_pipeline.h>
 #include <octomap/octomap.h>
-#include <ros/ros.h>
-#include <tf2_eigen/tf2_eigen.h>
 
 #include <algorithm>
 #include <chrono>
@@ -21,7 +20,10 @@
 #include <numeric>
 #include <thread>
 
+#include "pipeline.hpp"
 #include "scenes.hpp"
+
+using namespace srmp_moveit;
 
 namespace {
 
@@ -73,12 +75,12 @@ std::string in_ms(double seconds) {
 
 struct Question {
   planning_scene::PlanningScenePtr scene;
-  moveit_msgs::MotionPlanRequest request;
+  moveit_messages::MotionPlanRequest request;
 };
 
 MotionPlanResponse ask(planning_pipeline::PlanningPipeline& pipeline, const Question& question) {
   MotionPlanResponse response;
-  pipeline.generatePlan(question.scene, question.request, response);
+  (void)pipeline.generatePlan(question.scene, question.request, response);
   return response;
 }
 
@@ -102,15 +104,15 @@ int solve_problems(planning_pipeline::PlanningPipeline& pipeline, const moveit::
       const auto start = Clock::now();
       const MotionPlanResponse response = ask(pipeline, question);
       const double time = seconds_since(start);
-      if (!response.error_code_) {
-        std::cout << scenario << ' ' << number << ": error code " << response.error_code_.val << '\n';
+      if (!is_solved(response)) {
+        std::cout << scenario << ' ' << number << ": error code " << code_of(response) << '\n';
         continue;
       }
       ++solved;
       times.push_back(time);
-      lengths.push_back(length(*response.trajectory_, group));
-      valid_rows += question.scene->isPathValid(*response.trajectory_, group);
-      valid += is_valid(*question.scene, *response.trajectory_, group);
+      lengths.push_back(length(*trajectory_of(response), group));
+      valid_rows += question.scene->isPathValid(*trajectory_of(response), group);
+      valid += is_valid(*question.scene, *trajectory_of(response), group);
     }
   const double mean_length = std::accumulate(lengths.begin(), lengths.end(), 0.0) / std::max<double>(1, lengths.size());
   std::cout << "solved " << solved << " of " << asked << "; PlanningScene::isPathValid accepts " << valid_rows
@@ -127,8 +129,8 @@ void expect(bool holds, const std::string& what) {
   failures += !holds;
 }
 
-moveit_msgs::AttachedCollisionObject rod_of(double length) {
-  moveit_msgs::AttachedCollisionObject rod;
+moveit_messages::AttachedCollisionObject rod_of(double length) {
+  moveit_messages::AttachedCollisionObject rod;
   rod.link_name = "panda_hand";
   rod.touch_links = {"panda_hand", "panda_leftfinger", "panda_rightfinger"};
   rod.object.id = "rod";
@@ -154,7 +156,7 @@ Eigen::Vector3d goal_position(const Question& question, const std::string& link)
 
 /// A turn of the first joint with the arm stretched out to the front.
 Question turn(const moveit::core::RobotModelPtr& model) {
-  Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
+  Question question{std::make_shared<planning_scene::PlanningScene>(model), moveit_messages::MotionPlanRequest()};
   auto& request = question.request;
   request.group_name = "panda_arm";
   request.allowed_planning_time = 5.0;
@@ -165,7 +167,7 @@ Question turn(const moveit::core::RobotModelPtr& model) {
     const std::string joint = "panda_joint" + std::to_string(i + 1);
     request.start_state.joint_state.name.push_back(joint);
     request.start_state.joint_state.position.push_back(positions[i]);
-    moveit_msgs::JointConstraint constraint;
+    moveit_messages::JointConstraint constraint;
     constraint.joint_name = joint;
     constraint.position = i == 0 ? 0.8 : positions[i];
     constraint.tolerance_above = constraint.tolerance_below = 1e-4;
@@ -176,55 +178,51 @@ Question turn(const moveit::core::RobotModelPtr& model) {
 }
 
 void check_scenes(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
-  using Codes = moveit_msgs::MoveItErrorCodes;
+  using Codes = moveit_messages::MoveItErrorCodes;
   Question question = turn(model);
   const auto free = ask(pipeline, question);
-  expect(bool(free.error_code_), "a turn in an empty scene");
+  expect(is_solved(free), "a turn in an empty scene");
   const Eigen::Vector3d goal = goal_position(question, "panda_hand");
   add_box(*question.scene, "box in the way", {std::hypot(goal.x(), goal.y()), 0, goal.z()}, {0.1, 0.1, 0.4});
   const auto around = ask(pipeline, question);
-  expect(bool(around.error_code_) && is_valid(*question.scene, *around.trajectory_, "panda_arm") &&
-             length(*around.trajectory_, "panda_arm") > length(*free.trajectory_, "panda_arm") + 0.05,
+  expect(is_solved(around) && is_valid(*question.scene, *trajectory_of(around), "panda_arm") &&
+             length(*trajectory_of(around), "panda_arm") > length(*trajectory_of(free), "panda_arm") + 0.05,
          "a box in the way: another path, free by MoveIt's check");
   question.scene->getWorldNonConst()->clearObjects();
   add_box(*question.scene, "box around the goal", goal, {0.2, 0.2, 0.2});
-  expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION,
-         "a box around the goal: GOAL_IN_COLLISION");
+  expect(code_of(ask(pipeline, question)) == Codes::GOAL_IN_COLLISION, "a box around the goal: GOAL_IN_COLLISION");
   question.scene->getWorldNonConst()->clearObjects();
-  expect(bool(ask(pipeline, question).error_code_), "without it again: a path");
+  expect(is_solved(ask(pipeline, question)), "without it again: a path");
 
   add_box(*question.scene, "low table", {goal.x(), goal.y(), goal.z() - 0.4}, {0.3, 0.3, 0.05});
-  expect(bool(ask(pipeline, question).error_code_), "a table below the goal: a path");
+  expect(is_solved(ask(pipeline, question)), "a table below the goal: a path");
   question.scene->processAttachedCollisionObjectMsg(rod_of(0.3));
-  expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION,
+  expect(code_of(ask(pipeline, question)) == Codes::GOAL_IN_COLLISION,
          "a rod of 30 cm in the hand reaches into the table: GOAL_IN_COLLISION");
   question.scene->getCurrentStateNonConst().clearAttachedBodies();
-  const auto set_padding = [&](double padding) {
-    question.scene->getCollisionEnvNonConst()->setPadding(padding);
-    question.scene->propogateRobotPadding();
-  };
-  set_padding(0.3);
-  expect(ask(pipeline, question).error_code_.val == Codes::GOAL_IN_COLLISION,
-         "links padded by 30 cm: GOAL_IN_COLLISION");
-  set_padding(0.0);
-  expect(bool(ask(pipeline, question).error_code_), "without rod and padding: a path");
+  set_padding(*question.scene, 0.3);
+  expect(code_of(ask(pipeline, question)) == Codes::GOAL_IN_COLLISION, "links padded by 30 cm: GOAL_IN_COLLISION");
+  set_padding(*question.scene, 0.0);
+  expect(is_solved(ask(pipeline, question)), "without rod and padding: a path");
 }
 
 /// What a request may say, and with which code it is refused.
 void check_requests(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
-  using Codes = moveit_msgs::MoveItErrorCodes;
-  const auto code_of = [&](const std::function<void(Question&)>& change) {
+  using Codes = moveit_messages::MoveItErrorCodes;
+  const auto code_after = [&](const std::function<void(Question&)>& change) {
     Question question = turn(model);
     change(question);
-    return ask(pipeline, question).error_code_.val;
+    return code_of(ask(pipeline, question));
   };
   const auto expect_code = [&](int code, const std::string& what, const std::function<void(Question&)>& change) {
-    const int got = code_of(change);
+    const int got = code_after(change);
     expect(got == code, what + ": error code " + std::to_string(got));
   };
-  const auto start = [](Question& q) -> moveit_msgs::RobotState& { return q.request.start_state; };
+  const auto start = [](Question& q) -> moveit_messages::RobotState& { return q.request.start_state; };
   expect_code(Codes::INVALID_GROUP_NAME, "no such group", [](Question& q) { q.request.group_name = "panda_leg"; });
   expect_code(Codes::PLANNING_FAILED, "no such planner", [](Question& q) { q.request.planner_id = "wPASEE"; });
+  expect_code(Codes::SUCCESS, "a configuration with a list and a small number",
+              [](Question& q) { q.request.planner_id = "fine"; });
   expect_code(Codes::TIMED_OUT, "a microsecond", [](Question& q) { q.request.allowed_planning_time = 1e-6; });
   expect_code(Codes::START_STATE_INVALID, "a start with a joint that is none",
               [&](Question& q) { start(q).joint_state.name[0] = "panda_joint9"; });
@@ -265,7 +263,7 @@ void check_requests(planning_pipeline::PlanningPipeline& pipeline, const moveit:
 void check_motions(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
   Question question = turn(model);
   const moveit::core::RobotState state = *question.scene->getCurrentStateUpdated(question.request.start_state);
-  moveit_msgs::OrientationConstraint upright;
+  moveit_messages::OrientationConstraint upright;
   upright.header.frame_id = question.scene->getPlanningFrame();
   upright.link_name = "panda_hand";
   upright.orientation = tf2::toMsg(Eigen::Quaterniond(state.getFrameTransform("panda_hand").rotation()));
@@ -275,15 +273,15 @@ void check_motions(planning_pipeline::PlanningPipeline& pipeline, const moveit::
   Question constrained = question;
   constrained.request.path_constraints.orientation_constraints = {upright};
   const auto kept = ask(pipeline, constrained);
-  expect(bool(kept.error_code_) &&
-             question.scene->isPathValid(*kept.trajectory_, constrained.request.path_constraints, "panda_arm"),
+  expect(is_solved(kept) &&
+             question.scene->isPathValid(*trajectory_of(kept), constrained.request.path_constraints, "panda_arm"),
          "a path constraint: the hand keeps its tilt, by MoveIt's check");
 
   question.request.start_state.joint_state.velocity.assign(7, 0.0);
   question.request.start_state.joint_state.velocity[1] = 0.3;
   const auto moving = ask(pipeline, question);
-  expect(bool(moving.error_code_) && is_valid(*question.scene, *moving.trajectory_, "panda_arm") &&
-             moving.trajectory_->getFirstWayPoint().getVariableVelocity("panda_joint2") == 0.3,
+  expect(is_solved(moving) && is_valid(*question.scene, *trajectory_of(moving), "panda_arm") &&
+             trajectory_of(moving)->getFirstWayPoint().getVariableVelocity("panda_joint2") == 0.3,
          "a start in motion: the trajectory begins with its velocity");
 }
 
@@ -298,10 +296,10 @@ void check_planners(planning_pipeline::PlanningPipeline& pipeline, const moveit:
     const auto response = ask(pipeline, question);
     const bool several = id == "xECBS" || id == "ECBS" || id == "CBS" || id == "prioritised" || id == "prioritized";
     if (several)
-      expect(!response.error_code_, "planner " + id + " is for several arms: refused");
+      expect(!is_solved(response), "planner " + id + " is for several arms: refused");
     else
-      expect(bool(response.error_code_) && is_valid(*question.scene, *response.trajectory_, "panda_arm"),
-             "planner " + id + ": error code " + std::to_string(response.error_code_.val));
+      expect(is_solved(response) && is_valid(*question.scene, *trajectory_of(response), "panda_arm"),
+             "planner " + id + ": error code " + std::to_string(code_of(response)));
   }
 }
 
@@ -321,8 +319,8 @@ void check_termination(planning_pipeline::PlanningPipeline& pipeline, const move
     const auto response = ask(pipeline, question);
     const Clock::time_point ended = Clock::now();
     other.join();
-    if (response.error_code_.val != moveit_msgs::MoveItErrorCodes::PREEMPTED)
-      return expect(false, "terminated: error code " + std::to_string(response.error_code_.val));
+    if (code_of(response) != moveit_messages::MoveItErrorCodes::PREEMPTED)
+      return expect(false, "terminated: error code " + std::to_string(code_of(response)));
     latencies.push_back(std::chrono::duration<double>(ended - stopped).count());
   }
   const double slowest = *std::max_element(latencies.begin(), latencies.end());
@@ -332,19 +330,19 @@ void check_termination(planning_pipeline::PlanningPipeline& pipeline, const move
 
 void check_stages(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
   Question question = turn(model);
-  moveit_msgs::MoveItErrorCodes code;
+  moveit_messages::MoveItErrorCodes code;
   const auto context = pipeline.getPlannerManager()->getPlanningContext(question.scene, question.request, code);
   planning_interface::MotionPlanDetailedResponse response;
-  const bool solved = context->solve(response);
+  context->solve(response);
   std::string stages;
-  for (std::size_t i = 0; i < response.description_.size(); ++i)
-    stages += (i ? "; " : "") + response.description_[i] + " " + in_ms(response.processing_time_[i]);
-  expect(solved && response.trajectory_.size() == 2, "the detailed answer has the stages: " + stages);
+  for (std::size_t i = 0; i < descriptions_of(response).size(); ++i)
+    stages += (i ? "; " : "") + descriptions_of(response)[i] + " " + in_ms(processing_times_of(response)[i]);
+  expect(is_solved(response) && trajectory_of(response).size() == 2, "the detailed answer has the stages: " + stages);
 }
 
 /// Two arms, each to where the other one is: both turn through the space between them.
 Question cross(const moveit::core::RobotModelPtr& model, const std::string& planner_id) {
-  Question question{std::make_shared<planning_scene::PlanningScene>(model), {}};
+  Question question{std::make_shared<planning_scene::PlanningScene>(model), moveit_messages::MotionPlanRequest()};
   auto& request = question.request;
   request.group_name = "both";
   request.planner_id = planner_id;
@@ -356,7 +354,7 @@ Question cross(const moveit::core::RobotModelPtr& model, const std::string& plan
       const double sign = side == "left" ? 1.0 : -1.0;
       request.start_state.joint_state.name.push_back(side + "_joint" + std::to_string(i));
       request.start_state.joint_state.position.push_back(i == 1 ? sign : 0.0);
-      moveit_msgs::JointConstraint constraint;
+      moveit_messages::JointConstraint constraint;
       constraint.joint_name = request.start_state.joint_state.name.back();
       constraint.position = i == 1 ? -0.7 * sign : i == 2 ? 1.4 * sign : 0.3;
       constraint.tolerance_above = constraint.tolerance_below = 1e-4;
@@ -367,13 +365,13 @@ Question cross(const moveit::core::RobotModelPtr& model, const std::string& plan
 }
 
 /// The link stays within `radius` of a point of the planning frame.
-moveit_msgs::PositionConstraint within_sphere(const planning_scene::PlanningScene& scene, const std::string& link,
-                                              const Eigen::Vector3d& center, double radius) {
-  moveit_msgs::PositionConstraint position;
+moveit_messages::PositionConstraint within_sphere(const planning_scene::PlanningScene& scene, const std::string& link,
+                                                  const Eigen::Vector3d& center, double radius) {
+  moveit_messages::PositionConstraint position;
   position.header.frame_id = scene.getPlanningFrame();
   position.link_name = link;
   position.constraint_region.primitives.resize(1);
-  position.constraint_region.primitives[0].type = shape_msgs::SolidPrimitive::SPHERE;
+  position.constraint_region.primitives[0].type = shape_messages::SolidPrimitive::SPHERE;
   position.constraint_region.primitives[0].dimensions = {radius};
   position.constraint_region.primitive_poses.resize(1);
   position.constraint_region.primitive_poses[0].position = tf2::toMsg(center);
@@ -395,15 +393,15 @@ Question cross_by_position(const moveit::core::RobotModelPtr& model, const std::
 }
 
 void check_arms(planning_pipeline::PlanningPipeline& pipeline, const moveit::core::RobotModelPtr& model) {
-  using Codes = moveit_msgs::MoveItErrorCodes;
+  using Codes = moveit_messages::MoveItErrorCodes;
   const auto expect_motion = [&](const Question& question, const std::string& what) {
     const auto start = Clock::now();
     const auto response = ask(pipeline, question);
     const double time = seconds_since(start);
-    expect(bool(response.error_code_) && is_valid(*question.scene, *response.trajectory_, "both") &&
-               question.scene->isPathValid(*response.trajectory_, question.request.path_constraints,
+    expect(is_solved(response) && is_valid(*question.scene, *trajectory_of(response), "both") &&
+               question.scene->isPathValid(*trajectory_of(response), question.request.path_constraints,
                                            question.request.goal_constraints, "both"),
-           what + ", by MoveIt's check, " + in_ms(time) + ", error code " + std::to_string(response.error_code_.val));
+           what + ", by MoveIt's check, " + in_ms(time) + ", error code " + std::to_string(code_of(response)));
   };
   for (const char* id : {"xECBS", "ECBS", "CBS", "prioritised", "auto", "RRTConnect", "wPASE"})
     expect_motion(cross(model, id), std::string("two arms by ") + id + ": one trajectory of 6 joints to the goal");
@@ -414,13 +412,13 @@ void check_arms(planning_pipeline::PlanningPipeline& pipeline, const moveit::cor
   expect_motion(box, "two arms by xECBS around a box between them");
   Question around_goal = cross(model, "xECBS");
   add_box(*around_goal.scene, "box", goal_position(around_goal, "left_lower"), {0.1, 0.1, 0.1});
-  expect(ask(pipeline, around_goal).error_code_.val == Codes::GOAL_IN_COLLISION,
+  expect(code_of(ask(pipeline, around_goal)) == Codes::GOAL_IN_COLLISION,
          "two arms, a box around the goal of one: GOAL_IN_COLLISION");
 
   Question constrained = cross(model, "xECBS");
   constrained.request.path_constraints.position_constraints = {
       within_sphere(*constrained.scene, "left_lower", Eigen::Vector3d::Zero(), 2.0)};
-  expect(ask(pipeline, constrained).error_code_.val == Codes::PLANNING_FAILED,
+  expect(code_of(ask(pipeline, constrained)) == Codes::PLANNING_FAILED,
          "two arms by xECBS with a path constraint: refused");
   constrained.request.planner_id = "auto";
   expect_motion(constrained, "two arms by auto with a path constraint");
@@ -438,7 +436,7 @@ void time_unchanged(planning_pipeline::PlanningPipeline& pipeline, const moveit:
     const auto start = Clock::now();
     context->solve(response);
     total.push_back(seconds_since(start));
-    plan.push_back(std::accumulate(response.processing_time_.begin(), response.processing_time_.end(), 0.0));
+    plan.push_back(std::accumulate(processing_times_of(response).begin(), processing_times_of(response).end(), 0.0));
   }
   std::cout << "the same request 50 times, bookshelf_small 1: median " << in_ms(median(total))
             << " in the plugin, of it " << in_ms(median(plan)) << " in plan\n";
@@ -447,11 +445,12 @@ void time_unchanged(planning_pipeline::PlanningPipeline& pipeline, const moveit:
 }  // namespace
 
 int main(int argc, char** argv) try {
-  ros::init(argc, argv, "srmp_moveit_check", ros::init_options::AnonymousName);
+  start_node(argc, argv);
   if (argc < 5) throw std::runtime_error("see the comment at the head of check.cpp");
   const std::string mode = argv[1], directory = argv[2], problems = argv[3], name_space = argv[4];
   const auto model = mode == "arms" ? load_two_arms() : load_panda(directory);
-  planning_pipeline::PlanningPipeline pipeline(model, ros::NodeHandle(name_space));
+  const auto made = make_pipeline(model, name_space);
+  planning_pipeline::PlanningPipeline& pipeline = *made;
   pipeline.displayComputedMotionPlans(false);
   pipeline.checkSolutionPaths(false);  // done here
   if (mode == "problems")

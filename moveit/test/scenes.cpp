@@ -1,15 +1,13 @@
 #include "scenes.hpp"
 
-#include <moveit/robot_model_loader/robot_model_loader.h>
-#include <moveit/robot_state/conversions.h>
-#include <ros/ros.h>
-#include <tf2_eigen/tf2_eigen.h>
-
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
 #include "library.hpp"
+#include "pipeline.hpp"
+
+using namespace srmp_moveit;
 
 namespace {
 
@@ -26,10 +24,10 @@ const srmp_moveit::Library& library() {
 
 Eigen::Isometry3d isometry_of(const srmp::Pose& pose) { return Eigen::Translation3d(pose.p) * pose.q; }
 
-geometry_msgs::Pose message_of(const srmp::Pose& pose) { return tf2::toMsg(isometry_of(pose)); }
+geometry_messages::Pose message_of(const srmp::Pose& pose) { return tf2::toMsg(isometry_of(pose)); }
 
-shape_msgs::SolidPrimitive primitive_of(const srmp::Shape& shape) {
-  shape_msgs::SolidPrimitive message;
+shape_messages::SolidPrimitive primitive_of(const srmp::Shape& shape) {
+  shape_messages::SolidPrimitive message;
   if (const auto* box = std::get_if<srmp::Box>(&shape)) {
     message.type = message.BOX;
     message.dimensions.assign(box->size.data(), box->size.data() + 3);
@@ -47,11 +45,10 @@ shape_msgs::SolidPrimitive primitive_of(const srmp::Shape& shape) {
 
 /// Sets the parameters, and loads the robot as MoveIt does, with the kinematics solvers of its parameters.
 moveit::core::RobotModelPtr load(const std::string& urdf, const std::string& srdf) {
-  ros::param::set("robot_description", urdf);
-  ros::param::set("robot_description_semantic", srdf);
-  static std::vector<std::unique_ptr<robot_model_loader::RobotModelLoader>> loaders;  // which own the solvers
-  loaders.push_back(std::make_unique<robot_model_loader::RobotModelLoader>("robot_description"));
-  return loaders.back()->getModel();
+  set_parameter("robot_description", urdf);
+  set_parameter("robot_description_semantic", srdf);
+  const std::shared_ptr<robot_model_loader::RobotModelLoader> loader = load_model("robot_description");
+  return {loader, loader->getModel().get()};  // which owns the solvers, and lives as long as the model
 }
 
 }  // namespace
@@ -93,7 +90,7 @@ planning_scene::PlanningScenePtr read_scene(const std::string& path, const movei
                            Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized()));
   scene->getTransformsNonConst().setTransform(camera, "camera");
   for (const srmp::io::CollisionObject& object : file.objects) {
-    moveit_msgs::CollisionObject message;
+    moveit_messages::CollisionObject message;
     message.header.frame_id = "camera";
     message.id = object.id;
     message.operation = message.ADD;
@@ -107,9 +104,9 @@ planning_scene::PlanningScenePtr read_scene(const std::string& path, const movei
   return scene;
 }
 
-moveit_msgs::MotionPlanRequest read_request(const std::string& path) {
+moveit_messages::MotionPlanRequest read_request(const std::string& path) {
   const srmp::io::RequestFile file = library().read_request(path);
-  moveit_msgs::MotionPlanRequest request;
+  moveit_messages::MotionPlanRequest request;
   request.group_name = file.group_name;
   request.num_planning_attempts = 1;
   request.allowed_planning_time = 5.0;
@@ -122,7 +119,7 @@ moveit_msgs::MotionPlanRequest read_request(const std::string& path) {
   }
   request.goal_constraints.resize(1);
   for (const srmp::io::JointConstraint& joint : file.goals.at(0).joints) {
-    moveit_msgs::JointConstraint constraint;
+    moveit_messages::JointConstraint constraint;
     constraint.joint_name = joint.joint;
     constraint.position = joint.position;
     constraint.tolerance_above = constraint.tolerance_below = 1e-4;
@@ -132,25 +129,25 @@ moveit_msgs::MotionPlanRequest read_request(const std::string& path) {
   return request;
 }
 
-moveit_msgs::MotionPlanRequest with_pose_goal(moveit_msgs::MotionPlanRequest request,
-                                              const planning_scene::PlanningScene& scene) {
+moveit_messages::MotionPlanRequest with_pose_goal(moveit_messages::MotionPlanRequest request,
+                                                  const planning_scene::PlanningScene& scene) {
   const std::string link = "panda_link8", frame = scene.getWorld()->getObjectIds().at(0);
   moveit::core::RobotState state = *scene.getCurrentStateUpdated(request.start_state);
   for (const auto& joint : request.goal_constraints.at(0).joint_constraints)
     state.setVariablePosition(joint.joint_name, joint.position);
   state.update();
   const Eigen::Isometry3d pose = scene.getFrameTransform(frame).inverse() * state.getGlobalLinkTransform(link);
-  moveit_msgs::Constraints goal;
-  moveit_msgs::PositionConstraint position;
+  moveit_messages::Constraints goal;
+  moveit_messages::PositionConstraint position;
   position.header.frame_id = frame;
   position.link_name = link;
   position.constraint_region.primitives.push_back(primitive_of(srmp::Sphere{1e-3}));
   position.constraint_region.primitive_poses.resize(1);
   position.constraint_region.primitive_poses[0] = tf2::toMsg(pose);
-  position.constraint_region.primitive_poses[0].orientation = geometry_msgs::Quaternion();
+  position.constraint_region.primitive_poses[0].orientation = geometry_messages::Quaternion();
   position.constraint_region.primitive_poses[0].orientation.w = 1.0;
   position.weight = 1.0;
-  moveit_msgs::OrientationConstraint orientation;
+  moveit_messages::OrientationConstraint orientation;
   orientation.header.frame_id = frame;
   orientation.link_name = link;
   orientation.orientation = tf2::toMsg(pose).orientation;
@@ -165,7 +162,7 @@ moveit_msgs::MotionPlanRequest with_pose_goal(moveit_msgs::MotionPlanRequest req
 
 void add_box(planning_scene::PlanningScene& scene, const std::string& id, const Eigen::Vector3d& position,
              const Eigen::Vector3d& size) {
-  moveit_msgs::CollisionObject message;
+  moveit_messages::CollisionObject message;
   message.header.frame_id = scene.getPlanningFrame();
   message.id = id;
   message.operation = message.ADD;

@@ -2,10 +2,9 @@
 
 // Problems of MotionBenchMaker as MoveIt's scenes and requests.
 
-#include <moveit/planning_scene/planning_scene.h>
-#include <moveit_msgs/MotionPlanRequest.h>
-
 #include <string>
+
+#include "ros_version.hpp"
 
 /// The Panda of the data; sets robot_description and robot_description_semantic, where the plugin reads them.
 moveit::core::RobotModelPtr load_panda(const std::string& directory);
@@ -18,11 +17,11 @@ moveit::core::RobotModelPtr load_two_arms();
 planning_scene::PlanningScenePtr read_scene(const std::string& path, const moveit::core::RobotModelPtr& model);
 
 /// The joint goal of a request file, with its start state.
-moveit_msgs::MotionPlanRequest read_request(const std::string& path);
+srmp_moveit::moveit_messages::MotionPlanRequest read_request(const std::string& path);
 
 /// The same goal as a pose of the last link, in the frame of an object of the scene.
-moveit_msgs::MotionPlanRequest with_pose_goal(moveit_msgs::MotionPlanRequest request,
-                                              const planning_scene::PlanningScene& scene);
+srmp_moveit::moveit_messages::MotionPlanRequest with_pose_goal(srmp_moveit::moveit_messages::MotionPlanRequest request,
+                                                               const planning_scene::PlanningScene& scene);
 
 /// Adds a box [m] at a position in the model's frame.
 void add_box(planning_scene::PlanningScene& scene, const std::string& id, const Eigen::Vector3d& position,

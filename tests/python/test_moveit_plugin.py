@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import srmp
 
 SOURCES = Path(__file__).parents[2] / "moveit" / "src"
+CHECKS = SOURCES.parent / "test"
 VIRTUAL_JOINT = '<virtual_joint name="base_joint" type="planar" parent_frame="odom" child_link="arm7_base"/>'
 
 
@@ -52,3 +54,24 @@ def test_the_plugin_needs_no_symbol_of_the_library():
             assert not re.search(r"throw srmp::|srmp::\w*(Error|InvalidArgument|NotSupported)\(", path.read_text()), (
                 path
             )
+
+
+def test_only_two_headers_name_messages_and_responses_of_one_moveit():
+    """The plugin and its checks are the same sources for MoveIt 1 and MoveIt 2."""
+    one_version = re.compile(r"\bros::|\w+_msgs::|[.>](trajectory|error_code|description|planning_time)_\b")
+    for path in sorted([*SOURCES.glob("*.?pp"), *CHECKS.glob("*.?pp")]):
+        if path.name not in ("ros_version.hpp", "pipeline.hpp"):
+            assert not one_version.search(path.read_text()), path
+
+
+def test_both_versions_of_moveit_are_checked_with_the_same_configurations():
+    one = yaml.safe_load((CHECKS / "pipelines.yaml").read_text())["srmp"]
+    two = yaml.safe_load((CHECKS / "pipelines_humble.yaml").read_text())["/**"]["ros__parameters"]
+    assert two["srmp"] == one
+    assert two["srmp_adapters"]["planner_configs"] == one["planner_configs"]
+
+
+def test_parameters_of_ros_2_keep_their_digits():
+    """rclcpp's value_to_string writes six digits after the point, and lists in brackets: as_text writes both."""
+    source = (SOURCES / "ros_version.hpp").read_text()
+    assert source.count("value_to_string()") == 2  # in as_text, for truth values and texts, and its comment
