@@ -106,6 +106,36 @@ def test_robots_in_each_others_way_keep_them(planner_id):
         assert motion.certificate.constraints[0].deviation <= TOLERANCE
 
 
+def test_one_of_them_may_have_none():
+    _, motions = crossing(constraints={"left": [DOWN], "right": []})
+    assert Tilt().largest(motions["left"]) <= TOLERANCE
+    assert motions["right"].certificate.constraints == []
+
+
+def test_goal_positions_are_met_by_configurations_that_keep_them():
+    planner = two(distance=0.9)
+    hands = {name: planner.compute_fk(name, turned(-0.6)) for name in planner.robot_names}
+    goals = {name: srmp.GoalConstraint(srmp.GoalType.POSITION, hand.p) for name, hand in hands.items()}
+    motions = planner.plan_multi(STARTS, goals, constraints=BOTH_DOWN)
+    for name, motion in motions.items():
+        assert Tilt().largest(motion) <= TOLERANCE
+        assert np.linalg.norm(planner.compute_fk(name, motion.positions[-1]).p - hands[name].p) < 2e-3
+
+
+def test_they_can_be_about_what_a_robot_holds():
+    planner = two(distance=0.6)
+    planner.set_qpos("left", STARTS["left"])
+    planner.add_sphere("ball", 0.01, planner.compute_fk("left", STARTS["left"]))
+    planner.attach_object("ball", "left", "arm7_hand")
+    held = PathConstraint.cone([0, 0, 1], [0, 0, -1], TOLERANCE, link="ball")
+    motions = planner.plan_multi(STARTS, GOALS, constraints={"left": [held]})
+    assert Tilt().largest(motions["left"]) <= TOLERANCE
+    refuses(
+        lambda: planner.plan_multi(STARTS, GOALS, constraints={"right": [held]}),
+        "about the object 'ball', which 'right' does not hold",
+    )
+
+
 @pytest.mark.parametrize("planner_id", PLANNERS)
 def test_the_same_bits_twice_and_with_two_threads(planner_id):
     first = pickle.dumps([motion.positions for motion in crossing(planner_id)[1].values()])
@@ -162,6 +192,19 @@ def test_robots_that_hold_keep_them_too():
     assert error.value.status == srmp.Status.start_invalid
 
 
+def test_a_robot_that_holds_cannot_have_the_frame_of_one_that_moves():
+    planner = two(distance=1.2)
+    beside = PathConstraint.plane([0, 0, 0], [0, 0, 1], 0.1, frame="left/arm7_hand")
+    refuses(
+        lambda: planner.plan_multi(
+            {"left": turned(0.3), "right": turned(0.6)},
+            {"left": joints(turned(-0.3))},
+            constraints={"right": [beside]},
+        ),
+        "'right' has the frame 'left/arm7_hand', which moves with 'left'",
+    )
+
+
 def test_ends_that_break_one_are_invalid():
     planner = two(distance=1.2)
     tipped = turned(-0.3)
@@ -177,6 +220,7 @@ def test_ends_that_break_one_are_invalid():
                 constraints=BOTH_DOWN,
             )
         assert error.value.status == status
+        assert "off by 22.918 degrees, 10 degrees are allowed" in str(error.value)
         assert "robot 'left'" in str(error.value)
 
 
