@@ -89,8 +89,10 @@ GoalConstraint constraint_without_scene(const std::string& robot, const Goal& go
 /// By robot name; `what` says which argument it is.
 std::map<std::string, nb::object> to_map(nb::handle mapping, const std::string& what);
 std::map<std::string, Trajectory> to_trajectories(nb::handle mapping, const std::string& what);
-/// The arguments of plan_multi; obstacles may be None.
-MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles,
+/// Lists of PathConstraints by robot name, or None.
+std::map<std::string, std::vector<PathConstraint>> to_path_constraints(nb::handle mapping);
+/// The arguments of plan_multi; obstacles and constraints may be None.
+MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles, nb::handle constraints,
                                   const ToConstraint& to_constraint = constraint_without_scene);
 /// A str or os.PathLike.
 std::string to_path(nb::handle path);

@@ -231,7 +231,17 @@ std::map<std::string, Trajectory> to_trajectories(nb::handle mapping, const std:
   return trajectories;
 }
 
-MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles,
+std::map<std::string, std::vector<PathConstraint>> to_path_constraints(nb::handle mapping) {
+  std::map<std::string, std::vector<PathConstraint>> constraints;
+  if (mapping.is_none()) return constraints;
+  for (const auto& [name, value] : to_map(mapping, "constraints"))
+    if (!nb::try_cast(value, constraints[name]))
+      throw InvalidArgument("constraints must be lists of PathConstraint objects by robot name, but those of '" + name +
+                            "' are " + brief(value));
+  return constraints;
+}
+
+MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handle obstacles, nb::handle constraints,
                                   const ToConstraint& to_constraint) {
   MultiPlanRequest request;
   for (const auto& [name, start] : to_map(starts, "starts"))
@@ -246,6 +256,7 @@ MultiPlanRequest to_multi_request(nb::handle starts, nb::handle goals, nb::handl
                           to_constraint(name, forms[0], starts_here ? std::optional(start->second) : std::nullopt));
   }
   if (!obstacles.is_none()) request.obstacles = to_trajectories(obstacles, "obstacles");
+  request.constraints = to_path_constraints(constraints);
   return request;
 }
 

@@ -115,7 +115,8 @@ void bind_factories(nb::class_<PathConstraint>& cls) {
 void bind_path_constraint(nb::module_& m) {
   nb::class_<PathConstraint> cls(
       m, "PathConstraint",
-      R"(What has to hold at every instant of a motion: argument `constraints` of PlannerInterface.plan.
+      R"(What has to hold at every instant of a motion: argument `constraints` of PlannerInterface.plan and,
+by robot name, of plan_multi.
 
 link: a link of the robot, or an object that it holds; '' = the end effector. frame: in whose frame the numbers are;
 '' = the world; a link of the same robot, which may move; or what stands still: an object, or a link of another robot

@@ -178,15 +178,19 @@ void bind_multi_plan_request(nb::module_& m) {
   multi
       .def(
           "__init__",
-          [](MultiPlanRequest* self, nb::handle starts, nb::handle goals, nb::handle obstacles) {
-            new (self) MultiPlanRequest(to_multi_request(starts, goals, obstacles));
+          [](MultiPlanRequest* self, nb::handle starts, nb::handle goals, nb::handle obstacles,
+             nb::handle constraints) {
+            new (self) MultiPlanRequest(to_multi_request(starts, goals, obstacles, constraints));
           },
           nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
+          nb::arg("constraints") = nb::none(),
           nb::sig("def __init__(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
                   "goals: collections.abc.Mapping[str, GoalConstraint | Pose | numpy.typing.ArrayLike], "
-                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> None"),
-          "A request with the arguments of plan_multi.\n\nRaises InvalidArgument for what is not numbers, goals or "
-          "trajectories.")
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, "
+                  "constraints: collections.abc.Mapping[str, collections.abc.Sequence[PathConstraint]] | None = None"
+                  ") -> None"),
+          "A request with the arguments of plan_multi.\n\nRaises InvalidArgument for what is not numbers, goals, "
+          "trajectories or path constraints.")
       .def_prop_ro(
           "starts",
           [](const MultiPlanRequest& r) {
@@ -201,6 +205,9 @@ void bind_multi_plan_request(nb::module_& m) {
       .def_prop_ro(
           "obstacles", [](const MultiPlanRequest& r) { return r.obstacles; },
           "Motions that other robots are committed to, by robot name.")
+      .def_prop_ro(
+          "constraints", [](const MultiPlanRequest& r) { return r.constraints; },
+          "PathConstraints that hold at every instant of the motions, by robot name.")
       .def("__repr__", [](const MultiPlanRequest& r) {
         return "MultiPlanRequest(" + std::to_string(r.starts.size()) + (r.starts.size() == 1 ? " robot" : " robots") +
                (r.obstacles.empty() ? ")" : " among " + std::to_string(r.obstacles.size()) + " that are committed)");
@@ -212,9 +219,9 @@ void bind_multi_plan_request(nb::module_& m) {
         std::map<std::string, std::vector<double>> starts;
         for (const auto& [name, start] : r.starts)
           starts.emplace(name, std::vector<double>(start.begin(), start.end()));
-        return nb::make_tuple(starts, r.goals, r.obstacles);
+        return nb::make_tuple(starts, r.goals, r.obstacles, r.constraints);
       },
-      [](const State& state) { return to_multi_request(state[0], state[1], state[2]); });
+      [](const State& state) { return to_multi_request(state[0], state[1], state[2], state[3]); });
 }
 
 }  // namespace

@@ -446,16 +446,19 @@ can.)")
            "Of BatchPlanner: plans in other threads end as cancelled, for as long as it is true.")
       .def(
           "plan_multi",
-          [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles) {
+          [](Self& self, nb::handle starts, nb::handle goals, nb::handle obstacles, nb::handle constraints) {
             return self.use([&](PlannerInterface& p) {
-              const MultiPlanRequest r = to_multi_request(starts, goals, obstacles, constraints_of(p));
-              return run_plan(p, [&] { return p.plan_multi(r.starts, r.goals, r.obstacles, python_interrupted); });
+              const MultiPlanRequest r = to_multi_request(starts, goals, obstacles, constraints, constraints_of(p));
+              return run_plan(p, [&] { return p.plan_multi(r, python_interrupted); });
             });
           },
           nb::arg("starts").none(), nb::arg("goals").none(), nb::arg("obstacles") = nb::none(),
+          nb::arg("constraints") = nb::none(),
           nb::sig("def plan_multi(self, starts: collections.abc.Mapping[str, numpy.typing.ArrayLike], "
                   "goals: collections.abc.Mapping[str, " SRMP_GOAL "], "
-                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None) -> MultiTrajectory"),
+                  "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, "
+                  "constraints: collections.abc.Mapping[str, collections.abc.Sequence[PathConstraint]] | None = None"
+                  ") -> MultiTrajectory"),
           R"(Motions of many robots together, on one clock, collision-free among each other too, from `starts` (dof,) [rad or m]
 to `goals` in any form (see plan), both by robot name.
 
@@ -468,6 +471,12 @@ obstacles: timed trajectories by robot name, that other robots of the scene are 
 too, and the robots rest where they end and are not planned for. The planned motions begin together, as early as
 they pass the obstacles, in steps of 0.1 s, at rest at the starts until then; or, where that fails or begins late,
 each robot moves and waits as suits the others (not complete). Certificates cover the obstacles.
+
+constraints: PathConstraints by robot name, which hold at every instant, proved, as those of plan; each is about links
+of its robot or objects that it holds. Frames are the world, links of the robot, and what stands still: objects and,
+as "robot/link", links of robots that do not move in this request. A start or goal that breaks one is start_invalid or
+goal_invalid. Raises InvalidArgument for constraints of a robot without a start and for frames that move, and
+NotSupported for constraints together with obstacles.
 
 Raises PlanningError, with a status and a reason, when there are none: a start where an obstacle begins is
 start_invalid (one where it ends too, unless the robot can leave before), a goal where one ends is goal_invalid;

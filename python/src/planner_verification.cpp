@@ -237,12 +237,14 @@ Raises InvalidArgument for an unknown robot, constraints that plan would refuse,
       .def(
           "verify_multi",
           [](Self& self, nb::handle trajectory, nb::handle starts, nb::handle goals, nb::handle obstacles, bool jerk,
-             std::optional<double> max_deviation, double gap_tolerance, bool at_rest, double clearance) {
+             std::optional<double> max_deviation, double gap_tolerance, bool at_rest, double clearance,
+             nb::handle constraints) {
             const MultiTrajectory motions{to_trajectories(trajectory, "the trajectories")};
             const nb::dict none;
             const auto given = [&](nb::handle mapping) { return mapping.is_none() ? nb::handle(none) : mapping; };
             return self.use([&](const PlannerInterface& p) {
-              MultiPlanRequest r = to_multi_request(given(starts), given(goals), obstacles, constraints_of(p));
+              MultiPlanRequest r =
+                  to_multi_request(given(starts), given(goals), obstacles, constraints, constraints_of(p));
               const MultiVerifyOptions options{.starts = std::move(r.starts),
                                                .goals = std::move(r.goals),
                                                .obstacles = std::move(r.obstacles),
@@ -250,7 +252,8 @@ Raises InvalidArgument for an unknown robot, constraints that plan would refuse,
                                                .at_rest = at_rest,
                                                .max_deviation = max_deviation,
                                                .gap_tolerance = gap_tolerance,
-                                               .clearance = clearance};
+                                               .clearance = clearance,
+                                               .constraints = std::move(r.constraints)};
               const nb::gil_scoped_release no_gil;
               return p.verify_multi(motions, options);
             });
@@ -258,23 +261,26 @@ Raises InvalidArgument for an unknown robot, constraints that plan would refuse,
           nb::arg("trajectory").none(), nb::arg("starts") = nb::none(), nb::arg("goals") = nb::none(),
           nb::arg("obstacles") = nb::none(), nb::kw_only(), nb::arg("jerk") = false,
           nb::arg("max_deviation") = nb::none(), nb::arg("gap_tolerance") = 0.5, nb::arg("at_rest") = true,
-          nb::arg("clearance") = 0.0,
+          nb::arg("clearance") = 0.0, nb::arg("constraints") = nb::none(),
           nb::sig("def verify_multi(self, trajectory: MultiTrajectory | collections.abc.Mapping[str, Trajectory], "
                   "starts: collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, "
                   "goals: collections.abc.Mapping[str, " SRMP_GOAL "] | None = None, "
                   "obstacles: collections.abc.Mapping[str, Trajectory] | None = None, *, jerk: bool = False, "
                   "max_deviation: float | None = None, gap_tolerance: float = 0.5, at_rest: bool = True, "
-                  "clearance: float = 0.0) -> dict[str, Certificate]"),
+                  "clearance: float = 0.0, constraints: collections.abc.Mapping[str, "
+                  "collections.abc.Sequence[PathConstraint]] | None = None"
+                  ") -> dict[str, Certificate]"),
           R"(verify for many robots that move on one clock, by name: a certificate of each, verified against the others too,
 which rest where their motions end. Robots not named stand still.
 
 starts: by robot name, (dof,) [rad or m]: where they should begin. goals: by robot name: what they should reach; a
 robot with a goal of type HOLD should end where it should begin, or where it does begin if that is not given.
 obstacles: by robot name: motions that are not verified themselves. clearance: [m] as in verify; from each other the
-robots keep it at their ends too. The other arguments are those of verify. The GIL is released.
+robots keep it at their ends too. constraints: PathConstraints by robot name, as those of plan_multi, with frames of
+robots whose trajectories stay in one place. The other arguments are those of verify. The GIL is released.
 
-Raises InvalidArgument for an unknown robot, starts and goals of robots without a trajectory, and options out of
-range.)");
+Raises InvalidArgument for an unknown robot, starts, goals and constraints of robots without a trajectory, constraints
+that plan_multi would refuse, and options out of range.)");
 }
 
 }  // namespace srmp::python

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def plan_again(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.MultiPlanRequest) -> None:
     """Plans the request; raises what plan or plan_multi raises."""
     if isinstance(request, _srmp.MultiPlanRequest):
-        world.plan_multi(request.starts, request.goals, request.obstacles)
+        world.plan_multi(request.starts, request.goals, request.obstacles, request.constraints)
     else:
         world.plan(request.robot, request.start, request.goals)
 

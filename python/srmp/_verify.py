@@ -98,6 +98,7 @@ def verify_multi(
         starts=request.starts,
         goals=request.goals,
         obstacles=request.obstacles,
+        constraints=request.constraints,
         jerk=jerk,
         max_deviation=max_deviation,
         at_rest=at_rest,

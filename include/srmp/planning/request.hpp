@@ -42,6 +42,8 @@ struct MultiPlanRequest {
   std::map<std::string, Eigen::VectorXd> starts;  ///< by robot name, (dof,) [rad or m]
   std::map<std::string, GoalConstraint> goals;    ///< by robot name; a robot with a start and no goal holds
   std::map<std::string, Trajectory> obstacles{};  ///< by robot name: motions that other robots are committed to
+  /// By robot name: hold at every instant. Frames are as in PlanRequest::constraints, but no robot that moves has them.
+  std::map<std::string, std::vector<PathConstraint>> constraints{};
 };
 
 }  // namespace srmp

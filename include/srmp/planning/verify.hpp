@@ -43,6 +43,7 @@ struct MultiVerifyOptions {
   std::optional<double> max_deviation{};          ///< as VerifyOptions::max_deviation
   double gap_tolerance{0.5};                      ///< as VerifyOptions::gap_tolerance
   double clearance{0.0};  ///< [m] as VerifyOptions::clearance; from each other the robots keep it at their ends too
+  std::map<std::string, std::vector<PathConstraint>> constraints{};  ///< by robot name, as VerifyOptions::constraints
 };
 
 }  // namespace srmp

@@ -182,11 +182,53 @@ struct PlannerInterface::Impl {
     return found;
   }
 
+  /// Throws as place_constraints, and NotSupported for path constraints among robots in motion.
+  void require_constraints(const MultiPlanRequest& request) const {
+    for (const auto& [name, own] : request.constraints) {
+      place_constraints(scene, name, own, moving_robots(request));
+      if (!own.empty() && !request.obstacles.empty())
+        throw NotSupported("'" + name +
+                           "' has path constraints, but plan_multi keeps none among robots in motion; leave "
+                           "out the constraints or the obstacles");
+    }
+  }
+
+  /// In a scene where robots that hold stand at their starts.
+  static void place_all(const MultiPlanRequest& request, const Scene& now, std::vector<RobotProblem>& robots) {
+    for (RobotProblem& robot : robots)
+      if (const auto own = request.constraints.find(robot.robot); own != request.constraints.end())
+        robot.constraints = place_constraints(now, robot.robot, own->second, moving_robots(request));
+  }
+
+  /// Of robots that are verified together, by name; robots whose motions do not move stand where these are.
+  std::map<std::string, std::shared_ptr<const PlacedConstraints>> place_all(
+      const MultiVerifyOptions& options, const std::map<std::string, Trajectory>& motions) const {
+    std::map<std::string, std::shared_ptr<const PlacedConstraints>> placed;
+    if (options.constraints.empty()) return placed;
+    Scene now = scene;
+    std::vector<std::string> moving;
+    for (const auto& [name, motion] : motions) {
+      const RowMatrix& rows = motion.positions;
+      const RobotModel& model = this->model(name);
+      const bool readable =
+          rows.rows() > 0 && rows.allFinite() && rows.cols() == static_cast<Eigen::Index>(model.joint_names().size());
+      if (!readable || (rows.rowwise() - rows.row(0)).cwiseAbs().maxCoeff() > 0.0 ||
+          model.limit_violation(rows.row(0).transpose()))
+        moving.push_back(name);
+      else
+        now.set_qpos(name, rows.row(0).transpose());
+    }
+    for (const auto& [name, own] : options.constraints) placed[name] = place_constraints(now, name, own, moving);
+    return placed;
+  }
+
   /// The result of a request in a scene where robots with obstacles stand at their ends; fills the statistics.
   MultiTrajectory solve(const MultiPlanRequest& request, Scene& now, const PlannerOptions& options,
                         const Deadline& deadline) {
     std::vector<RobotProblem> stationary = robots_of(request, true), moving = robots_of(request, false);
     stand_at_starts(now, stationary);
+    place_all(request, now, stationary);
+    place_all(request, now, moving);
     std::vector<std::string> names;
     for (const RobotProblem& robot : moving) names.push_back(robot.robot);
     const auto threads = static_cast<std::size_t>(num_threads(options));

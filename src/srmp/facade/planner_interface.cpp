@@ -331,15 +331,18 @@ std::map<std::string, Certificate> PlannerInterface::verify_multi(const MultiTra
   };
   require_trajectory(options.starts, "a start");
   require_trajectory(options.goals, "a goal");
+  for (const auto& [name, own] : options.constraints) impl_->scene.robot(name);  // throws with the nearest name
+  require_trajectory(options.constraints, "path constraints");
   std::map<std::string, Trajectory> motions = trajectory.robots;
   for (const auto& [name, motion] : options.obstacles)
     if (!motions.emplace(name, motion).second)
       throw InvalidArgument("robot '" + name + "' has a trajectory to verify and is an obstacle too");
   MotionsTogether together(impl_->scene, motions, {options.gap_tolerance, options.clearance});
+  auto constraints = impl_->place_all(options, motions);
   std::map<std::string, Certificate> certificates;
   for (const auto& [name, motion] : trajectory.robots)
-    certificates.emplace(name,
-                         together.verify(name, impl_->limits_of(name), impl_->verify_options(name, motion, options)));
+    certificates.emplace(name, together.verify(name, impl_->limits_of(name),
+                                               impl_->verify_options(name, motion, options), constraints[name]));
   return certificates;
 }
 
@@ -412,8 +415,13 @@ MultiTrajectory PlannerInterface::plan_multi(const std::map<std::string, Eigen::
                                              const std::map<std::string, GoalConstraint>& goals,
                                              const std::map<std::string, Trajectory>& obstacles,
                                              const Interrupt& interrupt) {
-  const MultiPlanRequest request{starts, goals, obstacles};  // a copy: the caller's may be last_request
+  return plan_multi(MultiPlanRequest{starts, goals, obstacles}, interrupt);
+}
+
+MultiTrajectory PlannerInterface::plan_multi(const MultiPlanRequest& given, const Interrupt& interrupt) {
+  const MultiPlanRequest request = given;  // a copy: the caller's may be last_request
   require_multi_request(impl_->scene, request);
+  impl_->require_constraints(request);
   const PlannerOptions& options = planner_options(names_of(request));
   const Deadline deadline(common_options(options).time_limit, interrupt);
   require_for_many(options);

@@ -103,6 +103,10 @@ void require_multi_request(const Scene& scene, const MultiPlanRequest& request) 
     if (!request.starts.contains(name)) throw InvalidArgument("robot '" + name + "' has a goal but no start");
   }
   for (const auto& [name, motion] : request.obstacles) scene.robot(name);
+  for (const auto& [name, constraints] : request.constraints) {
+    scene.robot(name);
+    if (!request.starts.contains(name)) throw InvalidArgument("robot '" + name + "' has path constraints but no start");
+  }
   if (request.starts.empty()) throw InvalidArgument("plan_multi needs the start of at least one robot");
   bool one_moves = false;
   for (const auto& [name, start] : request.starts) {
@@ -174,6 +178,11 @@ void describe(Archive& archive, Ref<Archive, MultiPlanRequest> request) {
   archive("starts", request.starts);
   archive("goals", request.goals);
   archive("obstacles", request.obstacles);
+  if constexpr (Archive::reading) {
+    if (archive.has("constraints")) archive("constraints", request.constraints);
+  } else if (!request.constraints.empty()) {
+    archive("constraints", request.constraints);
+  }
 }
 
 template <class Archive>

@@ -13,6 +13,14 @@ std::vector<std::string> names_of(const MultiPlanRequest& request) {
   return names;
 }
 
+std::vector<std::string> moving_robots(const MultiPlanRequest& request) {
+  std::vector<std::string> names;
+  for (const auto& [name, goal] : request.goals)
+    if (goal.type != GoalType::hold) names.push_back(name);
+  for (const auto& [name, motion] : request.obstacles) names.push_back(name);
+  return names;
+}
+
 bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one) {
   const auto named = [&](const auto& entry) { return is_one(entry.first); };
   return std::any_of(request.starts.begin(), request.starts.end(), named) ||

@@ -12,6 +12,9 @@ namespace srmp {
 /// The robots that have a start.
 std::vector<std::string> names_of(const MultiPlanRequest& request);
 
+/// The robots that the request moves, or that are committed to motions.
+std::vector<std::string> moving_robots(const MultiPlanRequest& request);
+
 /// Does the request name something for which `is_one` is true: a robot with a start, or one of a committed motion?
 bool names_any(const MultiPlanRequest& request, const std::function<bool(const std::string&)>& is_one);
 bool names_any(const PlanRequest& request, const std::function<bool(const std::string&)>& is_one);

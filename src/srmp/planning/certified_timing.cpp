@@ -38,7 +38,8 @@ class CertifiedTiming {
         statistics_(statistics) {
     for (JointPath& path : paths.smoothed) groups_.push_back({std::move(path)});
     if (world_) world_->stop_at(until_);
-    if (problem.robots.front().constraints) constraints_.emplace(*problem.robots.front().constraints);
+    for (const RobotProblem& robot : problem.robots) constrained_ |= robot.constraints != nullptr;
+    if (!world_ && constrained_) constraints_.emplace(*problem.robots.front().constraints);
   }
 
   MultiTrajectory run() {
@@ -121,7 +122,7 @@ class CertifiedTiming {
         if (deviation == 0.0 || !problem_.robots.front().start_in_motion) throw;
         continue;
       }
-      if (!common_.certify && !constraints_) return;
+      if (!common_.certify && !constrained_) return;
       {
         const PhaseTimer timer(until, statistics.verification_time_s);
         group.certificates = joint_certificates(checkers(), with_clearance(), motions_of(group), common_, until);
@@ -279,7 +280,8 @@ class CertifiedTiming {
       first += q.cols();
     }
     for (std::size_t i = 0; i < path.robots.size(); ++i)
-      if (!world_->is_free_for_one(path.robots[i], from[i]) || !world_->is_free_for_one(path.robots[i], from[i], to[i]))
+      if (!world_->is_free_for_one(path.robots[i], from[i]) ||
+          !world_->is_free_for_one(path.robots[i], from[i], to[i], 1.0))
         return false;
     for (std::size_t i = 0; i < path.robots.size(); ++i)
       for (std::size_t j = i + 1; j < path.robots.size(); ++j)
@@ -360,6 +362,7 @@ class CertifiedTiming {
   PlanStatistics& statistics_;
   Checker::WorkspacePtr workspace_;                    // of one robot, made when it is first needed
   std::optional<ConstraintChecker> constraints_;       // of one robot
+  bool constrained_{};                                 // has any robot path constraints?
   std::map<Eigen::Index, std::size_t> corner_levels_;  // of preferred clearance, by waypoint of one robot
   std::vector<Group> groups_;
   bool merged_{false};

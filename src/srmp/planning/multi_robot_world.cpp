@@ -47,7 +47,9 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
         wait_cost_(0.1 * options.resolution),
         sparse_(options.sparse),
         task_(std::move(task)),
-        lattice_(robot_, {task_.start}, task_.targets, {.primitives = primitives(options), .waypoints = waypoints()},
+        constraints_(task_.constraints ? std::make_unique<ConstraintChecker>(*task_.constraints) : nullptr),
+        lattice_(robot_, {task_.start}, task_.targets,
+                 {.primitives = primitives(options), .waypoints = waypoints(), .projection = projection(options)},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
     add_rest(task_.single_robot_path);
     for (const auto& path : task_.alternatives) add_rest(path);
@@ -111,7 +113,9 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
     return cost;
   }
 
-  bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
+               double of_tolerances = constraint_fractions.motions) {
+    if (constraints_ && !constraints_->keeps(a, b, of_tolerances)) return false;
     return unless_stopped([&] { return checker_.is_motion_free(a, b, *workspace_, {.start_is_free = true}); });
   }
 
@@ -163,6 +167,14 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
         lattice_step(joints, options.scale * options.resolution, options.scale * options.prismatic_resolution);
     return rich_primitives(joints, step, parallel_pairs(robot_));
   }
+  /// As that of one robot alone: cells have half the size of steps.
+  Lattice::Projection projection(const Options& options) const {
+    if (!constraints_) return {};
+    return {[&checker = *constraints_](Eigen::VectorXd& q) {
+              return checker.project(q, constraint_fractions.configurations);
+            },
+            0.5 * lattice_step(robot_.joints(), options.resolution, options.prismatic_resolution)};
+  }
   std::vector<Eigen::VectorXd> waypoints() const {
     std::vector<Eigen::VectorXd> inner;
     const auto add = [&](const std::vector<Eigen::VectorXd>& path) {
@@ -189,6 +201,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   double wait_cost_;
   bool sparse_;
   WorldTask task_;
+  std::unique_ptr<ConstraintChecker> constraints_;         // null: there are none
   std::vector<std::pair<Eigen::VectorXd, double>> known_;  // waypoints of known paths, and what is left from there
   double length_alone_{};
   Lattice lattice_;
@@ -419,8 +432,9 @@ bool MultiRobotWorld::is_free_for_one(std::size_t robot, const Eigen::VectorXd& 
   return agents_[robot]->is_free(q);
 }
 
-bool MultiRobotWorld::is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
-  return agents_[robot]->is_free(from, to);
+bool MultiRobotWorld::is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to,
+                                      double of_tolerances) {
+  return agents_[robot]->is_free(from, to, of_tolerances);
 }
 
 }  // namespace srmp

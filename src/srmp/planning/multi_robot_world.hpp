@@ -9,6 +9,7 @@
 #include "srmp/lattice/lattice.hpp"
 #include "srmp/multi/world.hpp"
 #include "srmp/planning/group_checkers.hpp"
+#include "srmp/planning/motion_checks.hpp"
 
 namespace srmp {
 
@@ -22,6 +23,7 @@ struct WorldTask {
   bool anywhere{};                                           ///< every configuration is a goal
   /// Of its lattice; none: rich_primitives at the world's resolution.
   std::optional<PrimitiveSet> primitives{};
+  std::shared_ptr<const PlacedConstraints> constraints{};  ///< that its path keeps; null: none
 };
 
 /// Robots on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
@@ -78,8 +80,9 @@ class MultiRobotWorld : public multi::World {
   std::vector<char> collision_free_with(std::size_t a, const Eigen::VectorXd& q, std::size_t b,
                                         std::span<const Eigen::VectorXd> points);
   bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& q);
-  /// A straight motion from where it is free.
-  bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to);
+  /// A straight motion from where it is free. With path constraints: is it proved to keep this fraction of them, too?
+  bool is_free_for_one(std::size_t robot, const Eigen::VectorXd& from, const Eigen::VectorXd& to,
+                       double of_tolerances = constraint_fractions.motions);
 
   std::uint64_t pair_checks() const;  ///< motions of two robots that were checked
   std::uint64_t states() const;

@@ -5,6 +5,7 @@
 #include "srmp/planning/certified_timing.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/validity.hpp"
+#include "srmp/trajectory/prove_constraints.hpp"
 
 namespace srmp {
 
@@ -41,6 +42,7 @@ void require_stationary_starts(const PlanProblem& problem) {
   for (const RobotProblem& robot : problem.stationary) {
     const auto checker = make_checker(problem.scene, robot.robot, {.mode = CheckMode::coal, .excluded_robots = moving});
     require(robot, invalidity(*checker, robot.start, *checker->make_workspace()));
+    if (robot.constraints) require(robot, ConstraintChecker(*robot.constraints).violation(robot.start));
   }
 }
 
@@ -58,6 +60,7 @@ void add_stationary_robots(const PlanProblem& problem, MultiTrajectory& motions,
     if (options.certify) {
       Certificate certificate = certify_among(problem.scene, robot.robot, with_times(motion), others,
                                               scaled(robot.limits, options), {.limits = timed, .deadline = &until});
+      if (robot.constraints) add_constraints(certificate, with_times(motion), *robot.constraints, until);
       attach_certificate(motion, std::move(certificate), robot.robot, statistics);
     }
     motions.robots.emplace(robot.robot, std::move(motion));

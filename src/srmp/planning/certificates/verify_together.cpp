@@ -80,9 +80,9 @@ const MotionProof& MotionsTogether::known_or_made(Proofs& proofs, const std::str
   return proofs.emplace(std::pair(robot, other), proof).first->second;
 }
 
-Certificate MotionsTogether::verify(const std::string& robot, const MotionLimits& limits,
-                                    const VerifyOptions& options) {
-  PlacedVerifyOptions placed;
+Certificate MotionsTogether::verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options,
+                                    std::shared_ptr<const PlacedConstraints> constraints) {
+  PlacedVerifyOptions placed{.constraints = std::move(constraints)};
   if (options_.clearance > 0.0) placed.with_clearance = without(scene_, robot, motions_, options_.clearance);
   Certificate certificate =
       srmp::verify(motions_.at(robot), *without(scene_, robot, motions_), limits, options, placed);

@@ -31,7 +31,8 @@ class MotionsTogether {
   MotionsTogether(const Scene& scene, const std::map<std::string, Trajectory>& motions, const Options& options);
 
   /// Of one of the robots. A motion of another one that cannot be read, or does not begin at time 0, is a fault too.
-  Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options);
+  Certificate verify(const std::string& robot, const MotionLimits& limits, const VerifyOptions& options,
+                     std::shared_ptr<const PlacedConstraints> constraints = {});
 
  private:
   using Proofs = std::map<std::pair<std::string, std::string>, MotionProof>;

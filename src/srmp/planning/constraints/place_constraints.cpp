@@ -11,8 +11,8 @@ namespace {
 
 class Placement {
  public:
-  Placement(const Scene& scene, const std::string& robot)
-      : scene_(scene), name_(robot), robot_(scene.robot(robot)), model_(*robot_.model) {}
+  Placement(const Scene& scene, const std::string& robot, const std::vector<std::string>& moving)
+      : scene_(scene), name_(robot), robot_(scene.robot(robot)), model_(*robot_.model), moving_(moving) {}
 
   PlacedConstraint place(const PathConstraint& constraint) const {
     constraint.validate();
@@ -41,6 +41,11 @@ class Placement {
     if (scene_.objects().contains(name))
       throw InvalidArgument("a path constraint is about the object '" + name + "', which '" + name_ +
                             "' does not hold");
+    if (const std::string other = name.substr(0, name.find('/'));
+        other != name && other != name_ && scene_.robots().contains(other))
+      throw InvalidArgument("a path constraint of '" + name_ + "' is about '" + name +
+                            "', a link of another robot; it can be about links of '" + name_ +
+                            "' and objects that it holds");
     return {model_.link_index(own(name)), {}};  // throws with the nearest name
   }
 
@@ -65,6 +70,8 @@ class Placement {
       placed.frame = held->first;
       placed.target = (held->second * target).isometry();
     } else if (scene_.objects().contains(frame)) {
+      const auto held_by = scene_.attachments().find(frame);
+      if (held_by != scene_.attachments().end()) require_still(held_by->second.robot, frame);
       in_world(scene_.object_pose(frame));
     } else if (std::find(links.begin(), links.end(), own(frame)) != links.end()) {
       placed.frame = model_.link_index(own(frame));
@@ -76,11 +83,21 @@ class Placement {
 
   Pose link_of_other_robot(const std::string& frame) const {
     const std::size_t slash = frame.find('/');
-    if (slash != std::string::npos) return scene_.link_pose(frame.substr(0, slash), frame.substr(slash + 1));
+    if (slash != std::string::npos) {
+      require_still(frame.substr(0, slash), frame);
+      return scene_.link_pose(frame.substr(0, slash), frame.substr(slash + 1));
+    }
     std::vector<std::string> known = model_.link_names();
     for (const std::string& name : scene_.object_names()) known.push_back(name);
     throw InvalidArgument("a path constraint has the frame '" + frame + "', which is neither a link of '" + name_ +
                           "', nor an object, nor a link of another robot as 'robot/link'" + did_you_mean(frame, known));
+  }
+
+  void require_still(const std::string& robot, const std::string& frame) const {
+    if (std::find(moving_.begin(), moving_.end(), robot) == moving_.end()) return;
+    throw InvalidArgument("a path constraint of '" + name_ + "' has the frame '" + frame + "', which moves with '" +
+                          robot + "' at the same time; frames can be the world, links of '" + name_ +
+                          "', and links and objects that stand still");
   }
 
   /// "the z axis of 'hand' within 5 degrees of its direction in the world"
@@ -107,14 +124,16 @@ class Placement {
   const std::string name_;
   const RobotInstance& robot_;
   const RobotModel& model_;
+  const std::vector<std::string>& moving_;
 };
 
 }  // namespace
 
 std::shared_ptr<const PlacedConstraints> place_constraints(const Scene& scene, const std::string& robot,
-                                                           const std::vector<PathConstraint>& constraints) {
+                                                           const std::vector<PathConstraint>& constraints,
+                                                           const std::vector<std::string>& moving) {
   if (constraints.empty()) return nullptr;
-  const Placement placement(scene, robot);
+  const Placement placement(scene, robot, moving);
   std::vector<PlacedConstraint> placed;
   for (const PathConstraint& constraint : constraints) placed.push_back(placement.place(constraint));
   const RobotInstance& instance = scene.robot(robot);

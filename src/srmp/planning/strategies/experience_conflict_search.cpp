@@ -158,6 +158,7 @@ ExperienceConflictSearch::Pass ExperienceConflictSearch::can_pass(std::size_t ro
   if (passes(task.single_robot_path, space)) return Pass::on_known_path;
   for (const std::vector<Eigen::VectorXd>& path : task.alternatives)
     if (passes(path, space)) return Pass::on_known_path;
+  if (task.constraints) return Pass::no;  // states of a composite lattice are not projected onto them
   const CompositeResult found =
       composite_search(space, {.max_expansions = experience_options.path_expansions}, deadline);
   statistics_.expansions += found.statistics.expansions;

@@ -14,7 +14,7 @@ namespace srmp {
 FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadline& deadline,
                              PlanStatistics& statistics) {
   const PhaseTimer timer(deadline, statistics.search_time_s);
-  const bool portfolio = std::holds_alternative<Auto>(options_);
+  const bool portfolio = std::holds_alternative<Auto>(options_) && !constrained(robots);
   std::optional<CompositeSpace> space;
   Strategies strategies;
   if (portfolio) {
@@ -56,7 +56,13 @@ JointPath GroupPlanner::reroute_each(JointPath path, const Deadline& deadline) {
   return tightened(std::move(path), world_, deadline);
 }
 
+bool GroupPlanner::constrained(const std::vector<std::size_t>& robots) const {
+  return std::any_of(robots.begin(), robots.end(),
+                     [&](std::size_t i) { return world_.task(i).constraints != nullptr; });
+}
+
 bool GroupPlanner::may_change(const JointPath& known) const {
+  if (constrained(known.robots)) return false;
   return replan_.worth_a_change * known.length() > direct(known.robots);
 }
 

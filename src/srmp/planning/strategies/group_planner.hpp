@@ -31,6 +31,9 @@ class GroupPlanner {
   /// As short as it can be while no more than one robot changes its path at a time.
   JointPath reroute_each(JointPath path, const Deadline& deadline);
 
+  /// Has one of them path constraints? Composite roadmaps, trees and lattices are not projected onto them.
+  bool constrained(const std::vector<std::size_t>& robots) const;
+
   /// Could there be a path that replan() takes in its place?
   bool may_change(const JointPath& known) const;
 
