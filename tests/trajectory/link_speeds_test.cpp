@@ -1,4 +1,4 @@
-#include "srmp/trajectory/link_speeds.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 
 #include <boost/test/unit_test.hpp>
 
@@ -135,7 +135,7 @@ BOOST_AUTO_TEST_CASE(links_that_cannot_be_limited_are_refused) {
     check_throws<InvalidArgument>(
         [&] {
           require_limits(limits, robot->joint_names());
-          require_links(limits, *robot);
+          require_bounds_of_robot(limits, *robot);
         },
         text);
   };

@@ -61,7 +61,8 @@ class IndependenceDetection {
                        .targets = std::move(endpoints.targets),
                        .single_robot_path = unstack_waypoints(alone[i].waypoints),
                        .anywhere = problem_.robots[i].may_end_anywhere(),
-                       .constraints = problem_.robots[i].constraints});
+                       .constraints = problem_.robots[i].constraints,
+                       .limits = problem_.robots[i].limits});
       const std::string file = common_options(problem_.options, problem_.robots[i].robot).mprim_path;
       if (file.empty()) continue;
       tasks.back().primitives = io::read_primitives(file, problem_.checkers.planning.alone(i).robot().joints());

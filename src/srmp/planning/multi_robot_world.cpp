@@ -51,6 +51,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
         lattice_(robot_, {task_.start}, task_.targets,
                  {.primitives = primitives(options), .waypoints = waypoints(), .projection = projection(options)},
                  [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); }) {
+    torques_.add(robot_, checker_.base(), checker_.other_positions(), task_.limits);
     add_rest(task_.single_robot_path);
     for (const auto& path : task_.alternatives) add_rest(path);
   }
@@ -116,6 +117,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   bool is_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
                double of_tolerances = constraint_fractions.motions) {
     if (constraints_ && !constraints_->keeps(a, b, of_tolerances)) return false;
+    if (!torques_.empty() && !torques_.can_hold(a, b)) return false;
     return unless_stopped([&] { return checker_.is_motion_free(a, b, *workspace_, {.start_is_free = true}); });
   }
 
@@ -202,6 +204,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   bool sparse_;
   WorldTask task_;
   std::unique_ptr<ConstraintChecker> constraints_;         // null: there are none
+  JointTorques torques_;
   std::vector<std::pair<Eigen::VectorXd, double>> known_;  // waypoints of known paths, and what is left from there
   double length_alone_{};
   Lattice lattice_;

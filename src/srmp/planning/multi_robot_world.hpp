@@ -24,6 +24,7 @@ struct WorldTask {
   /// Of its lattice; none: rich_primitives at the world's resolution.
   std::optional<PrimitiveSet> primitives{};
   std::shared_ptr<const PlacedConstraints> constraints{};  ///< that its path keeps; null: none
+  MotionLimits limits{};                                   ///< whose torques can hold the robot all along its path
 };
 
 /// Robots on their lattices, in discrete time: a move takes the steps that its slowest joint needs at full speed.
