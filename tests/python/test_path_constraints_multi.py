@@ -13,7 +13,7 @@ import srmp
 from srmp import PathConstraint, Pose
 
 PLANNERS = ["auto", "xECBS", "prioritised"]
-TOLERANCE = np.radians(10)
+TOLERANCE = np.radians(5)
 DOWN = PathConstraint.cone([0, 0, 1], [0, 0, -1], TOLERANCE)
 BOTH_DOWN = {"left": [DOWN], "right": [DOWN]}
 
@@ -63,11 +63,11 @@ def hands_down(planner, rng, count):
 @pytest.mark.parametrize("seed", range(2))
 def test_motions_in_random_worlds_keep_them(suite, seed, planner_id):
     rng = np.random.default_rng(300 + seed)
-    objects = random_objects(rng, 2)
+    objects = random_objects(rng, 3)
     planner = make_arms(FACING_BASES)
     for item in objects:
         add(planner, item)
-    points = hands_down(planner, rng, 3)
+    points = hands_down(planner, rng, 6)
     planner.make_planner(["arm", "other"], {"planner_id": planner_id, "time_limit": 20.0})
     measured, tilt, constraints = Measured(suite, objects, bases=FACING_BASES), Tilt(), {"arm": [DOWN], "other": [DOWN]}
     solved = 0
@@ -86,7 +86,7 @@ def test_motions_in_random_worlds_keep_them(suite, seed, planner_id):
             assert kept.deviation <= kept.tolerance == pytest.approx(TOLERANCE)
             assert verified[name].holds
             assert verified[name].constraints == motion.certificate.constraints
-    assert solved >= 1
+    assert solved >= 4
 
 
 def crossing(planner_id="auto", constraints=BOTH_DOWN, distance=0.6, **options):
@@ -220,7 +220,7 @@ def test_ends_that_break_one_are_invalid():
                 constraints=BOTH_DOWN,
             )
         assert error.value.status == status
-        assert "off by 22.918 degrees, 10 degrees are allowed" in str(error.value)
+        assert "off by 22.918 degrees, 5 degrees are allowed" in str(error.value)
         assert "robot 'left'" in str(error.value)
 
 
