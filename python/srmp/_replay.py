@@ -17,7 +17,15 @@ def plan_again(world: srmp.PlannerInterface, request: srmp.PlanRequest | srmp.Mu
     if isinstance(request, _srmp.MultiPlanRequest):
         world.plan_multi(request.starts, request.goals, request.obstacles, request.constraints)
     else:
-        world.plan(request.robot, request.start, request.goals)
+        in_motion = len(request.start_velocity) > 0
+        world.plan(
+            request.robot,
+            request.start,
+            request.goals,
+            constraints=request.constraints,
+            start_velocity=request.start_velocity if in_motion else None,
+            start_acceleration=request.start_acceleration if len(request.start_acceleration) > 0 else None,
+        )
 
 
 def first_difference(

@@ -273,6 +273,19 @@ def test_replay_says_where_it_differs(problem):
     assert (result.exit_code, result.output) == (1, "differs: the status was exhausted and is solved\n")
 
 
+@pytest.mark.parametrize("in_motion", [False, True])
+def test_replay_keeps_constraints_and_starts_in_motion(arm, ready, tmp_path, in_motion):
+    here = arm.compute_fk("arm", ready)
+    upright = srmp.PathConstraint.cone([0, 0, 1], here.matrix()[:3, 2], 0.2)
+    q = ready + np.array([0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    velocity = [0.3, 0, 0, 0, 0, 0, 0] if in_motion else None
+    arm.plan("arm", ready, q, constraints=[upright], start_velocity=velocity)
+    arm.save(tmp_path / "p.json")
+    result = run("replay", tmp_path / "p.json")
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("the same: solved")
+
+
 def test_replay_of_an_unsolved_problem(arm, ready, tmp_path):
     with pytest.raises(srmp.PlanningError):
         arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.POSITION, [9, 9, 9]))

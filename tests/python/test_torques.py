@@ -3,7 +3,6 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from support import needs_example_robot_data
 
 import srmp
 from srmp import FaultKind, MotionLimits, Payload
@@ -64,7 +63,7 @@ def test_torques_are_kept_by_independent_dynamics(panda, timing, payload):
         try:
             motion = panda.plan("panda", at, goal)
         except srmp.PlanningError as error:
-            assert "hold the robot there at rest" in str(error)  # noqa: PT017
+            assert "hold the robot there at rest" in str(error)
             continue
         use = (np.abs(needed(panda, motion, payload)) / WEAK).max()
         assert use <= 1.0
@@ -121,7 +120,9 @@ def test_without_torques_nothing_changes_and_loads_make_motions_slower(panda):
 def test_what_cannot_be_held_is_said(panda):
     panda.set_motion_limits("panda", torque={"panda_joint2": 32.0})
     out = np.array([0.0, 1.2, 0.0, -0.3, 0.0, 1.5, 0.0])
-    with pytest.raises(srmp.PlanningError, match="panda_joint2 needs .* of its torque limit to hold the robot there at rest") as error:
+    with pytest.raises(
+        srmp.PlanningError, match="panda_joint2 needs .* of its torque limit to hold the robot there at rest"
+    ) as error:
         panda.plan("panda", [0, 0, 0, -1.5, 0, 1.5, 0], out)
     assert error.value.status == srmp.Status.goal_invalid
     with pytest.raises(srmp.PlanningError, match="panda_joint2 needs") as error:

@@ -1,8 +1,7 @@
-#include "srmp/trajectory/joint_torques.hpp"
-
 #include <boost/test/unit_test.hpp>
 
 #include "srmp/core/error.hpp"
+#include "srmp/trajectory/joint_torques.hpp"
 #include "srmp/trajectory/parameterize.hpp"
 #include "support/amount.hpp"
 #include "support/data.hpp"

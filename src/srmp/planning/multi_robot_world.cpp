@@ -203,7 +203,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
   double wait_cost_;
   bool sparse_;
   WorldTask task_;
-  std::unique_ptr<ConstraintChecker> constraints_;         // null: there are none
+  std::unique_ptr<ConstraintChecker> constraints_;  // null: there are none
   JointTorques torques_;
   std::vector<std::pair<Eigen::VectorXd, double>> known_;  // waypoints of known paths, and what is left from there
   double length_alone_{};
