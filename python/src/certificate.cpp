@@ -137,7 +137,7 @@ void bind_payload(nb::module_& m) {
           "mass [kg]; center_of_mass (3,) in the link's frame [m], default its origin; inertia (3,) about it, for the\n"
           "link's axes [kg m^2], default 0; link: '' = the end effector.\n\n"
           "Raises InvalidArgument unless the mass is above 0 and all numbers are finite.")
-      .def_ro("mass", &Payload::mass, "[kg].")
+      .def_ro("mass", &Payload::mass, "Its mass [kg].")
       .def_prop_ro(
           "center_of_mass", [](const Payload& p) { return to_numpy(p.center_of_mass); },
           "(3,), in the link's frame [m].")

@@ -3,9 +3,12 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from support import needs_example_robot_data
 
 import srmp
 from srmp import FaultKind, MotionLimits, Payload
+
+pytestmark = needs_example_robot_data  # the Panda
 
 WEAK = [40.0, 50.0, 40.0, 40.0, 8.0, 6.0, 4.0]  # [N m]: the Panda's own are 87 and 12
 START = np.array([0.0, 0.3, 0.0, -2.0, 0.0, 1.8, 0.7])
@@ -121,7 +124,7 @@ def test_what_cannot_be_held_is_said(panda):
     panda.set_motion_limits("panda", torque={"panda_joint2": 32.0})
     out = np.array([0.0, 1.2, 0.0, -0.3, 0.0, 1.5, 0.0])
     with pytest.raises(
-        srmp.PlanningError, match="panda_joint2 needs .* of its torque limit to hold the robot there at rest"
+        srmp.PlanningError, match=r"panda_joint2 needs .* of its torque limit to hold the robot there at rest"
     ) as error:
         panda.plan("panda", [0, 0, 0, -1.5, 0, 1.5, 0], out)
     assert error.value.status == srmp.Status.goal_invalid
