@@ -42,6 +42,7 @@ def certificate(**changes):
         "constraints": [],
         "clearance_kept": None,
         "link_speeds": [],
+        "torque": copy_with(srmp.LimitUse, (0.0, "", 0.0)),
     }
     assert set(changes) <= set(fields)
     return copy_with(srmp.Certificate, tuple({**fields, **changes}.values()))
@@ -334,7 +335,7 @@ def test_certificates_name_faults_and_what_is_only_sampled():
     assert repr(certificate(sampled=[sampled])) == "Certificate(holds, free; 1 parts at samples)"
     assert repr(certificate(collisions_checked=False)) == "Certificate(holds, collisions not checked)"
     assert repr(proof.velocity) == "LimitUse(0.5, a)"
-    assert len(srmp.FaultKind) == 16
+    assert len(srmp.FaultKind) == 17
 
 
 def test_certificates_and_their_parts_are_values():

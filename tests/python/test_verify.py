@@ -200,7 +200,8 @@ def test_a_certificate_is_plain_data(solved):
         "constraints",
         "clearance_kept",
         "link_speeds",
-    }  # no poses, no path constraints, no clearance required, no speed of a link limited: no keys
+        "torque",
+    }  # no poses, no path constraints, no clearance required, no speed of a link or torque limited: no keys
 
 
 @pytest.fixture(scope="module")
