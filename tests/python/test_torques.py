@@ -24,7 +24,7 @@ def panda():
     return planner
 
 
-def needed(planner, trajectory, payload=None, base=None):
+def needed(trajectory, payload=None, base=None):
     """(n, 7) torques at 1 kHz by Pinocchio's own package, from the URDF."""
     model = pin.buildModelFromUrdf(srmp.robots.find("panda").urdf_path)
     if payload:
@@ -68,7 +68,7 @@ def test_torques_are_kept_by_independent_dynamics(panda, timing, payload):
         except srmp.PlanningError as error:
             assert "hold the robot there at rest" in str(error)
             continue
-        use = (np.abs(needed(panda, motion, payload)) / WEAK).max()
+        use = (np.abs(needed(motion, payload)) / WEAK).max()
         assert use <= 1.0
         assert use <= motion.certificate.torque.fraction + 1e-9
         assert motion.certificate.torque.fraction <= max(1.0 + 1e-6, 1.002 * use)
@@ -90,7 +90,7 @@ def test_the_proof_is_above_every_sample(panda):
             alone[joint] = 10.0
             checked = MotionLimits(limits.velocity, limits.acceleration, limits.jerk, torque=alone)
             certificate = panda.verify("panda", motion, limits=checked)
-            sampled = np.abs(needed(panda, motion))[:, joint].max() / 10.0
+            sampled = np.abs(needed(motion))[:, joint].max() / 10.0
             assert sampled - 1e-9 <= certificate.torque.fraction <= max(1.01 * sampled, sampled + 0.01)
         at = goal
 
@@ -100,7 +100,7 @@ def test_a_base_on_a_wall_feels_gravity_elsewhere(panda):
     panda.set_base_pose("panda", base)
     panda.set_motion_limits("panda", torque="urdf")
     motion = panda.plan("panda", START, GOAL)
-    use = (np.abs(needed(panda, motion, base=base)) / [87, 87, 87, 87, 12, 12, 12]).max()
+    use = (np.abs(needed(motion, base=base)) / [87, 87, 87, 87, 12, 12, 12]).max()
     assert use == pytest.approx(motion.certificate.torque.fraction, rel=0.01)
 
 
@@ -137,11 +137,11 @@ def test_arms_swing_through_where_they_can_be_held(panda):
     """The straight motion passes the arm stretched out, which joint 2 cannot hold."""
     up, down = np.array([0, -0.6, 0, -0.9, 0, 0.4, 0]), np.array([0, 1.2, 0, -2.6, 0, 2.6, 0])
     free = panda.plan("panda", up, down)
-    assert np.abs(needed(panda, free)[:, 1]).max() > 36
+    assert np.abs(needed(free)[:, 1]).max() > 36
     panda.set_motion_limits("panda", torque={"panda_joint2": 30.0})
     motion = panda.plan("panda", up, down)
     assert motion.certificate.holds
-    assert np.abs(needed(panda, motion)[:, 1]).max() <= 30
+    assert np.abs(needed(motion)[:, 1]).max() <= 30
 
 
 def test_two_robots_keep_theirs(panda):
@@ -150,7 +150,7 @@ def test_two_robots_keep_theirs(panda):
     panda.set_motion_limits("panda", torque=WEAK)
     starts, goals = {"panda": START, "other": START}, {"panda": GOAL, "other": START}
     motions = panda.plan_multi(starts, goals)
-    assert (np.abs(needed(panda, motions["panda"])) <= WEAK).all()
+    assert (np.abs(needed(motions["panda"])) <= WEAK).all()
     assert motions["panda"].certificate.torque.fraction <= 1 + 1e-6
 
 

@@ -184,8 +184,9 @@ struct PlannerInterface::Impl {
 
   /// Throws as place_constraints, and NotSupported for path constraints among robots in motion.
   void require_constraints(const MultiPlanRequest& request) const {
+    const std::vector<std::string> moving = moving_robots(request);
     for (const auto& [name, own] : request.constraints) {
-      place_constraints(scene, name, own, moving_robots(request));
+      place_constraints(scene, name, own, moving);
       if (!own.empty() && !request.obstacles.empty())
         throw NotSupported("'" + name +
                            "' has path constraints, but plan_multi keeps none among robots in motion; leave "
@@ -195,9 +196,10 @@ struct PlannerInterface::Impl {
 
   /// In a scene where robots that hold stand at their starts.
   static void place_all(const MultiPlanRequest& request, const Scene& now, std::vector<RobotProblem>& robots) {
+    const std::vector<std::string> moving = moving_robots(request);
     for (RobotProblem& robot : robots)
       if (const auto own = request.constraints.find(robot.robot); own != request.constraints.end())
-        robot.constraints = place_constraints(now, robot.robot, own->second, moving_robots(request));
+        robot.constraints = place_constraints(now, robot.robot, own->second, moving);
   }
 
   /// Of robots that are verified together, by name; robots whose motions do not move stand where these are.

@@ -178,11 +178,7 @@ void describe(Archive& archive, Ref<Archive, MultiPlanRequest> request) {
   archive("starts", request.starts);
   archive("goals", request.goals);
   archive("obstacles", request.obstacles);
-  if constexpr (Archive::reading) {
-    if (archive.has("constraints")) archive("constraints", request.constraints);
-  } else if (!request.constraints.empty()) {
-    archive("constraints", request.constraints);
-  }
+  describe_list(archive, "constraints", request.constraints);
 }
 
 template <class Archive>

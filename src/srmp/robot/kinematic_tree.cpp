@@ -95,12 +95,14 @@ KinematicTree::DataPtr KinematicTree::make_data() const {
   return data;
 }
 
-void KinematicTree::set(Data& data, const Slot& slot, double value) {
+void KinematicTree::set(Data& data, const Slot& slot, double value) { set(data.q, slot, value); }
+
+void KinematicTree::set(Eigen::VectorXd& q, const Slot& slot, double value) {
   if (slot.unit_circle) {
-    data.q[slot.q] = std::cos(value);
-    data.q[slot.q + 1] = std::sin(value);
+    q[slot.q] = std::cos(value);
+    q[slot.q + 1] = std::sin(value);
   } else {
-    data.q[slot.q] = value;
+    q[slot.q] = value;
   }
 }
 

@@ -47,6 +47,8 @@ class KinematicTree {
   DataPtr make_data() const;  ///< at the neutral configuration; thread-safe
   /// Sets the position [rad or m] of one joint.
   static void set(Data& data, const Slot& slot, double value);
+  /// The same in a configuration vector of Pinocchio's.
+  static void set(Eigen::VectorXd& q, const Slot& slot, double value);
   /// Computes the poses of all joints in the base frame, by joint; `poses` has joint_count() entries.
   void forward(Data& data, std::vector<Eigen::Isometry3d>& poses) const;
 

@@ -15,15 +15,6 @@ namespace {
 
 pinocchio::SE3 to_se3(const Eigen::Isometry3d& pose) { return {pose.linear(), pose.translation()}; }
 
-void set_position(Eigen::VectorXd& q, const KinematicTree::Slot& slot, double value) {
-  if (slot.unit_circle) {
-    q[slot.q] = std::cos(value);
-    q[slot.q + 1] = std::sin(value);
-  } else {
-    q[slot.q] = value;
-  }
-}
-
 }  // namespace
 
 struct RobotDynamics::Model {
@@ -80,7 +71,7 @@ RobotDynamics::RobotDynamics(const RobotModel& robot, const Pose& base, const Ei
   const Eigen::VectorXd& others = other_positions.size() ? other_positions : robot.default_other_positions();
   for (const Follower& f : impl.other_followers) {
     const double position = f.ratio * others[static_cast<Eigen::Index>(f.source)] + f.offset;
-    set_position(m.q, f.slot, position);
+    KinematicTree::set(m.q, f.slot, position);
     bodies_[f.slot.joint].offset += std::abs(position);  // of prismatic joints; more than enough of others
   }
   for (std::size_t k = 0; k < m.planned.size(); ++k) {
@@ -101,7 +92,7 @@ Eigen::VectorXd RobotDynamics::torques(const Eigen::VectorXd& q, const Eigen::Ve
   Model& m = *model_;
   for (const Follower& f : m.planned) {
     const auto joint = static_cast<Eigen::Index>(f.source);
-    set_position(m.q, f.slot, f.ratio * q[joint] + f.offset);
+    KinematicTree::set(m.q, f.slot, f.ratio * q[joint] + f.offset);
     m.velocity[m.velocity_index(f)] = f.ratio * velocity[joint];
     m.acceleration[m.velocity_index(f)] = f.ratio * acceleration[joint];
   }

@@ -157,26 +157,18 @@ class Certifier {
                   .at_rest = options_.at_rest,
                   .start_acceleration = &options_.start_acceleration},
                  result_);
-    check_link_speeds();
-    check_torques();
+    check_bounds_of_robot();
     check_start_velocity();
     check_ends_at_rest();
     check_deviation();
     return true;
   }
 
-  void check_link_speeds() {
-    if (limits_.link_speeds.empty()) return;
-    LinkSpeeds speeds;
-    speeds.add(robot_, checker_.other_positions(), limits_.link_speeds);
-    add_link_speeds(result_, t_, speeds, options_.limits);
-  }
-
-  void check_torques() {
-    if (limits_.torque.size() == 0) return;
-    JointTorques torques;
-    torques.add(robot_, checker_.base(), checker_.other_positions(), limits_);
-    add_torques(result_, t_, torques, options_.limits);
+  void check_bounds_of_robot() {
+    if (!need_robot(limits_)) return;
+    RobotBounds bounds;
+    bounds.add(robot_, checker_.base(), checker_.other_positions(), limits_);
+    bounds.certify(result_, t_, options_.limits);
   }
 
   void check_start_velocity() {

@@ -211,17 +211,9 @@ double JointTorques::slowdown(const LinkSpeeds::Motion& motion) {
 double JointTorques::slowdown(const Trajectory& motion) { return slowdown(LinkSpeeds::motion_of(motion)); }
 
 bool JointTorques::can_hold(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  const auto cubics = [&](std::size_t, std::vector<detail::Cubic>& joints) {
-    joints.resize(static_cast<std::size_t>(a.size()));
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      const auto joint = static_cast<Eigen::Index>(j);
-      joints[j] = detail::line(a[joint], b[joint], long_time);
-    }
-    return 0.0;
-  };
   const double at_ends = std::max(holding(a).fraction, holding(b).fraction);
   const double allowed = std::min(std::max(1.0 - motion_margin, at_ends), 1.0 - hold_margin);
-  return prove({.segments = 1, .cubics = cubics}).fraction <= allowed * (1.0 + PartBound::fineness);
+  return prove(LinkSpeeds::straight(a, b, long_time)).fraction <= allowed * (1.0 + PartBound::fineness);
 }
 
 LimitUse JointTorques::holding(const Eigen::VectorXd& q) {
@@ -252,9 +244,19 @@ void add_torques(Certificate& certificate, const Trajectory& motion, JointTorque
                                 certificate.torque.time});
 }
 
+void RobotBounds::add(const RobotModel& robot, const Pose& base, const Eigen::VectorXd& other_positions,
+                      const MotionLimits& limits, std::size_t first_joint) {
+  links.add(robot, other_positions, limits.link_speeds, first_joint);
+  torques.add(robot, base, other_positions, limits, first_joint);
+}
+
 void RobotBounds::add(const PlacedRobot& robot, const MotionLimits& limits, std::size_t first_joint) {
-  links.add(*robot.model, robot.other_positions, limits.link_speeds, first_joint);
-  torques.add(*robot.model, robot.base, robot.other_positions, limits, first_joint);
+  add(*robot.model, robot.base, robot.other_positions, limits, first_joint);
+}
+
+void RobotBounds::certify(Certificate& certificate, const Trajectory& motion, bool faults) {
+  if (!links.empty()) add_link_speeds(certificate, motion, links, faults);
+  if (!torques.empty()) add_torques(certificate, motion, torques, faults);
 }
 
 double RobotBounds::slowdown(const Trajectory& motion) {

@@ -84,8 +84,11 @@ struct RobotBounds {
   JointTorques torques;
 
   /// Adds the limits of a robot whose joints are those from `first_joint` on.
+  void add(const RobotModel& robot, const Pose& base, const Eigen::VectorXd& other_positions,
+           const MotionLimits& limits, std::size_t first_joint = 0);
   void add(const PlacedRobot& robot, const MotionLimits& limits, std::size_t first_joint = 0);
-  bool empty() const { return links.empty() && torques.empty(); }
+  /// Adds what is proved of the motion to its certificate, and faults where a limit is not kept.
+  void certify(Certificate& certificate, const Trajectory& motion, bool faults);
   /// By which factor a motion has to be slower: 1 or less if it keeps the limits.
   double slowdown(const Trajectory& motion);
 };

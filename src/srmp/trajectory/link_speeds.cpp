@@ -128,17 +128,19 @@ double LinkSpeeds::use(const Trajectory& motion) {
   return largest;
 }
 
-double LinkSpeeds::straight_use(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  const auto cubics = [&](std::size_t, std::vector<detail::Cubic>& joints) {
+LinkSpeeds::Motion LinkSpeeds::straight(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double time) {
+  const auto cubics = [&a, &b, time](std::size_t, std::vector<detail::Cubic>& joints) {
     joints.resize(static_cast<std::size_t>(a.size()));
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const auto joint = static_cast<Eigen::Index>(j);
-      joints[j] = detail::line(a[joint], b[joint], 1.0);
+      joints[j] = detail::line(a[joint], b[joint], time);
     }
     return 0.0;
   };
-  return use(Motion{.segments = 1, .cubics = cubics});
+  return {.segments = 1, .cubics = cubics};
 }
+
+double LinkSpeeds::straight_use(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return use(straight(a, b, 1.0)); }
 
 void add_link_speeds(Certificate& certificate, const Trajectory& motion, LinkSpeeds& speeds, bool faults) {
   certificate.link_speeds = speeds.prove(motion);

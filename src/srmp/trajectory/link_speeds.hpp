@@ -42,6 +42,8 @@ class LinkSpeeds {
   };
   /// That of a trajectory, which outlives it.
   static Motion motion_of(const Trajectory& motion);
+  /// Straight from a to b, which outlive it, at an even speed in this time [s].
+  static Motion straight(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double time);
   /// What is proved of a motion: one for each limit, in the order in which they were added.
   std::vector<LinkSpeedUse> prove(const Motion& motion);
   std::vector<LinkSpeedUse> prove(const Trajectory& motion);

@@ -26,8 +26,7 @@ void add_bounds_of_robot(const Trajectory& motion, Certificate& c, bool faults) 
   if (!need_robot(c.limits)) return;
   RobotBounds bounds;
   bounds.add(*motion.robot, c.limits);
-  if (!bounds.links.empty()) add_link_speeds(c, motion, bounds.links, faults);
-  if (!bounds.torques.empty()) add_torques(c, motion, bounds.torques, faults);
+  bounds.certify(c, motion, faults);
 }
 
 /// Finds the use of limits anew; that of the position limits where they are known.
