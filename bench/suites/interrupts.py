@@ -86,6 +86,16 @@ def plan() -> Call:
     return lambda: planner.plan("left", turned(-0.9), joints(turned(0.9)))
 
 
+def search() -> Call:
+    """A* with steps of 3 degrees behind a wall stores millions of states."""
+    planner = srmp.PlannerInterface()
+    planner.add_robot("arm7")
+    planner.add_box("wall", [0.8, 0.05, 1.2], srmp.Pose([0.55, 0, 0.6]))
+    planner.make_planner("arm7", {"planner_id": "Astar", "resolution": np.deg2rad(3), "time_limit": 60.0})
+    start = np.array([-1.2, 0.9, 0, -1.2, 0, 0.9, 0])
+    return lambda: planner.plan("arm7", start, joints(start * [-1, 1, 1, 1, 1, 1, 1]))
+
+
 def plan_multi() -> Call:
     planner = among_points()
     planner.make_planner(["left", "right"], {"planner_id": "auto", "time_limit": 60.0, "improve_time": 60.0})
@@ -164,6 +174,7 @@ CALLS = {
     call.__name__: call
     for call in (
         plan,
+        search,
         plan_multi,
         plan_many,
         plan_sequence,

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/block_vector.hpp"
 #include "srmp/search/inadmissible_heuristics.hpp"
 #include "srmp/search/lazy_tree.hpp"
 #include "srmp/search/open_list.hpp"
@@ -107,8 +108,7 @@ class AmraStar : public ResumableSearch {
   }
   Statistics statistics() const override {
     Statistics statistics = tree_.statistics;
-    statistics.memory = table().memory() + anchor_.memory() + others_.memory() +
-                        blocks_.capacity() * sizeof(CandidateTable::EdgeBlock) +
+    statistics.memory = table().memory() + anchor_.memory() + others_.memory() + blocks_.memory() +
                         inconsistent_.capacity() * sizeof(StateId);
     for (const OpenList& queue : queues_) statistics.memory += queue.memory();
     return statistics;
@@ -157,7 +157,7 @@ class AmraStar : public ResumableSearch {
   void expand(StateId s, std::size_t level) {
     ++tree_.statistics.expansions;
     const std::size_t first = std::size_t{s} * (levels_ + 1);
-    if (blocks_.size() < first + levels_ + 1) blocks_.resize(first + levels_ + 1);
+    blocks_.grow_to(first + levels_ + 1, {});
     reached_.clear();
     const auto reached = [this](StateId next) { reached_.push_back(next); };
     tree_.expand(
@@ -223,7 +223,7 @@ class AmraStar : public ResumableSearch {
     w1_ = halved(w1_);
     w2_ = halved(w2_);
     reached_.assign(inconsistent_.begin(), inconsistent_.end());
-    for (const OpenList::Entry& entry : anchor_.entries()) reached_.push_back(entry.state);
+    anchor_.entries().for_each([&](const OpenList::Entry& entry) { reached_.push_back(entry.state); });
     std::sort(reached_.begin(), reached_.end());
     for (const StateId s : inconsistent_) table()[s].inconsistent = false;
     inconsistent_.clear();
@@ -236,7 +236,7 @@ class AmraStar : public ResumableSearch {
   double lower_bound() const {
     double lower = goal_.cost();
     const auto lower_to = [&](StateId s) { lower = std::min(lower, g(s) + table()[s].heuristic); };
-    for (const OpenList::Entry& entry : anchor_.entries()) lower_to(entry.state);
+    anchor_.entries().for_each([&](const OpenList::Entry& entry) { lower_to(entry.state); });
     for (const StateId s : inconsistent_) lower_to(s);
     return lower;
   }
@@ -249,7 +249,7 @@ class AmraStar : public ResumableSearch {
   std::size_t levels_;
   OpenList anchor_;
   std::vector<OpenList> queues_;                   // number: heuristic * levels + level
-  std::vector<CandidateTable::EdgeBlock> blocks_;  // by state: one for each level, then the connections
+  BlockVector<CandidateTable::EdgeBlock> blocks_;  // by state: one for each level, then the connections
   std::vector<StateId> reached_;                   // by the last expansion
   std::vector<StateId> inconsistent_;              // expanded by the anchor; a cheaper candidate was found since
   BestGoal goal_;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/block_vector.hpp"
 #include "srmp/core/deadline.hpp"
 #include "srmp/core/status.hpp"
 #include "srmp/search/lazy_tree.hpp"
@@ -77,7 +78,7 @@ class BestFirstSearch {
   }
 
   /// Bytes, without what the nodes hold outside of themselves. OPEN never has more entries than there are nodes.
-  std::size_t memory() const { return nodes_.capacity() * sizeof(Entry) + nodes_.size() * sizeof(Queued); }
+  std::size_t memory() const { return nodes_.memory() + nodes_.size() * sizeof(Queued); }
 
   /// Takes nodes from OPEN until there is a goal. `exhausted` is never said once the deadline has passed.
   template <BestFirstProblem<Node> P>
@@ -114,7 +115,7 @@ class BestFirstSearch {
   };
   using Queued = std::pair<Key, NodeId>;
 
-  std::vector<Entry> nodes_;
+  BlockVector<Entry> nodes_;
   std::priority_queue<Queued, std::vector<Queued>, std::greater<>> open_;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/block_vector.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/search/graph.hpp"
 
@@ -27,7 +28,7 @@ class InadmissibleValues {
   std::size_t count() const { return heuristics_.count; }
   /// Of a state that has been evaluated.
   double operator()(StateId s, std::size_t i) const { return values_[at(s, i)]; }
-  std::size_t memory() const { return values_.capacity() * sizeof(double); }
+  std::size_t memory() const { return values_.memory(); }
 
   /// Evaluates the states that are new, all in one call. Throws InvalidArgument for values that are not finite, or
   /// below 0.
@@ -35,7 +36,7 @@ class InadmissibleValues {
     if (count() == 0) return;
     new_states_.clear();
     for (const StateId s : states) {
-      if (at(s, count()) > values_.size()) values_.resize(at(s, count()), -1.0);
+      values_.grow_to(at(s, count()), -1.0);
       if (values_[at(s, 0)] < 0.0) new_states_.push_back(s);
     }
     if (new_states_.empty()) return;
@@ -55,7 +56,7 @@ class InadmissibleValues {
   std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * count() + i; }
 
   InadmissibleHeuristics heuristics_;
-  std::vector<double> values_;  // by state and heuristic; negative: not evaluated yet
+  BlockVector<double> values_;  // by state and heuristic; negative: not evaluated yet
   std::vector<StateId> new_states_;
   std::vector<double> new_values_;
 };

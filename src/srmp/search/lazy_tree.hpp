@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/block_vector.hpp"
 #include "srmp/core/deadline.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/core/stopping.hpp"
@@ -56,7 +57,7 @@ class CandidateTable {
   void ensure(StateId s) {
     if (s < states_.size()) return;
     if (s == no_state) throw InvalidArgument("the graph generated no_state (4294967295) as a state");
-    states_.resize(std::size_t{s} + 1);
+    states_.grow_to(std::size_t{s} + 1, {});
   }
 
   std::size_t size() const { return states_.size(); }
@@ -122,7 +123,7 @@ class CandidateTable {
     return cost;
   }
 
-  std::size_t memory() const { return states_.capacity() * sizeof(State) + edges_.capacity() * sizeof(Candidate); }
+  std::size_t memory() const { return states_.memory() + edges_.memory(); }
 
  private:
   struct Candidate {
@@ -179,8 +180,8 @@ class CandidateTable {
     edges_[e].g = infinity;
   }
 
-  std::vector<State> states_;
-  std::vector<Candidate> edges_;
+  BlockVector<State> states_;
+  BlockVector<Candidate> edges_;
 };
 
 /// The cheapest path to a goal so far, as it was found: later expansions may give its states other parents, over which

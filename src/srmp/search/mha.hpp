@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/core/block_vector.hpp"
 #include "srmp/search/lazy_tree.hpp"
 #include "srmp/search/open_list.hpp"
 #include "srmp/search/resumable_search.hpp"
@@ -82,7 +83,7 @@ class MultiHeuristicSearch : public ResumableSearch {
     if (!solved()) return result;
     double lower = result.cost;
     const auto lower_to = [&](StateId s) { lower = std::min(lower, table().best_cost(s) + table()[s].heuristic); };
-    for (const OpenList::Entry& entry : queues_[0].entries()) lower_to(entry.state);
+    queues_[0].entries().for_each([&](const OpenList::Entry& entry) { lower_to(entry.state); });
     for (const StateId s : inconsistent_) lower_to(s);
     result.bound = proven_bound(options_.w1 * options_.w2, result.cost, lower);
     return result;
@@ -90,8 +91,7 @@ class MultiHeuristicSearch : public ResumableSearch {
 
   Statistics statistics() const override {
     Statistics statistics = tree_.statistics;
-    statistics.memory =
-        table().memory() + values_of_.capacity() * sizeof(double) + inconsistent_.capacity() * sizeof(StateId);
+    statistics.memory = table().memory() + values_of_.memory() + inconsistent_.capacity() * sizeof(StateId);
     for (const OpenList& open : queues_) statistics.memory += open.memory();
     return statistics;
   }
@@ -148,7 +148,7 @@ class MultiHeuristicSearch : public ResumableSearch {
     if (others_.empty()) return;
     new_states_.clear();
     for (const StateId s : reached_) {
-      if (at(s, others_.size()) > values_of_.size()) values_of_.resize(at(s, others_.size()), -1.0);
+      values_of_.grow_to(at(s, others_.size()), -1.0);
       if (values_of_[at(s, 0)] < 0.0) new_states_.push_back(s);
     }
     if (new_states_.empty()) return;
@@ -170,7 +170,7 @@ class MultiHeuristicSearch : public ResumableSearch {
   std::span<const InadmissibleHeuristic> others_;
   MhaOptions options_;
   std::vector<OpenList> queues_;
-  std::vector<double> values_of_;      ///< by state and inadmissible heuristic; negative: not evaluated yet
+  BlockVector<double> values_of_;      ///< by state and inadmissible heuristic; negative: not evaluated yet
   std::vector<StateId> reached_;       ///< by the last expansion
   std::vector<StateId> new_states_;    ///< of these, those not evaluated yet
   std::vector<double> values_;         ///< of these

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
-#include <vector>
+#include <utility>
 
+#include "srmp/core/block_vector.hpp"
 #include "srmp/search/graph.hpp"
 
 namespace srmp::search {
@@ -14,8 +14,7 @@ namespace srmp::search {
 /// OPEN: a 4-ary heap of states that knows each state's position, so that keys can change in place.
 ///
 /// The order is total: smaller priority first, then smaller heuristic, then smaller insertion number (first in, first
-/// out). A state gets a new number whenever its key changes. Memory is two flat arrays, with amortised growth. Keys
-/// must not be NaN.
+/// out). A state gets a new number whenever its key changes. It grows in blocks, without pauses. Keys must not be NaN.
 class OpenList {
  public:
   struct Entry {
@@ -28,13 +27,13 @@ class OpenList {
   bool empty() const { return heap_.empty(); }
   std::size_t size() const { return heap_.size(); }
   bool contains(StateId s) const { return s < position_.size() && position_[s] != nowhere; }
-  std::size_t memory() const { return heap_.capacity() * sizeof(Entry) + position_.capacity() * sizeof(std::uint32_t); }
+  std::size_t memory() const { return heap_.memory() + position_.memory(); }
   /// The first entry; OPEN must not be empty.
   const Entry& top() const { return heap_.front(); }
   /// The smallest priority; infinity when empty.
   double min_priority() const { return heap_.empty() ? infinity : heap_.front().priority; }
   /// All entries, in the order of the heap (deterministic, not sorted).
-  std::span<const Entry> entries() const { return heap_; }
+  const BlockVector<Entry>& entries() const { return heap_; }
 
   /// Inserts `s`, or changes its key (up or down). Setting the same key again changes nothing.
   void set(StateId s, double priority, double heuristic) {
@@ -58,14 +57,14 @@ class OpenList {
   }
 
   void clear() {
-    for (const Entry& entry : heap_) position_[entry.state] = nowhere;
+    heap_.for_each([&](const Entry& entry) { position_[entry.state] = nowhere; });
     heap_.clear();
   }
 
   /// Gives every entry the priority `priority_of(entry)`, keeping the insertion numbers. O(n).
   template <class F>
   void reprioritise(F&& priority_of) {
-    for (Entry& entry : heap_) entry.priority = priority_of(static_cast<const Entry&>(entry));
+    for (std::size_t at = 0; at < heap_.size(); ++at) heap_[at].priority = priority_of(std::as_const(heap_)[at]);
     for (std::size_t at = heap_.size(); at-- > 0;) sift_down(at, Entry(heap_[at]));
   }
 
@@ -85,7 +84,7 @@ class OpenList {
   }
 
   void insert(const Entry& entry) {
-    if (entry.state >= position_.size()) position_.resize(std::size_t{entry.state} + 1, nowhere);
+    position_.grow_to(std::size_t{entry.state} + 1, nowhere);
     heap_.push_back(entry);
     sift_up(heap_.size() - 1, entry);
   }
@@ -125,8 +124,8 @@ class OpenList {
     put(at, entry);
   }
 
-  std::vector<Entry> heap_;
-  std::vector<std::uint32_t> position_;  ///< by state: its index in heap_
+  BlockVector<Entry> heap_;
+  BlockVector<std::uint32_t> position_;  ///< by state: its index in heap_
   std::uint64_t next_number_{};
 };
 

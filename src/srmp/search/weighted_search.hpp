@@ -126,7 +126,7 @@ class WeightedSearch {
     if (guaranteed_bound == 1.0) return cost;
     double lower = cost;
     const auto lower_to = [&](StateId s) { lower = std::min(lower, table().best_cost(s) + table()[s].heuristic); };
-    for (const OpenList::Entry& entry : open_.entries()) lower_to(entry.state);
+    open_.entries().for_each([&](const OpenList::Entry& entry) { lower_to(entry.state); });
     for (const StateId s : inconsistent_) lower_to(s);
     return lower;
   }
