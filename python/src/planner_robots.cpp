@@ -127,6 +127,21 @@ stay at their origin; angles that look like degrees.)")
           [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_articulation(name); }); },
           nb::arg("name"), "Removes a robot, its planners and its attachments: what it held stays in the world.")
       .def(
+          "join_robots",
+          [](Self& self, const std::string& name, const std::vector<std::string>& robots) {
+            self.use([&](auto& p) { p.join_robots(name, robots); });
+          },
+          nb::arg("name"), nb::arg("robots"),
+          R"(Makes one robot, `name`, of several that stand in the scene (list of names), to plan what they do together, such as
+holding one object in two hands: its joints and links are theirs, called "<robot>_<joint>" and "<robot>_<link>", one
+robot after the other.
+
+It stands as they did, holds what they held, may touch what they might, and has their motion limits; goals name their
+link. Planners of the robots are forgotten. Trajectory.of_joints gives each controller its part of a motion.
+
+Raises InvalidArgument for fewer than two robots, unknown or repeated ones, a name in use, joined names that are the
+same, and limits of torques together with more than one payload; then nothing has changed.)")
+      .def(
           "set_base_pose",
           [](Self& self, const std::string& name, const Pose& pose) {
             self.use([&](auto& p) { p.set_base_pose(name, pose); });

@@ -274,6 +274,12 @@ within 1e-6.)")
       .def(
           "__add__", [](const Trajectory& a, const Trajectory& b) { return a.followed_by(b); }, nb::arg("next"),
           nb::is_operator(), "The same as followed_by.")
+      .def(
+          "of_joints", &Trajectory::of_joints, nb::arg("joints"),
+          R"(The same motion of these joints (list of names) alone, in this order: for the controller of one arm of several.
+
+It has no certificate and no robot, which are of all joints. Raises InvalidArgument for no joint, one that is not here
+(with the nearest name), and one that is named twice.)")
       .def("__getitem__", &part, nb::arg("rows"), nb::sig("def __getitem__(self, rows: slice) -> Trajectory"),
            R"(trajectory[i:j]: rows i to j-1 and the same motion between them; waypoints and certificate as in slice.
 

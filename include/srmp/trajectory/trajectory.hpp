@@ -90,6 +90,10 @@ struct Trajectory {
   /// limits, it has one: each motion's claims in the scene in which it was verified. Throws InvalidArgument unless
   /// joint names agree and `next` starts where this ends: positions within 1e-9, velocities within 1e-6.
   Trajectory followed_by(const Trajectory& next) const;
+  /// The same motion of these joints alone, in this order: for the controller of one arm of several. It has no
+  /// certificate and no robot, which are of all joints. Throws InvalidArgument for no joint, one that is not here (with
+  /// the nearest name), and one that is named twice.
+  Trajectory of_joints(const std::vector<std::string>& joints) const;
 
   // These need no times.
 

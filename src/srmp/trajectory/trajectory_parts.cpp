@@ -224,4 +224,24 @@ Trajectory Trajectory::rows(std::size_t first, std::size_t last) const {
   return result;
 }
 
+Trajectory Trajectory::of_joints(const std::vector<std::string>& joints) const {
+  require_shapes(*this);
+  if (joints.empty()) refuse("of_joints: no joint is named");
+  std::vector<Eigen::Index> columns;
+  for (const std::string& joint : joints) {
+    const auto it = std::find(joint_names.begin(), joint_names.end(), joint);
+    if (it == joint_names.end())
+      refuse("of_joints: it has no joint '" + joint + "'" + did_you_mean(joint, joint_names));
+    columns.push_back(it - joint_names.begin());
+    if (std::count(joints.begin(), joints.end(), joint) > 1) refuse("of_joints: joint '" + joint + "' is named twice");
+  }
+  const auto part = [&](const RowMatrix& all) { return RowMatrix(all(Eigen::all, columns)); };
+  return {.joint_names = joints,
+          .positions = part(positions),
+          .velocities = part(velocities),
+          .accelerations = part(accelerations),
+          .times = times,
+          .waypoints = part(waypoints)};
+}
+
 }  // namespace srmp
