@@ -28,7 +28,7 @@ VARIABLE = "SRMP_ROBOTS"  # directories with TOML files of the user's own
 _LISTS = Path(__file__).parent / "lists"
 _ARGUMENTS = (
     *("name", "end_effector", "group", "joint_names", "fixed_joints", "base_pose", "package_dirs"),
-    *("planar_bounds", "strict"),
+    *("planar_bounds", "floating_bounds", "strict"),
 )
 _registered: dict[str, Robot] = {}
 
