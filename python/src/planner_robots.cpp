@@ -88,9 +88,11 @@ and so may links that touch with all joints at 0 and in more than 95 % of the sa
 planar_bounds: [[x, y], [x, y]], the smallest and the largest [m], of a robot that drives: its planar joint (of the
 URDF, or the virtual joint of the SRDF; otherwise one called 'base' that moves the root link) becomes '<joint>/x',
 '<joint>/y' and '<joint>/theta' [rad], which are planned before the other joints. The base is taken to move in any
-direction. floating_bounds: [[x, y, z], [x, y, z]], the same of a robot that flies: its floating joint becomes
-'<joint>/x', '<joint>/y', '<joint>/z', '<joint>/yaw', '<joint>/pitch' and '<joint>/roll' [rad], with pitch within
-±pi/2, so that every orientation is reached once. Give one of the two at most.
+direction.
+
+floating_bounds: [[x, y, z], [x, y, z]] [m], instead, of a robot that flies: its floating joint, found in the same way,
+becomes '<joint>/x', '<joint>/y', '<joint>/z', '<joint>/yaw', '<joint>/pitch' and '<joint>/roll' [rad]. Pitch is within
+±pi/2, so that every orientation is reached once; near ±pi/2 yaw and roll turn about the same axis.
 
 What was read but not used is issued as RobotWarning and listed by warnings(name): unknown tags, names in the SRDF
 that the URDF does not have, planar and floating joints without these bounds, which are not planned. With `strict`,
