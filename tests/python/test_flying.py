@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import refuses
+from support import needs_example_robot_data, refuses
 
 import srmp
 
@@ -146,6 +146,19 @@ def test_a_plate_rolls_upright_to_fit_through_a_slot():
     assert through
     for q in through:  # the plate's normal lies across the slot
         assert abs(rotation(*q[3:])[1, 2]) > 0.8
+
+
+@needs_example_robot_data
+@pytest.mark.parametrize("robot", ["hector", "iris_simple"])
+@pytest.mark.filterwarnings("ignore::srmp.RobotWarning")
+def test_listed_quadrotors_fly_with_bounds(robot):
+    planner = srmp.PlannerInterface()
+    refuses(lambda: planner.add_robot(robot), "it flies: give floating_bounds", srmp.NotSupported)
+    planner.add_robot(robot, floating_bounds=BOX)
+    add_boxes(planner, WALL)
+    trajectory = planner.plan([-1.5, -1, 1, 0, 0, 0], [1.5, 1, 1, np.pi / 2, 0, 0])
+    assert trajectory.joint_names == NAMES
+    assert trajectory.certificate.holds
 
 
 def test_every_orientation_is_reached():
