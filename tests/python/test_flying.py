@@ -174,6 +174,15 @@ def test_every_orientation_is_reached():
             np.testing.assert_allclose(rotation(*q[3:]), pose.matrix()[:3, :3], atol=1e-3)
 
 
+def test_a_base_is_planned_level_by_the_names_of_its_joints():
+    planner = srmp.PlannerInterface()
+    planner.add_articulation(urdf_text=PLATE, floating_bounds=[[-1, -1, -1], [1, 1, 1]], joint_names=NAMES[:4])
+    assert planner.get_joint_names("plate") == NAMES[:4]
+    place = planner.compute_fk("plate", [0.1, 0.2, 0.3, 0.4]).matrix()
+    np.testing.assert_allclose(place[:3, :3], rotation(0.4, 0, 0), atol=1e-12)
+    np.testing.assert_allclose(place[:3, 3], [0.1, 0.2, 0.3], atol=1e-12)
+
+
 def test_limits_of_the_motion():
     planner = flying_plate(slot=False)
     limits = dict.fromkeys(NAMES[:3], 0.2) | dict.fromkeys(NAMES[3:], 0.5)

@@ -125,6 +125,9 @@ BOOST_AUTO_TEST_CASE(a_planar_virtual_joint_is_planned_with_the_group) {
   BOOST_TEST((robot->group_states().at("up") - Eigen::Vector4d(0, 0, 0, 0.5)).norm() == 0.0);
   BOOST_TEST((robot->group_states().at("away") - Eigen::Vector4d(1, 2, 3, 0)).norm() == 0.0);
 
+  description.srdf_text.replace(srdf.find("1 2 3"), 5, "1 2");
+  check_throws<FileError>([&] { RobotModel::load(description); }, "gives 2 values of joint 'world_joint'");
+  description.srdf_text = srdf;
   description.group = "base";
   BOOST_TEST(RobotModel::load(description)->joint_names().size() == 3u);
   // What is saved describes the same robot, without the bounds.
@@ -197,6 +200,20 @@ BOOST_AUTO_TEST_CASE(a_floating_joint_in_the_middle_of_the_tree_is_six_planned_j
   const Eigen::Isometry3d flight = Pose::from_rpy({1.5, -0.5, 2.0}, {2.5, -1.1, 0.8}).isometry();
   const Eigen::Isometry3d turn = Pose::from_rpy({0, 0, 1}, {0, 0.3, 0}).isometry();
   BOOST_TEST((arm_pose(*robot, q).matrix() - (origin * flight * turn).matrix()).norm() < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(the_first_of_two_floating_joints_is_planned) {
+  std::string urdf = kDrone;
+  urdf.insert(urdf.find("</robot>"), R"(<link name='bird'/>
+    <joint name='bird' type='floating'><parent link='ground'/><child link='bird'/></joint>)");
+  RobotDescription description = flying(urdf);
+  description.end_effector = "arm";
+  const auto robot = RobotModel::load(description);
+  BOOST_TEST(robot->joint_names()[1] == "air/x");
+  BOOST_REQUIRE(robot->warnings().size() == 1u);
+  BOOST_TEST(robot->warnings()[0] ==
+             "joint 'bird' has more than one degree of freedom; it is not planned and stays at its origin; "
+             "floating_bounds plans the first joint of its type alone");
 }
 
 BOOST_AUTO_TEST_CASE(a_floating_virtual_joint_is_planned_with_the_group) {

@@ -208,10 +208,13 @@ std::string expanded_urdf(const std::string& urdf_text, const MultiDofJoint& joi
 std::vector<double> positions_in_state(const MultiDofJoint& joint, const XMLElement& in_state) {
   std::istringstream text(in_state.Attribute("value") ? in_state.Attribute("value") : "");
   const std::vector<double> v{std::istream_iterator<double>(text), {}};
-  if (v.size() != joint.type.values)
-    throw FileError("a state of the SRDF gives " + std::to_string(v.size()) + " values of joint '" + joint.name +
-                    "', which is " + joint.type.name + "; it takes " + joint.type.value_names);
+  const auto fail = [&](const std::string& what) {
+    throw FileError("a state of the SRDF gives " + what + " of joint '" + joint.name + "', which is " +
+                    joint.type.name + "; it takes " + joint.type.value_names);
+  };
+  if (v.size() != joint.type.values) fail(std::to_string(v.size()) + " values");
   if (joint.type.type == UrdfJointType::planar) return v;
+  if (Eigen::Map<const Eigen::Vector4d>(&v[3]).isZero()) fail("a quaternion of zeros");
   const auto positions = floating_positions(Pose::from_list(v));
   return {positions.begin(), positions.end()};
 }

@@ -286,6 +286,19 @@ RobotDescription without_files(RobotDescription description) {
   return description;
 }
 
+/// Of planar and floating joints, one is planned where its bounds are given, and is no longer among them.
+void warn_of_multi_dof_joints(RobotModelImpl& m) {
+  for (const UrdfJoint& joint : m.urdf.joints) {
+    const bool planar = joint.type == UrdfJointType::planar;
+    if (!planar && joint.type != UrdfJointType::floating) continue;
+    const bool given = planar ? m.description.planar_bounds.has_value() : m.description.floating_bounds.has_value();
+    m.warnings.push_back("joint '" + joint.name +
+                         "' has more than one degree of freedom; it is not planned and stays at its origin; " +
+                         (planar ? "planar_bounds" : "floating_bounds") +
+                         (given ? " plans the first joint of its type alone" : " plans it"));
+  }
+}
+
 }  // namespace
 
 RobotModelImpl& RobotModelBuilder::impl(RobotModel& model) { return *model.impl_; }
@@ -314,11 +327,7 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
     m.description.joint_names = texts.joint_names;
   }
   m.link_names = m.urdf.link_names();
-  for (const UrdfJoint& joint : m.urdf.joints)
-    if (joint.type == UrdfJointType::floating || joint.type == UrdfJointType::planar)
-      m.warnings.push_back("joint '" + joint.name +
-                           "' has more than one degree of freedom; it is not planned and stays at its origin; " +
-                           (joint.type == UrdfJointType::planar ? "planar_bounds" : "floating_bounds") + " plans it");
+  warn_of_multi_dof_joints(m);
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
   build_actuated_joints(m);
