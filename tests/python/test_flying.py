@@ -252,26 +252,50 @@ def test_a_floating_joint_in_the_middle_of_the_tree_flies():
         srmp.PlannerInterface().add_articulation(urdf_text=urdf, joint_names=["slide", "turn"], end_effector="hook")
 
 
-def test_a_moveit_state_places_the_floating_base(tmp_path):
+def flying_in_odom():
+    """arm7 with a floating virtual joint `world` in the frame odom, 1 m above the floor, and its ready state."""
     planner = srmp.PlannerInterface()
     robot = {"name": "arm", "end_effector": "arm7_hand", "floating_bounds": BOX}
     planner.add_articulation(urdf_path=srmp.data_path("arm7.urdf"), srdf_text=srdf_with("floating"), **robot)
     ready = planner.get_group_states("arm")["ready"][6:]
     planner.set_qpos("arm", [0, 0, 1, 0, 0, 0, *ready])
-    base = srmp.Pose.from_rpy([1, -2, 1.5], [0.3, -0.4, 2.0])
+    return planner, ready
+
+
+def base_at(pose):
+    """MoveIt's state of that virtual joint."""
+    transform = {"translation": list(pose.p), "rotation": list(pose.q)}
+    return {"header": {"frame_id": "odom"}, "joint_names": ["world"], "transforms": [transform]}
+
+
+def test_a_moveit_scene_places_the_floating_base(tmp_path):
+    planner, ready = flying_in_odom()
+    path = tmp_path / "scene.yaml"
+
+    def load(pose):
+        path.write_text(json.dumps({"is_diff": True, "robot_state": {"multi_dof_joint_state": base_at(pose)}}))
+        return planner.load_moveit_scene(str(path))
+
+    assert load(srmp.Pose.from_rpy([1, -2, 1.5], [0.3, -0.4, 2.0])) == []
+    np.testing.assert_allclose(planner.get_qpos("arm"), [1, -2, 1.5, 2.0, -0.4, 0.3, *ready], atol=1e-9)
+    (note,) = load(srmp.Pose(p=[0, 0, 3.5]))
+    assert "joint 'world/z' of the robot state is at 3.5, outside of its limits" in note
+    assert planner.get_qpos("arm")[2] == 1.5
+
+
+def test_a_moveit_request_starts_with_the_floating_base(tmp_path):
+    planner, ready = flying_in_odom()
     flown = [1.5, -2, 1.2, 1.8, -0.2, 0.1, *ready]
     names = planner.get_joint_names("arm")
     goal = {"joint_constraints": [{"joint_name": n, "position": q} for n, q in zip(names, flown, strict=True)]}
 
-    def apply(pose=base, **change):
-        transform = {"translation": list(pose.p), "rotation": list(pose.q)}
-        state = {"header": {"frame_id": "odom"}, "joint_names": ["world"], "transforms": [transform]} | change
-        request = {"goal_constraints": [goal], "start_state": {"multi_dof_joint_state": state}}
+    def apply(pose, **change):
+        start = {"multi_dof_joint_state": base_at(pose) | change}
         path = tmp_path / "request.yaml"
-        path.write_text(json.dumps(request))
+        path.write_text(json.dumps({"goal_constraints": [goal], "start_state": start}))
         return planner.apply_moveit_request("arm", srmp.load_moveit_request(str(path)))
 
-    problem = apply()
+    problem = apply(srmp.Pose.from_rpy([1, -2, 1.5], [0.3, -0.4, 2.0]))
     np.testing.assert_allclose(problem.start, [1, -2, 1.5, 2.0, -0.4, 0.3, *ready], atol=1e-9)
     assert problem.ignored_joints == []
     motion = planner.plan("arm", problem.start, problem.goals)
@@ -279,7 +303,7 @@ def test_a_moveit_state_places_the_floating_base(tmp_path):
     with pytest.raises(srmp.PlanningError, match="world/z"):
         planner.plan("arm", apply(srmp.Pose(p=[0, 0, -0.5])).start, problem.goals)
     with pytest.raises(srmp.Error, match="only the planning frame"):
-        apply(header={"frame_id": "arm7_hand"})
+        apply(srmp.Pose(), header={"frame_id": "arm7_hand"})
 
 
 @pytest.mark.parametrize(
