@@ -25,13 +25,15 @@ void add(PlannerInterface& planner, const RobotDescription& description, const P
   }
 }
 
-std::optional<PlanarBounds> bounds_of(const std::optional<ArrayLike>& corners) {
+/// PlanarBounds or FloatingBounds, from their corners; `names` are those of the coordinates.
+template <class Bounds>
+std::optional<Bounds> bounds_of(const std::optional<ArrayLike>& corners, const char* argument, const char* names) {
   if (!corners) return std::nullopt;
-  const RowMatrix rows = corners->rows("planar_bounds", 2);
+  const RowMatrix rows = corners->rows(argument, decltype(Bounds::lower)::RowsAtCompileTime);
   if (rows.rows() != 2)
-    throw InvalidArgument("planar_bounds has " + std::to_string(rows.rows()) +
-                          " rows; it takes two, the smallest x and y and the largest");
-  return PlanarBounds{rows.row(0).transpose(), rows.row(1).transpose()};
+    throw InvalidArgument(std::string(argument) + " has " + std::to_string(rows.rows()) +
+                          " rows; it takes two, the smallest " + names + " and the largest");
+  return Bounds{rows.row(0).transpose(), rows.row(1).transpose()};
 }
 
 }  // namespace
@@ -43,24 +45,27 @@ void bind_robots(PlannerClass& cls) {
             const std::string& end_effector, const std::string& group, const std::vector<std::string>& joint_names,
             const std::map<std::string, double>& fixed_joints, const std::vector<std::string>& package_dirs,
             const std::string& urdf_text, const Pose& base_pose, const std::string& srdf_text,
-            const std::string& urdf_directory, const std::optional<ArrayLike>& planar_bounds, bool strict) {
+            const std::string& urdf_directory, const std::optional<ArrayLike>& planar_bounds,
+            const std::optional<ArrayLike>& floating_bounds, bool strict) {
            if (name.ends_with(".urdf"))
              throw InvalidArgument("name of the robot is '" + name +
                                    "', the path of a URDF: the arguments are urdf_path, "
                                    "srdf_path, name and end_effector, in this order; give them by name");
-           const RobotDescription description{.urdf_path = urdf_path,
-                                              .urdf_text = urdf_text,
-                                              .urdf_directory = urdf_directory,
-                                              .srdf_path = srdf_path,
-                                              .srdf_text = srdf_text,
-                                              .name = name,
-                                              .end_effector = end_effector,
-                                              .group = group,
-                                              .joint_names = joint_names,
-                                              .fixed_joints = fixed_joints,
-                                              .package_dirs = package_dirs,
-                                              .planar_bounds = bounds_of(planar_bounds),
-                                              .strict = strict};
+           const RobotDescription description{
+               .urdf_path = urdf_path,
+               .urdf_text = urdf_text,
+               .urdf_directory = urdf_directory,
+               .srdf_path = srdf_path,
+               .srdf_text = srdf_text,
+               .name = name,
+               .end_effector = end_effector,
+               .group = group,
+               .joint_names = joint_names,
+               .fixed_joints = fixed_joints,
+               .package_dirs = package_dirs,
+               .planar_bounds = bounds_of<PlanarBounds>(planar_bounds, "planar_bounds", "x and y"),
+               .floating_bounds = bounds_of<FloatingBounds>(floating_bounds, "floating_bounds", "x, y and z"),
+               .strict = strict};
            self.use([&](PlannerInterface& p) { add(p, description, base_pose); });
          },
          nb::arg("urdf_path") = "", nb::arg("srdf_path") = "", nb::arg("name") = "", nb::arg("end_effector") = "",
@@ -68,7 +73,7 @@ void bind_robots(PlannerClass& cls) {
          nb::arg("fixed_joints") = std::map<std::string, double>{},
          nb::arg("package_dirs") = std::vector<std::string>{}, nb::arg("urdf_text") = "", nb::arg("base_pose") = Pose{},
          nb::arg("srdf_text") = "", nb::arg("urdf_directory") = "", nb::kw_only(),
-         nb::arg("planar_bounds") = nb::none(), nb::arg("strict") = false,
+         nb::arg("planar_bounds") = nb::none(), nb::arg("floating_bounds") = nb::none(), nb::arg("strict") = false,
          R"(Adds a robot from a URDF and, where there is one, an SRDF; `base_pose` is the pose of its root link in the world.
 
 name: unique; default the URDF's. end_effector: the link that goals refer to. Planned joints: joint_names, else the
@@ -85,12 +90,17 @@ URDF, or the virtual joint of the SRDF; otherwise one called 'base' that moves t
 '<joint>/y' and '<joint>/theta' [rad], which are planned before the other joints. The base is taken to move in any
 direction.
 
+floating_bounds: [[x, y, z], [x, y, z]] [m], instead, of a robot that flies: its floating joint, found in the same way,
+becomes '<joint>/x', '<joint>/y', '<joint>/z', '<joint>/yaw', '<joint>/pitch' and '<joint>/roll' [rad]. Pitch is within
+±pi/2, so that every orientation is reached once; near ±pi/2 yaw and roll turn about the same axis.
+
 What was read but not used is issued as RobotWarning and listed by warnings(name): unknown tags, names in the SRDF
-that the URDF does not have, floating and, without planar_bounds, planar joints, which are not planned. With `strict`, mistakes among these
-raise FileError.
+that the URDF does not have, planar and floating joints without these bounds, which are not planned. With `strict`,
+mistakes among these raise FileError.
 
 Raises FileError (missing or broken file: line and place; a missing mesh lists every place tried) and
-InvalidArgument (a name in use; unknown group, joint or link, with the nearest name).)")
+InvalidArgument (a name in use; unknown group, joint or link, with the nearest name; bounds that are not finite, empty
+or beyond 1000 m, or both kinds of bounds).)")
       .def(
           "add_robot",
           [](nb::handle self, const nb::object& robot, const nb::kwargs& arguments) {
@@ -102,8 +112,8 @@ InvalidArgument (a name in use; unknown group, joint or link, with the nearest n
 
 robot: such as "arm7", or "panda" of the package example-robot-data. arguments: those of add_articulation that shall
 be other than the list's: name (default: `robot`), group, end_effector, joint_names, fixed_joints, base_pose,
-package_dirs, strict. Groups, end effector, positions of other joints, allowed collisions and motion limits are the
-list's.
+package_dirs, planar_bounds, floating_bounds, strict. Groups, end effector, positions of other joints, allowed
+collisions and motion limits are the list's.
 
 Returns the srmp.robots.Robot, which has the joints of its gripper too. Raises InvalidArgument (unknown name, with
 the nearest; an argument that it does not take), FileError (a broken file) and NotSupported (a package that is not
@@ -120,8 +130,8 @@ Raises InvalidArgument where there is not exactly one.)")
           },
           nb::arg("robot"),
           R"(What was read but not used when the robot was added, as sentences: unknown tags and attributes of the URDF and SRDF,
-names in the SRDF that the URDF does not have, an SRDF with another robot name; planar and floating joints, which
-stay at their origin; angles that look like degrees.)")
+names in the SRDF that the URDF does not have, an SRDF with another robot name; planar and floating joints without
+bounds, which stay at their origin; angles that look like degrees.)")
       .def(
           "remove_articulation",
           [](Self& self, const std::string& name) { self.use([&](auto& p) { p.remove_articulation(name); }); },

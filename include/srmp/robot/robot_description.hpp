@@ -21,6 +21,12 @@ struct PlanarBounds {
   Eigen::Vector2d upper{0, 0};  ///< largest x and y
 };
 
+/// Where a floating joint may move: a box [m].
+struct FloatingBounds {
+  Eigen::Vector3d lower{0, 0, 0};  ///< smallest x, y and z
+  Eigen::Vector3d upper{0, 0, 0};  ///< largest x, y and z
+};
+
 /// Which files describe a robot, and which of its joints are planned.
 struct RobotDescription {
   std::string urdf_path{};                       ///< file; required unless urdf_text is given
@@ -38,6 +44,12 @@ struct RobotDescription {
   /// "base" that moves the root link) becomes "<joint>/x", "<joint>/y" [m] and "<joint>/theta" [rad], which are planned
   /// before the other joints. The base is taken to move in any direction. Unset: a planar joint stays at its origin.
   std::optional<PlanarBounds> planar_bounds{};
+  /// Plans a robot that flies: its floating joint (of the URDF, or the virtual joint of the SRDF; otherwise one called
+  /// "base" that moves the root link) becomes "<joint>/x", "<joint>/y", "<joint>/z" [m], "<joint>/yaw", "<joint>/pitch"
+  /// and "<joint>/roll" [rad], which are planned before the other joints. Pitch is within ±pi/2, so that every
+  /// orientation is reached once; at ±pi/2 yaw and roll turn about the same axis. Unset: a floating joint stays at its
+  /// origin. Not together with planar_bounds.
+  std::optional<FloatingBounds> floating_bounds{};
   bool strict{false};  ///< mistakes in the files that do not change their meaning are errors, not warnings
 };
 

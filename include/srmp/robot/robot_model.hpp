@@ -52,8 +52,8 @@ class RobotModel {
   const RobotDescription& self_contained_description() const;
   /// What was read but not used, as sentences: tags and attributes of the URDF and SRDF that are not known, names in
   /// the SRDF that the URDF does not have (with the group, state or rule that they are in), an SRDF with another robot
-  /// name; floating and planar joints, which stay at their origin; planned joints without a velocity limit; and angles
-  /// that look like degrees.
+  /// name; planar and floating joints without bounds, which stay at their origin; planned joints without a velocity
+  /// limit; and angles that look like degrees.
   const std::vector<std::string>& warnings() const;
 
   // --- planned joints

@@ -28,8 +28,9 @@ VARIABLE = "SRMP_ROBOTS"  # directories with TOML files of the user's own
 _LISTS = Path(__file__).parent / "lists"
 _ARGUMENTS = (
     *("name", "end_effector", "group", "joint_names", "fixed_joints", "base_pose", "package_dirs"),
-    *("planar_bounds", "strict"),
+    *("planar_bounds", "floating_bounds", "strict"),
 )
+_BOUNDS = {"planar_bounds", "floating_bounds"}
 _registered: dict[str, Robot] = {}
 
 
@@ -82,7 +83,7 @@ def add_robot(planner: PlannerInterface, robot: str, **arguments: Any) -> Robot:
                 f"add_robot has no argument '{key}'{hint or '; it takes robot, ' + ', '.join(_ARGUMENTS)}"
             )
     known = find(robot)
-    if known.refused:
+    if known.refused and not _BOUNDS & arguments.keys():  # with bounds it has joints that are planned
         raise NotSupported(f"robot '{robot}' cannot be planned: {known.refused}")
     name = arguments.pop("name", robot)
     planner.add_articulation(name=name, **known.arguments(**arguments))

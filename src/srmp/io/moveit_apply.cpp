@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
 
 #include "srmp/core/error.hpp"
 #include "srmp/io/moveit_objects.h"
 #include "srmp/io/moveit_rules.h"
 #include "srmp/robot/joint_names.hpp"
+#include "srmp/robot/multi_dof_joint.hpp"
 
 namespace srmp::io {
 
@@ -36,46 +34,18 @@ const Joint* movable_joint(const RobotModel& model, const std::string& name) {
   return planned ? planned : find_joint(model.other_joints(), name);
 }
 
-/// The positions of the three joints that a planar joint is planned as (planar_bounds), from its transform, by name.
-/// Empty: the robot has no such joint.
-std::map<std::string, double> planar_positions(const RobotModel& model, const std::string& joint, const Pose& pose) {
-  constexpr double rounding = 1e-4;  // [m, rad]: files hold rounded numbers
-  const std::array<std::string, 3> names{joint + "/x", joint + "/y", joint + "/theta"};
-  std::array<Eigen::Index, 3> columns{};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Joint* planned = find_joint(model.joints(), names[i]);
-    if (!planned) return {};
-    columns[i] = planned - model.joints().data();
-  }
-  const auto placed_at = [&](std::size_t coordinate, double value) {
-    Eigen::VectorXd q = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.joints().size()));
-    q[columns[coordinate]] = value;
-    return model.compute_fk(q, joint + "/at_xy");
-  };
-  const Pose origin = placed_at(0, 0.0);
-  const Eigen::Vector3d along_x = origin.q.conjugate() * (placed_at(0, 1.0).p - origin.p);
-  const Eigen::Vector3d along_y = origin.q.conjugate() * (placed_at(1, 1.0).p - origin.p);
-  const Eigen::Vector3d normal = along_x.cross(along_y), turn = pose.q.vec();
-  if (std::abs(normal.dot(pose.p)) > rounding || normal.cross(turn).norm() > rounding)
-    throw InvalidArgument("joint '" + joint +
-                          "' is planar, and its transform leaves the plane; it may move in the plane and turn about "
-                          "its normal only");
-  return {{names[0], along_x.dot(pose.p)},
-          {names[1], along_y.dot(pose.p)},
-          {names[2], std::remainder(2.0 * std::atan2(normal.dot(turn), pose.q.w()), 2.0 * std::numbers::pi)}};
-}
-
 /// Applies a robot state to a copy of the scene.
 class StateUpdate {
  public:
   StateUpdate(Scene& scene, FrameLookup& frames) : scene_(scene), frames_(frames) {}
 
-  /// Puts the positions of planned planar joints in place of their transforms, of `robot` only where that is not empty.
-  RobotState with_planar_joints(RobotState state, const std::string& robot) const {
+  /// Puts the positions of planned planar and floating joints in place of their transforms, of `robot` only where that
+  /// is not empty.
+  RobotState with_planned_positions(RobotState state, const std::string& robot) const {
     std::erase_if(state.multi_dof_joints, [&](const auto& entry) {
       for (const auto& [name, instance] : scene_.robots()) {
         if (!robot.empty() && robot != name) continue;
-        const auto positions = planar_positions(*instance.model, entry.first, entry.second);
+        const auto positions = multi_dof_positions(*instance.model, entry.first, entry.second);
         if (positions.empty()) continue;
         require_planning_frame(state);
         for (const auto& [joint, position] : positions) state.joints.insert_or_assign(joint, position);
@@ -277,7 +247,7 @@ void set_padding(Scene& scene, const FrameLookup& frames, const std::map<std::st
 std::vector<std::string> apply_state(const SceneFile& file, Scene& scene, FrameLookup& frames,
                                      const std::string& robot) {
   StateUpdate update(scene, frames);
-  const RobotState state = update.with_planar_joints(file.robot_state, "");
+  const RobotState state = update.with_planned_positions(file.robot_state, "");
   std::vector<std::string> notes;
   for (const std::string& joint : update.place_bases(state, ""))
     notes.push_back("joint '" + joint + "' of the robot state is not a virtual joint of a robot");
@@ -336,7 +306,7 @@ StartState apply_start_to(const RequestFile& file, Scene& scene, const std::stri
   ObjectUpdate objects(scene, frames);
   const RobotModel& model = *scene.robot(robot).model;
   StateUpdate update(scene, frames);
-  const RobotState state = update.with_planar_joints(file.start_state, robot);
+  const RobotState state = update.with_planned_positions(file.start_state, robot);
   StartState start{scene.robot(robot).q, start_velocity(state, model), update.place_bases(state, robot)};
   std::map<std::string, double> others;
   for (const auto& [name, position] : state.joints) {

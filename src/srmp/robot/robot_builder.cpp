@@ -4,7 +4,7 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/robot/joint_names.hpp"
-#include "srmp/robot/planar_base.hpp"
+#include "srmp/robot/multi_dof_joint.hpp"
 #include "srmp/robot/robot_impl.hpp"
 #include "srmp/robot/robot_model.hpp"
 #include "srmp/robot/xml.hpp"
@@ -286,6 +286,19 @@ RobotDescription without_files(RobotDescription description) {
   return description;
 }
 
+/// Of planar and floating joints, one is planned where its bounds are given, and is no longer among them.
+void warn_of_multi_dof_joints(RobotModelImpl& m) {
+  for (const UrdfJoint& joint : m.urdf.joints) {
+    const bool planar = joint.type == UrdfJointType::planar;
+    if (!planar && joint.type != UrdfJointType::floating) continue;
+    const bool given = planar ? m.description.planar_bounds.has_value() : m.description.floating_bounds.has_value();
+    m.warnings.push_back("joint '" + joint.name +
+                         "' has more than one degree of freedom; it is not planned and stays at its origin; " +
+                         (planar ? "planar_bounds" : "floating_bounds") +
+                         (given ? " plans the first joint of its type alone" : " plans it"));
+  }
+}
+
 }  // namespace
 
 RobotModelImpl& RobotModelBuilder::impl(RobotModel& model) { return *model.impl_; }
@@ -307,18 +320,14 @@ std::shared_ptr<RobotModel> RobotModelBuilder::build(const RobotDescription& des
     m.warnings.insert(m.warnings.end(), srdf->warnings.begin(), srdf->warnings.end());
   }
   if (srdf) m.virtual_joint = srdf->virtual_joint;
-  if (texts.planar_bounds) {
-    expand_planar_joint(m.self_contained, m.urdf, srdf ? &*srdf : nullptr);
+  if (texts.planar_bounds || texts.floating_bounds) {
+    expand_multi_dof_joint(m.self_contained, m.urdf, srdf ? &*srdf : nullptr);
     m.urdf = Urdf::parse(texts.urdf_text);
     if (srdf) srdf = Srdf::parse(texts.srdf_text, m.urdf);
     m.description.joint_names = texts.joint_names;
   }
   m.link_names = m.urdf.link_names();
-  for (const UrdfJoint& joint : m.urdf.joints)
-    if (joint.type == UrdfJointType::floating || joint.type == UrdfJointType::planar)
-      m.warnings.push_back("joint '" + joint.name +
-                           "' has more than one degree of freedom; it is not planned and stays at its origin" +
-                           (joint.type == UrdfJointType::planar ? "; planar_bounds plans it" : ""));
+  warn_of_multi_dof_joints(m);
   m.tree = std::make_unique<KinematicTree>(m.urdf);
   choose_joints(m, srdf ? &*srdf : nullptr);
   build_actuated_joints(m);

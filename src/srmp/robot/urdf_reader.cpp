@@ -208,7 +208,8 @@ class UrdfReader {
     read_origin(element, nullptr, &joint.xyz, &joint.rpy);
     if (joint.scalar() || joint.type == UrdfJointType::planar) read_axis(element, joint);
     if (joint.scalar()) read_limit(element, joint);
-    if (joint.type == UrdfJointType::planar) read_planar_limit(element, joint);
+    if (joint.type == UrdfJointType::planar || joint.type == UrdfJointType::floating)
+      read_multi_dof_limit(element, joint);
     mimics_.push_back(joint.scalar() ? element.FirstChildElement("mimic") : nullptr);
     connect(element, std::move(joint));
   }
@@ -287,8 +288,8 @@ class UrdfReader {
                       " m; it is planned within " + to_text(max_length) + " m of 0");
   }
 
-  /// The positions of a planar joint have no limits in a URDF.
-  void read_planar_limit(const XMLElement& element, UrdfJoint& joint) {
+  /// The positions of planar and floating joints have no limits in a URDF.
+  void read_multi_dof_limit(const XMLElement& element, UrdfJoint& joint) {
     if (const XMLElement* e = element.FirstChildElement("limit")) joint.velocity = xml_.number(*e, "velocity");
   }
 
