@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <limits>
 #include <random>
 
+#include "cpu_seconds.hpp"
 #include "plain_coal.hpp"
 #include "srmp/collision/batch/batch_checker.hpp"
 #include "srmp/collision/checker.hpp"
@@ -20,15 +20,10 @@
 #include "srmp/io/moveit.hpp"
 
 using namespace srmp;
+using bench::cpu_seconds;
 using bench::PlainCoal;
 
 namespace {
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// The best of several runs.
 class Stopwatch {

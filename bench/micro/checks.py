@@ -23,7 +23,7 @@ import statistics
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -38,42 +38,43 @@ MODELS = [("panda", "spheres"), ("panda", "urdf"), ("ur5", "urdf"), ("fetch", "u
 BACKENDS = ("portable", "avx2", "avx512")
 
 
-def build() -> Path:
-    """The program, built from this checkout; takes minutes the first time."""
+def build(program: str) -> Path:
+    """bench_checks or another program of bench/micro, built from this checkout; takes minutes the first time."""
     directory = REPOSITORY / "build" / "bench"
     path = os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]])
     environment = {**os.environ, "PATH": path}
-    print(f"building bench_checks in {directory}", file=sys.stderr)
+    print(f"building {program} in {directory}", file=sys.stderr)
     for command in (
         ["cmake", "-S", REPOSITORY, "-B", directory, "-DSRMP_BUILD_BENCH=ON", "-DCMAKE_BUILD_TYPE=Release"],
-        ["cmake", "--build", directory, "--target", "bench_checks", "--parallel", str(os.cpu_count() or 1)],
+        ["cmake", "--build", directory, "--target", program, "--parallel", str(os.cpu_count() or 1)],
     ):
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if done.returncode:
             sys.exit(f"{done.stdout}\n{command[1]} failed; it needs what pyproject.toml's dependency group build lists")
-    return directory / "bench" / "micro" / "bench_checks"
+    return directory / "bench" / "micro" / program
 
 
-def measure(program: Path, data: Path, robot: str, geometry: str, options: argparse.Namespace) -> Iterator[dict]:
-    """One row a scene."""
+def rows_of(
+    program: Path, data: Path, robot: str, geometry: str, numbers: str, settings: Sequence[object]
+) -> Iterator[dict[str, Any]]:
+    """What the program prints of the scenes of these problems."""
     files = mbm.robot_files(data, robot, geometry)
     srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])  # its time is not measured here
-    settings = [str(value) for value in (options.motions, options.size, options.step, options.repeats)]
-    with mbm.open_problems(files.directory, robot, numbers=mbm.parse_numbers(options.problems)) as problems:
-        command = [str(program), str(files.urdf), str(files.srdf), mbm.GROUPS[robot], *settings]
-        command += [str(problem.scene) for problem in problems]
+    with mbm.open_problems(files.directory, robot, numbers=mbm.parse_numbers(numbers)) as problems:
+        names = {str(problem.scene): problem.name for problem in problems}
+        command = [str(program), str(files.urdf), str(files.srdf), mbm.GROUPS[robot], *map(str, settings), *names]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-            for problem, line in zip(tqdm(problems, f"{robot} {geometry}", disable=None), process.stdout, strict=False):
+            for line in tqdm(process.stdout, f"{robot} {geometry}", disable=None):
                 row = json.loads(line)
-                del row["scene"]
-                yield {"robot": robot, "geometry": geometry, "problem": problem.name, **row}
+                yield {"robot": robot, "geometry": geometry, "problem": names[row.pop("scene")], **row}
         if process.returncode:
             sys.exit(f"{program} failed")
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
-    program = options.program or build()
-    rows = [row for robot, geometry in MODELS for row in measure(program, options.data, robot, geometry, options)]
+    program = options.program or build("bench_checks")
+    settings = (options.motions, options.size, options.step, options.repeats)
+    rows = [row for model in MODELS for row in rows_of(program, options.data, *model, options.problems, settings)]
     header = mbm.header(
         "collision checks",
         created=datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),

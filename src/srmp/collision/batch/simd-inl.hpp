@@ -11,7 +11,9 @@ namespace {
 
 #define SRMP_INLINE inline __attribute__((always_inline))
 
-#if defined(__AVX512F__)
+#if defined(SRMP_LANES)  // lanes of another kind, such as those that count (bench/micro/counted_kernel.cpp)
+#include SRMP_LANES
+#elif defined(__AVX512F__)
 
 constexpr int kWidth = 16;
 using V = __m512;

@@ -1,0 +1,14 @@
+#include "counted_kernel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace srmp::bench {
+KernelOperations kernel_operations;
+}
+
+using srmp::bench::kernel_operations;
+
+#define SRMP_LANES "counting_lanes.hpp"
+#define SRMP_KERNEL run_counted
+#include "srmp/collision/batch/kernel-inl.hpp"
