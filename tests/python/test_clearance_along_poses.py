@@ -66,7 +66,7 @@ def table(arm_alone):
     """Its top is 0.1 m below the hand at READY, fingers down, which are what comes nearest to it."""
     hand = arm_alone.compute_fk("arm", READY)
     arm_alone.add_box("table", size=[0.3, 0.3, 0.05], pose=Pose(p=hand.p - [0, 0, 0.125]))
-    arm_alone.make_planner("arm", {"clearance": 0.02, "time_limit": 10.0})
+    arm_alone.make_planner("arm", {"clearance": 0.02, "time_limit": 60.0})
     return arm_alone
 
 
@@ -151,7 +151,7 @@ def test_the_same_request_has_the_same_motion_and_none_is_what_it_was(table):
     table.make_planner("arm", {})
     without = table.plan_linear("arm", READY, low)
     assert without.certificate.clearance_kept is None
-    table.make_planner("arm", {"clearance": 0.02, "time_limit": 10.0})
+    table.make_planner("arm", {"clearance": 0.02, "time_limit": 60.0})
     motions.append(table.plan_linear("arm", READY, low))
     assert all(motion == motions[0] for motion in motions)
 
@@ -169,13 +169,6 @@ def test_a_preferred_clearance_is_no_reason_to_fail(table):
     motion = table.follow("arm", READY, [moved(here, [0, 0.05, 0]), moved(here, [0, 0.05, 0.05])])
     assert motion.certificate.holds
     assert motion.certificate.clearance_kept is None
-
-
-def test_a_backend_of_your_own_keeps_none(table):
-    table.set_collision_backend(lambda scene, robot, options: None)
-    here = table.compute_fk("arm", READY)
-    with pytest.raises(srmp.NotSupported, match=r"clearance is 0.02 m, but a collision backend"):
-        table.plan_linear("arm", READY, moved(here, [0, 0, 0.1]))
 
 
 # --- sequences
@@ -250,11 +243,8 @@ def test_moves_are_blended_where_they_keep_it(arm_alone):
     assert min(speeds) > 0.05
     assert all(part.motion.certificate.clearance_kept.violation == 0 for part in passed.parts)
     hand = planner.compute_fk("arm", vias[0])
-    planner.set_qpos("arm", vias[0])
-    planner.add_sphere("near", 0.02, Pose(p=hand.p - [0, 0, 0.15]))
-    near = planner.nearest("arm", vias[0])
-    planner.set_object_pose("near", Pose(p=hand.p - [0, 0, 0.16 - near.distance]))
-    assert planner.distance_to_collision("arm", vias[0]) == pytest.approx(0.01, abs=5e-3)
+    planner.add_box("near", size=[0.1, 0.1, 0.02], pose=Pose(p=hand.p + 0.02 * hand.matrix()[:3, 2], q=hand.q))
+    assert planner.distance_to_collision("arm", vias[0]) == pytest.approx(0.01, abs=1e-4)
     stops = planner.plan_sequence(READY, segments)
     np.testing.assert_allclose(stops.parts[0].motion.positions[-1], vias[0], atol=1e-9)
     np.testing.assert_allclose(stops.parts[0].motion.velocities[-1], 0, atol=1e-9)

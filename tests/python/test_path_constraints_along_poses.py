@@ -107,17 +107,18 @@ def test_lines_in_random_worlds_keep_them(suite, seed, kind):
     assert solved >= 2
 
 
-def test_the_elbow_stays_where_it_is_asked_to(arm_alone):
-    """A line that the nearest configurations follow with an elbow that moves aside."""
-    places = Places()
-    here, elbow = arm_alone.compute_fk("arm", READY), arm_alone.compute_fk("arm", READY, ELBOW)
-    goal = moved(here, [0, 0.25, 0])
-    used = constraints_at(elbow)["box"][1]
-    box = PathConstraint.box([0.08, 0.04, 0.08], Pose(p=elbow.p), link=ELBOW)
-    free = arm_alone.plan_linear("arm", READY, goal)
-    assert max(used(*place) for place in places.along(free, ELBOW)) > 1
-    kept = arm_alone.plan_linear("arm", READY, goal, constraints=[box])
-    assert max(used(*place) for place in places.along(kept, ELBOW)) <= 1
+def test_the_joints_that_are_left_free_keep_it(arm_alone):
+    """A line that the nearest configurations follow with a wrist that moves 78 mm aside."""
+    places, wrist = Places(), arm_alone.compute_fk("arm", READY, "arm7_wrist").p
+    goal = moved(arm_alone.compute_fk("arm", READY), [0, 0.12, 0])
+
+    def aside(motion):
+        return max(abs(p[1] - wrist[1]) for p, _ in places.along(motion, "arm7_wrist"))
+
+    assert aside(arm_alone.plan_linear("arm", READY, goal)) > 0.07
+    plane = PathConstraint.plane(wrist, [0, 1, 0], 0.025, link="arm7_wrist")
+    kept = arm_alone.plan_linear("arm", READY, goal, constraints=[plane])
+    assert aside(kept) <= kept.certificate.constraints[0].deviation + 1e-9 <= 0.025 + 1e-9
     assert pickle.loads(pickle.dumps(kept)).certificate == kept.certificate
 
 

@@ -24,7 +24,7 @@ struct FollowTuning {
   std::uint64_t first_expansions{500};
   /// Beyond these, for each layer of a graph whose ends may be closer than the clearance: motions near such ends take
   /// long to check, and where none leads on, the robot's redundancy has many.
-  std::uint64_t close_expansions{20};
+  std::uint64_t close_expansions{5};
   double weight{15.0};   ///< of the heuristic: much of it follows the nearest configurations
   double fraction{0.5};  ///< of the tolerance that the straight segments may use; rounded corners have the rest
   /// Of the tolerance: how far corners may be rounded, one after the other until the motion keeps to the poses.
