@@ -313,11 +313,16 @@ class PlannerInterface {
   /// proved, and Certificate::cartesian_deviation has the proved values. Where the path has a corner, the motion slows
   /// down, or stops if the tolerance is too small to round it.
   ///
-  /// Time limit, timing, limits and certificate are those of make_planner; its search options do not apply. Throws
-  /// PlanningError: start_invalid; timed_out; cancelled; or exhausted, with how far the link came and what stopped it
-  /// (a contact, the joint limits, a singularity). Throws InvalidArgument for an unknown robot or link (with the
-  /// nearest name), a link that no planned joint moves, a wrong size, NaN, no poses, and tolerances that are not above
-  /// 0 and at most 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
+  /// Path constraints of the options hold at every instant besides, as those of plan. A start that breaks one is
+  /// start_invalid; a last pose at which all configurations that are found break one is goal_invalid.
+  ///
+  /// Time limit, timing, limits, clearance and certificate are those of make_planner; its search options do not apply.
+  /// A start or an end may be closer to something than the clearance: on the way from there, no pair that is closer
+  /// comes closer still. Throws PlanningError: start_invalid; goal_invalid; timed_out; cancelled; or exhausted, with
+  /// how far the link came and what stopped it (a contact, the clearance, a constraint, the joint limits, a
+  /// singularity). Throws InvalidArgument for an unknown robot or link (with the nearest name), a link that no planned
+  /// joint moves, constraints as plan, a wrong size, NaN, no poses, and tolerances that are not above 0 and at most
+  /// 0.1 m and 0.5 rad. last_request and last_result are none afterwards.
   Trajectory follow(const std::string& robot, ConstVector start, const std::vector<Pose>& poses,
                     const CartesianOptions& options = {}, const Interrupt& interrupt = {});
   /// Motions, grasps and waits in a row, from `start` (dof,) [rad or m]: each segment begins where the one before ends,
@@ -327,8 +332,9 @@ class PlannerInterface {
   /// their way for contacts; attach an object before a gripper closes around it.
   ///
   /// The scene is as before afterwards, whether there is a sequence or not; last_request and last_result are none.
-  /// Planner, timing and limits are those of make_planner; the time limit is for each motion, and so many times as
-  /// there are segments for all. Throws PlanningError with the segment that was reached and why it failed, and
+  /// Planner, timing, limits and clearance are those of make_planner; the time limit is for each motion, and so many
+  /// times as there are segments for all. Every motion keeps the clearance, and may begin and end closer, as those of
+  /// plan and follow do. Throws PlanningError with the segment that was reached and why it failed, and
   /// InvalidArgument, with the number of the segment, for segments that cannot be: unknown objects, links and joints,
   /// goals as plan, poses as follow, no segments, negative times and radii.
   SequenceResult plan_sequence(const std::string& robot, ConstVector start, const std::vector<Segment>& segments,

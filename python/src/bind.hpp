@@ -74,6 +74,13 @@ nb::dict to_dict(const OptionMap& map);
 #define SRMP_GOAL                                                                           \
   "GoalConstraint | Pose | numpy.typing.ArrayLike | collections.abc.Mapping[str, float] | " \
   "collections.abc.Mapping[str, Pose] | str"
+/// The arguments of motions along poses: CartesianOptions.
+#define SRMP_CARTESIAN                                                               \
+  nb::arg("link") = "", nb::arg("max_deviation") = CartesianOptions{}.max_deviation, \
+  nb::arg("max_rotation") = CartesianOptions{}.max_rotation, nb::arg("constraints") = std::vector<PathConstraint>()
+#define SRMP_CARTESIAN_SIG                                                                     \
+  "link: str = '', max_deviation: float = 0.001, max_rotation: float = 0.008726646259971648, " \
+  "constraints: collections.abc.Sequence[PathConstraint] = ()"
 #define SRMP_GOALS SRMP_GOAL " | collections.abc.Sequence[GoalConstraint | Pose | str]"
 
 /// A goal in any form, or several; `what` names it in messages.

@@ -149,8 +149,9 @@ a blend_radius are passed without a stop. Joints that are set are looked at in t
 attach an object before a gripper closes around it. The name may be left out where there is one robot.
 
 The scene is as before afterwards, whether there is a sequence or not; last_request and last_result are None. Planner,
-timing and limits are those of make_planner; the time limit is for each motion, and so many times as there are segments
-for all. The GIL is released; Ctrl-C stops the plan.
+timing, limits and clearance are those of make_planner; the time limit is for each motion, and so many times as there are
+segments for all. Every motion keeps the clearance, and may begin and end closer, as those of plan and follow do. The GIL
+is released; Ctrl-C stops the plan.
 
 Raises PlanningError with the segment that was reached and why it failed, and InvalidArgument, with the number of the
 segment, for segments that cannot be: unknown objects, links and joints, goals as plan, poses as follow, no segments,
@@ -209,11 +210,17 @@ The link leaves the path by no more than max_deviation [m] and max_rotation [rad
 motion; this is proved, and Certificate.cartesian_deviation has the proved values. Where the path has a corner, the
 motion slows down, or stops if the tolerance is too small to round it. The GIL is released; Ctrl-C stops the plan.
 
-Time limit, timing, limits and certificate are those of make_planner; its search options do not apply. Raises
-PlanningError: start_invalid, timed_out, cancelled, or exhausted, with how far the link came and what stopped it (a
-contact, the joint limits, a singularity). Raises InvalidArgument for an unknown robot or link (with the nearest
-name), a link that no planned joint moves, a wrong size, NaN, no poses, and tolerances that are not above 0 and at
-most 0.1 m and 0.5 rad. last_request and last_result are None afterwards.)";
+constraints: PathConstraints that hold at every instant of the motion besides, proved, as those of plan:
+Certificate.constraints has the proved values. A start that breaks one is start_invalid; a last pose at which all
+configurations that are found break one is goal_invalid.
+
+Time limit, timing, limits, clearance and certificate are those of make_planner; its search options do not apply. A
+start or an end may be closer to something than the clearance: on the way from there, no pair that is closer comes
+closer still. Raises PlanningError: start_invalid, goal_invalid, timed_out, cancelled, or exhausted, with how far the
+link came and what stopped it (a contact, the clearance, a constraint, the joint limits, a singularity). Raises
+InvalidArgument for an unknown robot, link or frame (with the nearest name), a link that no planned joint moves, a
+constraint that no planned joint changes, a wrong size, NaN, no poses, and tolerances that are not above 0 and at most
+0.1 m and 0.5 rad. last_request and last_result are None afterwards.)";
 
 constexpr const char* linear_doc =
     R"(A timed, collision-free trajectory on which a link (default: the end effector) moves in a straight line from where it
@@ -375,37 +382,44 @@ Raises InvalidArgument for an unknown robot, joint or state, with the nearest na
       .def(
           "plan_linear",
           [](Self& self, const std::string& robot, const ArrayLike& start, const Pose& goal, const std::string& link,
-             double max_deviation,
-             double max_rotation) { return follow(self, robot, start, {goal}, {link, max_deviation, max_rotation}); },
-          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("link") = "",
-          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
-          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, linear_doc)
+             double max_deviation, double max_rotation, const std::vector<PathConstraint>& constraints) {
+            return follow(self, robot, start, {goal}, {link, max_deviation, max_rotation, constraints});
+          },
+          nb::arg("name"), nb::arg("start"), nb::arg("goal"), nb::kw_only(), SRMP_CARTESIAN,
+          nb::sig("def plan_linear(self, name: str, start: numpy.typing.ArrayLike, goal: Pose, *, " SRMP_CARTESIAN_SIG
+                  ") -> Trajectory"),
+          linear_doc)
       .def(
           "plan_linear",
           [](Self& self, const ArrayLike& start, const Pose& goal, const std::string& link, double max_deviation,
-             double max_rotation) {
-            return follow(self, std::nullopt, start, {goal}, {link, max_deviation, max_rotation});
+             double max_rotation, const std::vector<PathConstraint>& constraints) {
+            return follow(self, std::nullopt, start, {goal}, {link, max_deviation, max_rotation, constraints});
           },
-          nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("link") = "",
-          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
-          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, linear_doc)
+          nb::arg("start"), nb::arg("goal"), nb::kw_only(), SRMP_CARTESIAN,
+          nb::sig("def plan_linear(self, start: numpy.typing.ArrayLike, goal: Pose, *, " SRMP_CARTESIAN_SIG
+                  ") -> Trajectory"),
+          linear_doc)
       .def(
           "follow",
           [](Self& self, const std::string& robot, const ArrayLike& start, const std::vector<Pose>& poses,
-             const std::string& link, double max_deviation,
-             double max_rotation) { return follow(self, robot, start, poses, {link, max_deviation, max_rotation}); },
-          nb::arg("name"), nb::arg("start"), nb::arg("poses"), nb::kw_only(), nb::arg("link") = "",
-          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
-          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, follow_doc)
+             const std::string& link, double max_deviation, double max_rotation,
+             const std::vector<PathConstraint>& constraints) {
+            return follow(self, robot, start, poses, {link, max_deviation, max_rotation, constraints});
+          },
+          nb::arg("name"), nb::arg("start"), nb::arg("poses"), nb::kw_only(), SRMP_CARTESIAN,
+          nb::sig("def follow(self, name: str, start: numpy.typing.ArrayLike, poses: "
+                  "collections.abc.Sequence[Pose], *, " SRMP_CARTESIAN_SIG ") -> Trajectory"),
+          follow_doc)
       .def(
           "follow",
           [](Self& self, const ArrayLike& start, const std::vector<Pose>& poses, const std::string& link,
-             double max_deviation, double max_rotation) {
-            return follow(self, std::nullopt, start, poses, {link, max_deviation, max_rotation});
+             double max_deviation, double max_rotation, const std::vector<PathConstraint>& constraints) {
+            return follow(self, std::nullopt, start, poses, {link, max_deviation, max_rotation, constraints});
           },
-          nb::arg("start"), nb::arg("poses"), nb::kw_only(), nb::arg("link") = "",
-          nb::arg("max_deviation") = CartesianOptions{}.max_deviation,
-          nb::arg("max_rotation") = CartesianOptions{}.max_rotation, follow_doc)
+          nb::arg("start"), nb::arg("poses"), nb::kw_only(), SRMP_CARTESIAN,
+          nb::sig("def follow(self, start: numpy.typing.ArrayLike, poses: collections.abc.Sequence[Pose], "
+                  "*, " SRMP_CARTESIAN_SIG ") -> Trajectory"),
+          follow_doc)
       .def(
           "prepare",
           [](Self& self, const std::optional<nb::callable>& progress) {

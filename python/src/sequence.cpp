@@ -6,14 +6,10 @@ namespace srmp::python {
 
 namespace {
 
-Segment along(Segment segment, const std::string& link, double max_deviation, double max_rotation) {
-  segment.cartesian = {link, max_deviation, max_rotation};
+Segment along(Segment segment, const CartesianOptions& options) {
+  segment.cartesian = options;
   return segment;
 }
-
-#define SRMP_CARTESIAN                                                               \
-  nb::arg("link") = "", nb::arg("max_deviation") = CartesianOptions{}.max_deviation, \
-  nb::arg("max_rotation") = CartesianOptions{}.max_rotation
 
 void bind_factories(nb::class_<Segment>& cls) {
   cls.def_static(
@@ -36,23 +32,28 @@ of at most this, and of the planner's blend_deviation, of any point of the robot
       .def_static(
           "linear",
           [](const std::optional<Pose>& goal, const std::optional<ArrayLike>& offset, const std::string& link,
-             double max_deviation, double max_rotation) {
+             double max_deviation, double max_rotation, const std::vector<PathConstraint>& constraints) {
             Segment segment{.type = SegmentType::linear};
             if (goal) segment.poses = {*goal};
             if (offset) segment.offset = offset->vector3("offset");
-            return along(segment, link, max_deviation, max_rotation);
+            return along(segment, {link, max_deviation, max_rotation, constraints});
           },
           nb::arg("goal") = nb::none(), nb::kw_only(), nb::arg("offset") = nb::none(), SRMP_CARTESIAN,
+          nb::sig("def linear(goal: Pose | None = None, *, offset: numpy.typing.ArrayLike | None = "
+                  "None, " SRMP_CARTESIAN_SIG ") -> Segment"),
           "A straight line of a link (default: the end effector) to a pose in the world frame, or by an offset (3,) "
           "[m]\n"
-          "in the world frame without a turn, as PlannerInterface.plan_linear.")
+          "in the world frame without a turn, as PlannerInterface.plan_linear. The PathConstraints hold all along.")
       .def_static(
           "follow",
-          [](const std::vector<Pose>& poses, const std::string& link, double max_deviation, double max_rotation) {
-            return along(Segment::follow(poses), link, max_deviation, max_rotation);
+          [](const std::vector<Pose>& poses, const std::string& link, double max_deviation, double max_rotation,
+             const std::vector<PathConstraint>& constraints) {
+            return along(Segment::follow(poses), {link, max_deviation, max_rotation, constraints});
           },
           nb::arg("poses"), nb::kw_only(), SRMP_CARTESIAN,
-          "A link (default: the end effector) passes poses in the world frame, as PlannerInterface.follow.")
+          nb::sig("def follow(poses: collections.abc.Sequence[Pose], *, " SRMP_CARTESIAN_SIG ") -> Segment"),
+          "A link (default: the end effector) passes poses in the world frame, as PlannerInterface.follow.\n"
+          "The PathConstraints hold all along.")
       .def_static(
           "attach",
           [](const std::string& object, const std::string& link, const std::vector<std::string>& touch_links,

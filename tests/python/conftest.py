@@ -9,7 +9,7 @@ import pytest
 import srmp
 
 sys.path.append(str(Path(__file__).parent))  # modules that tests share
-pytest.register_assert_rewrite("moveit_messages", "mplib_arm", "sim_checks", "support")
+pytest.register_assert_rewrite("clearance_worlds", "moveit_messages", "mplib_arm", "sim_checks", "support")
 
 from support import NAMES, TIMES, analytic  # noqa: E402
 

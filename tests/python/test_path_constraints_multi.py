@@ -5,9 +5,9 @@ import pickle
 
 import numpy as np
 import pytest
+from clearance_worlds import FACING_BASES, Measured, add, make_arms, random_objects
 from multi_arms import GOALS, STARTS, two
 from support import joints, refuses, turned
-from test_clearance import FACING_BASES, Measured, add, make_arms, random_objects
 
 import srmp
 from srmp import PathConstraint, Pose

@@ -29,9 +29,10 @@ struct PlanRequest {
 
 /// How a link is to pass poses: PlannerInterface::follow.
 struct CartesianOptions {
-  std::string link{};                 ///< that moves; "" = the end effector
-  double max_deviation{1e-3};         ///< [m], > 0: that its origin may leave the path by
-  double max_rotation{M_PI / 360.0};  ///< [rad], > 0: that its rotation may differ by; half a degree
+  std::string link{};                         ///< that moves; "" = the end effector
+  double max_deviation{1e-3};                 ///< [m], > 0: that its origin may leave the path by
+  double max_rotation{M_PI / 360.0};          ///< [rad], > 0: that its rotation may differ by; half a degree
+  std::vector<PathConstraint> constraints{};  ///< that hold at every instant of the motion besides
 };
 
 /// Called by plan_many in the caller's thread, with the number of requests done and of all.

@@ -47,10 +47,12 @@ Trajectory PlannerInterface::follow(const std::string& robot, ConstVector start,
   const PlannerOptions& planner = planner_options({robot});
   const Deadline deadline(common_options(planner).time_limit, interrupt);
   require_planner_for_one(planner);
-  require_no_clearance(planner, "a motion along poses");
+  impl.require_backend_keeps_clearance(planner);
   impl.require_state(robot, start);
   const PosesToFollow followed = poses_to_follow(*impl.placed(robot), start, poses, options);
-  const PlanRequest request{robot, start, {GoalConstraint::any()}};
+  place_constraints(impl.scene, robot, options.constraints);  // throws
+  const PlanRequest request{
+      .robot = robot, .start = start, .goals = {GoalConstraint::any()}, .constraints = options.constraints};
   impl.request.reset();
   impl.result.reset();
   impl.statistics = {};

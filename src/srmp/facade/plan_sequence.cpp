@@ -47,11 +47,13 @@ SequenceResult joined(const std::vector<Segment>& segments, std::vector<Trajecto
   return result;
 }
 
-/// The last of the moves that are blended into each other from this segment on; the segment itself: none.
-std::size_t last_blended(const std::vector<Segment>& segments, std::size_t first) {
+/// The last of the moves that are blended into each other from this segment on; the segment itself: none. `may_pass`:
+/// whether the motion need not stop where a segment ends.
+std::size_t last_blended(const std::vector<Segment>& segments, std::size_t first,
+                         const std::function<bool(std::size_t)>& may_pass) {
   std::size_t last = first;
   while (last + 1 < segments.size() && segments[last].blend_radius > 0.0 &&
-         segments[last + 1].type == SegmentType::move)
+         segments[last + 1].type == SegmentType::move && may_pass(last))
     ++last;
   return last;
 }
@@ -107,7 +109,7 @@ SequenceResult PlannerInterface::plan_sequence(const std::string& robot, ConstVe
   if (std::none_of(segments.begin(), segments.end(), [](const Segment& s) { return s.moves() || s.duration != 0.0; }))
     throw InvalidArgument("no segment of the sequence moves the robot or waits");
   const PlannerOptions& options = planner_options({robot});
-  require_no_clearance(options, "a sequence");
+  impl_->require_backend_keeps_clearance(options);
   const CommonOptions& common = common_options(options);
   if (common.timing == "none") throw InvalidArgument("timing is 'none', but a sequence is a motion in time");
   require_planner_for_one(options);
@@ -129,8 +131,15 @@ SequenceResult PlannerInterface::plan_sequence(const std::string& robot, ConstVe
   search.run(start);
 
   std::vector<Trajectory> motions = search.motions();
+  const auto keeps_clearance_at_end = [&](std::size_t i) {
+    if (common.clearance == 0.0) return true;
+    set_scene(search.scenes()[i]);
+    const auto checkers = impl_->checkers.of_one(impl_->scene, robot, common.clearance);
+    const Checker& checker = checkers->planning.alone(0);
+    return checker.is_free(motions[i].positions.bottomRows(1).transpose(), *checker.make_workspace());
+  };
   for (std::size_t first = 0; first < segments.size(); ++first) {
-    const std::size_t last = last_blended(segments, first);
+    const std::size_t last = last_blended(segments, first, keeps_clearance_at_end);
     if (last == first) continue;
     set_scene(search.scenes()[first]);
     const RowMatrix path = joined_paths(motions, first, last);

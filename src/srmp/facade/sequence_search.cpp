@@ -25,7 +25,8 @@ std::string fault_of(const Segment& segment, const Segment* next, double max_dur
     return "duration is " + to_text(segment.duration) + "; it must be 0 s or above";
   if (segment.blend_radius > 0.0 && segment.type != SegmentType::move)
     return "only moves are blended; follow() passes poses without a stop";
-  if (segment.blend_radius > 0.0 && (!segment.constraints.empty() || (next && !next->constraints.empty())))
+  const bool next_constrained = next && next->type == SegmentType::move && !next->constraints.empty();
+  if (segment.blend_radius > 0.0 && (!segment.constraints.empty() || next_constrained))
     return "moves with path constraints are not blended";
   if (segment.type == SegmentType::move && segment.goals.empty()) return "it has no goal";
   if (segment.type == SegmentType::linear && segment.poses.size() + segment.offset.has_value() != 1)
@@ -94,6 +95,7 @@ void SequenceSearch::require_poses(const Segment& segment, const Eigen::VectorXd
   const RobotInstance& robot = planner_.scene().robot(robot_);
   const std::vector<Pose> poses = segment.offset ? std::vector<Pose>(1) : segment.poses;
   poses_to_follow({robot.model, robot.base, robot.other_positions}, start, poses, segment.cartesian);
+  place_constraints(planner_.scene(), robot_, segment.cartesian.constraints);
 }
 
 void SequenceSearch::run(const Eigen::VectorXd& start) {
@@ -183,7 +185,9 @@ Trajectory SequenceSearch::along_poses(const Segment& segment, const Eigen::Vect
     goal.p += *segment.offset;
     poses = {goal};
   }
-  return planner_.follow(robot_, q, poses, segment.cartesian, interrupt_);
+  CartesianOptions options = segment.cartesian;
+  options.constraints.insert(options.constraints.end(), segment.constraints.begin(), segment.constraints.end());
+  return planner_.follow(robot_, q, poses, options, interrupt_);
 }
 
 bool SequenceSearch::attempt(std::size_t i, const std::function<Trajectory()>& plan) {

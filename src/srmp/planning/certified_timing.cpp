@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "srmp/planning/certificates/joint_certificates.hpp"
+#include "srmp/planning/endpoints/close_motions.hpp"
 #include "srmp/planning/obstacles/timed_motion.hpp"
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
@@ -40,6 +41,7 @@ class CertifiedTiming {
     if (world_) world_->stop_at(until_);
     for (const RobotProblem& robot : problem.robots) constrained_ |= robot.constraints != nullptr;
     if (!world_ && constrained_) constraints_.emplace(*problem.robots.front().constraints);
+    if (paths.close_ends) close_.emplace(problem.checkers, until_);
   }
 
   MultiTrajectory run() {
@@ -270,6 +272,7 @@ class CertifiedTiming {
   /// The straight motion of all robots of a path.
   bool is_motion_free(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     if (constraints_ && !constraints_->keeps(a, b, 1.0)) return false;
+    if (close_ && is_near_close_end(path, a, b)) return close_->withdraws(a, b) || close_->withdraws(b, a);
     if (!world_) return is_motion_of_one_free(a, b) && keeps_preferred_clearance(path, a, b);
     if (deadline_.expired()) return false;  // too late to check the motions of several robots: corners are stops
     Eigen::Index first = 0;
@@ -289,9 +292,22 @@ class CertifiedTiming {
     return true;
   }
 
+  /// Is a motion beside a corner of one robot's path that does not keep the clearance?
+  bool is_near_close_end(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    const RowMatrix& waypoints = path.positions.front();
+    return waypoints.rows() > 2 && !close_->is_clear(waypoints.row(corner_near(waypoints, a, b)).transpose());
+  }
+
   bool is_motion_of_one_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     if (!workspace_) checker(0).stop_at(until_, *(workspace_ = checker(0).make_workspace()));
     return checker(0).is_motion_free(a, b, *workspace_);
+  }
+
+  /// The waypoint between others that is nearest to a motion beside it; at least three.
+  static Eigen::Index corner_near(const RowMatrix& waypoints, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    Eigen::Index corner{};
+    (waypoints.rowwise() - 0.5 * (a + b).transpose()).rowwise().squaredNorm().minCoeff(&corner);
+    return std::clamp<Eigen::Index>(corner, 1, waypoints.rows() - 2);
   }
 
   /// Does a motion beside a corner of one robot's path keep what is preferred of the clearance of the two halves of
@@ -299,9 +315,7 @@ class CertifiedTiming {
   bool keeps_preferred_clearance(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     const RowMatrix& waypoints = path.positions.front();
     if (preferred_.size() == 0 || waypoints.rows() < 3) return true;
-    Eigen::Index corner{};
-    (waypoints.rowwise() - 0.5 * (a + b).transpose()).rowwise().squaredNorm().minCoeff(&corner);
-    corner = std::clamp<Eigen::Index>(corner, 1, waypoints.rows() - 2);
+    const Eigen::Index corner = corner_near(waypoints, a, b);
     const auto [known, is_new] = corner_levels_.try_emplace(corner, preferred_.size());
     if (is_new) {
       const auto level_to = [&](Eigen::Index other) {
@@ -362,6 +376,7 @@ class CertifiedTiming {
   PlanStatistics& statistics_;
   Checker::WorkspacePtr workspace_;                    // of one robot, made when it is first needed
   std::optional<ConstraintChecker> constraints_;       // of one robot
+  std::optional<CloseMotions> close_;                  // of JointPaths::close_ends
   bool constrained_{};                                 // has any robot path constraints?
   std::map<Eigen::Index, std::size_t> corner_levels_;  // of preferred clearance, by waypoint of one robot
   std::vector<Group> groups_;

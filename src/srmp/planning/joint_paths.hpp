@@ -16,6 +16,8 @@ struct JointPaths {
   /// That the paths were found in; null for one robot.
   std::unique_ptr<MultiRobotWorld> world;
   double lower{};  ///< no paths of the robots' lattices cost less, in sum
+  /// Of one robot: corners near ends that are closer than the clearance are rounded by the rule of CloseMotions.
+  bool close_ends{};
 };
 
 /// Finds the paths of several robots from the paths of each alone: robots whose paths collide are planned jointly, as

@@ -24,10 +24,15 @@ std::string MotionChecks::violation(const Eigen::VectorXd& q) {
   return broken.empty() && w.torques ? w.torques->overload(q) : broken;
 }
 
-bool MotionChecks::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker) {
+bool MotionChecks::keeps_rules(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker) {
   Worker& w = workers_[worker];
   if (w.constraints && !w.constraints->keeps(a, b, constraint_fractions.motions)) return false;
-  if (w.torques && !w.torques->can_hold(a, b)) return false;
+  return !w.torques || w.torques->can_hold(a, b);
+}
+
+bool MotionChecks::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker) {
+  if (!keeps_rules(a, b, worker)) return false;
+  Worker& w = workers_[worker];
   const CheckStatistics& checks = checker_.statistics(*w.workspace);
   const std::uint64_t by_spheres = checks.motions_by_spheres;
   try {

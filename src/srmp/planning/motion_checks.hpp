@@ -40,8 +40,10 @@ class MotionChecks {
   /// cannot hold it there, as the end of a sentence; "": it can.
   std::string violation(const Eigen::VectorXd& q);
 
-  /// `a` is known to be free. With torque limits: whether the joints can hold the robot all along. With path
-  /// constraints: whether the motion is proved to keep them too, to the fraction that searches may use.
+  /// Of what checkers do not know: with torque limits, whether the joints can hold the robot all along; with path
+  /// constraints, whether the motion is proved to keep them, to the fraction that searches may use.
+  bool keeps_rules(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
+  /// That, and whether the motion is free. `a` is known to be free.
   bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b, std::size_t worker = 0);
   /// Motions that the first worker checked.
   std::uint64_t motions() const { return checker_.statistics(*workers_.front().workspace).motions; }

@@ -7,12 +7,14 @@ namespace srmp {
 std::string contact_sentence(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {
   if (checker.is_free(q, workspace)) return "";
   const std::vector<Contact> contacts = checker.contacts(q, workspace);
-  if (contacts.empty()) return "it is in collision";
-  Contact deepest = contacts.front();  // its padding holds the clearance
-  deepest.distance += checker.clearance_kept();
-  deepest.padding -= checker.clearance_kept();
-  return deepest.describe() +
-         (deepest.distance > 0.0 ? ", less than the clearance of " + to_text(checker.clearance_kept()) + " m" : "");
+  return contacts.empty() ? "it is in collision" : contact_sentence(checker, contacts.front());
+}
+
+std::string contact_sentence(const Checker& checker, Contact contact) {
+  contact.distance += checker.clearance_kept();  // which its padding holds
+  contact.padding -= checker.clearance_kept();
+  return contact.describe() +
+         (contact.distance > 0.0 ? ", less than the clearance of " + to_text(checker.clearance_kept()) + " m" : "");
 }
 
 std::string invalidity(const Checker& checker, const Eigen::VectorXd& q, Checker::Workspace& workspace) {

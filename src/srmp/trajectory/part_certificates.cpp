@@ -137,6 +137,8 @@ std::shared_ptr<const Certificate> certificate_of_join(const Trajectory& first, 
     c.deviation_time = std::isnan(c.deviation) ? unknown : then.deviation_time;
   }
   c.clearance_kept.reset();  // the rule is about the ends of one motion
+  c.cartesian_deviation.reset();
+  c.constraints.clear();  // the two may have had others
   c.goal_error = then.goal_error;
   c.time_s += then.time_s;
   return std::make_shared<const Certificate>(std::move(c));

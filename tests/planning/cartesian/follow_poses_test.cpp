@@ -152,4 +152,39 @@ BOOST_AUTO_TEST_CASE(wrong_requests_are_refused_and_change_nothing) {
   check_throws<InvalidArgument>([&] { planner.plan_linear("arm7", home, nan); }, "pose 0");
 }
 
+BOOST_AUTO_TEST_CASE(the_clearance_is_kept_and_relaxed_near_ends_that_are_closer) {
+  PlannerInterface planner = arm();
+  const Eigen::VectorXd down = (Eigen::VectorXd(7) << 0, 0, 0, M_PI / 2, 0, M_PI / 2, 0).finished();
+  const Pose above = planner.compute_fk("arm7", down);
+  planner.add_box("table", {0.3, 0.3, 0.05}, {above.p - Eigen::Vector3d(0, 0, 0.125)});
+  planner.make_planner({"arm7"}, OptionMap{{"clearance", 0.02}});
+  const Trajectory motion = planner.plan_linear("arm7", down, beside(above, 0, 0, -0.095));
+  BOOST_REQUIRE(motion.certificate);
+  BOOST_TEST(motion.certificate->holds());
+  const auto& kept = motion.certificate->clearance_kept;
+  BOOST_REQUIRE(kept);
+  BOOST_TEST(kept->violation == 0.0);
+  BOOST_TEST(kept->from == 0.0);
+  BOOST_TEST(kept->to < motion.duration());
+  BOOST_REQUIRE(!kept->relaxed.empty());
+  const Trajectory up = planner.plan_linear("arm7", motion.positions.bottomRows(1).transpose(), above);
+  BOOST_TEST(up.certificate->clearance_kept->from > 0.0);
+  BOOST_TEST(up.certificate->clearance_kept->to == up.duration());
+}
+
+BOOST_AUTO_TEST_CASE(path_constraints_of_another_link_are_kept) {
+  PlannerInterface planner = arm();
+  const Pose start = planner.compute_fk("arm7", home);
+  const std::string link = planner.get_link_names("arm7")[4];
+  PathConstraint box = PathConstraint::box({0.1, 0.1, 0.1}, planner.compute_fk("arm7", home, link));
+  box.link = link;
+  const CartesianOptions options{.constraints = {box}};
+  const Trajectory motion = planner.plan_linear("arm7", home, beside(start, 0, 0.1, 0), options);
+  BOOST_REQUIRE_EQUAL(motion.certificate->constraints.size(), 1u);
+  BOOST_TEST(motion.certificate->constraints[0].deviation <= motion.certificate->constraints[0].tolerance);
+  box.link = "hnad";
+  check_throws<InvalidArgument>(
+      [&] { planner.plan_linear("arm7", home, beside(start, 0, 0.1, 0), {.constraints = {box}}); }, "hnad");
+}
+
 BOOST_AUTO_TEST_SUITE_END()

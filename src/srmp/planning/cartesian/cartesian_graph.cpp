@@ -25,7 +25,7 @@ CartesianGraph::CartesianGraph(RobotContext& context, const Eigen::VectorXd& sta
       deviation_(context.robot, context.checks.checker().other_positions(), options.link, path, options.tolerance,
                  context.deadline),
       data_(context.robot.make_data(context.checks.checker().other_positions())),
-      table_(context.robot.dof() + 1) {
+      table_(context.robot.dof() + 1 + options.close_ends) {
   std::uint64_t moving = 0;  // planned joints that move the link
   for (std::size_t k = 0; k < context.robot.actuated_joints().size(); ++k)
     if (context.robot.link_support(options.link) >> k & 1)
@@ -33,7 +33,8 @@ CartesianGraph::CartesianGraph(RobotContext& context, const Eigen::VectorXd& sta
   for (std::size_t j = 0; j < context.robot.dof(); ++j)
     if (moving >> j & 1) moving_joints_.push_back(static_cast<Eigen::Index>(j));
   add_layers(options);
-  insert(0, start);
+  if (options.close_ends) close_.emplace(context.problem.checkers, context.deadline);
+  insert(0, start, !close_ || close_->is_clear(start) ? Part::clear : Part::withdrawal);
 }
 
 void CartesianGraph::add_layers(const CartesianGraphOptions& options) {
@@ -61,12 +62,17 @@ std::vector<Eigen::VectorXd> CartesianGraph::at_layer(std::size_t layer, const E
                                                       int seeds) const {
   IkOptions options{.max_solutions = seeds, .seeds = seeds, .max_iterations = seeds > 1 ? 100 : options_.ik_iterations};
   options.other_positions = context_.checks.checker().other_positions();
+  if (close_) {  // the rule near the ends is about micrometres
+    options.position_tolerance = 1e-7;
+    options.rotation_tolerance = 1e-6;
+  }
   return inverse_kinematics(context_.robot, layers_[layer].pose, reference, options,
                             context_.robot.link_names()[options_.link], context_.deadline);
 }
 
-search::StateId CartesianGraph::insert(std::size_t layer, Eigen::VectorXd q) {
+search::StateId CartesianGraph::insert(std::size_t layer, Eigen::VectorXd q, Part part) {
   std::vector<std::int32_t> key{static_cast<std::int32_t>(layer)};
+  if (close_) key.push_back(static_cast<std::int32_t>(part));
   const double cell = options_.redundancy_step / 2.0;
   for (std::size_t j = 0; j < context_.robot.dof(); ++j) {
     double value = q[static_cast<Eigen::Index>(j)];
@@ -74,7 +80,7 @@ search::StateId CartesianGraph::insert(std::size_t layer, Eigen::VectorXd q) {
     key.push_back(static_cast<std::int32_t>(std::lround(value / cell)));
   }
   const search::StateId id = table_.insert(key);
-  if (id == states_.size()) states_.push_back({layer, std::move(q)});
+  if (id == states_.size()) states_.push_back({layer, std::move(q), part});
   return id;
 }
 
@@ -102,7 +108,9 @@ void CartesianGraph::successors(search::StateId state, std::vector<search::Succe
   const auto add = [&](std::size_t layer, const Eigen::VectorXd& reference) {
     const auto found = at_layer(layer, reference, 1);
     if (found.empty()) return;
-    const search::StateId to = insert(layer, found.front());
+    const std::optional<Part> part = part_behind(from.part, found.front());
+    if (!part) return;
+    const search::StateId to = insert(layer, found.front(), *part);
     const double cost = context_.robot.difference(from.q, states_[to].q).norm();
     const bool known = to == state || std::any_of(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                                                   [&](const search::Successor& s) { return s.state == to; });
@@ -126,8 +134,22 @@ void CartesianGraph::evaluate(std::span<const search::Edge> edges, std::span<dou
     const CartesianDeviation deviation = deviation_.over(from.q, to.q, layers_[to.layer].segment);
     const bool keeps =
         deviation.position <= options_.tolerance.position && deviation.rotation <= options_.tolerance.rotation;
-    costs[i] = keeps && context_.checks.is_motion_free(from.q, to.q) ? edges[i].cost : search::infinity;
+    costs[i] = keeps && is_motion_free(from, to) ? edges[i].cost : search::infinity;
   }
+}
+
+std::optional<CartesianGraph::Part> CartesianGraph::part_behind(Part before, const Eigen::VectorXd& q) {
+  if (!close_) return Part::clear;
+  const bool clear = close_->is_clear(q);
+  if (before == Part::approach && clear) return std::nullopt;
+  if (clear) return Part::clear;
+  return before == Part::withdrawal ? Part::withdrawal : Part::approach;
+}
+
+bool CartesianGraph::is_motion_free(const State& from, const State& to) {
+  if (from.part == Part::clear && to.part == Part::clear) return context_.checks.is_motion_free(from.q, to.q);
+  if (!context_.checks.keeps_rules(from.q, to.q)) return false;
+  return to.part == Part::approach ? close_->withdraws(to.q, from.q) : close_->withdraws(from.q, to.q);
 }
 
 std::size_t CartesianGraph::memory() const {
@@ -149,17 +171,33 @@ std::string CartesianGraph::place_of(std::size_t layer, const std::string& verb)
 
 std::string CartesianGraph::obstruction_behind(const State& state) {
   const std::size_t next = state.layer + 1;
+  if (next == layers_.size()) return close_->closeness(state.q) + ", and it ends before that is kept";
   const std::vector<Eigen::VectorXd> near = at_layer(next, state.q, 1);
   if (near.empty())
     return at_layer(next, state.q, options_.many_seeds).empty()
                ? "no configuration within the joint limits puts it at the next pose"
                : "no configuration near the one before puts it at the next pose: a joint limit or a singularity is in "
                  "the way";
-  const std::string why = invalidity(context_.checks.checker(), near.front(), context_.checks.workspace());
+  const std::string why = invalidity_behind(state, near.front());
   if (!why.empty()) return why;
-  if (!context_.checks.is_motion_free(state.q, near.front())) return "the motion to the next pose is in collision";
   return "the joints would have to move by " + rounded(context_.robot.difference(state.q, near.front()).norm()) +
          " rad (m) in one step: a singularity is in the way";
+}
+
+std::string CartesianGraph::invalidity_behind(const State& state, const Eigen::VectorXd& q) {
+  std::string why = context_.checks.constraints() ? context_.checks.constraints()->violation(q) : "";
+  if (why.empty() && state.part == Part::withdrawal) why = close_->approach({state.q, q});
+  if (why.empty() && state.part == Part::approach) why = close_->closeness(state.q);
+  if (why.empty() && state.part == Part::clear)
+    why = invalidity(context_.checks.checker(), q, context_.checks.workspace());
+  if (!why.empty()) return why;
+  const std::optional<Part> part = part_behind(state.part, q);
+  if (part && is_motion_free(state, {state.layer + 1, q, *part})) return "";
+  ConstraintChecker* constraints = context_.checks.constraints();
+  if (constraints && !constraints->keeps(state.q, q, constraint_fractions.motions))
+    return "the motion to the next pose is not proved to keep the path constraints";
+  return context_.common.clearance > 0.0 ? "the motion to the next pose does not keep the clearance"
+                                         : "the motion to the next pose is in collision";
 }
 
 std::string CartesianGraph::unreachable_pose() {
@@ -175,10 +213,16 @@ std::string CartesianGraph::unreachable_pose() {
 std::string CartesianGraph::invalidity_at(std::size_t layer, int seeds) {
   std::string why = "no configuration within the joint limits puts it there";
   for (const Eigen::VectorXd& q : at_layer(layer, states_.front().q, seeds)) {
-    why = invalidity(context_.checks.checker(), q, context_.checks.workspace());
+    why = invalidity_at(q);
     if (why.empty()) break;
   }
   return why;
+}
+
+std::string CartesianGraph::invalidity_at(const Eigen::VectorXd& q) {
+  const std::string broken = context_.checks.constraints() ? context_.checks.constraints()->violation(q) : "";
+  if (!broken.empty() || (close_ && close_->is_free(q))) return broken;
+  return invalidity(context_.checks.checker(), q, context_.checks.workspace());
 }
 
 }  // namespace srmp

@@ -64,7 +64,7 @@ void recover_start(RobotContext& context, RobotEndpoints& endpoints, const std::
                                  "to where it is kept");
 }
 
-void find_start(RobotContext& context, RobotEndpoints& endpoints) {
+void find_start(RobotContext& context, RobotEndpoints& endpoints, bool may_be_close) {
   const RobotProblem& task = context.task;
   context.robot.require_configuration(task.start, "start of '" + task.robot + "'");
   endpoints.start = context.robot.clamped(task.start, limit_tolerance);
@@ -73,7 +73,7 @@ void find_start(RobotContext& context, RobotEndpoints& endpoints) {
   const std::string broken = context.checks.violation(endpoints.start);
   if (!broken.empty()) throw PlanningError(Status::start_invalid, "the start is invalid: " + broken);
   const std::string why = invalidity(context.checks.checker(), endpoints.start, context.checks.workspace());
-  if (why.empty()) return;
+  if (why.empty() || (may_be_close && is_only_close(context, endpoints.start))) return;
   const bool may_recover = context.common.recover_start || is_only_close(context, endpoints.start);
   if (!may_recover || context.task.constraints || context.robot.limit_violation(endpoints.start))
     throw PlanningError(Status::start_invalid, "the start is invalid: " + why);
@@ -133,9 +133,9 @@ int RobotEndpoints::goal_index_of(const Eigen::VectorXd& target) const {
   return goal_indices[static_cast<std::size_t>(std::find(targets.begin(), targets.end(), target) - targets.begin())];
 }
 
-RobotEndpoints find_endpoints(RobotContext& context) {
+RobotEndpoints find_endpoints(RobotContext& context, bool start_may_be_close) {
   RobotEndpoints endpoints;
-  find_start(context, endpoints);
+  find_start(context, endpoints, start_may_be_close);
   if (!context.task.may_end_anywhere()) find_targets(context, endpoints);
   return endpoints;
 }

@@ -29,8 +29,9 @@ struct RobotEndpoints {
 /// Checks the start, recovers it from collision where the options ask for that (start_recovery.hpp), and finds the
 /// configurations that meet the goals, by inverse kinematics for poses and positions. Of a robot that may end anywhere
 /// the start alone. Ends that are closer to something than CommonOptions::clearance, but free, are left and reached by
-/// the same rule as a start in collision. Throws PlanningError: start_invalid, goal_invalid, timed_out or cancelled.
-RobotEndpoints find_endpoints(RobotContext& context);
+/// the same rule as a start in collision; with `start_may_be_close`, such a start is as good as any other, and its way
+/// out is the caller's. Throws PlanningError: start_invalid, goal_invalid, timed_out or cancelled.
+RobotEndpoints find_endpoints(RobotContext& context, bool start_may_be_close = false);
 
 /// Adds the approach to the goal, if the path's last row needs one.
 RowMatrix with_approach(const RobotContext& context, const RobotEndpoints& endpoints, const RowMatrix& waypoints);

@@ -206,8 +206,8 @@ std::vector<Eigen::VectorXd> find_start_recovery(const Checker& checker, const E
   return StartRecoverySearch(checker, workspace, keep_going, options).run(start);
 }
 
-std::string recovery_violation(const Checker& checker, const std::vector<Eigen::VectorXd>& path,
-                               Checker::Workspace& workspace) {
+std::optional<Contact> contact_rule_violation(const Checker& checker, const std::vector<Eigen::VectorXd>& path,
+                                              Checker::Workspace& workspace) {
   std::vector<Contact> contacts = checker.contacts(path.front(), workspace);
   Depths least = updated({}, contacts);
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -215,10 +215,17 @@ std::string recovery_violation(const Checker& checker, const std::vector<Eigen::
     for (int k = 1; k <= samples; ++k) {
       const Eigen::VectorXd q = path[i - 1] + (path[i] - path[i - 1]) * (static_cast<double>(k) / samples);
       contacts = checker.contacts(q, workspace);
-      if (const Contact* worse = violation_of(least, contacts, recovery_tolerance)) return worse->describe();
+      if (const Contact* worse = violation_of(least, contacts, recovery_tolerance)) return *worse;
       least = updated(least, contacts);
     }
   }
+  return std::nullopt;
+}
+
+std::string recovery_violation(const Checker& checker, const std::vector<Eigen::VectorXd>& path,
+                               Checker::Workspace& workspace) {
+  if (const auto worse = contact_rule_violation(checker, path, workspace)) return worse->describe();
+  const std::vector<Contact> contacts = checker.contacts(path.back(), workspace);
   return contacts.empty() ? "" : contacts.front().describe();
 }
 

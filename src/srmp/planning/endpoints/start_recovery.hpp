@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ std::vector<Eigen::VectorXd> find_start_recovery(const Checker& checker, const E
                                                  Checker::Workspace& workspace,
                                                  const std::function<void()>& keep_going = {},
                                                  const StartRecoveryOptions& options = {});
+
+/// A pair by which the path breaks the rule, where it does; nothing: it keeps it, and may end in contact.
+std::optional<Contact> contact_rule_violation(const Checker& checker, const std::vector<Eigen::VectorXd>& path,
+                                              Checker::Workspace& workspace);
 
 /// The pair by which the path breaks the rule, or by which its end is in collision, as Contact::describe has it; ""
 /// when the path is valid.
