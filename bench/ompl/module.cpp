@@ -1,9 +1,11 @@
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "../../python/src/planner_interface.hpp"
 #include "../micro/plain_coal.hpp"
+#include "cone.hpp"
 #include "planners.hpp"
 #include "srmp/facade/scene_checkers.hpp"
 
@@ -93,13 +95,15 @@ srmp::CheckerOptions prepared_options(const srmp::Scene& scene) {
 
 nb::dict plan_in_scene(PyPlannerInterface& planner, const std::vector<std::string>& robots,
                        const std::vector<double>& start, const std::vector<double>& goal, const std::string& planner_id,
-                       double time_limit, unsigned seed, const std::string& checker) {
+                       double time_limit, unsigned seed, const std::string& checker,
+                       const std::optional<srmp::PathConstraint>& cone, bool sampled) {
   const auto vector = [](const std::vector<double>& values) {
     return VectorXd(VectorXd::Map(values.data(), static_cast<Eigen::Index>(values.size())));
   };
   const bool plain = checker == "coal";
   if (!plain && checker != "srmp") throw srmp::InvalidArgument("checker '" + checker + "' is neither srmp nor coal");
   if (plain && robots.size() != 1) throw srmp::InvalidArgument("plain Coal is for one robot");
+  if (cone && robots.size() != 1) throw srmp::InvalidArgument("a cone is for one robot");
   const Answer answer = planner.use([&](const srmp::PlannerInterface& p) {
     const nb::gil_scoped_release no_gil;
     const srmp::Scene& scene = p.scene();
@@ -114,7 +118,8 @@ nb::dict plan_in_scene(PyPlannerInterface& planner, const std::vector<std::strin
                  .planner = planner_id,
                  .time_limit = time_limit,
                  .seed = seed,
-                 .motions = plain ? Motions::sampled : Motions::by_validity},
+                 .motions = plain || sampled ? Motions::sampled : Motions::by_validity,
+                 .constraint = cone ? std::make_shared<Cone>(scene, robots[0], *cone) : nullptr},
                 validity);
   });
   nb::dict result;
@@ -135,7 +140,8 @@ NB_MODULE(_srmp_ompl, m) {
   m.attr("planners") = bench::ompl_planners();
   using namespace nanobind::literals;
   m.def("plan", bench::plan_in_scene, "planner"_a, "robots"_a, "start"_a, "goal"_a, "planner_id"_a, "time_limit"_a,
-        "seed"_a, "checker"_a = "srmp",
+        "seed"_a, "checker"_a = "srmp", "cone"_a = nb::none(), "sampled"_a = false,
         "A path of one or several robots of the scene, their configurations one after the other: a dict of status, "
-        "search_time_s, plan_time_s and waypoints.");
+        "search_time_s, plan_time_s and waypoints. With a PathConstraint.cone, the path of one robot keeps it. "
+        "With sampled, OMPL checks motions at samples; our checker else proves them free.");
 }

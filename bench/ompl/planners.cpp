@@ -1,8 +1,11 @@
 #include "planners.hpp"
 
+#include <ompl/base/ConstrainedSpaceInformation.h>
+#include <ompl/base/Constraint.h>
 #include <ompl/base/goals/GoalState.h>
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/base/spaces/SO2StateSpace.h>
+#include <ompl/base/spaces/constraint/ProjectedStateSpace.h>
 #include <ompl/config.h>
 #include <ompl/geometric/PathSimplifier.h>
 #include <ompl/geometric/planners/est/BiEST.h>
@@ -18,6 +21,7 @@
 #define BENCH_HAS_AORRTC
 #endif
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -48,10 +52,34 @@ const std::map<std::string, MakePlanner>& planners() {
   return all;
 }
 
+/// OMPL's equality of the error and 0, whose tolerance is nearly that of the constraint: states are projected only
+/// until they keep it.
+class Equality final : public ob::Constraint {
+ public:
+  Equality(std::size_t dof, std::shared_ptr<bench::Constraint> constraint)
+      : ob::Constraint(static_cast<unsigned>(dof), static_cast<unsigned>(constraint->size()),
+                       0.98 * constraint->tolerance()),  // the rest is for the straight motions between states
+        constraint_(std::move(constraint)) {}
+
+  void function(const Eigen::Ref<const Eigen::VectorXd>& q, Eigen::Ref<Eigen::VectorXd> out) const override {
+    const std::lock_guard lock(mutex_);
+    constraint_->error(q, out);
+  }
+  void jacobian(const Eigen::Ref<const Eigen::VectorXd>& q, Eigen::Ref<Eigen::MatrixXd> out) const override {
+    const std::lock_guard lock(mutex_);
+    constraint_->jacobian(q, out);
+  }
+
+ private:
+  std::shared_ptr<bench::Constraint> constraint_;
+  mutable std::mutex mutex_;
+};
+
 /// The bounded dimensions as one vector, then a circle for each continuous one.
 class Space {
  public:
-  explicit Space(const std::vector<Dimension>& dimensions) : space_(std::make_shared<ob::CompoundStateSpace>()) {
+  Space(const std::vector<Dimension>& dimensions, const std::shared_ptr<bench::Constraint>& constraint)
+      : space_(std::make_shared<ob::CompoundStateSpace>()), planned_(space_) {
     ob::RealVectorBounds bounds(0);
     for (std::size_t i = 0; i < dimensions.size(); ++i) {
       if (dimensions[i].continuous) {
@@ -68,13 +96,22 @@ class Space {
     for (std::size_t i = 0; i < circles_.size(); ++i) space_->addSubspace(std::make_shared<ob::SO2StateSpace>(), 1.0);
     space_->lock();
     space_->registerDefaultProjection(std::make_shared<ob::SubspaceProjectionEvaluator>(space_.get(), 0));
+    if (!constraint) return;
+    if (!circles_.empty()) throw std::invalid_argument("OMPL's constrained spaces need joint limits");
+    planned_ =
+        std::make_shared<ob::ProjectedStateSpace>(space_, std::make_shared<Equality>(dimensions.size(), constraint));
   }
 
-  const std::shared_ptr<ob::CompoundStateSpace>& ompl() const { return space_; }
+  ob::SpaceInformationPtr information() const {
+    if (is_constrained()) return std::make_shared<ob::ConstrainedSpaceInformation>(planned_);
+    return std::make_shared<ob::SpaceInformation>(planned_);
+  }
+  const ob::StateSpacePtr& ompl() const { return planned_; }
+  bool is_constrained() const { return planned_ != space_; }
 
   Eigen::VectorXd configuration(const ob::State* state) const {
     Eigen::VectorXd q(static_cast<Eigen::Index>(bounded_.size() + circles_.size()));
-    const auto& compound = *state->as<ob::CompoundState>();
+    const auto& compound = *unconstrained(state)->as<ob::CompoundState>();
     const auto& vector = *compound.as<ob::RealVectorStateSpace::StateType>(0);
     for (std::size_t i = 0; i < bounded_.size(); ++i) q[bounded_[i]] = vector[static_cast<unsigned>(i)];
     for (std::size_t i = 0; i < circles_.size(); ++i)
@@ -82,8 +119,24 @@ class Space {
     return q;
   }
 
+  /// The straight motions that lead from a to b; empty: OMPL's projection does not get there.
+  std::vector<Eigen::VectorXd> motion(const ob::State* a, const ob::State* b) const {
+    if (!is_constrained()) return {configuration(a), configuration(b)};
+    const auto& projected = *planned_->as<ob::ProjectedStateSpace>();
+    std::vector<ob::State*> states;
+    const bool reaches = projected.getConstraint()->isSatisfied(b) && projected.discreteGeodesic(a, b, false, &states);
+    std::vector<Eigen::VectorXd> path{configuration(a)};
+    for (ob::State* state : states) {
+      path.push_back(configuration(state));
+      planned_->freeState(state);
+    }
+    path.push_back(configuration(b));
+    path.erase(std::unique(path.begin(), path.end()), path.end());
+    return reaches ? path : std::vector<Eigen::VectorXd>{};
+  }
+
   void set(ob::State* state, const Eigen::VectorXd& q) const {
-    auto& compound = *state->as<ob::CompoundState>();
+    auto& compound = *unconstrained(state)->as<ob::CompoundState>();
     auto& vector = *compound.as<ob::RealVectorStateSpace::StateType>(0);
     for (std::size_t i = 0; i < bounded_.size(); ++i) vector[static_cast<unsigned>(i)] = q[bounded_[i]];
     for (std::size_t i = 0; i < circles_.size(); ++i) {
@@ -94,7 +147,13 @@ class Space {
   }
 
  private:
+  template <class State>
+  State* unconstrained(State* state) const {
+    return is_constrained() ? state->template as<ob::WrapperStateSpace::StateType>()->getState() : state;
+  }
+
   std::shared_ptr<ob::CompoundStateSpace> space_;
+  ob::StateSpacePtr planned_;  // space_, or its states that keep the constraint
   std::vector<Eigen::Index> bounded_, circles_;
 };
 
@@ -120,7 +179,10 @@ class StateValidity final : public ob::StateValidityChecker {
  public:
   StateValidity(const ob::SpaceInformationPtr& information, const Space& space, const Guarded& checker)
       : ob::StateValidityChecker(information), space_(space), checker_(checker) {}
-  bool isValid(const ob::State* state) const override { return checker_.is_free(space_.configuration(state)); }
+  bool isValid(const ob::State* state) const override {
+    if (space_.is_constrained() && !si_->satisfiesBounds(state)) return false;  // projections may leave the limits
+    return checker_.is_free(space_.configuration(state));
+  }
 
  private:
   const Space& space_;
@@ -132,7 +194,10 @@ class MotionValidity final : public ob::MotionValidator {
   MotionValidity(const ob::SpaceInformationPtr& information, const Space& space, const Guarded& checker)
       : ob::MotionValidator(information), space_(space), checker_(checker) {}
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
-    return checker_.is_motion_free(space_.configuration(a), space_.configuration(b));
+    const auto path = space_.motion(a, b);
+    for (std::size_t i = 1; i < path.size(); ++i)
+      if (!checker_.is_motion_free(path[i - 1], path[i])) return false;
+    return !path.empty();
   }
   bool checkMotion(const ob::State* a, const ob::State* b, std::pair<ob::State*, double>& last_valid) const override {
     if (checkMotion(a, b)) return true;
@@ -176,13 +241,13 @@ Answer plan(const Query& query, const std::shared_ptr<Validity>& validity) {
   ompl::msg::noOutputHandler();
   ompl::RNG::setSeed(query.seed);
 
-  const Space space(query.space);
+  const Space space(query.space, query.constraint);
   const Guarded checker(validity);
-  const auto information = std::make_shared<ob::SpaceInformation>(space.ompl());
+  const auto information = space.information();
   information->setStateValidityChecker(std::make_shared<StateValidity>(information, space, checker));
   if (query.motions == Motions::by_validity)
     information->setMotionValidator(std::make_shared<MotionValidity>(information, space, checker));
-  else
+  else if (!space.is_constrained())
     space.ompl()->setLongestValidSegmentFraction(0.005);
   information->setup();
 
@@ -203,6 +268,7 @@ Answer plan(const Query& query, const std::shared_ptr<Validity>& validity) {
   if (answer.status != "solved") return answer;
   auto& path = *problem->getSolutionPath()->as<og::PathGeometric>();
   og::PathSimplifier(information).simplify(path, std::max(0.0, query.time_limit - elapsed()));
+  if (space.is_constrained()) path.interpolate();  // to the states of the projected path
   answer.plan_time_s = elapsed();
   for (const ob::State* state : path.getStates()) answer.waypoints.push_back(space.configuration(state));
   return answer;

@@ -9,6 +9,10 @@ configuration, of which that near the original one is taken. Problems without on
 trajectory is sampled at 1 kHz, and poses and contacts are computed by Pinocchio's and Coal's own Python packages. Needs
 pin, coal, PyYAML.
 
+Where the module _srmp_ompl was built (docs/cli.md), OMPL's RRTConnect solves the same problems in OMPL's
+ProjectedStateSpace, with our collision checker: "OMPL" proves motions free with it, "OMPL, sampled" checks the states
+of that space only, which are 0.05 rad apart. Its paths are checked in the same way, every 0.01 rad.
+
 The exit code is 1 when a trajectory tilts by more than 5 degrees or by more than its certificate says, or touches
 anything.
 """
@@ -18,18 +22,20 @@ from __future__ import annotations
 import argparse
 import contextlib
 import sys
-from collections.abc import Iterator
+import zlib
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from recheck_mbm import World
+from recheck_mbm import World, samples
 from report import run_and_report
 
 import srmp
 from srmp._table import format_seconds, format_table
 from srmp.bench import mbm
+from srmp.bench.paper.contestants import NO_OMPL, ompl_module
 
 SCENARIOS = ("bookshelf_thin", "box", "table_pick", "table_under_pick")
 TOLERANCE = np.radians(5)
@@ -45,6 +51,7 @@ STATISTICS = (
     "path_cost_rad",
 )
 STARTS_TOLERANCE = np.radians(2)  # of starts and goals that are solved again
+OMPL = {"OMPL": False, "OMPL, sampled": True}
 
 
 def nearest_axis(pose: srmp.Pose) -> np.ndarray:
@@ -98,26 +105,24 @@ class Recheck:
         self.world = World(Path(files.directory), robot, Path(files.urdf), problem)
         self.frame = self.world.model.getFrameId(link)
 
-    def look(self, motion: srmp.Trajectory, axis: np.ndarray) -> tuple[float, str]:
+    def look(self, names: list[str], configurations: Iterable[np.ndarray], axis: np.ndarray) -> dict[str, Any]:
         """The largest tilt [rad] and a pair that touches ("": none)."""
         largest, pair = 0.0, ""
-        times = np.append(np.arange(0.0, motion.duration, 1e-3), motion.duration)
-        for t in times:
+        for values in configurations:
             q = self.world.default_q.copy()
-            for name, value in zip(motion.joint_names, motion.sample(t), strict=True):
+            for name, value in zip(names, values, strict=True):
                 self.world.set_joint(q, name, value)
             pin.framesForwardKinematics(self.world.model, self.world.data, q)
             largest = max(largest, tilt(self.world.data.oMf[self.frame].rotation, axis))
-            pair = pair or self.world.touching(motion.joint_names, motion.sample(t))
-        return largest, pair
+            pair = pair or self.world.touching(names, values)
+        return {"tilt_rad": largest, "touching": pair}
 
 
-def row_of(planner: srmp.PlannerInterface, robot: str, q: Any, files: Any, problem: str) -> dict[str, Any]:
+def row_of(planner: srmp.PlannerInterface, robot: str, q: Any, recheck: Recheck) -> dict[str, Any]:
     start, goal, axis = q
-    upright = srmp.PathConstraint.cone(axis, [0, 0, 1], TOLERANCE)
     motion = None
     with contextlib.suppress(srmp.PlanningError):
-        motion = planner.plan(robot, start, goal, constraints=[upright])
+        motion = planner.plan(robot, start, goal, constraints=[upright(axis)])
     stats = planner.get_planning_stats()
     row = {key: stats[key] for key in STATISTICS}
     row["status"] = mbm.status_name(stats["status"])
@@ -126,11 +131,38 @@ def row_of(planner: srmp.PlannerInterface, robot: str, q: Any, files: Any, probl
         return row
     (kept,) = motion.certificate.constraints
     row["proved_rad"], row["proved_free"] = kept.deviation, motion.certificate.proved_free
-    row["tilt_rad"], row["touching"] = Recheck(files, robot, problem, planner.get_end_effector(robot)).look(
-        motion, axis
-    )
+    times = np.append(np.arange(0.0, motion.duration, 1e-3), motion.duration)
+    row |= recheck.look(motion.joint_names, map(motion.sample, times), axis)
     row["waypoints"], row["duration_s"] = len(motion.waypoints), motion.duration
     return row
+
+
+def upright(axis: np.ndarray) -> srmp.PathConstraint:
+    return srmp.PathConstraint.cone(axis, [0, 0, 1], TOLERANCE)
+
+
+def ompl_row(
+    planner: srmp.PlannerInterface, robot: str, q: Any, recheck: Recheck, seed: int, time_limit: float, sampled: bool
+) -> dict[str, Any]:
+    start, goal, axis = q
+    found = ompl_module().plan(
+        planner,
+        [robot],
+        start,
+        goal,
+        "RRT-Connect",
+        time_limit,
+        seed,
+        cone=upright(axis),
+        sampled=sampled,
+    )
+    row = {key: found[key] for key in ("status", "plan_time_s", "search_time_s")}
+    if row["status"] != "solved":
+        return row
+    path = np.array(found["waypoints"])
+    row["path_cost_rad"] = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    row["leads_rad"] = float(np.abs(path[[0, -1]] - [start, goal]).max())
+    return row | recheck.look(planner.get_joint_names(robot), samples(path), axis)
 
 
 def rows_of(data: str, robot: str, problems: str, planner_id: str, time_limit: float) -> Iterator[dict[str, Any]]:
@@ -145,42 +177,63 @@ def rows_of(data: str, robot: str, problems: str, planner_id: str, time_limit: f
                 q = None
             if q is None:
                 yield {"problem": problem.name, "status": "left out"}
-            else:
-                yield {"problem": problem.name, **row_of(planner, robot, q, files, problem.name)}
+                continue
+            recheck = Recheck(files, robot, problem.name, planner.get_end_effector(robot))
+            row = {"problem": problem.name, **row_of(planner, robot, q, recheck)}
+            row["no_ompl"] = why_no_ompl(planner.get_joint_limits(robot))
+            seed = 1 + zlib.crc32(problem.name.encode()) % 2**31
+            for name, sampled in () if row["no_ompl"] else OMPL.items():
+                row[name] = ompl_row(planner, robot, q, recheck, seed, time_limit, sampled)
+            yield row
+
+
+def why_no_ompl(limits: np.ndarray) -> str:
+    """Why OMPL does not plan for joints with these limits; empty where it does."""
+    if ompl_module() is None:
+        return NO_OMPL
+    return (
+        "" if np.isfinite(limits).all() else "OMPL's planners were not run: its constrained spaces need joint limits."
+    )
 
 
 def is_wrong(row: dict[str, Any]) -> bool:
+    """Of a row, or of OMPL's part of it, which has no certificate."""
     if row["status"] != "solved":
         return False
-    kept = row["tilt_rad"] <= row["proved_rad"] + 1e-6 and row["proved_rad"] <= TOLERANCE * (1 + 1e-6)
-    return not kept or bool(row["touching"])
+    proved = row.get("proved_rad", TOLERANCE)
+    kept = row["tilt_rad"] <= proved + 1e-6 and proved <= TOLERANCE * (1 + 1e-6)
+    return not kept or bool(row["touching"]) or row.get("leads_rad", 0.0) > 1e-6
 
 
 def run(data: str, robot: str, problems: str, planner: str, time_limit: float) -> dict[str, Any]:
     rows = list(rows_of(data, robot, problems, planner, time_limit))
     options = {"robot": robot, "problems": problems, "planner": planner, "time_limit": time_limit}
-    return {"header": mbm.header("constrained", options=options), "rows": rows}
+    module = ompl_module()
+    return {"header": mbm.header("constrained", options=options, ompl=module and module.version), "rows": rows}
 
 
 def cells(name: str, rows: list[dict[str, Any]]) -> list[str]:
-    given = [row for row in rows if row["status"] != "left out"]
-    solved = [row for row in given if row["status"] == "solved"]
-    times = [[row[key] for row in solved] for key in ("plan_time_s", "total_time_s")]
+    solved = [row for row in rows if row["status"] == "solved"]
+    times = [[row[key] for row in solved if key in row] for key in ("plan_time_s", "total_time_s")]
     return [
         name,
-        f"{len(solved)}/{len(given)}",
-        str(len(rows) - len(given)),
+        f"{len(solved)}/{len(rows)}",
         *(format_seconds(float(np.percentile(of, p))) if of else "-" for of in times for p in (50, 95)),
+        f"{np.median([row['path_cost_rad'] for row in solved]):.2f}" if solved else "-",
         f"{np.degrees(max((row['tilt_rad'] for row in solved), default=0.0)):.3f}°",
         str(sum(map(is_wrong, rows))),
     ]
 
 
 def table(result: dict[str, Any]) -> str:
-    rows = result["rows"]
+    rows = [row for row in result["rows"] if row["status"] != "left out"]
     named = [(name, [row for row in rows if row["problem"].startswith(name + "/")]) for name in SCENARIOS]
-    titles = ["scenario", "solved", "left out", "plan median", "p95", "total median", "p95", "tilt", "wrong"]
-    return format_table(titles, [cells(*part) for part in [*named, ("all", rows)]])
+    lines = [cells(*part) for part in [*named, ("all", rows)]]
+    notes = sorted({row["no_ompl"] for row in rows} - {""})
+    for other in () if notes else OMPL:
+        lines += [cells(f"{name}, {other}", [row[other] for row in of]) for name, of in [*named, ("all", rows)]]
+    titles = ["scenario", "solved", "plan median", "p95", "total median", "p95", "length [rad]", "tilt", "wrong"]
+    return "\n".join([format_table(titles, lines), "", f"{len(result['rows']) - len(rows)} were left out.", *notes])
 
 
 def main() -> int:

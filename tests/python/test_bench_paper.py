@@ -1,5 +1,6 @@
 """The paper's experiments at a tiny size: rows, re-check, tables, statements, figures and page."""
 
+import itertools
 import json
 import re
 import sys
@@ -182,6 +183,40 @@ def test_ompl_refuses_what_it_does_not_know(arm, ready):
     beyond = ready + np.array([100, 0, 0, 0, 0, 0, 0])
     assert _srmp_ompl.plan(arm, ["arm"], ready, beyond, "PRM", 0.2, 1)["status"] in ("goal_invalid", "timed_out")
     assert _srmp_ompl.plan(arm, ["arm"], beyond, ready, "PRM", 0.2, 1)["status"] == "start_invalid"
+
+
+@needs_ompl
+@pytest.mark.parametrize("sampled", [False, True])
+def test_ompl_keeps_a_cone(arm, ready, sampled):
+    from srmp import _srmp_ompl
+
+    def angle(q):
+        return np.arccos(min(1.0, arm.compute_fk("arm", q).matrix()[:3, 2] @ axis))
+
+    goal = ready - np.array([1.8, 0, 0, 0, 0, 0, 0])
+    axis = arm.compute_fk("arm", ready).matrix()[:3, 2]
+    cone = srmp.PathConstraint.cone([0, 0, 1], axis, np.radians(5))
+    plan = [
+        _srmp_ompl.plan(arm, ["arm"], ready, goal, "RRT-Connect", 10.0, 1, cone=cone, sampled=sampled) for _ in range(2)
+    ]
+    assert plan[0]["status"] == "solved" and plan[0]["waypoints"] == plan[1]["waypoints"]
+    path = np.array(plan[0]["waypoints"])
+    np.testing.assert_allclose(path[[0, -1]], [ready, goal], atol=1e-12)
+    between = [a + (b - a) * t for a, b in itertools.pairwise(path) for t in np.linspace(0, 1, 11)]
+    assert max(map(angle, between)) <= np.radians(5)
+    assert sampled or arm.collision_checker("arm").motions_free(path[:-1], path[1:]).all()
+
+
+@needs_ompl
+def test_ompl_refuses_other_constraints(arm, ready):
+    from srmp import _srmp_ompl
+
+    plane = srmp.PathConstraint.plane([0, 0, 0], [0, 0, 1], 0.1)
+    with pytest.raises(ValueError, match="only a cone"):
+        _srmp_ompl.plan(arm, ["arm"], ready, ready, "RRT-Connect", 1.0, 1, cone=plane)
+    cone = srmp.PathConstraint.cone([0, 0, 1], [0, 0, 1], 0.1)
+    with pytest.raises(ValueError, match="a cone is for one robot"):
+        _srmp_ompl.plan(arm, ["arm", "arm"], ready, ready, "RRT-Connect", 1.0, 1, cone=cone)
 
 
 @pytest.mark.skipif(ompl_wheel.module() is None, reason="the ompl wheel is not installed (pip install ompl)")

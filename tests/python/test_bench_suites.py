@@ -1,4 +1,4 @@
-"""bench/suites/growth.py and speed.py in their smallest form: they run, and refuse what is wrong."""
+"""Programs of bench/suites in their smallest form: they run, and refuse what is wrong."""
 
 import json
 import sys
@@ -6,6 +6,7 @@ import sys
 import pytest
 
 import srmp
+from srmp.bench.paper.contestants import NO_OMPL, ompl_module
 
 
 def test_growth(suite, tmp_path):
@@ -66,3 +67,35 @@ def test_a_problem_that_one_round_does_not_solve_counts_as_not_solved(suite):
     assert speed.merge([solved, {"a": {"seconds": 1.0, "cost": 1.0}}])["a"]["seconds"] == 1.0
     assert speed.merge([solved, failed])["a"]["seconds"] is None
     assert speed.pair_cells(solved, failed) == ["–", "–"]
+
+
+def test_upright_motions_beside_ompl(suite, stand_in_dir, monkeypatch):
+    constrained = suite("constrained")
+    monkeypatch.setattr(constrained, "SCENARIOS", ("table_under_pick",))
+    result = constrained.run(str(stand_in_dir), "panda", "2-3", "auto", 10.0)
+    rows = [row for row in result["rows"] if row["status"] != "left out"]
+    assert rows and not any(map(constrained.is_wrong, rows))
+    if ompl_module() is None:
+        assert {row["no_ompl"] for row in rows} == {NO_OMPL}
+        return
+    for row in (row[name] for row in rows for name in constrained.OMPL):
+        assert row["status"] in ("solved", "timed_out")
+        assert row["status"] == "timed_out" or row["tilt_rad"] <= constrained.TOLERANCE
+    assert "all, OMPL" in constrained.table(result)
+    monkeypatch.setattr(constrained, "ompl_module", lambda: None)
+    assert constrained.why_no_ompl(rows) == NO_OMPL
+
+
+def test_a_robot_without_limits_is_not_for_ompl(suite):
+    constrained = suite("constrained")
+    if ompl_module() is not None:
+        assert "need joint limits" in constrained.why_no_ompl([[-1, 1], [-float("inf"), float("inf")]])
+
+
+def test_lines_and_brute_force(suite, stand_in_dir):
+    lines = suite("lines")
+    result = lines.run(str(stand_in_dir), "panda", 3, 0, True)
+    assert len(result["rows"]) == 3
+    assert any(row["status"] == "solved" for row in result["rows"])
+    assert not any(map(lines.is_wrong, result["rows"]))
+    assert "more by brute force" in lines.table(result)

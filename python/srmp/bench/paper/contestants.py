@@ -12,6 +12,10 @@ BENCHMARK = "the paper's experiments"
 """What result files are called."""
 SRMP, OMPL, COAL, MOVEIT = "SRMP", "OMPL", "OMPL, plain Coal", "MoveIt"
 """Whose planner it is, and what checks collisions: our checker for the first two, Coal alone for the third."""
+NO_OMPL = (
+    "OMPL's planners were not run: install libompl-dev and build with -DSRMP_BUILD_BENCH=ON -DSRMP_BUILD_PYTHON=ON."
+)
+"""What a benchmark says where ompl_module() is None."""
 
 
 @dataclass(frozen=True)

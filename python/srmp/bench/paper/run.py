@@ -16,6 +16,7 @@ from srmp.bench import mbm, ompl_wheel
 from srmp.bench.paper.contestants import (
     BENCHMARK,
     EXPERIMENTS,
+    NO_OMPL,
     Contestant,
     Experiment,
     by_wheel,
@@ -148,10 +149,7 @@ def _runs(contestant: Contestant, planners: Sequence[str]) -> bool:
 def _notes(experiments: Sequence[Experiment], data: str | Path | None) -> list[str]:
     notes = []
     if ompl_module() is None:
-        notes.append(
-            "OMPL's planners were not run: install libompl-dev and build with -DSRMP_BUILD_BENCH=ON "
-            "-DSRMP_BUILD_PYTHON=ON."
-        )
+        notes.append(NO_OMPL)
     if any(experiment.letter == "c" for experiment in experiments):
         if data is None:
             notes.append("MotionBenchMaker's problems were not run: --data DIR says where they are.")
