@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace srmp::bench {
+namespace bench {
 KernelOperations kernel_operations;
 }
 
-using srmp::bench::kernel_operations;
+using bench::kernel_operations;
 
 #define SRMP_LANES "counting_lanes.hpp"
 #define SRMP_KERNEL run_counted

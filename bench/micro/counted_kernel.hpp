@@ -4,7 +4,7 @@
 
 #include "srmp/collision/batch/kernel.hpp"
 
-namespace srmp::bench {
+namespace bench {
 
 /// Operations on 16 lanes.
 struct KernelOperations {
@@ -14,7 +14,7 @@ struct KernelOperations {
 /// Those of run_counted since the start of the program.
 extern KernelOperations kernel_operations;
 
-}  // namespace srmp::bench
+}  // namespace bench
 
 namespace srmp::batch {
 

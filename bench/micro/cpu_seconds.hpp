@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-namespace srmp::bench {
+namespace bench {
 
 /// CPU time of this thread [s].
 inline double cpu_seconds() {
@@ -11,4 +11,4 @@ inline double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-}  // namespace srmp::bench
+}  // namespace bench

@@ -8,7 +8,7 @@
 #include "cpu_seconds.hpp"
 #include "srmp/collision/batch/simd-inl.hpp"
 
-namespace srmp::bench {
+namespace bench {
 
 namespace {
 
@@ -50,4 +50,4 @@ Peak SRMP_PEAK() {
   return peak;
 }
 
-}  // namespace srmp::bench
+}  // namespace bench

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace srmp::bench {
+namespace bench {
 
 /// What an instruction set can do at best, in operations on 16 lanes of float32 a second of CPU time: independent
 /// additions and multiplications, square roots, and gathers from a table in the cache.
@@ -12,4 +12,4 @@ Peak peak_portable();
 Peak peak_avx2();
 Peak peak_avx512();
 
-}  // namespace srmp::bench
+}  // namespace bench
