@@ -233,9 +233,9 @@ class MotionMaker(Maker):
                     self.goal(), constraints=self.constraints(), blend_radius=self.chance(0.3) * self.length()
                 ),
                 lambda: s.move(self.numbers(3), blend_radius=self.chance(0.5) * self.length()),
-                lambda: s.linear(self.reached()),
+                lambda: s.linear(self.reached(), constraints=self.constraints()),
                 lambda: s.linear(offset=[x / 20 for x in self.numbers(3)]),
-                lambda: s.follow([self.reached()], max_deviation=self.length() / 10),
+                lambda: s.follow([self.reached()], max_deviation=self.length() / 10, constraints=self.constraints()),
                 lambda: s.attach(self.name("box", "ball"), self.name("lower", "middle"), touch_links=["finger"]),
                 lambda: s.detach(self.name("box", "ball")),
                 lambda: s.allow(

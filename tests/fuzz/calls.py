@@ -71,12 +71,16 @@ def deviations(m):
 
 def call_follow(m):
     start = m.numbers(3)
-    return m.planner.follow(m.name("arm"), start, m.near(start), link=m.name("", "lower", "middle"), **deviations(m))
+    link, constraints = m.name("", "lower", "middle"), m.constraints()
+    return m.planner.follow(m.name("arm"), start, m.near(start), link=link, constraints=constraints, **deviations(m))
 
 
 def call_plan_linear(m):
     start = m.numbers(3)
-    return m.planner.plan_linear(m.name("arm"), start, m.near(start)[0], link=m.name("", "lower"), **deviations(m))
+    link, constraints = m.name("", "lower"), m.constraints()
+    return m.planner.plan_linear(
+        m.name("arm"), start, m.near(start)[0], link=link, constraints=constraints, **deviations(m)
+    )
 
 
 def call_plan(m):

@@ -182,7 +182,8 @@ class FollowPoses {
     try {
       stop = search.improve(deadline_, tuning.first_expansions);
       if (!stop && !search.finished() && graph.unreachable_pose().empty())
-        stop = search.improve(deadline_, has_close_ends_ ? tuning.close_expansions * graph.layers() : search::unlimited);
+        stop =
+            search.improve(deadline_, has_close_ends_ ? tuning.close_expansions * graph.layers() : search::unlimited);
     } catch (const MotionCheckStopped&) {
       stop = Status::timed_out;
     }
