@@ -3,6 +3,7 @@
 import json
 import sys
 
+import numpy as np
 import pytest
 
 import srmp
@@ -89,7 +90,7 @@ def test_upright_motions_beside_ompl(suite, stand_in_dir, monkeypatch):
 def test_a_robot_without_limits_is_not_for_ompl(suite):
     constrained = suite("constrained")
     if ompl_module() is not None:
-        assert "need joint limits" in constrained.why_no_ompl([[-1, 1], [-float("inf"), float("inf")]])
+        assert "need joint limits" in constrained.why_no_ompl(np.array([[-1, 1], [-np.inf, np.inf]]))
 
 
 def test_lines_and_brute_force(suite, stand_in_dir):
