@@ -31,7 +31,7 @@ double rate(double operations, Body&& body) {
 template <class Step>
 SRMP_INLINE void run_chains(float start, Step&& step) {
   V x[chains];
-  for (V& value : x) value = all(start);
+  for (int k = 0; k < chains; ++k) x[k] = all(start + 0.25f * static_cast<float>(k));  // equal ones would become one
   for (int i = 0; i < rounds; ++i)
     for (V& value : x) value = step(value);
   for (const V& value : x) store(sink, add(load(sink), value));
