@@ -1,7 +1,7 @@
 // Lanes of float32 that count the operations on them: what simd-inl.hpp has, with its values. Included inside of its
-// namespace; kernel_operations is defined before.
+// namespace; kernel_operations is declared before. SRMP_WIDTH is the number of lanes.
 
-constexpr int kWidth = 16;
+constexpr int kWidth = SRMP_WIDTH;
 struct V {
   float lane[kWidth]{};
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr int rounds = 200'000, chains = 10;
 alignas(64) float table[1024], sink[kWidth];
 
-/// Operations on 16 lanes a second, the best of several runs of `operations` on kWidth lanes.
+/// Operations a second, the best of several runs.
 template <class Body>
 double rate(double operations, Body&& body) {
   double best = 1e9;
@@ -24,7 +24,7 @@ double rate(double operations, Body&& body) {
     body();
     best = std::min(best, cpu_seconds() - start);
   }
-  return operations * kWidth / 16 / best;
+  return operations / best;
 }
 
 /// Applies `step` to independent chains, so that the latency of one hides behind the others.

@@ -2,7 +2,7 @@
 
 namespace bench {
 
-/// What an instruction set can do at best, in operations on 16 lanes of float32 a second of CPU time: independent
+/// What an instruction set can do at best, in operations on a vector of float32 a second of CPU time: independent
 /// additions and multiplications, square roots, and gathers from a table in the cache.
 struct Peak {
   double arithmetic{}, square_root{}, gather{};

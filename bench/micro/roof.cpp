@@ -112,20 +112,26 @@ double seconds_of(const BatchModel& model, const std::vector<Block>& blocks, boo
   return best;
 }
 
-bench::KernelOperations operations_of(const BatchModel& model, const std::vector<Block>& blocks, bool moving) {
+bench::KernelOperations operations_of(batch::KernelFunction counted, const BatchModel& model,
+                                      const std::vector<Block>& blocks, bool moving) {
   Memory memory(model);
   bench::kernel_operations = {};
-  for (const Block& block : blocks)
-    memory.run(&batch::run_counted, block.values.get(), moving ? block.half_widths.get() : nullptr);
+  for (const Block& block : blocks) memory.run(counted, block.values.get(), moving ? block.half_widths.get() : nullptr);
   return bench::kernel_operations;
 }
 
-bench::Peak peak_of(SimdBackend backend) {
+/// An instruction set's counting kernel and its peak.
+struct Roof {
+  batch::KernelFunction counted;
+  bench::Peak peak;
+};
+
+Roof roof_of(SimdBackend backend) {
 #if defined(__x86_64__)
-  if (backend == SimdBackend::avx512) return bench::peak_avx512();
-  if (backend == SimdBackend::avx2) return bench::peak_avx2();
+  if (backend == SimdBackend::avx512) return {&batch::run_counted_avx512, bench::peak_avx512()};
+  if (backend == SimdBackend::avx2) return {&batch::run_counted_avx2, bench::peak_avx2()};
 #endif
-  return bench::peak_portable();
+  return {&batch::run_counted_portable, bench::peak_portable()};
 }
 
 void report(const std::shared_ptr<const RobotModel>& robot, const std::shared_ptr<CoverStore>& covers,
@@ -139,8 +145,8 @@ void report(const std::shared_ptr<const RobotModel>& robot, const std::shared_pt
     for (const SimdBackend backend : available_simd_backends()) {
       const BatchModel model(scene_model.batch_scene.world, backend);
       const std::vector<Block> blocks = free_blocks(*robot, model, moving, options);
-      const bench::KernelOperations counted = operations_of(model, blocks, moving);
-      const bench::Peak peak = peak_of(backend);
+      const auto [kernel, peak] = roof_of(backend);
+      const bench::KernelOperations counted = operations_of(kernel, model, blocks, moving);
       const double at_best = static_cast<double>(counted.arithmetic) / peak.arithmetic +
                              static_cast<double>(counted.square_root) / peak.square_root +
                              static_cast<double>(counted.gather) / peak.gather;
