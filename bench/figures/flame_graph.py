@@ -61,7 +61,7 @@ def short(name: str) -> str:
     name = re.sub(r"\(anonymous namespace\)::", "", name.split("+0x")[0])
     while (simpler := re.sub(r"<[^<>]*>|\([^()]*\)", "", name)) != name:
         name = simpler
-    name = re.sub(r"\b(srmp|detail)::", "", re.sub(r"^.*\bconst\b\s*$", name, name).strip())
+    name = re.sub(r"\b(srmp|detail)::", "", name.strip())
     return name.removesuffix(" const").split(" ")[-1] or "?"
 
 

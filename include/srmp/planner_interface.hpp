@@ -62,8 +62,8 @@ class PlannerInterface {
   /// object in two hands: its joints and links are theirs, called "<robot>_<joint>" and "<robot>_<link>", one robot
   /// after the other. It stands as they did, holds what they held, may touch what they might, and has their motion
   /// limits; goals name their link. Planners of the robots are forgotten. Trajectory::of_joints gives each controller
-  /// its part of a motion. Throws InvalidArgument for fewer than two robots, unknown or repeated ones, a name in use,
-  /// joined names that are the same, and limits of torques together with more than one payload.
+  /// its part of a motion. Throws InvalidArgument for fewer than two robots, unknown or repeated ones, a name that
+  /// another robot or an object has, joined names that are the same, different paddings, and more than one payload.
   void join_robots(const std::string& name, const std::vector<std::string>& robots);
   /// Places the robot's root link at its pose in the world.
   void set_base_pose(const std::string& robot, const Pose& pose);

@@ -149,8 +149,8 @@ robot after the other.
 It stands as they did, holds what they held, may touch what they might, and has their motion limits; goals name their
 link. Planners of the robots are forgotten. Trajectory.of_joints gives each controller its part of a motion.
 
-Raises InvalidArgument for fewer than two robots, unknown or repeated ones, a name in use, joined names that are the
-same, and limits of torques together with more than one payload; then nothing has changed.)")
+Raises InvalidArgument for fewer than two robots, unknown or repeated ones, a name that another robot or an object has,
+joined names that are the same, different paddings, and more than one payload; then nothing has changed.)")
       .def(
           "set_base_pose",
           [](Self& self, const std::string& name, const Pose& pose) {

@@ -267,7 +267,8 @@ unless its nearest place is in the part; deviation and goal_error are NaN. Raise
       .def(
           "followed_by", &Trajectory::followed_by, nb::arg("next"),
           R"(This motion and then `next`, whose times are moved to follow; `a + b` is the same. Where both have certificates
-that hold, for the same limits, it has one: each motion's claims in the scene in which it was verified.
+that hold, for the same limits, it has one: each motion's claims in the scene in which it was verified, but for path
+constraints, poses and clearance, which may be of one of them only.
 
 Raises InvalidArgument unless joint names agree and `next` starts where this ends: positions within 1e-9, velocities
 within 1e-6.)")
@@ -275,11 +276,12 @@ within 1e-6.)")
           "__add__", [](const Trajectory& a, const Trajectory& b) { return a.followed_by(b); }, nb::arg("next"),
           nb::is_operator(), "The same as followed_by.")
       .def(
-          "of_joints", &Trajectory::of_joints, nb::arg("joints"),
-          R"(The same motion of these joints (list of names) alone, in this order: for the controller of one arm of several.
+          "of_joints", &Trajectory::of_joints, nb::arg("joints"), nb::arg("names") = std::vector<std::string>{},
+          R"(The same motion of these joints (list of names) alone, in this order: for the controller of one arm of several,
+which may know them by other `names` (one a joint; none: they keep theirs).
 
 It has no certificate and no robot, which are of all joints. Raises InvalidArgument for no joint, one that is not here
-(with the nearest name), and one that is named twice.)")
+(with the nearest name), one that is named twice, and another number of names.)")
       .def("__getitem__", &part, nb::arg("rows"), nb::sig("def __getitem__(self, rows: slice) -> Trajectory"),
            R"(trajectory[i:j]: rows i to j-1 and the same motion between them; waypoints and certificate as in slice.
 

@@ -212,6 +212,17 @@ def test_constraints_that_cannot_be_placed_are_refused(arm_alone, arguments, wor
         refuses(lambda s=segment: arm_alone.plan_sequence("arm", READY, [s]), r"segment 0 .*" + words)
 
 
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-12])
+def test_tolerances_that_no_motion_is_proved_to_keep_end_as_failures(arm_alone, tolerance):
+    """To prove one motion would take hours; proofs end after a count of halvings."""
+    arm_alone.make_planner("arm", {"time_limit": 1})
+    here = arm_alone.compute_fk("arm", READY)
+    line = PathConstraint.line(here.p, [0, 1, 1], tolerance)
+    for plan in (arm_alone.plan_linear, arm_alone.plan):
+        with pytest.raises(srmp.PlanningError):
+            plan("arm", READY, moved(here, [0, 0.03, 0.03]), constraints=[line])
+
+
 @pytest.mark.parametrize("constraints", ["upright", [1], 3])
 def test_constraints_of_another_type_are_refused(arm_alone, constraints):
     goal = moved(arm_alone.compute_fk("arm", READY), [0, 0.1, 0])

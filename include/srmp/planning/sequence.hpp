@@ -35,7 +35,7 @@ std::string_view to_string(SegmentType type);
 struct Segment {
   SegmentType type{SegmentType::move};        ///< what it does
   std::vector<Goal> goals{};                  ///< move: any one of them is enough
-  std::vector<PathConstraint> constraints{};  ///< move, linear, follow: that hold at every instant of the motion
+  std::vector<PathConstraint> constraints{};  ///< of motions, at every instant, with those of `cartesian`
   /// move: [m] >= 0, at its end. Above 0, and with a move to follow, the motion does not stop there but passes its end
   /// at a distance of at most this, and of the planner's blend_deviation, of any point of the robot.
   double blend_radius{};

@@ -87,13 +87,15 @@ struct Trajectory {
   /// deviation and goal_error are NaN. Throws InvalidArgument unless from < to and the two overlap the motion.
   Trajectory slice(double from, double to) const;
   /// This motion and then `next`, whose times are moved to follow. Where both have certificates that hold, for the same
-  /// limits, it has one: each motion's claims in the scene in which it was verified. Throws InvalidArgument unless
-  /// joint names agree and `next` starts where this ends: positions within 1e-9, velocities within 1e-6.
+  /// limits, it has one: each motion's claims in the scene in which it was verified, but for path constraints, poses
+  /// and clearance, which may be of one of them only. Throws InvalidArgument unless joint names agree and `next` starts
+  /// where this ends: positions within 1e-9, velocities within 1e-6.
   Trajectory followed_by(const Trajectory& next) const;
-  /// The same motion of these joints alone, in this order: for the controller of one arm of several. It has no
-  /// certificate and no robot, which are of all joints. Throws InvalidArgument for no joint, one that is not here (with
-  /// the nearest name), and one that is named twice.
-  Trajectory of_joints(const std::vector<std::string>& joints) const;
+  /// The same motion of these joints alone, in this order: for the controller of one arm of several, which may know
+  /// them by other `names` (one a joint; none: they keep theirs). It has no certificate and no robot, which are of all
+  /// joints. Throws InvalidArgument for no joint, one that is not here (with the nearest name), one that is named
+  /// twice, and another number of names.
+  Trajectory of_joints(const std::vector<std::string>& joints, const std::vector<std::string>& names = {}) const;
 
   // These need no times.
 

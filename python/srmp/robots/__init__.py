@@ -83,7 +83,9 @@ def add_robot(planner: PlannerInterface, robot: str, **arguments: Any) -> Robot:
                 f"add_robot has no argument '{key}'{hint or '; it takes robot, ' + ', '.join(_ARGUMENTS)}"
             )
     known = find(robot)
-    if known.refused and not _BOUNDS & arguments.keys():  # with bounds it has joints that are planned
+    if known.refused and not any(
+        f"give {bounds}" in known.refused and arguments.get(bounds) is not None for bounds in _BOUNDS
+    ):
         raise NotSupported(f"robot '{robot}' cannot be planned: {known.refused}")
     name = arguments.pop("name", robot)
     planner.add_articulation(name=name, **known.arguments(**arguments))

@@ -37,7 +37,8 @@ class StateTable {
   }
   std::size_t size() const { return entries_.size(); }
   std::size_t memory() const {
-    return keys_.size() * block_size * width_ * sizeof(std::int32_t) + buckets_.memory() + entries_.memory();
+    const std::size_t keys = keys_.empty() ? 0 : (keys_.size() - 1) * block_size * width_ + keys_.front().capacity();
+    return keys * sizeof(std::int32_t) + buckets_.memory() + entries_.memory();
   }
 
  private:

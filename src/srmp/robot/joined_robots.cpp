@@ -10,6 +10,7 @@
 #include "srmp/core/error.hpp"
 #include "srmp/robot/mesh_path.hpp"
 #include "srmp/robot/urdf.hpp"
+#include "srmp/robot/xml_edit.hpp"
 
 namespace srmp {
 
@@ -17,30 +18,14 @@ namespace {
 
 using tinyxml2::XMLDocument;
 using tinyxml2::XMLElement;
-
-/// Calls f(element) for each child with the tag.
-template <class F>
-void for_each_child(XMLElement& parent, const char* tag, F&& f) {
-  for (XMLElement* child = parent.FirstChildElement(tag); child; child = child->NextSiblingElement(tag)) f(*child);
-}
-
-XMLElement& add_named(XMLElement& parent, const char* tag, const std::string& name) {
-  XMLElement& element = *parent.InsertNewChildElement(tag);
-  element.SetAttribute("name", name.c_str());
-  return element;
-}
+using xml::add_named;
+using xml::children;
 
 XMLElement& add_root(XMLDocument& document, const std::string& name) {
   XMLElement& root = *document.NewElement("robot");
   document.InsertEndChild(&root);
   root.SetAttribute("name", name.c_str());
   return root;
-}
-
-std::string text_of(const XMLDocument& document) {
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
 }
 
 /// Copies of what one robot's URDF and SRDF say, under joined names.
@@ -50,8 +35,9 @@ class Copy {
 
   void urdf_into(XMLElement& root) const {
     XMLDocument document;
-    const XMLElement* from = parsed(document, robot_.model.self_contained_description().urdf_text);
-    for (const XMLElement* e = from->FirstChildElement(); e; e = e->NextSiblingElement()) {
+    const std::string& text = robot_.model.self_contained_description().urdf_text;
+    for (const XMLElement* e = xml::parse_robot(document, text, "URDF").FirstChildElement(); e;
+         e = e->NextSiblingElement()) {
       const std::string tag = e->Name();
       if (tag == "link") {
         take_link(*e, root);
@@ -65,8 +51,8 @@ class Copy {
     const std::string& text = robot_.model.self_contained_description().srdf_text;
     if (text.empty()) return;
     XMLDocument document;
-    const XMLElement* from = parsed(document, text);
-    for (const XMLElement* e = from->FirstChildElement(); e; e = e->NextSiblingElement()) {
+    for (const XMLElement* e = xml::parse_robot(document, text, "SRDF").FirstChildElement(); e;
+         e = e->NextSiblingElement()) {
       const std::string tag = e->Name();
       if (tag != "group" && tag != "group_state" && tag != "end_effector") continue;
       XMLElement& copy = taken(*e, root);
@@ -78,11 +64,6 @@ class Copy {
   }
 
  private:
-  static const XMLElement* parsed(XMLDocument& document, const std::string& text) {
-    document.Parse(text.c_str(), text.size());
-    return document.FirstChildElement("robot");  // it was read before
-  }
-
   static XMLElement& taken(const XMLElement& from, XMLElement& root) {
     return *root.InsertEndChild(from.DeepClone(root.GetDocument()))->ToElement();
   }
@@ -96,40 +77,38 @@ class Copy {
     XMLElement& link = taken(from, root);
     rename(link, "name");
     while (XMLElement* visual = link.FirstChildElement("visual")) link.DeleteChild(visual);
-    for_each_child(link, "collision", [&](XMLElement& collision) {
-      for_each_child(collision, "geometry", [&](XMLElement& geometry) {
-        for_each_child(geometry, "mesh", [&](XMLElement& mesh) { make_absolute(mesh); });
-      });
-    });
+    for (XMLElement* collision : children(link, "collision"))
+      for (XMLElement* geometry : children(*collision, "geometry"))
+        for (XMLElement* mesh : children(*geometry, "mesh")) make_absolute(*mesh);
   }
 
   void make_absolute(XMLElement& mesh) const {
     const RobotDescription& files = robot_.model.self_contained_description();
     if (const char* file = mesh.Attribute("filename"))
       mesh.SetAttribute(
-          "filename", find_mesh(file, files.urdf_directory, files.package_dirs, "robot '" + robot_.name + "'").c_str());
+          "filename",
+          find_mesh(file, files.urdf_directory, files.package_dirs, "robot '" + robot_.name + "': ").c_str());
   }
 
   void take_joint(const XMLElement& from, XMLElement& root) const {
     XMLElement& joint = taken(from, root);
     rename(joint, "name");
     for (const char* end : {"parent", "child"})
-      for_each_child(joint, end, [&](XMLElement& element) { rename(element, "link"); });
-    for_each_child(joint, "mimic", [&](XMLElement& element) { rename(element, "joint"); });
+      for (XMLElement* element : children(joint, end)) rename(*element, "link");
+    for (XMLElement* element : children(joint, "mimic")) rename(*element, "joint");
   }
 
   const RobotToJoin& robot_;
 };
 
-/// Throws InvalidArgument for two links, or two joints, that would have one name.
-void require_distinct(const XMLElement& root, const std::vector<RobotToJoin>& robots) {
-  std::set<std::string> links, joints;
-  for (const XMLElement* e = root.FirstChildElement(); e; e = e->NextSiblingElement()) {
-    const bool is_link = std::string(e->Name()) == "link";
-    if (!(is_link ? links : joints).insert(e->Attribute("name")).second)
-      throw InvalidArgument(std::string(is_link ? "two links" : "two joints") + " of the joined robots '" +
-                            robots.front().name + "', … would be called '" + e->Attribute("name") +
-                            "'; give one robot another name");
+/// Throws InvalidArgument for two of one kind, such as links, that would have one name.
+void require_distinct(XMLElement& root, const char* tag) {
+  std::set<std::string> names;
+  for (const XMLElement* e : children(root, tag)) {
+    const char* name = e->Attribute("name");
+    if (name && !names.insert(name).second)
+      throw InvalidArgument(std::string("join_robots: two elements <") + tag + "> of the robots would be called '" +
+                            name + "'; give one of the robots another name");
   }
 }
 
@@ -156,8 +135,8 @@ std::string joined_urdf(const std::string& name, const std::vector<RobotToJoin>&
     place.SetAttribute("xyz", (to_text(p.x()) + " " + to_text(p.y()) + " " + to_text(p.z())).c_str());
     place.SetAttribute("rpy", (to_text(turns[2]) + " " + to_text(turns[1]) + " " + to_text(turns[0])).c_str());
   }
-  require_distinct(root, robots);
-  return text_of(document);
+  for (const char* tag : {"link", "joint"}) require_distinct(root, tag);
+  return xml::print(document);
 }
 
 /// The states that every robot has.
@@ -194,17 +173,25 @@ void add_allowed(XMLElement& root, const RobotToJoin& robot) {
     }
 }
 
+bool has_group(XMLElement& root, const std::string& name) {
+  const auto groups = children(root, "group");
+  return std::any_of(groups.begin(), groups.end(), [&](const XMLElement* e) { return e->Attribute("name") == name; });
+}
+
 std::string joined_srdf(const std::string& name, const std::vector<RobotToJoin>& robots) {
   XMLDocument document;
   XMLElement& root = add_root(document, name);
   for (const RobotToJoin& robot : robots) Copy(robot).srdf_into(root);
-  XMLElement& group = add_named(root, "group", name);
+  for (const char* tag : {"group", "end_effector"}) require_distinct(root, tag);
+  std::string group_name = name;
+  while (has_group(root, group_name)) group_name += "_joints";
+  XMLElement& group = add_named(root, "group", group_name);
   for (const RobotToJoin& robot : robots)
     for (const std::string& joint : robot.model.joint_names())
       add_named(group, "joint", joined_name(robot.name, joint));
-  add_states(root, name, robots);
+  add_states(root, group_name, robots);
   for (const RobotToJoin& robot : robots) add_allowed(root, robot);
-  return text_of(document);
+  return xml::print(document);
 }
 
 }  // namespace

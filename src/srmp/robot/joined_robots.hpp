@@ -22,7 +22,8 @@ std::string joined_name(const std::string& robot, const std::string& name);
 /// One robot that is all of these: its root link, "<name>_origin", is the world's origin, and from there a fixed joint
 /// leads to the root link of each. The planned joints are those of the robots, one robot after the other. Links of one
 /// robot may touch as before, links of two may not. Named states are those that all robots have; end effectors and
-/// groups of the SRDFs are kept, under joined names. Throws InvalidArgument where joined names are the same.
+/// groups of the SRDFs are kept, under joined names; visuals, virtual and passive joints are not. Throws
+/// InvalidArgument where joined names are the same.
 RobotDescription join_robots(const std::string& name, const std::vector<RobotToJoin>& robots);
 
 }  // namespace srmp

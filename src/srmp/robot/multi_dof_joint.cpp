@@ -21,7 +21,7 @@
 #include "srmp/robot/joint_names.hpp"
 #include "srmp/robot/srdf.hpp"
 #include "srmp/robot/urdf.hpp"
-#include "srmp/robot/xml.hpp"
+#include "srmp/robot/xml_edit.hpp"
 
 namespace srmp {
 
@@ -90,19 +90,6 @@ std::array<double, 6> floating_positions(const Pose& transform) {
 
 std::string xyz_text(const Eigen::Vector3d& v) { return to_text(v.x()) + " " + to_text(v.y()) + " " + to_text(v.z()); }
 
-XMLElement& root_of(XMLDocument& document, const std::string& text, const char* kind) {
-  document.Parse(text.c_str(), text.size());
-  XMLElement* root = document.Error() ? nullptr : document.FirstChildElement("robot");
-  if (!root) throw FileError(std::string("the ") + kind + " text is not XML with a <robot>");
-  return *root;
-}
-
-std::string printed(const XMLDocument& document) {
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
-}
-
 bool has(const XMLElement& element, const char* attribute, const std::string& value) {
   const char* text = element.Attribute(attribute);
   return text && value == text;
@@ -154,8 +141,7 @@ MultiDofJoint find_multi_dof_joint(const MultiDofType& type, const Urdf& urdf, c
 
 XMLElement& add_joint(XMLElement& robot, const MultiDofJoint& joint, const Coordinate& coordinate,
                       const std::string& parent, const std::string& child, const Eigen::Vector3d& axis) {
-  XMLElement& added = *robot.InsertNewChildElement("joint");
-  added.SetAttribute("name", (joint.name + coordinate.joint).c_str());
+  XMLElement& added = xml::add_named(robot, "joint", joint.name + coordinate.joint);
   added.SetAttribute("type", coordinate.type.data());
   added.InsertNewChildElement("parent")->SetAttribute("link", parent.c_str());
   added.InsertNewChildElement("child")->SetAttribute("link", child.c_str());
@@ -172,14 +158,14 @@ void add_limit(XMLElement& joint, double velocity, double lower, double upper) {
 
 std::string expanded_urdf(const std::string& urdf_text, const MultiDofJoint& joint, const MultiDofBounds& bounds) {
   XMLDocument document;
-  XMLElement& robot = root_of(document, urdf_text, "URDF");
+  XMLElement& robot = xml::parse_robot(document, urdf_text, "URDF");
   for (auto e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint"))
     if (!joint.is_above_root() && has(*e, "name", joint.name)) {
       robot.DeleteChild(e);
       break;
     }
   const auto add_link = [&](const std::string& name) {
-    robot.InsertNewChildElement("link")->SetAttribute("name", name.c_str());
+    xml::add_named(robot, "link", name);
     return name;
   };
   Eigen::Matrix3d axes = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.normal).toRotationMatrix();
@@ -201,7 +187,7 @@ std::string expanded_urdf(const std::string& urdf_text, const MultiDofJoint& joi
       add_limit(added, 1.0, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
     parent = child;
   }
-  return printed(document);
+  return xml::print(document);
 }
 
 /// The positions of the new joints in a state of the SRDF.
@@ -228,8 +214,7 @@ void expand_in(XMLElement& parent, const MultiDofJoint& joint, bool always, bool
   if (old && with_values) values = positions_in_state(joint, *old);
   if (old) parent.DeleteChild(old);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    XMLElement& added = *parent.InsertNewChildElement("joint");
-    added.SetAttribute("name", (joint.name + joint.type.coordinates[i].joint).c_str());
+    XMLElement& added = xml::add_named(parent, "joint", joint.name + joint.type.coordinates[i].joint);
     if (with_values) added.SetAttribute("value", to_text(values[i]).c_str());
   }
 }
@@ -242,7 +227,7 @@ std::string expanded_srdf(const std::string& srdf_text, const Srdf& srdf, const 
                        [&](const SrdfEndEffector& each) { return has(state, "group", each.group); });
   };
   XMLDocument document;
-  XMLElement& robot = root_of(document, srdf_text, "SRDF");
+  XMLElement& robot = xml::parse_robot(document, srdf_text, "SRDF");
   for (auto e = robot.FirstChildElement("group"); e; e = e->NextSiblingElement("group"))
     expand_in(*e, joint, !group.empty() && has(*e, "name", group), false);
   for (auto e = robot.FirstChildElement("group_state"); e; e = e->NextSiblingElement("group_state"))
@@ -252,7 +237,7 @@ std::string expanded_srdf(const std::string& srdf_text, const Srdf& srdf, const 
     if (has(*e, "name", joint.name)) robot.DeleteChild(e);
     e = next;
   }
-  return printed(document);
+  return xml::print(document);
 }
 
 /// Puts the new joints in front of the planned joints that are given by name, unless some of them are among these.

@@ -5,31 +5,15 @@
 #include <vector>
 
 #include "srmp/core/error.hpp"
+#include "srmp/robot/xml_edit.hpp"
 
 namespace srmp {
 
 namespace {
 
 using tinyxml2::XMLElement;
-
-XMLElement& parse(tinyxml2::XMLDocument& document, const std::string& text) {
-  document.Parse(text.c_str(), text.size());
-  XMLElement* root = document.Error() ? nullptr : document.FirstChildElement("robot");
-  if (!root) throw FileError("the URDF text is not XML with a <robot>");
-  return *root;
-}
-
-std::string print(const tinyxml2::XMLDocument& document) {
-  tinyxml2::XMLPrinter printer;
-  document.Print(&printer);
-  return printer.CStr();
-}
-
-std::vector<XMLElement*> children(XMLElement& parent, const char* tag) {
-  std::vector<XMLElement*> found;
-  for (XMLElement* e = parent.FirstChildElement(tag); e; e = e->NextSiblingElement(tag)) found.push_back(e);
-  return found;
-}
+using xml::children;
+using xml::print;
 
 std::string attribute(const XMLElement* element, const char* name) {
   const char* value = element ? element->Attribute(name) : nullptr;
@@ -51,7 +35,7 @@ void set_limits(XMLElement& joint, const JointLimitEdit& edit) {
 std::string with_limits(const std::string& urdf_text, const std::map<std::string, JointLimitEdit>& limits) {
   if (limits.empty()) return urdf_text;
   tinyxml2::XMLDocument document;
-  for (XMLElement* joint : children(parse(document, urdf_text), "joint")) {
+  for (XMLElement* joint : children(xml::parse_robot(document, urdf_text, "URDF"), "joint")) {
     const auto edit = limits.find(attribute(joint, "name"));
     if (edit != limits.end()) set_limits(*joint, edit->second);
   }
@@ -61,7 +45,7 @@ std::string with_limits(const std::string& urdf_text, const std::map<std::string
 std::string without_links(const std::string& urdf_text, const std::set<std::string>& links,
                           const std::set<std::string>& without_geometry) {
   tinyxml2::XMLDocument document;
-  XMLElement& root = parse(document, urdf_text);
+  XMLElement& root = xml::parse_robot(document, urdf_text, "URDF");
   for (XMLElement* joint : children(root, "joint"))
     if (links.contains(attribute(joint->FirstChildElement("child"), "link"))) root.DeleteChild(joint);
   for (XMLElement* link : children(root, "link")) {

@@ -13,8 +13,9 @@ namespace {
 constexpr double no_bound = std::numeric_limits<double>::infinity();
 constexpr double certificate_fineness = 0.02;  // of the tolerance: how much a certificate may add to what it samples
 constexpr double smallest = 1e-7;              // of the tolerance: parts that change it by less are not halved
-constexpr int max_iterations = 25;             // of a projection
-constexpr double max_change = 0.4;             // [rad or m] of a joint in one of them
+constexpr int most_halvings = 20'000;  // of one motion: tolerances that take more are not kept, as far as is known
+constexpr int max_iterations = 25;     // of a projection
+constexpr double max_change = 0.4;     // [rad or m] of a joint in one of them
 /// Of a rotation vector's component by the rotation: sin(pi/2) / (pi/2), inverted, at half a turn.
 constexpr double rotation_vector_rate = M_PI / 2.0;
 
@@ -169,6 +170,7 @@ class SecondOrderProof {
     const double part = to - from, rise = largest_ * part * part;
     if (part * turn_ <= max_turn && std::max(at_from, at_to) + rise <= most_) return true;
     if (rise <= smallest && part * turn_ <= max_turn) return true;
+    if (++halvings_ > most_halvings) return false;
     const double middle = 0.5 * (from + to);
     q_ = a_ + middle * change_;
     const double at_middle = checker_.deviation(q_);
@@ -180,6 +182,7 @@ class SecondOrderProof {
   const Eigen::VectorXd &a_, &change_;
   Eigen::VectorXd q_;
   double most_, largest_{}, turn_{};
+  int halvings_{0};
 };
 
 std::string amount(double value, bool position) {
@@ -305,6 +308,7 @@ bool ConstraintChecker::keeps(const Eigen::VectorXd& a, const Eigen::VectorXd& b
     SecondOrderProof proof(*this, a, change_, std::max({most, at_a, at_b}));
     return proof.keeps(0.0, 1.0, at_a, at_b);
   }
+  halvings_ = 0;
   largest_rate_ = 0.0;
   for (const Eigen::VectorXd& rate : constraints_.rates())
     largest_rate_ = std::max(largest_rate_, rate.dot(change_.cwiseAbs()));
@@ -315,6 +319,7 @@ bool ConstraintChecker::keeps_part(const Eigen::VectorXd& a, const Eigen::Vector
                                    double at_from, double at_to, double most) {
   const double changes = largest_rate_ * (to - from);
   if (0.5 * (at_from + at_to + changes) <= most || changes <= smallest) return true;
+  if (++halvings_ > most_halvings) return false;
   const double middle = 0.5 * (from + to);
   q_ = a + middle * change;
   const double at_middle = deviation(q_);

@@ -224,8 +224,11 @@ Trajectory Trajectory::rows(std::size_t first, std::size_t last) const {
   return result;
 }
 
-Trajectory Trajectory::of_joints(const std::vector<std::string>& joints) const {
+Trajectory Trajectory::of_joints(const std::vector<std::string>& joints, const std::vector<std::string>& names) const {
   require_shapes(*this);
+  if (!names.empty() && names.size() != joints.size())
+    refuse("of_joints: there are " + std::to_string(names.size()) + " names for " + std::to_string(joints.size()) +
+           " joints");
   if (joints.empty()) refuse("of_joints: no joint is named");
   std::vector<Eigen::Index> columns;
   for (const std::string& joint : joints) {
@@ -236,7 +239,7 @@ Trajectory Trajectory::of_joints(const std::vector<std::string>& joints) const {
     if (std::count(joints.begin(), joints.end(), joint) > 1) refuse("of_joints: joint '" + joint + "' is named twice");
   }
   const auto part = [&](const RowMatrix& all) { return RowMatrix(all(Eigen::all, columns)); };
-  return {.joint_names = joints,
+  return {.joint_names = names.empty() ? joints : names,
           .positions = part(positions),
           .velocities = part(velocities),
           .accelerations = part(accelerations),

@@ -158,7 +158,11 @@ std::size_t CartesianGraph::memory() const {
 }
 
 std::string CartesianGraph::obstruction() {
-  const auto state = std::find_if(states_.begin(), states_.end(), [&](const State& s) { return s.layer == farthest_; });
+  // At the end of the path only a state that still withdraws from the start is no goal.
+  const bool at_end = farthest_ + 1 == layers_.size();
+  const auto state = std::find_if(states_.begin(), states_.end(), [&](const State& s) {
+    return s.layer == farthest_ && (!at_end || s.part == Part::withdrawal);
+  });
   return place_of(farthest_, "came ") + "; there, " + obstruction_behind(*state);
 }
 
