@@ -55,7 +55,10 @@ std::string brief(nb::handle value);
 inline std::string brief_seconds(double seconds) { return to_text(std::round(1e6 * seconds) / 1e6) + " s"; }
 
 /// NumPy's float64 view or copy of any argument. Throws InvalidArgument, naming `what`, when it is not numbers.
-nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what);
+using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+Numbers to_numbers(nb::handle value, const std::string& what);
+/// The error of numbers that must have the shape (n, columns).
+InvalidArgument wrong_shape(const std::string& what, const std::string& columns, const Numbers& numbers);
 
 /// A NumPy array of float64; a type of its own so that the type stubs say so.
 class NumpyArray : public nb::object {

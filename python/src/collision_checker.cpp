@@ -50,7 +50,7 @@ class Rows {
       : numbers_(to_numbers(array.value, what)) {
     const bool one = numbers_.ndim() == 1 && static_cast<Eigen::Index>(numbers_.size()) == columns;
     if (!one && (numbers_.ndim() != 2 || static_cast<Eigen::Index>(numbers_.shape(1)) != columns))
-      throw InvalidArgument(what + " must have the shape (n, " + std::to_string(columns) + ")");
+      throw wrong_shape(what, std::to_string(columns), numbers_);
     count_ = one ? 1 : static_cast<Eigen::Index>(numbers_.shape(0));
     columns_ = columns;
   }
@@ -58,7 +58,7 @@ class Rows {
   Eigen::Map<const RowMatrix> view() const { return {numbers_.data(), count_, columns_}; }
 
  private:
-  nb::ndarray<const double, nb::c_contig, nb::device::cpu> numbers_;
+  Numbers numbers_;
   Eigen::Index count_{}, columns_{};
 };
 
@@ -124,7 +124,7 @@ class Times {
   double operator[](Eigen::Index row) const { return values_.data()[one_ ? 0 : row]; }
 
  private:
-  nb::ndarray<const double, nb::c_contig, nb::device::cpu> values_;
+  Numbers values_;
   bool one_{};
 };
 
@@ -218,7 +218,7 @@ std::map<std::string, TimedPath> to_timed_paths(nb::handle others) {
       throw InvalidArgument("others['" + name + "'] must be (times, configurations)");
     const Eigen::VectorXd times = ArrayLike{value[0]}.vector("times of robot '" + name + "'");
     const auto rows = to_numbers(value[1], "configurations of robot '" + name + "'");
-    if (rows.ndim() != 2) throw InvalidArgument("configurations of robot '" + name + "' must have the shape (n, dof)");
+    if (rows.ndim() != 2) throw wrong_shape("configurations of robot '" + name + "'", "dof", rows);
     TimedPath& path = paths[name];
     path.times.assign(times.begin(), times.end());
     const auto columns = static_cast<Eigen::Index>(rows.shape(1));

@@ -18,7 +18,7 @@ std::string brief(nb::handle value) {
   return text.substr(0, end) + " …";
 }
 
-nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle value, const std::string& what) {
+Numbers to_numbers(nb::handle value, const std::string& what) {
   const auto refuse = [&](const std::string& kind) -> InvalidArgument {
     return InvalidArgument(what + " must be " + kind + ", but is " + brief(value));
   };
@@ -28,11 +28,18 @@ nb::ndarray<const double, nb::c_contig, nb::device::cpu> to_numbers(nb::handle v
     const nb::object array = numpy.attr("asarray")(value);
     if (nb::cast<bool>(numpy.attr("iscomplexobj")(array))) throw refuse("real numbers");
     const nb::object numbers = numpy.attr("ascontiguousarray")(array, nb::arg("dtype") = "float64");
-    return nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(numbers);
+    return nb::cast<Numbers>(numbers);
   } catch (const nb::python_error& error) {
     if (!error.matches(PyExc_Exception)) throw;  // a Ctrl-C
     throw refuse("numbers");
   }
+}
+
+InvalidArgument wrong_shape(const std::string& what, const std::string& columns, const Numbers& numbers) {
+  std::string shape;
+  for (std::size_t i = 0; i < numbers.ndim(); ++i) shape += (i == 0 ? "" : ", ") + std::to_string(numbers.shape(i));
+  if (numbers.ndim() == 1) shape += ",";
+  return InvalidArgument(what + " must have the shape (n, " + columns + "), not (" + shape + ")");
 }
 
 Eigen::VectorXd ArrayLike::vector(const std::string& what) const {
@@ -54,7 +61,7 @@ RowMatrix ArrayLike::rows(const std::string& what, Eigen::Index columns) const {
   const auto numbers = to_numbers(value, what);
   if (numbers.size() == 0) return RowMatrix(0, columns);
   if (numbers.ndim() != 2 || static_cast<Eigen::Index>(numbers.shape(1)) != columns)
-    throw InvalidArgument(what + " must have the shape (n, " + std::to_string(columns) + ")");
+    throw wrong_shape(what, std::to_string(columns), numbers);
   return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)), columns);
 }
 

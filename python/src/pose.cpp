@@ -82,6 +82,11 @@ Raises InvalidArgument unless its rotation is orthonormal to 1e-6.)")
             return to_numpy_rows({matrix.row(0), matrix.row(1), matrix.row(2), matrix.row(3)}, 4);
           },
           "The homogeneous matrix (4, 4).")
+      .def(
+          "rpy", [](const Pose& pose) { return to_numpy(pose.rpy()); },
+          R"(The roll, pitch, yaw of `from_rpy`, (3,) [rad], with pitch within ±pi/2.
+
+At its ends, where roll and yaw turn about one axis, the two together give the orientation.)")
       .def("inverse", &Pose::inverse, "The inverse transform: `pose.inverse() @ pose` is the identity.")
       .def(
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator())

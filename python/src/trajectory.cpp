@@ -26,10 +26,7 @@ VectorView times_view(nb::handle_t<Trajectory> self) {
 RowMatrix to_matrix(nb::handle array, const std::string& what, std::size_t columns) {
   const auto numbers = to_numbers(array, what);
   if (numbers.size() == 0) return RowMatrix(0, static_cast<Eigen::Index>(columns));
-  if (numbers.ndim() != 2)
-    throw InvalidArgument(what + " must have the shape (n, " + std::to_string(columns) + "), but " +
-                          (numbers.ndim() == 1 ? "are one row of " + std::to_string(numbers.size()) + " numbers"
-                                               : "have " + std::to_string(numbers.ndim()) + " dimensions"));
+  if (numbers.ndim() != 2) throw wrong_shape(what, std::to_string(columns), numbers);
   return Eigen::Map<const RowMatrix>(numbers.data(), static_cast<Eigen::Index>(numbers.shape(0)),
                                      static_cast<Eigen::Index>(numbers.shape(1)));
 }

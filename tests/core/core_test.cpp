@@ -18,6 +18,18 @@ BOOST_AUTO_TEST_CASE(pose_round_trips_through_a_list) {
   BOOST_TEST(((pose * pose.inverse()).matrix() - Eigen::Matrix4d::Identity()).norm() < 1e-12);
 }
 
+BOOST_AUTO_TEST_CASE(pose_gives_the_roll_pitch_yaw_that_made_it) {
+  const double right = std::numbers::pi / 2;
+  for (const double roll : {-3.0, -0.4, 0.0, 1.7})
+    for (const double pitch : {-right, -1.2, 0.0, 0.3, right})
+      for (const double yaw : {-2.9, 0.0, 0.8, 3.1}) {
+        const Eigen::Vector3d turns(roll, pitch, yaw);
+        const Pose pose = Pose::from_rpy({1, 2, 3}, turns);
+        if (std::abs(pitch) < right) BOOST_TEST((pose.rpy() - turns).norm() < 1e-9);
+        BOOST_TEST((Pose::from_rpy(pose.p, pose.rpy()).matrix() - pose.matrix()).norm() < 1e-7);
+      }
+}
+
 BOOST_AUTO_TEST_CASE(pose_accepts_both_quaternion_orders) {
   const double s = std::sqrt(0.5);
   const Pose a = Pose::from_xyzw({0, 0, 0}, {0, 0, s, s}), b = Pose::from_wxyz({0, 0, 0}, {s, 0, 0, s});

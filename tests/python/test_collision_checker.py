@@ -266,7 +266,7 @@ def test_unknown_instruction_set_is_refused():
     [
         (lambda p: p.collision_checker("arm", "exakt"), "mode is 'exakt', did you mean 'exact'"),
         (lambda p: p.collision_checker("harm"), "did you mean 'arm'"),
-        (lambda p: p.collision_checker("arm").are_free([[0.0] * 6]), r"q must have the shape \(n, 7\)"),
+        (lambda p: p.collision_checker("arm").are_free([[0.0] * 6]), r"q must have the shape \(n, 7\), not \(1, 6\)"),
         (lambda p: p.collision_checker("arm").are_free([[0.0] * 7, [np.nan] * 7]), "configuration 1"),
         (lambda p: p.collision_checker("arm").motions_free([[0.0] * 7], [[0.0] * 7] * 2), "a has 1 rows and b has 2"),
         (lambda p: p.collision_checker("arm").certify_motion([0.0] * 7, [np.inf] * 7), "end of the motion"),

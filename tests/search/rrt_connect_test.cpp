@@ -130,6 +130,36 @@ BOOST_AUTO_TEST_CASE(an_angle_may_wrap_around) {
   BOOST_TEST(!RrtConnect(space).grow(2'000, {}).has_value());
 }
 
+BOOST_AUTO_TEST_CASE(directions_lead_out_of_a_passage_that_samples_seldom_leave) {
+  RrtSpace space = maze();  // whose second goal is now in a passage along y that is 0.002 wide
+  space.goals = {Vector2d(0.9, 0.2)};
+  space.is_motion_free = [](const VectorXd& a, const VectorXd& b) {
+    for (int i = 0; i <= 100; ++i)
+      if (const VectorXd q = a + (b - a) * (i / 100.0); q[1] < 0.6 && q[0] > 0.8 && std::abs(q[0] - 0.9) > 0.001)
+        return false;
+    return true;
+  };
+  std::uint64_t by_samples = 0, with_directions = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    space.directions = 0;
+    space.advance = {};
+    RrtConnect samples(space, seed);
+    samples.grow(many, {});
+    by_samples += samples.attempts();
+    space.directions = 4;
+    space.advance = [](VectorXd& q, std::size_t direction) {
+      q[static_cast<Eigen::Index>(direction / 2)] += direction % 2 == 0 ? 0.1 : -0.1;
+      return q[0] <= 1.0 && q[1] <= 1.0 && q.minCoeff() >= 0.0;
+    };
+    RrtConnect trees(space, seed);
+    const auto path = trees.grow(many, {});
+    BOOST_REQUIRE(path.has_value());
+    check(*path, space);
+    with_directions += trees.attempts();
+  }
+  BOOST_TEST(10 * with_directions < by_samples);
+}
+
 BOOST_AUTO_TEST_CASE(rrt_connect_stops_after_its_attempts_and_at_the_deadline) {
   RrtSpace closed = maze();
   closed.is_motion_free = [](const VectorXd&, const VectorXd&) { return false; };

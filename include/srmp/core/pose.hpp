@@ -29,7 +29,10 @@ struct Pose {
 #endif
 
   std::array<double, 7> to_list() const;  ///< the numbers of from_list
-  Eigen::Matrix4d matrix() const;         ///< homogeneous
+  /// The roll, pitch, yaw [rad] of from_rpy, with pitch within ±pi/2. At its ends, where roll and yaw turn about one
+  /// axis, the two together give the orientation.
+  Eigen::Vector3d rpy() const;
+  Eigen::Matrix4d matrix() const;  ///< homogeneous
   /// The pose as an Eigen transform.
   Eigen::Isometry3d isometry() const;
   /// Nothing is checked; the quaternion is normalised.

@@ -96,17 +96,7 @@ def _mesh_file(mesh: Mesh) -> Path:
 
 
 def _add_origin(element: Element, pose: Pose) -> None:
-    SubElement(element, "origin", xyz=_numbers(pose.p), rpy=_numbers(_roll_pitch_yaw(pose)))
-
-
-def _roll_pitch_yaw(pose: Pose) -> list[float]:
-    """Rotation about fixed x, y, z; at a pitch of 90 degrees, where roll and yaw are one, roll is 0."""
-    r = pose.matrix()[:3, :3]
-    across = float(np.hypot(r[0, 0], r[1, 0]))
-    pitch = float(np.arctan2(-r[2, 0], across))
-    if across < 1e-9:
-        return [0.0, pitch, float(np.arctan2(-r[0, 1], r[1, 1]))]
-    return [float(np.arctan2(r[2, 1], r[2, 2])), pitch, float(np.arctan2(r[1, 0], r[0, 0]))]
+    SubElement(element, "origin", xyz=_numbers(pose.p), rpy=_numbers(pose.rpy()))
 
 
 def _numbers(values: object) -> str:

@@ -369,9 +369,10 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
     const double suffices = least + required - 0.9 * motion,
                  hulls = workspace_.hull_distance(pair, margin, suffices, &separation_of(pair));
     if (hulls == infinity) return {CollisionStatus::free, goal()};
-    if (hulls > least + required) return {CollisionStatus::free, hulls - least, false};
-    const double gap = workspace_.free_gap(pair, separation_of(pair));
-    if (gap > required) return {CollisionStatus::free, gap, false};
+    double bound = hulls - least;
+    // Much of a motion is often along the planes that separate the two.
+    if (bound < goal()) bound = std::max(bound, workspace_.free_gap(pair, separation_of(pair)));
+    if (bound > required) return {CollisionStatus::free, bound, false};
     // Hulls a tenth of the motion apart prove the halves: that is cheaper than the distance of the meshes.
     if (!finest && hulls > suffices) return {CollisionStatus::undecided, 0.0, true, hulls - pair.padding - required};
   }

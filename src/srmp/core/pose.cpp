@@ -1,5 +1,7 @@
 #include "srmp/core/pose.hpp"
 
+#include <cmath>
+
 #include "srmp/core/error.hpp"
 
 namespace srmp {
@@ -52,6 +54,13 @@ Pose Pose::from_list(std::span<const double> v) {
 }
 
 std::array<double, 7> Pose::to_list() const { return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}; }
+
+Eigen::Vector3d Pose::rpy() const {
+  const Eigen::Matrix3d r = q.toRotationMatrix();
+  const double yaw = std::atan2(r(1, 0), r(0, 0)), pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+  const double sine = std::sin(yaw), cosine = std::cos(yaw);
+  return {std::atan2(sine * r(0, 2) - cosine * r(1, 2), cosine * r(1, 1) - sine * r(0, 1)), pitch, yaw};
+}
 
 Eigen::Matrix4d Pose::matrix() const { return isometry().matrix(); }
 

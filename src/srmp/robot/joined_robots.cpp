@@ -129,11 +129,9 @@ std::string joined_urdf(const std::string& name, const std::vector<RobotToJoin>&
     joint.InsertNewChildElement("parent")->SetAttribute("link", origin.c_str());
     joint.InsertNewChildElement("child")->SetAttribute("link",
                                                        joined_name(robot.name, root_link_of(robot.model)).c_str());
-    const Eigen::Vector3d& p = robot.base.p;
-    const Eigen::Vector3d turns = robot.base.q.toRotationMatrix().eulerAngles(2, 1, 0);  // yaw, pitch, roll
     XMLElement& place = *joint.InsertNewChildElement("origin");
-    place.SetAttribute("xyz", (to_text(p.x()) + " " + to_text(p.y()) + " " + to_text(p.z())).c_str());
-    place.SetAttribute("rpy", (to_text(turns[2]) + " " + to_text(turns[1]) + " " + to_text(turns[0])).c_str());
+    xml::set_vector(place, "xyz", robot.base.p);
+    xml::set_vector(place, "rpy", robot.base.rpy());
   }
   for (const char* tag : {"link", "joint"}) require_distinct(root, tag);
   return xml::print(document);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <locale>
 #include <numbers>
 #include <span>
 #include <sstream>
@@ -78,17 +79,11 @@ void require_bounds(const MultiDofType& type, const MultiDofBounds& bounds) {
   }
 }
 
-/// x, y, z [m], yaw, pitch, roll [rad] of a transform, with pitch within ±pi/2. At its ends, where yaw and roll turn
-/// about one axis, the two together give the orientation.
+/// x, y, z [m], yaw, pitch, roll [rad], those of Pose::rpy.
 std::array<double, 6> floating_positions(const Pose& transform) {
-  const Eigen::Matrix3d r = transform.q.toRotationMatrix();
-  const double yaw = std::atan2(r(1, 0), r(0, 0)), pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
-  const double sine = std::sin(yaw), cosine = std::cos(yaw);
-  const double roll = std::atan2(sine * r(0, 2) - cosine * r(1, 2), cosine * r(1, 1) - sine * r(0, 1));
-  return {transform.p.x(), transform.p.y(), transform.p.z(), yaw, pitch, roll};
+  const Eigen::Vector3d &p = transform.p, turns = transform.rpy();
+  return {p.x(), p.y(), p.z(), turns.z(), turns.y(), turns.x()};
 }
-
-std::string xyz_text(const Eigen::Vector3d& v) { return to_text(v.x()) + " " + to_text(v.y()) + " " + to_text(v.z()); }
 
 bool has(const XMLElement& element, const char* attribute, const std::string& value) {
   const char* text = element.Attribute(attribute);
@@ -145,7 +140,7 @@ XMLElement& add_joint(XMLElement& robot, const MultiDofJoint& joint, const Coord
   added.SetAttribute("type", coordinate.type.data());
   added.InsertNewChildElement("parent")->SetAttribute("link", parent.c_str());
   added.InsertNewChildElement("child")->SetAttribute("link", child.c_str());
-  added.InsertNewChildElement("axis")->SetAttribute("xyz", xyz_text(axis).c_str());
+  xml::set_vector(*added.InsertNewChildElement("axis"), "xyz", axis);
   return added;
 }
 
@@ -176,8 +171,8 @@ std::string expanded_urdf(const std::string& urdf_text, const MultiDofJoint& joi
     XMLElement& added = add_joint(robot, joint, coordinate, parent, child, axes.col(coordinate.axis));
     if (&coordinate == &joint.type.coordinates.front()) {
       XMLElement& origin = *added.InsertNewChildElement("origin");
-      origin.SetAttribute("xyz", xyz_text(joint.xyz).c_str());
-      origin.SetAttribute("rpy", xyz_text(joint.rpy).c_str());
+      xml::set_vector(origin, "xyz", joint.xyz);
+      xml::set_vector(origin, "rpy", joint.rpy);
     }
     if (coordinate.type == "prismatic")
       add_limit(added, joint.velocity, bounds.lower[coordinate.axis], bounds.upper[coordinate.axis]);
@@ -193,6 +188,7 @@ std::string expanded_urdf(const std::string& urdf_text, const MultiDofJoint& joi
 /// The positions of the new joints in a state of the SRDF.
 std::vector<double> positions_in_state(const MultiDofJoint& joint, const XMLElement& in_state) {
   std::istringstream text(in_state.Attribute("value") ? in_state.Attribute("value") : "");
+  text.imbue(std::locale::classic());
   const std::vector<double> v{std::istream_iterator<double>(text), {}};
   const auto fail = [&](const std::string& what) {
     throw FileError("a state of the SRDF gives " + what + " of joint '" + joint.name + "', which is " +

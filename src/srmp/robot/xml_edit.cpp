@@ -31,4 +31,8 @@ XMLElement& add_named(XMLElement& parent, const char* tag, const std::string& na
   return element;
 }
 
+void set_vector(XMLElement& element, const char* attribute, const Eigen::Vector3d& v) {
+  element.SetAttribute(attribute, (to_text(v.x()) + " " + to_text(v.y()) + " " + to_text(v.z())).c_str());
+}
+
 }  // namespace srmp::xml

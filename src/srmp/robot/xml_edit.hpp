@@ -2,6 +2,7 @@
 
 #include <tinyxml2.h>
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,8 @@ std::vector<tinyxml2::XMLElement*> children(tinyxml2::XMLElement& parent, const 
 
 /// A new last child with this tag and attribute `name`.
 tinyxml2::XMLElement& add_named(tinyxml2::XMLElement& parent, const char* tag, const std::string& name);
+
+/// Sets an attribute to three numbers.
+void set_vector(tinyxml2::XMLElement& element, const char* attribute, const Eigen::Vector3d& v);
 
 }  // namespace srmp::xml

@@ -13,12 +13,30 @@
 
 namespace srmp::search {
 
-/// Estimates of the cost-to-go, which may overestimate it: each finite and >= 0. values(states, out) writes all `count`
-/// of the first state, then of the next.
+/// Estimates of the cost-to-go, which may overestimate it: each >= 0, and finite unless `infinity_allowed`.
+/// values(states, out) writes all `count` of the first state, then of the next.
 struct InadmissibleHeuristics {
   std::size_t count{};
   std::function<void(std::span<const StateId>, std::span<double>)> values;
+  bool infinity_allowed{false};
 };
+
+/// Those of a list that outlives the result. Throws InvalidArgument for an empty one.
+inline InadmissibleHeuristics together(std::span<const AnyHeuristic> heuristics) {
+  for (std::size_t i = 0; i < heuristics.size(); ++i)
+    if (!heuristics[i]) throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " is empty");
+  return {
+      .count = heuristics.size(),
+      .values =
+          [heuristics, values = std::vector<double>()](std::span<const StateId> states, std::span<double> out) mutable {
+            values.resize(states.size());
+            for (std::size_t i = 0; i < heuristics.size(); ++i) {
+              heuristics[i].values(states, values);
+              for (std::size_t k = 0; k < states.size(); ++k) out[k * heuristics.size() + i] = values[k];
+            }
+          },
+      .infinity_allowed = true};
+}
 
 /// Their values, each evaluated once.
 class InadmissibleValues {
@@ -30,8 +48,7 @@ class InadmissibleValues {
   double operator()(StateId s, std::size_t i) const { return values_[at(s, i)]; }
   std::size_t memory() const { return values_.memory(); }
 
-  /// Evaluates the states that are new, all in one call. Throws InvalidArgument for values that are not finite, or
-  /// below 0.
+  /// Evaluates the states that are new, all in one call. Throws InvalidArgument for values that are not allowed.
   void evaluate(std::span<const StateId> states) {
     if (count() == 0) return;
     new_states_.clear();
@@ -44,10 +61,10 @@ class InadmissibleValues {
     heuristics_.values(new_states_, new_values_);
     for (std::size_t k = 0; k < new_values_.size(); ++k) {
       const StateId s = new_states_[k / count()];
-      if (!(new_values_[k] >= 0.0 && new_values_[k] < infinity))
+      if (!(new_values_[k] >= 0.0 && (new_values_[k] < infinity || heuristics_.infinity_allowed)))
         throw InvalidArgument("inadmissible heuristic " + std::to_string(k % count()) + " of state " +
-                              std::to_string(s) + " is " + to_text(new_values_[k]) +
-                              ", it must be finite and at least 0");
+                              std::to_string(s) + " is " + to_text(new_values_[k]) + ", it must be 0 or more" +
+                              (heuristics_.infinity_allowed ? ", or infinity" : " and finite"));
       values_[at(s, k % count())] = new_values_[k];
     }
   }

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "srmp/core/block_vector.hpp"
+#include "srmp/search/inadmissible_heuristics.hpp"
 #include "srmp/search/lazy_tree.hpp"
 #include "srmp/search/open_list.hpp"
 #include "srmp/search/resumable_search.hpp"
@@ -38,13 +38,11 @@ class MultiHeuristicSearch : public ResumableSearch {
   /// Graph and heuristics outlive this.
   MultiHeuristicSearch(G& graph, std::span<const StateId> starts, H& anchor,
                        std::span<const InadmissibleHeuristic> others, const MhaOptions& options)
-      : tree_(graph, anchor), others_(others), options_(options), queues_(others.size() + 1) {
+      : tree_(graph, anchor), others_(together(others)), options_(options), queues_(others.size() + 1) {
     require_weight(options.w1, "w1");
     require_weight(options.w2, "w2");
-    for (std::size_t i = 0; i < others.size(); ++i)
-      if (!others[i]) throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " is empty");
     tree_.add_starts(starts, [this](StateId s) { reached_.push_back(s); });
-    evaluate_others();
+    others_.evaluate(reached_);
     for (const StateId s : reached_) requeue(s);
   }
 
@@ -67,7 +65,7 @@ class MultiHeuristicSearch : public ResumableSearch {
       }
       reached_.clear();
       tree_.expand(s, [this](StateId next) { reached_.push_back(next); });
-      evaluate_others();
+      others_.evaluate(reached_);
       for (const StateId next : reached_) requeue(next);
       ++round_;
     }
@@ -91,7 +89,7 @@ class MultiHeuristicSearch : public ResumableSearch {
 
   Statistics statistics() const override {
     Statistics statistics = tree_.statistics;
-    statistics.memory = table().memory() + values_of_.memory() + inconsistent_.capacity() * sizeof(StateId);
+    statistics.memory = table().memory() + others_.memory() + inconsistent_.capacity() * sizeof(StateId);
     for (const OpenList& open : queues_) statistics.memory += open.memory();
     return statistics;
   }
@@ -105,8 +103,8 @@ class MultiHeuristicSearch : public ResumableSearch {
 
   /// Round robin over the other queues; the anchor's replaces one whose keys are too far above its own.
   std::size_t queue_of(std::size_t round) const {
-    if (others_.empty()) return 0;
-    const std::size_t queue = 1 + round % others_.size();
+    if (others_.count() == 0) return 0;
+    const std::size_t queue = 1 + round % others_.count();
     if (queues_[queue].empty()) return 0;
     return queues_[queue].min_priority() <= options_.w2 * queues_[0].min_priority() ? queue : 0;
   }
@@ -131,8 +129,8 @@ class MultiHeuristicSearch : public ResumableSearch {
     const double g = table().best_cost(s), anchor = g + options_.w1 * state.heuristic;
     queues_[0].set(s, anchor, state.heuristic);
     if (state.closed & closed_by_inadmissible) return;
-    for (std::size_t i = 0; i < others_.size(); ++i) {
-      const double h = values_of_[at(s, i)], priority = g + options_.w1 * h;
+    for (std::size_t i = 0; i < others_.count(); ++i) {
+      const double h = others_(s, i), priority = g + options_.w1 * h;
       if (h < infinity && priority <= options_.w2 * anchor) {
         queues_[i + 1].set(s, priority, h);
       } else {
@@ -141,39 +139,11 @@ class MultiHeuristicSearch : public ResumableSearch {
     }
   }
 
-  std::size_t at(StateId s, std::size_t i) const { return std::size_t{s} * others_.size() + i; }
-
-  /// The inadmissible heuristics of the states reached, each evaluated once, all states in one call.
-  void evaluate_others() {
-    if (others_.empty()) return;
-    new_states_.clear();
-    for (const StateId s : reached_) {
-      values_of_.grow_to(at(s, others_.size()), -1.0);
-      if (values_of_[at(s, 0)] < 0.0) new_states_.push_back(s);
-    }
-    if (new_states_.empty()) return;
-    values_.resize(new_states_.size());
-    for (std::size_t i = 0; i < others_.size(); ++i) {
-      others_[i].values(new_states_, values_);
-      for (std::size_t k = 0; k < values_.size(); ++k) {
-        if (!(values_[k] >= 0.0)) {
-          throw InvalidArgument("inadmissible heuristic " + std::to_string(i) + " of state " +
-                                std::to_string(new_states_[k]) + " is " + to_text(values_[k]) +
-                                ", it must be 0 or more, or infinity");
-        }
-        values_of_[at(new_states_[k], i)] = values_[k];
-      }
-    }
-  }
-
   LazyTree<G, H> tree_;
-  std::span<const InadmissibleHeuristic> others_;
+  InadmissibleValues others_;
   MhaOptions options_;
   std::vector<OpenList> queues_;
-  BlockVector<double> values_of_;      ///< by state and inadmissible heuristic; negative: not evaluated yet
   std::vector<StateId> reached_;       ///< by the last expansion
-  std::vector<StateId> new_states_;    ///< of these, those not evaluated yet
-  std::vector<double> values_;         ///< of these
   std::vector<StateId> inconsistent_;  ///< closed by the anchor, but a cheaper candidate was found since
   BestGoal goal_;
   std::size_t round_{};

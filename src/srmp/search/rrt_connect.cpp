@@ -16,6 +16,14 @@ struct ProjectionOptions {
 };
 const ProjectionOptions projection;
 
+/// Of growth in directions.
+struct DirectionOptions {
+  std::uint64_t patience{
+      32};       ///< samples that fail before it, twice as many each time: with less, easy places cost more
+  int steps{8};  ///< in one direction, at most
+};
+const DirectionOptions direction_options;
+
 /// The angle wrapped to [-pi, pi] [rad].
 double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle / (2.0 * M_PI)); }
 
@@ -41,6 +49,7 @@ RrtConnect::RrtConnect(RrtSpace space, std::uint64_t seed) : space_(std::move(sp
   if (!space_.wraps.empty() && space_.wraps.size() != size)
     throw InvalidArgument("wraps has " + std::to_string(space_.wraps.size()) + " entries, it must have " +
                           std::to_string(size) + " or none");
+  for (Tree& tree : trees_) tree.patience = direction_options.patience;
   for (const Eigen::VectorXd& start : space_.starts) add(trees_[0], start, trees_[0].size());
   for (const Eigen::VectorXd& goal : space_.goals) add(trees_[1], goal, trees_[1].size());
 }
@@ -55,7 +64,16 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
     const bool backward = trees_[1].size() < trees_[0].size();
     Tree &tree = trees_[backward], &other = trees_[!backward];
     const Eigen::VectorXd q = space_.sample(random_);
-    if (extend(tree, nearest(tree, q), q) && connect(other, node(tree, tree.size() - 1))) return path();
+    const std::size_t from = nearest(tree, q);
+    if (grows_in_directions(tree)) {
+      if (grow_in_directions(tree, from, other)) return path();
+    } else if (extend(tree, from, q)) {
+      tree.failures = 0;
+      tree.patience = direction_options.patience;
+      if (connect(other, node(tree, tree.size() - 1))) return path();
+    } else {
+      ++tree.failures;
+    }
   }
   return std::nullopt;
 }
@@ -127,6 +145,28 @@ bool RrtConnect::extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd 
   }
   add(tree, to, from);
   return true;
+}
+
+bool RrtConnect::grows_in_directions(const Tree& tree) const {
+  return space_.advance && !space_.project && tree.failures >= tree.patience;
+}
+
+/// As far as is free in each direction; true when one of the ends connects the trees.
+bool RrtConnect::grow_in_directions(Tree& tree, std::size_t from, Tree& other) {
+  tree.failures = 0;
+  tree.patience *= 2;
+  for (std::size_t direction = 0; direction < space_.directions; ++direction) {
+    std::size_t at = from;
+    for (int step = 0; step < direction_options.steps; ++step) {
+      const Eigen::VectorXd a = node(tree, at);
+      Eigen::VectorXd b = a;
+      if (!space_.advance(b, direction) || !space_.is_motion_free(a, b)) break;
+      add(tree, b, at);
+      at = tree.size() - 1;
+    }
+    if (at != from && connect(other, node(tree, at))) return true;
+  }
+  return false;
 }
 
 /// Steps towards q until one is not free; true when the last node is q.

@@ -33,12 +33,17 @@ struct RrtSpace {
   /// Moves a configuration onto the constraint's surface, or says false; empty: there is none. Every step of a tree is
   /// projected (CBiRRT: Berenson et al. 2009, "Manipulation planning on constraint manifolds").
   std::function<bool(Eigen::VectorXd&)> project{};
+  /// Directions in which a tree in a narrow passage may leave it, which samples seldom have there: advance(q, d) moves
+  /// q by a step in one of them, 0 <= d < directions, or says false. Not used where there is `project`.
+  std::size_t directions{};
+  std::function<bool(Eigen::VectorXd&, std::size_t)> advance{};
 };
 
 /// RRT-Connect (Kuffner, LaValle 2000, "RRT-Connect: An Efficient Approach to Single-Query Path Planning") with a fixed
 /// pseudo-random sequence, so that results repeat: two trees of motions, from the starts and from the goals, grow
 /// towards each other. The first attempt is the straight motion; then the smaller tree grows, so the end in a narrow
-/// passage has the most attempts. Guarantee: paths are valid; none is ever proved not to exist.
+/// passage has the most attempts. Where the space has directions, a tree that many samples in a row left as it was
+/// grows in these. Guarantee: paths are valid; none is ever proved not to exist.
 class RrtConnect {
  public:
   /// Another `seed` mostly leads to another path. Throws InvalidArgument for a max_step that is not positive and for
@@ -55,6 +60,8 @@ class RrtConnect {
   struct Tree {
     std::vector<std::vector<double>> columns;  // one per component; rows are nodes
     std::vector<std::size_t> parents;          // a root is its own parent
+    std::uint64_t failures{};                  // samples in a row that left it as it was
+    std::uint64_t patience{};                  // with these, before it grows in directions
     std::size_t size() const { return parents.size(); }
   };
 
@@ -64,6 +71,8 @@ class RrtConnect {
   std::size_t nearest(const Tree& tree, const Eigen::VectorXd& q);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
   bool extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards);
+  bool grows_in_directions(const Tree& tree) const;
+  bool grow_in_directions(Tree& tree, std::size_t from, Tree& other);
   bool connect(Tree& tree, const Eigen::VectorXd& q);
   std::optional<std::vector<Eigen::VectorXd>> straight_path() const;
   std::vector<Eigen::VectorXd> path() const;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "srmp/planner_interface.hpp"
+#include "support/data.hpp"
 #include "support/robots.hpp"
 
 using namespace srmp;
@@ -41,6 +42,40 @@ BOOST_AUTO_TEST_CASE(max_samples_are_near_the_ends_and_all_within_limits) {
   }
   BOOST_TEST(near > 750);
   BOOST_TEST(near < 950);
+}
+
+BOOST_AUTO_TEST_CASE(tool_directions_move_the_end_effector_straight_along_its_axes) {
+  const auto robot = RobotModel::load(arm7());
+  const VectorXd at{{0.1, 0.4, -0.2, -1.5, 0.1, 1.9, 0.3}};
+  search::RrtSpace space = rrt_space(*robot, at, {at});
+  add_tool_directions(space, *robot, VectorXd(), 0.02);
+  BOOST_REQUIRE(space.directions == 6u);
+  const Pose before = robot->compute_fk(at, "");
+  for (std::size_t direction = 0; direction < space.directions; ++direction) {
+    VectorXd q = at;
+    BOOST_REQUIRE(space.advance(q, direction));
+    const Pose moved = before.inverse() * robot->compute_fk(q, "");
+    Eigen::Vector3d along = Eigen::Vector3d::Zero();
+    along[static_cast<Eigen::Index>(direction / 2)] = direction % 2 == 0 ? -0.02 : 0.02;
+    BOOST_TEST((moved.p - along).norm() < 0.002);
+    BOOST_TEST(moved.q.angularDistance(Eigen::Quaterniond::Identity()) < 0.02);
+  }
+}
+
+BOOST_AUTO_TEST_CASE(tool_directions_are_refused_where_the_joints_cannot_move_so) {
+  const auto robot = robots::planar();  // it moves in the plane z = 0
+  const Vector2d at(0.3, 1.0);
+  search::RrtSpace space = rrt_space(*robot, at, {at});
+  add_tool_directions(space, *robot, VectorXd());
+  int possible = 0;
+  for (std::size_t direction = 0; direction < space.directions; ++direction) {
+    VectorXd q = at;
+    if (!space.advance(q, direction)) continue;
+    ++possible;
+    BOOST_TEST(!robot->limit_violation(q));
+    BOOST_TEST((q - at).norm() > 0.0);
+  }
+  BOOST_TEST(possible <= 4);
 }
 
 BOOST_AUTO_TEST_CASE(a_joint_without_limits_goes_the_short_way_round) {

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
 
 namespace srmp {
 
@@ -37,6 +41,47 @@ struct Region {
   }
 };
 
+/// RrtSpace::advance of add_tool_directions.
+class ToolDirections {
+ public:
+  ToolDirections(const RobotModel& robot, ConstVector other_positions, double step)
+      : robot_(robot),
+        data_(robot.make_data(other_positions).release(), RobotDataDeleter{}),
+        step_(step),
+        jacobian_(6, static_cast<Eigen::Index>(robot.dof())) {
+    for (const std::string& link : robot.end_links()) links_.push_back(robot.link_index(link));
+  }
+
+  static constexpr std::size_t per_link = 6;
+  std::size_t size() const { return per_link * links_.size(); }
+
+  /// False where the joints cannot do it, or end.
+  bool operator()(Eigen::VectorXd& q, std::size_t direction) {
+    robot_.forward(*data_, q);
+    const std::size_t link = links_[direction / per_link], axis = direction % per_link / 2;
+    robot_.jacobian(*data_, link, jacobian_);
+    const Eigen::Matrix3d axes = robot_.link_pose(*data_, link).linear();
+    Eigen::Vector<double, 6> twist = Eigen::Vector<double, 6>::Zero();
+    twist.head<3>() = (direction % 2 == 0 ? -step_ : step_) * axes.col(static_cast<Eigen::Index>(axis));
+    Eigen::Matrix<double, 6, 6> normal = jacobian_ * jacobian_.transpose();
+    normal.diagonal().array() += damping;
+    const Eigen::VectorXd change = jacobian_.transpose() * normal.ldlt().solve(twist);
+    const bool moves = (jacobian_.topRows<3>() * change).dot(twist.head<3>()) > 0.5 * step_ * step_;
+    if (!moves || change.norm() > RobotSamplingOptions().max_step) return false;
+    q += change;
+    return !robot_.limit_violation(q);
+  }
+
+ private:
+  static constexpr double damping = 1e-4;
+
+  const RobotModel& robot_;
+  std::shared_ptr<RobotData> data_;
+  double step_;
+  Eigen::MatrixXd jacobian_;
+  std::vector<std::size_t> links_;
+};
+
 }  // namespace
 
 search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start, std::vector<Eigen::VectorXd> goals,
@@ -51,6 +96,12 @@ search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start
     return (random.next() < far_fraction ? far : near).sample(random);
   };
   return space;
+}
+
+void add_tool_directions(search::RrtSpace& space, const RobotModel& robot, ConstVector other_positions, double step) {
+  ToolDirections directions(robot, other_positions, step);
+  space.directions = directions.size();
+  space.advance = std::move(directions);
 }
 
 }  // namespace srmp

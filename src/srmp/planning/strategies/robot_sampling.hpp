@@ -23,4 +23,10 @@ struct RobotSamplingOptions {
 search::RrtSpace rrt_space(const RobotModel& robot, const Eigen::VectorXd& start, std::vector<Eigen::VectorXd> goals,
                            const RobotSamplingOptions& options = {});
 
+/// Gives the space of a robot's joints directions, in which a tool leaves a narrow place: each of the robot's end links
+/// moves straight, by `step` [m], forwards or backwards along an axis of its frame, and does not turn, as far as the
+/// joints can do that. The joints that are not planned are at `other_positions`. The model outlives this.
+void add_tool_directions(search::RrtSpace& space, const RobotModel& robot, ConstVector other_positions,
+                         double step = 0.05);
+
 }  // namespace srmp
