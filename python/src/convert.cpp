@@ -100,7 +100,8 @@ OptionMap to_option_map(nb::handle dictionary) {
       map[name] = to_names(value, "option '" + name + "'");
     } else {
       double number{};
-      if (!nb::try_cast<double>(value, number) && PyNumber_Check(value.ptr()))
+      const bool is_number = PyNumber_Check(value.ptr()) && !PyComplex_Check(value.ptr());
+      if (!nb::try_cast<double>(value, number) && is_number)
         number = nb::cast<double>(nb::float_(value));
       else if (!nb::try_cast<double>(value, number))
         throw InvalidArgument("option '" + name + "' is " + nb::cast<std::string>(nb::repr(value)) +

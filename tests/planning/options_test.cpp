@@ -122,7 +122,7 @@ BOOST_AUTO_TEST_CASE(options_of_single_robots) {
   BOOST_TEST(srmp::named_heuristics(options) == named, boost::test_tools::per_element());
   check_throws<InvalidArgument>(
       [] { srmp::parse_options({{"planner_id", std::string("CBS")}, {"heuristic_a", true}}); },
-      "option 'heuristic_a' must be a word");
+      "option 'heuristic_a' is true; it must be a word");
 }
 
 BOOST_AUTO_TEST_CASE(options_planners_by_other_spellings) {

@@ -115,7 +115,7 @@ def test_hold_and_any_have_no_targets():
             "for robot 'lfet' alone, which is none of the robots.*did you mean 'left'",
         ),
         ({"heuristic_left": "bsf"}, "'heuristic_left' is 'bsf', did you mean 'bfs'"),
-        ({"heuristic_left": 3}, "'heuristic_left' must be a word"),
+        ({"heuristic_left": 3}, "'heuristic_left' is 3; it must be a word"),
         ({"resolution_left": 3}, "no option 'resolution_left', did you mean 'resolution'"),
     ],
 )

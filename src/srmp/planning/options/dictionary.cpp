@@ -50,10 +50,7 @@ void read_robot_options(Dictionary& dictionary, RobotOptionMap& robots) {
     for (const RobotOptionSpec& spec : robot_option_specs()) {
       if (!(own.*spec.member)) continue;
       const std::string key = spec.name + "_" + robot;
-      const OptionValue* value = dictionary.find(key);
-      const auto* text = std::get_if<std::string>(value);
-      if (!text) throw InvalidArgument(option_text(key) + " must be a word");
-      own.*spec.member = *text;
+      own.*spec.member = as_text(key, *dictionary.find(key));
     }
 }
 
@@ -84,9 +81,8 @@ void for_each_heuristic(const PlannerOptions& options, Visit visit) {
 
 PlannerOptions parse_options(const OptionMap& map) {
   const auto id = map.find("planner_id");
-  const auto* name = id == map.end() ? nullptr : std::get_if<std::string>(&id->second);
-  if (id != map.end() && !name) throw InvalidArgument("option 'planner_id' must be a word, such as 'auto'");
-  const RegisteredPlanner& planner = name ? registered_planner(*name) : registry().front();
+  const RegisteredPlanner& planner =
+      id == map.end() ? registry().front() : registered_planner(as_text(id->first, id->second));
   PlannerOptions options = planner.defaults;
   Dictionary dictionary(map);
   for (const OptionSpec& spec : planner.options)

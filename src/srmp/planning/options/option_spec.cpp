@@ -12,6 +12,16 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// Throws for a value of another kind than is `needed`.
+[[noreturn]] void refuse(const std::string& key, const OptionValue& value, const char* needed) {
+  std::string given;
+  if (const auto* flag = std::get_if<bool>(&value)) given = *flag ? "true" : "false";
+  if (const auto* number = std::get_if<double>(&value)) given = to_text(*number);
+  if (const auto* text = std::get_if<std::string>(&value)) given = "'" + *text + "'";
+  if (const auto* names = std::get_if<std::vector<std::string>>(&value)) given = "[" + quoted_list(*names) + "]";
+  throw InvalidArgument(option_text(key) + " is " + given + "; it must be " + needed);
+}
+
 double as_number(const std::string& key, const OptionValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
   if (const auto* text = std::get_if<std::string>(&value)) {
@@ -19,9 +29,8 @@ double as_number(const std::string& key, const OptionValue& value) {
     const char* end = text->data() + text->size();
     const auto [stop, error] = std::from_chars(text->data(), end, number);
     if (error == std::errc{} && stop == end) return number;
-    throw InvalidArgument(option_text(key) + " is '" + *text + "'; it must be a number");
   }
-  throw InvalidArgument(option_text(key) + " must be a number");
+  refuse(key, value, "a number");
 }
 
 bool as_bool(const std::string& key, const OptionValue& value) {
@@ -32,18 +41,13 @@ bool as_bool(const std::string& key, const OptionValue& value) {
   }
   if (const auto* number = std::get_if<double>(&value); number && (*number == 0.0 || *number == 1.0))
     return *number == 1.0;
-  throw InvalidArgument(option_text(key) + " must be true or false");
-}
-
-std::string as_text(const std::string& key, const OptionValue& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  throw InvalidArgument(option_text(key) + " must be a word");
+  refuse(key, value, "true or false");
 }
 
 std::vector<std::string> as_names(const std::string& key, const OptionValue& value) {
   if (const auto* names = std::get_if<std::vector<std::string>>(&value)) return *names;
   const auto* text = std::get_if<std::string>(&value);
-  if (!text) throw InvalidArgument(option_text(key) + " must be a list of names");
+  if (!text) refuse(key, value, "a list of names");
   std::vector<std::string> names;
   std::string name;
   for (const char c : *text + ',') {
@@ -59,7 +63,8 @@ void require_in_range(const std::string& key, double value, const Allowed& range
   const bool ok =
       std::isfinite(value) && (range.excludes_low ? value > range.low : value >= range.low) && value <= range.high;
   if (ok) return;
-  std::string bounds = std::string("it must be ") + (range.excludes_low ? "above " : "at least ") + to_text(range.low);
+  std::string bounds = std::isfinite(value) ? "it must be " : "it must be a finite number, ";
+  bounds += (range.excludes_low ? "above " : "at least ") + to_text(range.low);
   if (range.high < infinity) bounds += " and at most " + to_text(range.high);
   throw InvalidArgument(option_text(key) + " is " + to_text(value) + "; " + bounds);
 }
@@ -101,6 +106,11 @@ OptionSpec describe(std::string name, const FieldValue& default_value, Allowed a
 }
 
 std::string option_text(const std::string& key) { return "option '" + key + "'"; }
+
+std::string as_text(const std::string& key, const OptionValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  refuse(key, value, "a word");
+}
 
 std::string or_known(const std::string& name, const std::vector<std::string>& known) {
   const std::string hint = did_you_mean(name, known);

@@ -68,6 +68,8 @@ OptionSpec common_option(std::string name, Field CommonOptions::* member, Allowe
 
 /// "option 'weight'", as messages begin.
 std::string option_text(const std::string& key);
+/// A value that is text. Throws InvalidArgument for another one.
+std::string as_text(const std::string& key, const OptionValue& value);
 /// The end of a sentence that refuses a name: the nearest known one, if one is near, and all of them.
 std::string or_known(const std::string& name, const std::vector<std::string>& known);
 
