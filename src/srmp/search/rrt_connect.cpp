@@ -18,9 +18,9 @@ const ProjectionOptions projection;
 
 /// Of growth in directions.
 struct DirectionOptions {
-  std::uint64_t patience{
-      32};       ///< samples that fail before it, twice as many each time: with less, easy places cost more
-  int steps{8};  ///< in one direction, at most
+  std::uint64_t patience{32};  ///< samples that fail before it; twice as many after all directions were tried
+  std::size_t at_once{2};      ///< directions, in turn: with more, trees that need none of them are slower
+  int steps{8};                ///< in one direction, at most
 };
 const DirectionOptions direction_options;
 
@@ -151,11 +151,15 @@ bool RrtConnect::grows_in_directions(const Tree& tree) const {
   return space_.advance && !space_.project && tree.failures >= tree.patience;
 }
 
-/// As far as is free in each direction; true when one of the ends connects the trees.
+/// As far as is free in the next directions; true when one of the ends connects the trees.
 bool RrtConnect::grow_in_directions(Tree& tree, std::size_t from, Tree& other) {
   tree.failures = 0;
-  tree.patience *= 2;
-  for (std::size_t direction = 0; direction < space_.directions; ++direction) {
+  for (std::size_t i = 0; i < std::min(direction_options.at_once, space_.directions); ++i) {
+    const std::size_t direction = tree.next_direction++;
+    if (tree.next_direction == space_.directions) {
+      tree.next_direction = 0;
+      tree.patience *= 2;
+    }
     std::size_t at = from;
     for (int step = 0; step < direction_options.steps; ++step) {
       const Eigen::VectorXd a = node(tree, at);
