@@ -165,7 +165,7 @@ def test_a_record_that_reaches_the_time_limit_is_none(small_data_set, tmp_path):
 
 def test_a_motion_that_is_not_found_is_a_record(tmp_path, monkeypatch):
     """By counted work, so that it is the same record everywhere; those that are found do not depend on the budget."""
-    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.9}])
+    spec = spec_of(count=24, per_shard=8, scenes=[{"kind": "cage", "scale": 0.75}])
     found = generate(spec, tmp_path / "found", workers=1)
     assert found.solved == 24
     monkeypatch.setattr("srmp.datasets.spec.MAX_EXPANSIONS", 1)
