@@ -54,8 +54,9 @@ std::string brief(nb::handle value);
 /// Seconds as a person reads them in a repr: to the microsecond.
 inline std::string brief_seconds(double seconds) { return to_text(std::round(1e6 * seconds) / 1e6) + " s"; }
 
-/// NumPy's float64 view or copy of any argument. Throws InvalidArgument, naming `what`, when it is not numbers.
+/// NumPy's float64 view or copy of an argument.
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+/// Those of any argument. Throws InvalidArgument, naming `what`, when it is not numbers.
 Numbers to_numbers(nb::handle value, const std::string& what);
 /// The error of numbers that must have the shape (n, columns).
 InvalidArgument wrong_shape(const std::string& what, const std::string& columns, const Numbers& numbers);

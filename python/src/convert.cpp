@@ -100,12 +100,12 @@ OptionMap to_option_map(nb::handle dictionary) {
       map[name] = to_names(value, "option '" + name + "'");
     } else {
       double number{};
-      const bool is_number = PyNumber_Check(value.ptr()) && !PyComplex_Check(value.ptr());
-      if (!nb::try_cast<double>(value, number) && is_number)
+      if (!nb::try_cast<double>(value, number)) {
+        if (!PyNumber_Check(value.ptr()) || PyComplex_Check(value.ptr()))
+          throw InvalidArgument("option '" + name + "' is " + nb::cast<std::string>(nb::repr(value)) +
+                                "; it must be a number, a string, True or False, or a list of strings");
         number = nb::cast<double>(nb::float_(value));
-      else if (!nb::try_cast<double>(value, number))
-        throw InvalidArgument("option '" + name + "' is " + nb::cast<std::string>(nb::repr(value)) +
-                              "; it must be a number, a string, True or False, or a list of strings");
+      }
       map[name] = number;
     }
   }

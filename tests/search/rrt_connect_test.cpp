@@ -131,8 +131,8 @@ BOOST_AUTO_TEST_CASE(an_angle_may_wrap_around) {
 }
 
 BOOST_AUTO_TEST_CASE(directions_lead_out_of_a_passage_that_samples_seldom_leave) {
-  RrtSpace space = maze();  // whose second goal is now in a passage along y that is 0.002 wide
-  space.goals = {Vector2d(0.9, 0.2)};
+  RrtSpace space = maze();
+  space.goals = {Vector2d(0.9, 0.2)};  // in a passage along y that is 0.002 wide
   space.is_motion_free = [](const VectorXd& a, const VectorXd& b) {
     for (int i = 0; i <= 100; ++i)
       if (const VectorXd q = a + (b - a) * (i / 100.0); q[1] < 0.6 && q[0] > 0.8 && std::abs(q[0] - 0.9) > 0.001)

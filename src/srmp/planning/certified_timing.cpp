@@ -272,8 +272,9 @@ class CertifiedTiming {
   /// The straight motion of all robots of a path.
   bool is_motion_free(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     if (constraints_ && !constraints_->keeps(a, b, 1.0)) return false;
-    if (close_ && is_near_close_end(path, a, b))
-      return is_near_close_start(path, a, b) ? close_->withdraws(a, b) : close_->withdraws(b, a);
+    if (close_)
+      if (const auto corner = close_corner(path, a, b))
+        return is_near_start(path, *corner) ? close_->withdraws(a, b) : close_->withdraws(b, a);
     if (!world_) return is_motion_of_one_free(a, b) && keeps_preferred_clearance(path, a, b);
     if (deadline_.expired()) return false;  // too late to check the motions of several robots: corners are stops
     Eigen::Index first = 0;
@@ -293,17 +294,18 @@ class CertifiedTiming {
     return true;
   }
 
-  /// Is a motion beside a corner of one robot's path that does not keep the clearance?
-  bool is_near_close_end(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  /// The corner of one robot's path that a motion is beside, if it does not keep the clearance.
+  std::optional<Eigen::Index> close_corner(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     const RowMatrix& waypoints = path.positions.front();
-    return waypoints.rows() > 2 && !close_->is_clear(waypoints.row(corner_near(waypoints, a, b)).transpose());
+    if (waypoints.rows() <= 2) return std::nullopt;
+    const Eigen::Index corner = corner_near(waypoints, a, b);
+    return close_->is_clear(waypoints.row(corner).transpose()) ? std::nullopt : std::optional(corner);
   }
 
-  /// Of a motion beside such a corner: has no waypoint before the corner the clearance?
-  bool is_near_close_start(const JointPath& path, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    const RowMatrix& waypoints = path.positions.front();
-    for (Eigen::Index i = corner_near(waypoints, a, b) - 1; i >= 0; --i)
-      if (close_->is_clear(waypoints.row(i).transpose())) return false;
+  /// Has no waypoint before such a corner the clearance? Otherwise the corner is near the goal.
+  bool is_near_start(const JointPath& path, Eigen::Index corner) {
+    for (Eigen::Index i = corner - 1; i >= 0; --i)
+      if (close_->is_clear(path.positions.front().row(i).transpose())) return false;
     return true;
   }
 

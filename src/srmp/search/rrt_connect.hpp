@@ -62,7 +62,7 @@ class RrtConnect {
     std::vector<std::size_t> parents;          // a root is its own parent
     std::uint64_t failures{};                  // samples in a row that left it as it was
     std::uint64_t patience{};                  // with these, before it grows in directions
-    std::size_t next_direction{};
+    std::size_t next_direction{};              // of RrtSpace::directions
     std::size_t size() const { return parents.size(); }
   };
 

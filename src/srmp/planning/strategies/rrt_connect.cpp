@@ -62,12 +62,13 @@ search::RrtSpace RrtConnectStrategy::space() const {
   space.is_motion_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return context_.checks.is_motion_free(a, b);
   };
-  if (!budget_.alone) add_tool_directions(space, context_.robot, context_.task.placed->other_positions);
   if (ConstraintChecker* constraints = context_.checks.constraints()) {
     space.max_step = std::min(space.max_step, constraints->constraints().step());
     space.project = [constraints](Eigen::VectorXd& q) {
       return constraints->project(q, constraint_fractions.configurations);
     };
+  } else if (!budget_.alone) {
+    add_tool_directions(space, context_.robot, context_.task.placed->other_positions);
   }
   return space;
 }
