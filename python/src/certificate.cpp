@@ -332,6 +332,20 @@ void bind_parts(nb::module_& m) {
       });
 }
 
+using Stops = std::vector<std::pair<double, double>>;
+
+Stops at_stops(const ClearanceKept& kept) {
+  Stops stops;
+  for (const TimeInterval& stop : kept.at_stops) stops.emplace_back(stop.from, stop.to);
+  return stops;
+}
+
+std::vector<TimeInterval> intervals(const Stops& stops) {
+  std::vector<TimeInterval> result;
+  for (const auto& [from, to] : stops) result.push_back({from, to});
+  return result;
+}
+
 void bind_clearance(nb::module_& m) {
   nb::class_<RelaxedClearance> relaxed(m, "RelaxedClearance",
                                        "Two bodies that are closer to each other than the required clearance near an "
@@ -358,7 +372,7 @@ void bind_clearance(nb::module_& m) {
   kept.def_ro("required", &ClearanceKept::required, "The option `clearance` [m].")
       .def_ro("from_time", &ClearanceKept::from,
               "[s]: from here to `to_time` no pair of bodies comes closer than `required`, also between samples: this "
-              "is proved.\nThe whole motion, if both ends keep it.")
+              "is proved.\nThe whole motion, if both ends keep it. Without what `at_stops` has.")
       .def_ro("to_time", &ClearanceKept::to, "The end of that part [s].")
       .def_ro("violation", &ClearanceKept::violation,
               "[m] the most by which a pair breaks the rule: between `from_time` and `to_time`, by which it is closer "
@@ -370,6 +384,11 @@ void bind_clearance(nb::module_& m) {
           "close_links", &ClearanceKept::close_links,
           "Pairs of the robot's links, 'a and b', that only may not touch: they are built closer to each other than "
           "`required`,\nand are closer in at least half of the robot's configurations.")
+      .def_prop_ro(
+          "at_stops", at_stops,
+          "(from, to) [s] of a motion made of several (`Trajectory.followed_by`, sequences): the parts between "
+          "`from_time` and\n`to_time` where one of them ends and the next begins, and pairs may be closer, by the rule "
+          "of the ends.")
       .def("__repr__", [](const ClearanceKept& k) {
         return "ClearanceKept(" + to_text(k.required) + " m, violation " + to_text(k.violation) + " m)";
       });
@@ -377,7 +396,7 @@ void bind_clearance(nb::module_& m) {
       kept,
       [](const ClearanceKept& k) {
         return nb::make_tuple(plain(k.required), plain(k.from), plain(k.to), plain(k.violation), k.relaxed,
-                              k.close_links);
+                              k.close_links, at_stops(k));
       },
       [](const State& s) {
         return ClearanceKept{number(s[0]),
@@ -385,7 +404,8 @@ void bind_clearance(nb::module_& m) {
                              number(s[2]),
                              number(s[3]),
                              nb::cast<std::vector<RelaxedClearance>>(s[4]),
-                             nb::cast<std::vector<std::string>>(s[5])};
+                             nb::cast<std::vector<std::string>>(s[5]),
+                             intervals(nb::cast<Stops>(s[6]))};
       });
 }
 

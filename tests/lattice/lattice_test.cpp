@@ -284,9 +284,12 @@ struct ConnectionWorld {
   }
 
   Lattice lattice(const RobotModel& robot, bool connections) const {
-    Lattice::Options options{axis_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, {}};
-    if (connections) options.goal_connection = goals_near;
-    return Lattice(robot, {start}, targets, options,
+    return lattice(robot, {start}, targets, connections ? GoalConnection(goals_near) : GoalConnection());
+  }
+  Lattice lattice(const RobotModel& robot, std::vector<Eigen::VectorXd> roots, std::vector<Eigen::VectorXd> ends,
+                  GoalConnection connection = {}) const {
+    return Lattice(robot, std::move(roots), std::move(ends),
+                   {axis_primitives(robot.joints(), Vector2d::Constant(25 * degree)), 1.0, std::move(connection)},
                    [this](std::size_t, const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return is_free(a, b); });
   }
 
@@ -431,6 +434,72 @@ BOOST_AUTO_TEST_CASE(goal_connections_generated_again_are_the_same_states) {
   BOOST_TEST(lattice.connected_goal(1) == nullptr);  // a target
   BOOST_TEST(lattice.is_goal(1));
   BOOST_TEST(!lattice.is_goal(0));
+}
+
+// --- searches from both ends that meet
+
+namespace {
+
+/// What a search from the targets has expanded after `expansions`.
+search::ConfigurationTree expanded_from_targets(const ConnectionWorld& world, const RobotModel& robot,
+                                                std::uint64_t expansions) {
+  search::ConfigurationTree tree;
+  const search::ConfigurationTree other;
+  Lattice lattice = world.lattice(robot, world.targets, {world.start});
+  lattice.meet(tree, other);
+  const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+  search::WeightedAstar search(lattice, lattice.starts(), h, {.weight = 5.0});
+  search.improve(Deadline(), expansions);
+  return tree;
+}
+
+/// Does the path lead from the start to the target that is said, free, at the cost that is said?
+void check_meeting_path(const ConnectionWorld& world, const Lattice& lattice, const search::Result& result) {
+  const auto path = lattice.configurations(result.path);
+  BOOST_TEST((path.front() == world.start));
+  BOOST_TEST((path.back() == world.targets[lattice.target_of(result.path.back())]));
+  double cost = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    cost += lattice.distance(path[i - 1], path[i]);
+    BOOST_TEST(world.is_free(path[i - 1], path[i]));
+  }
+  BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(searches_from_both_ends_meet_and_keep_every_bound_of_the_lattice) {
+  const auto robot = robots::planar();
+  int solved = 0, longer = 0, only_by_meeting = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    const ConnectionWorld world(seed);
+    Lattice plain = world.lattice(*robot, false);
+    const double target = brute_force(plain).second;
+    const search::ConfigurationTree other = expanded_from_targets(world, *robot, 1 + seed);
+    for_each_search(target, [&](double weight, const auto& run) {
+      search::ConfigurationTree own;
+      Lattice lattice = world.lattice(*robot, false);
+      lattice.meet(own, other);
+      const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
+      const search::Result result = run(lattice, h);
+      BOOST_TEST(own.size() >= result.statistics.expansions);
+      if (result.status != Status::solved) {
+        BOOST_TEST((result.status == Status::exhausted));
+        BOOST_TEST(target == search::infinity);
+        return;
+      }
+      check_meeting_path(world, lattice, result);
+      BOOST_TEST(result.bound <= weight);
+      BOOST_TEST(result.cost <= result.bound * target + 1e-9);
+      BOOST_TEST(result.cost / result.bound <= target + 1e-9);
+      ++solved;
+      longer += lattice.configurations(result.path).size() > result.path.size();  // on in the other tree
+      only_by_meeting += target == search::infinity;
+    });
+  }
+  BOOST_TEST(solved > 500);
+  BOOST_TEST(longer > 50);
+  BOOST_TEST(only_by_meeting > 0);
 }
 
 BOOST_AUTO_TEST_CASE(every_state_is_connected_with_every_waypoint_which_has_a_grid_of_its_own) {

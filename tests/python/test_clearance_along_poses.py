@@ -1,6 +1,7 @@
 """`clearance` in motions along poses and in sequences, by distances of Pinocchio's and Coal's own packages."""
 
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -204,6 +205,22 @@ def pick_and_place(ready):
     ]
 
 
+def require_clearance_of_parts(whole, result):
+    """Kept where one of the motions keeps it, and nowhere else; the same pairs are closer at the same times."""
+    motions = [part for part in result.parts if part.motion and part.motion.certificate.clearance_kept]
+    kept, relaxed = [], []
+    for part in motions:
+        own, begin = part.motion.certificate.clearance_kept, part.begin
+        kept.append((begin + own.from_time, begin + own.to_time))
+        relaxed += [(pair.body_a, pair.body_b, begin + pair.from_time) for pair in own.relaxed]
+    stops = [(end, begin) for (_, end), (begin, _) in itertools.pairwise(kept) if begin > end + 1e-9]
+    np.testing.assert_allclose([whole.from_time, whole.to_time], [kept[0][0], kept[-1][1]], atol=1e-9)
+    np.testing.assert_allclose(whole.at_stops, stops, atol=1e-9)
+    assert len(stops) == 2  # the can is taken and put down
+    assert [(pair.body_a, pair.body_b) for pair in whole.relaxed] == [pair[:2] for pair in relaxed]
+    np.testing.assert_allclose([pair.from_time for pair in whole.relaxed], [pair[2] for pair in relaxed], atol=1e-9)
+
+
 def test_a_sequence_keeps_it_in_every_motion(stands, suite):
     planner, clearance = stands, 0.01
     planner.make_planner("arm", {"planner_id": "auto", "time_limit": 10, "clearance": clearance})
@@ -212,7 +229,10 @@ def test_a_sequence_keeps_it_in_every_motion(stands, suite):
     result = planner.plan_sequence(ready, segments)
     assert result == planner.plan_sequence(ready, segments)
     assert result.trajectory.certificate.holds
-    assert result.trajectory.certificate.clearance_kept is None  # each motion has its own
+    whole = result.trajectory.certificate.clearance_kept
+    assert (whole.required, whole.violation) == (clearance, 0)
+    require_clearance_of_parts(whole, result)
+    assert pickle.loads(pickle.dumps(whole)) == whole
     relaxed = set()
     for segment, part in zip(segments, result.parts, strict=True):
         if segment.type == srmp.SegmentType.attach:

@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from clearance_worlds import FACING_BASES, Measured, add, make_arms, random_objects
-from multi_arms import GOALS, STARTS, two
+from multi_arms import GOALS, STARTS, in_contact, two
 from support import joints, refuses, turned
 
 import srmp
@@ -268,12 +268,60 @@ def test_bad_constraints_are_refused(constraints, sentence):
     refuses(lambda: planner.verify_multi(motions, constraints=constraints), sentence.replace(" but no", ", but no"))
 
 
-def test_constraints_among_robots_in_motion_are_refused():
-    planner, motions = crossing(constraints={})
+def committed(angles, times):
+    """A motion of the right arm that other work has committed it to."""
+    rows = [turned(angle) for angle in angles]
+    return srmp.Trajectory([f"arm7_joint{i}" for i in range(1, 8)], rows, times, np.zeros((len(rows), 7)))
+
+
+def around(planner, start, goal, right):
+    """The left arm's motion, upright, which no instant of the right one's touches."""
+    starts, goals, constraints = {"left": start}, {"left": joints(goal)}, {"left": [DOWN]}
+    motion = planner.plan_multi(starts, goals, {"right": right}, constraints)["left"]
+    assert Tilt().largest(motion) <= motion.certificate.constraints[0].deviation + 1e-9 <= TOLERANCE + 1e-9
+    assert not in_contact(planner, srmp.MultiTrajectory({"left": motion, "right": right}))
+    assert np.array_equal(motion.positions[0], start)
+    assert np.abs(motion.positions[-1] - goal).max() < 1e-6
+    return motion
+
+
+@pytest.mark.parametrize("planner_id", PLANNERS)
+@pytest.mark.parametrize("duration", [1.0, 3.0])
+def test_they_hold_among_robots_in_motion(planner_id, duration):
+    planner = two(planner_id, 0.6)
+    right = committed([-0.9, 0.9], [0, duration])
+    motion = around(planner, turned(-0.9), turned(0.9), right)
+    assert (
+        planner.plan_multi({"left": turned(-0.9)}, {"left": joints(turned(0.9))}, {"right": right}, {"left": [DOWN]})[
+            "left"
+        ].positions.tobytes()
+        == motion.positions.tobytes()
+    )
+
+
+def test_a_robot_that_gives_way_to_one_in_motion_keeps_them():
+    planner = two(distance=0.6)
+    motion = around(planner, turned(0.0), turned(0.0), committed([-0.9, 0.9], [0, 2]))
+    assert np.abs(motion.positions - turned(0.0)).max() > 0.1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_they_hold_among_random_motions(seed):
+    rng = np.random.default_rng(seed)
+    planner = two(distance=0.6)
+    angles = rng.uniform(-1.0, 1.0, 4)
+    angles[[0, -1]] = [-0.9, 0.9]
+    around(planner, turned(-0.9), turned(0.9), committed(angles, np.cumsum([0, *rng.uniform(0.8, 2.0, 3)])))
+
+
+def test_the_frame_of_a_robot_in_motion_is_refused():
+    moving = PathConstraint.cone([0, 0, 1], [0, 0, -1], 0.1, frame="right/arm7_hand")
     refuses(
-        lambda: planner.plan_multi(
-            {"left": turned(0.6)}, {"left": GOALS["left"]}, {"right": motions["right"]}, {"left": [DOWN]}
+        lambda: two(distance=0.6).plan_multi(
+            {"left": turned(-0.9)},
+            {"left": joints(turned(0.9))},
+            {"right": committed([-0.9, 0.9], [0, 2])},
+            {"left": [moving]},
         ),
-        "plan_multi keeps none among robots in motion",
-        srmp.NotSupported,
+        "frame 'right/arm7_hand', which moves",
     )

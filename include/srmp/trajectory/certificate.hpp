@@ -112,11 +112,19 @@ struct RelaxedClearance {
 #endif
 };
 
+/// A part of a motion in time.
+struct TimeInterval {
+  double from{}, to{};      ///< [s]
+#if __cplusplus >= 202002L  // MoveIt 1 is C++17
+  bool operator==(const TimeInterval&) const = default;
+#endif
+};
+
 /// How a motion keeps a required clearance (CommonOptions::clearance).
 struct ClearanceKept {
   double required{};  ///< [m]
   /// [s] between these two no pair of bodies comes closer than `required`, also between samples: this is proved. The
-  /// whole motion, if both ends keep it.
+  /// whole motion, if both ends keep it. Without what `at_stops` has.
   double from{}, to{};
   /// [m] the most by which a pair breaks the rule: between `from` and `to`, by which it is closer than `required`;
   /// before and after, at samples, by which a pair that is closer comes closer still on its way from the start or back
@@ -126,6 +134,9 @@ struct ClearanceKept {
   /// Pairs of the robot's links, "a and b", that only may not touch: they are built closer to each other than
   /// `required`, and are closer in at least half of the robot's configurations.
   std::vector<std::string> close_links;
+  /// Of a motion made of several (Trajectory::followed_by, sequences): the parts between `from` and `to` where one of
+  /// them ends and the next begins, and pairs may be closer, by the rule of the ends.
+  std::vector<TimeInterval> at_stops;
 #if __cplusplus >= 202002L  // MoveIt 1 is C++17
   bool operator==(const ClearanceKept&) const = default;
 #endif

@@ -182,16 +182,10 @@ struct PlannerInterface::Impl {
     return found;
   }
 
-  /// Throws as place_constraints, and NotSupported for path constraints among robots in motion.
+  /// Throws as place_constraints.
   void require_constraints(const MultiPlanRequest& request) const {
     const std::vector<std::string> moving = moving_robots(request);
-    for (const auto& [name, own] : request.constraints) {
-      place_constraints(scene, name, own, moving);
-      if (!own.empty() && !request.obstacles.empty())
-        throw NotSupported("'" + name +
-                           "' has path constraints, but plan_multi keeps none among robots in motion; leave "
-                           "out the constraints or the obstacles");
-    }
+    for (const auto& [name, own] : request.constraints) place_constraints(scene, name, own, moving);
   }
 
   /// In a scene where robots that hold stand at their starts.

@@ -90,6 +90,12 @@ void describe(Archive& archive, Ref<Archive, RelaxedClearance> pair) {
 }
 
 template <class Archive>
+void describe(Archive& archive, Ref<Archive, TimeInterval> interval) {
+  archive("from", interval.from);
+  archive("to", interval.to);
+}
+
+template <class Archive>
 void describe(Archive& archive, Ref<Archive, ClearanceKept> kept) {
   archive("required", kept.required);
   archive("from", kept.from);
@@ -97,6 +103,7 @@ void describe(Archive& archive, Ref<Archive, ClearanceKept> kept) {
   archive("violation", kept.violation);
   archive("relaxed", kept.relaxed);
   archive("close_links", kept.close_links);
+  describe_list(archive, "at_stops", kept.at_stops);
 }
 
 template <class Archive>

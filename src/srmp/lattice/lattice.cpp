@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "srmp/core/error.hpp"
@@ -12,8 +13,10 @@ namespace {
 
 constexpr std::int32_t full_turn = 3'600'000;  // grid units in 360 degrees
 // Goals lie on no grid. Their first key entry is `target_root` for targets, and less than that for the first, second, …
-// goal connection of a state; the second entry is the number of the target, or of the state.
+// goal connection of a state, or `meeting_root`; the second entry is the number of the target, or of the state.
 constexpr std::int32_t target_root = -1;
+constexpr std::int32_t meeting_root = std::numeric_limits<std::int32_t>::min();  // of goals in the other tree
+constexpr std::size_t nodes_to_compare = 4096;                                   // in an expansion, on average
 constexpr double limit_tolerance = 1e-9;
 constexpr double min_cost = 1e-12;  // of edges, whose costs must be more than 0
 
@@ -107,7 +110,11 @@ std::vector<search::StateId> Lattice::starts() const {
 void Lattice::read_configuration(search::StateId state, Eigen::VectorXd& q) const {
   if (is_goal(state)) {
     const ConnectedGoal* connected = connected_goal(state);
-    q = connected ? connected->q : targets_[state - root_count()];
+    const auto meeting = meetings_.find(state);
+    if (connected)
+      q = connected->q;
+    else
+      q = meeting == meetings_.end() ? targets_[state - root_count()] : (*other_tree_)[meeting->second];
     return;
   }
   const auto key = table_.key(state);
@@ -121,9 +128,17 @@ const ConnectedGoal* Lattice::connected_goal(search::StateId state) const {
   return found == connected_goals_.end() ? nullptr : &found->second;
 }
 
+std::size_t Lattice::target_of(search::StateId goal) const {
+  const auto meeting = meetings_.find(goal);
+  if (meeting == meetings_.end()) return goal - root_count();
+  const Eigen::VectorXd end = other_tree_->to_root(meeting->second).back();
+  return static_cast<std::size_t>(std::find(targets_.begin(), targets_.end(), end) - targets_.begin());
+}
+
 std::size_t Lattice::memory() const {
   const std::size_t connected = sizeof(decltype(connected_goals_)::value_type) + joints_.size() * sizeof(double);
-  return table_.memory() + connected_goals_.size() * connected;
+  const std::size_t meeting = sizeof(decltype(meetings_)::value_type);
+  return table_.memory() + nodes_.memory() + connected_goals_.size() * connected + meetings_.size() * meeting;
 }
 
 Eigen::VectorXd Lattice::configuration(search::StateId state) const {
@@ -140,6 +155,12 @@ double Lattice::distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) con
     squared += d * d;
   }
   return std::sqrt(squared);
+}
+
+std::vector<char> Lattice::wraps() const {
+  std::vector<char> result;
+  for (const Joint& joint : joints_) result.push_back(joint.kind == JointKind::continuous);
+  return result;
 }
 
 double Lattice::difference(std::size_t joint, double from, double to) const {
@@ -290,6 +311,7 @@ void Lattice::connections(search::StateId state, std::vector<search::Successor>&
     if (waypoint != state) out.push_back({waypoint, std::max(distance(q_, roots_[i]), min_cost)});
   }
   add_goal_connections(state, out);
+  add_meeting(state, out);
 }
 
 void Lattice::successors(search::StateId state, std::size_t level, std::vector<search::Successor>& out) {
@@ -314,6 +336,32 @@ void Lattice::add_goal_connections(search::StateId state, std::vector<search::Su
     out.push_back({next, std::max(distance(q_, goal.q), min_cost)});
     connected_goals_.emplace(next, std::move(goal));
   }
+}
+
+void Lattice::meet(search::ConfigurationTree& own, const search::ConfigurationTree& other) {
+  own_tree_ = &own;
+  other_tree_ = &other;
+}
+
+void Lattice::expanding(search::StateId state, search::StateId parent) {
+  if (!own_tree_) return;
+  read_configuration(state, q_);
+  nodes_.grow_to(table_.size(), 0);
+  nodes_[state] = parent == search::no_state ? own_tree_->add_root(q_) : own_tree_->add(q_, nodes_[parent]);
+}
+
+/// From `state`, whose configuration is q_. The larger the other tree, the fewer states are compared with it, so that
+/// the comparisons take no more time than the rest of the search.
+void Lattice::add_meeting(search::StateId state, std::vector<search::Successor>& out) {
+  if (!other_tree_ || other_tree_->empty()) return;
+  if (expansions_++ % (1 + other_tree_->size() / nodes_to_compare) != 0) return;
+  std::fill(scratch_key_.begin(), scratch_key_.end(), 0);
+  scratch_key_[0] = meeting_root;
+  scratch_key_[1] = static_cast<std::int32_t>(state);
+  const search::StateId next = table_.insert(scratch_key_);
+  const std::size_t node = meetings_.try_emplace(next, other_tree_->nearest(q_)).first->second;
+  const double cost = distance(q_, (*other_tree_)[node]) + other_tree_->cost(node);
+  out.push_back({next, std::max(cost, min_cost)});
 }
 
 bool Lattice::near_an_end(const Eigen::VectorXd& q) const {
@@ -348,6 +396,11 @@ std::vector<Eigen::VectorXd> Lattice::configurations(std::span<const search::Sta
     }
     result.push_back(std::move(q));
   }
+  const auto meeting = path.empty() ? meetings_.end() : meetings_.find(path.back());
+  if (meeting == meetings_.end()) return result;
+  const std::vector<Eigen::VectorXd> onwards = other_tree_->to_root(meeting->second);
+  for (std::size_t i = 1; i < onwards.size(); ++i)
+    result.push_back(result.back() + other_tree_->difference(result.back(), onwards[i]));
   return result;
 }
 

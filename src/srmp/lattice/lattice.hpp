@@ -10,6 +10,7 @@
 #include "srmp/core/worker_pool.hpp"
 #include "srmp/lattice/primitives.hpp"
 #include "srmp/lattice/state_table.hpp"
+#include "srmp/search/configuration_tree.hpp"
 #include "srmp/search/graph.hpp"
 
 namespace srmp {
@@ -87,7 +88,15 @@ class Lattice {
   Lattice(const std::vector<Joint>& joints, std::vector<Eigen::VectorXd> roots, std::vector<Eigen::VectorXd> targets,
           Options options, MotionValidator validator, std::size_t workers = 1);
 
+  /// Connects the search in this lattice with one from the other end (A*-Connect: Islam, Salzman, Likhachev 2016,
+  /// "A*-Connect: Bounded suboptimal bidirectional heuristic search"). `own` gets each state that is expanded; from
+  /// there an edge leads to the nearest configuration of `other`, and on to that tree's root, which is one of the
+  /// targets. It is a goal of the same kind as those of `goal_connection`. Several lattices with the same roots may
+  /// share a tree. Both outlive this.
+  void meet(search::ConfigurationTree& own, const search::ConfigurationTree& other);
+
   // --- search::Graph
+  void expanding(search::StateId state, search::StateId parent);
   void successors(search::StateId state, std::vector<search::Successor>& out);
   void evaluate(std::span<const search::Edge> edges, std::span<double> costs);
   bool is_goal(search::StateId state) const { return table_.key(state)[0] < 0; }
@@ -104,6 +113,8 @@ class Lattice {
   const std::vector<Eigen::VectorXd>& targets() const { return targets_; }
   /// The result of `goal_connection` that a goal stems from; null for other states, targets too.
   const ConnectedGoal* connected_goal(search::StateId state) const;
+  /// The number of the target where the path to a goal ends, which is no connected_goal.
+  std::size_t target_of(search::StateId goal) const;
   /// Joint-space distance from a state to its nearest target: a consistent heuristic.
   double distance_to_targets(search::StateId state) const;
   /// Joint-space distance from the nearest root: no path to the state is shorter.
@@ -112,7 +123,9 @@ class Lattice {
   /// sum over the joints; `out` has n + 1 entries.
   void distances_to_targets(search::StateId state, const RowMatrix& weights, std::span<double> out) const;
   double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  /// The configurations of a path, continuous joints unwrapped so that neighbours differ by the shortest motion.
+  std::vector<char> wraps() const;  ///< by joint: is it an angle that wraps around?
+  /// The configurations of a path, to the target if it ends in a goal, continuous joints unwrapped so that neighbours
+  /// differ by the shortest motion.
   std::vector<Eigen::VectorXd> configurations(std::span<const search::StateId> path) const;
   std::size_t size() const { return table_.size(); }
   std::size_t memory() const;
@@ -137,6 +150,7 @@ class Lattice {
   Family make_family(const PrimitiveFamily& family) const;
   void tell(std::span<const search::Edge> edges, std::span<const double> costs) const;
   void add_goal_connections(search::StateId state, std::vector<search::Successor>& out);
+  void add_meeting(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
   void add_moves_to_targets(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
@@ -160,6 +174,11 @@ class Lattice {
   std::map<search::StateId, ConnectedGoal> connected_goals_;
   MotionValidator validator_;
   LatticeObserver observer_;
+  search::ConfigurationTree* own_tree_{};
+  const search::ConfigurationTree* other_tree_{};
+  BlockVector<std::size_t> nodes_;                   // by state: its number in own_tree_
+  std::map<search::StateId, std::size_t> meetings_;  // goals in other_tree_: their numbers there
+  std::size_t expansions_{};                         // since other_tree_ has nodes
   std::vector<Level> levels_;
   std::vector<double> unit_;  // of the grid, one entry per joint [rad or m]
   StateTable table_;          // key: root number, then grid coordinates; goals: see lattice.cpp

@@ -155,7 +155,7 @@ class AmraStar : public ResumableSearch {
   }
 
   void expand(StateId s, std::size_t level) {
-    ++tree_.statistics.expansions;
+    tree_.begin_expansion(s);
     const std::size_t first = std::size_t{s} * (levels_ + 1);
     blocks_.grow_to(first + levels_ + 1, {});
     reached_.clear();

@@ -38,6 +38,8 @@ struct Edge {
 /// - evaluate(edges, costs) writes each edge's true cost: Edge::cost or more; infinity when the edge does not exist
 ///   after all. Expensive. Batches let the graph use SIMD lanes and threads; an edge's cost never depends on its batch.
 /// - is_goal(s) is cheap.
+/// Optional: expanding(s, parent), called before s is expanded, with the state from which it was reached (no_state for
+/// a start).
 template <class G>
 concept Graph =
     requires(G& graph, StateId s, std::vector<Successor>& out, std::span<const Edge> edges, std::span<double> costs) {

@@ -258,10 +258,16 @@ class LazyTree {
     }
   }
 
+  /// Counts it, and tells a graph that wants to know where the committed state comes from.
+  void begin_expansion(StateId s) {
+    ++statistics.expansions;
+    if constexpr (requires { graph_.expanding(s, s); }) graph_.expanding(s, table.edge(table[s].parent).from);
+  }
+
   /// Offers the edges of a committed state, for searches that expand a state at most once.
   template <class Reached>
   void expand_once(StateId s, Reached&& reached) {
-    ++statistics.expansions;
+    begin_expansion(s);
     generate_successors([this, s](std::vector<Successor>& out) { graph_.successors(s, out); });
     const double cost = table[s].cost;
     for (const Successor& next : successors_) {
@@ -272,7 +278,7 @@ class LazyTree {
   /// The same for searches that may expand a state again: edges and their true costs are remembered.
   template <class Reached>
   void expand(StateId s, Reached&& reached) {
-    ++statistics.expansions;
+    begin_expansion(s);
     CandidateTable::EdgeBlock edges = table[s].edges;
     expand(s, edges, [this, s](std::vector<Successor>& out) { graph_.successors(s, out); }, reached);
     table[s].edges = edges;

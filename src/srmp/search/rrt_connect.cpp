@@ -24,9 +24,6 @@ struct DirectionOptions {
 };
 const DirectionOptions direction_options;
 
-/// The angle wrapped to [-pi, pi] [rad].
-double wrapped(double angle) { return angle - 2.0 * M_PI * std::nearbyint(angle / (2.0 * M_PI)); }
-
 }  // namespace
 
 double RandomSequence::next() {
@@ -49,9 +46,9 @@ RrtConnect::RrtConnect(RrtSpace space, std::uint64_t seed) : space_(std::move(sp
   if (!space_.wraps.empty() && space_.wraps.size() != size)
     throw InvalidArgument("wraps has " + std::to_string(space_.wraps.size()) + " entries, it must have " +
                           std::to_string(size) + " or none");
-  for (Tree& tree : trees_) tree.patience = direction_options.patience;
-  for (const Eigen::VectorXd& start : space_.starts) add(trees_[0], start, trees_[0].size());
-  for (const Eigen::VectorXd& goal : space_.goals) add(trees_[1], goal, trees_[1].size());
+  for (Tree& tree : trees_) tree = {ConfigurationTree(space_.wraps), 0, direction_options.patience, 0};
+  for (const Eigen::VectorXd& start : space_.starts) trees_[0].nodes.add_root(start);
+  for (const Eigen::VectorXd& goal : space_.goals) trees_[1].nodes.add_root(goal);
 }
 
 std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attempts, const Deadline& deadline) {
@@ -61,16 +58,16 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
       if (auto path = straight_path()) return path;
       continue;
     }
-    const bool backward = trees_[1].size() < trees_[0].size();
+    const bool backward = trees_[1].nodes.size() < trees_[0].nodes.size();
     Tree &tree = trees_[backward], &other = trees_[!backward];
     const Eigen::VectorXd q = space_.sample(random_);
-    const std::size_t from = nearest(tree, q);
+    const std::size_t from = tree.nodes.nearest(q);
     if (grows_in_directions(tree)) {
       if (grow_in_directions(tree, from, other)) return path();
     } else if (extend(tree, from, q)) {
       tree.failures = 0;
       tree.patience = direction_options.patience;
-      if (connect(other, node(tree, tree.size() - 1))) return path();
+      if (connect(other, tree.nodes.back())) return path();
     } else {
       ++tree.failures;
     }
@@ -80,70 +77,36 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
 
 std::size_t RrtConnect::memory() const {
   std::size_t sum = 0;
-  for (const Tree& tree : trees_) sum += tree.size() * (sizeof(double) * tree.columns.size() + sizeof(std::size_t));
+  for (const Tree& tree : trees_) sum += tree.nodes.memory();
   return sum;
-}
-
-Eigen::VectorXd RrtConnect::node(const Tree& tree, std::size_t i) const {
-  Eigen::VectorXd q(std::ssize(tree.columns));
-  for (std::size_t k = 0; k < tree.columns.size(); ++k) q[static_cast<Eigen::Index>(k)] = tree.columns[k][i];
-  return q;
-}
-
-void RrtConnect::add(Tree& tree, const Eigen::VectorXd& q, std::size_t parent) {
-  tree.columns.resize(static_cast<std::size_t>(q.size()));
-  for (Eigen::Index k = 0; k < q.size(); ++k) tree.columns[static_cast<std::size_t>(k)].push_back(q[k]);
-  tree.parents.push_back(parent);
-}
-
-/// From a to b; angles that wrap go by the shorter way.
-Eigen::VectorXd RrtConnect::difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  Eigen::VectorXd result = b - a;
-  for (std::size_t k = 0; k < space_.wraps.size(); ++k)
-    if (double& angle = result[static_cast<Eigen::Index>(k)]; space_.wraps[k]) angle = wrapped(angle);
-  return result;
-}
-
-std::size_t RrtConnect::nearest(const Tree& tree, const Eigen::VectorXd& q) {
-  distances_.assign(tree.size(), 0.0);
-  for (std::size_t k = 0; k < tree.columns.size(); ++k) {
-    const double* column = tree.columns[k].data();
-    const double at = q[static_cast<Eigen::Index>(k)];
-    const bool wraps = !space_.wraps.empty() && space_.wraps[k];
-    for (std::size_t i = 0; i < tree.size(); ++i) {
-      const double d = wraps ? wrapped(column[i] - at) : column[i] - at;
-      distances_[i] += d * d;
-    }
-  }
-  return static_cast<std::size_t>(std::min_element(distances_.begin(), distances_.end()) - distances_.begin());
 }
 
 /// One step towards a configuration; false if it is not free, or if `from` is there already.
 bool RrtConnect::extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards) {
-  const Eigen::VectorXd a = node(tree, from), motion = difference(a, towards);
+  const Eigen::VectorXd a = tree.nodes[from], motion = tree.nodes.difference(a, towards);
   const double length = motion.norm();
   if (length == 0.0) return false;
   const Eigen::VectorXd b = a + space_.max_step / length * motion;
   const Eigen::VectorXd& to = length > space_.max_step ? b : towards;
   if (space_.project) return extend_projected(tree, from, to, towards);
   if (!space_.is_motion_free(a, to)) return false;
-  add(tree, to, from);
+  tree.nodes.add(to, from);
   return true;
 }
 
 /// The same where the step is projected: it has to come nearer by a part of it.
 bool RrtConnect::extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards) {
-  const Eigen::VectorXd a = node(tree, from);
-  const double length = difference(a, towards).norm();
+  const Eigen::VectorXd a = tree.nodes[from];
+  const double length = tree.nodes.distance(a, towards);
   const bool arrives = length <= space_.max_step;
   const bool on_surface = arrives && space_.is_motion_free(a, towards);  // nodes of the other tree are
   if (!on_surface) {
     if (!space_.project(to) ||
-        difference(to, towards).norm() > length - projection.min_progress * difference(a, to).norm() ||
-        difference(a, to).norm() < projection.min_step * space_.max_step || !space_.is_motion_free(a, to))
+        tree.nodes.distance(to, towards) > length - projection.min_progress * tree.nodes.distance(a, to) ||
+        tree.nodes.distance(a, to) < projection.min_step * space_.max_step || !space_.is_motion_free(a, to))
       return false;
   }
-  add(tree, to, from);
+  tree.nodes.add(to, from);
   return true;
 }
 
@@ -162,21 +125,20 @@ bool RrtConnect::grow_in_directions(Tree& tree, std::size_t from, Tree& other) {
     }
     std::size_t at = from;
     for (int step = 0; step < direction_options.steps; ++step) {
-      const Eigen::VectorXd a = node(tree, at);
+      const Eigen::VectorXd a = tree.nodes[at];
       Eigen::VectorXd b = a;
       if (!space_.advance(b, direction) || !space_.is_motion_free(a, b)) break;
-      add(tree, b, at);
-      at = tree.size() - 1;
+      at = tree.nodes.add(b, at);
     }
-    if (at != from && connect(other, node(tree, at))) return true;
+    if (at != from && connect(other, tree.nodes[at])) return true;
   }
   return false;
 }
 
 /// Steps towards q until one is not free; true when the last node is q.
 bool RrtConnect::connect(Tree& tree, const Eigen::VectorXd& q) {
-  for (std::size_t at = nearest(tree, q); extend(tree, at, q); at = tree.size() - 1)
-    if (node(tree, tree.size() - 1) == q) return true;
+  for (std::size_t at = tree.nodes.nearest(q); extend(tree, at, q); at = tree.nodes.size() - 1)
+    if (tree.nodes.back() == q) return true;
   return false;
 }
 
@@ -186,12 +148,12 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::straight_path() const {
   std::vector<Eigen::VectorXd> path;
   for (const Eigen::VectorXd& start : space_.starts)
     for (const Eigen::VectorXd& goal : space_.goals)
-      if (const double length = difference(start, goal).norm(); length < least) {
+      if (const double length = trees_[0].nodes.distance(start, goal); length < least) {
         least = length;
         path = {start, goal};
       }
   const double steps = std::max(1.0, std::ceil(least / space_.max_step));
-  const Eigen::VectorXd step = difference(path[0], path[1]) / steps;
+  const Eigen::VectorXd step = trees_[0].nodes.difference(path[0], path[1]) / steps;
   for (double k = 1.0; k < steps; ++k) path.insert(path.end() - 1, path[path.size() - 2] + step);
   for (std::size_t i = 1; i < path.size(); ++i)
     if (!space_.is_motion_free(path[i - 1], path[i])) return std::nullopt;
@@ -200,13 +162,7 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::straight_path() const {
 
 /// Through the last nodes of the two trees, which are the same configuration.
 std::vector<Eigen::VectorXd> RrtConnect::path() const {
-  const auto to_root = [this](const Tree& tree) {
-    std::vector<Eigen::VectorXd> path;
-    for (std::size_t k = tree.size() - 1;; k = tree.parents[k]) {
-      path.push_back(node(tree, k));
-      if (tree.parents[k] == k) return path;
-    }
-  };
+  const auto to_root = [](const Tree& tree) { return tree.nodes.to_root(tree.nodes.size() - 1); };
   std::vector<Eigen::VectorXd> path = to_root(trees_[0]);
   const std::vector<Eigen::VectorXd> to_goal = to_root(trees_[1]);
   std::reverse(path.begin(), path.end());

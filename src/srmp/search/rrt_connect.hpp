@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "srmp/core/deadline.hpp"
+#include "srmp/search/configuration_tree.hpp"
 
 namespace srmp::search {
 
@@ -58,18 +59,12 @@ class RrtConnect {
 
  private:
   struct Tree {
-    std::vector<std::vector<double>> columns;  // one per component; rows are nodes
-    std::vector<std::size_t> parents;          // a root is its own parent
-    std::uint64_t failures{};                  // samples in a row that left it as it was
-    std::uint64_t patience{};                  // with these, before it grows in directions
-    std::size_t next_direction{};              // of RrtSpace::directions
-    std::size_t size() const { return parents.size(); }
+    ConfigurationTree nodes;
+    std::uint64_t failures{};      // samples in a row that left it as it was
+    std::uint64_t patience{};      // with these, before it grows in directions
+    std::size_t next_direction{};  // of RrtSpace::directions
   };
 
-  Eigen::VectorXd node(const Tree& tree, std::size_t i) const;
-  void add(Tree& tree, const Eigen::VectorXd& q, std::size_t parent);
-  Eigen::VectorXd difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
-  std::size_t nearest(const Tree& tree, const Eigen::VectorXd& q);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
   bool extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards);
   bool grows_in_directions(const Tree& tree) const;
@@ -82,7 +77,6 @@ class RrtConnect {
   Tree trees_[2];  // from the starts; from the goals
   std::uint64_t attempts_{};
   RandomSequence random_;
-  std::vector<double> distances_;  // by node, scratch
 };
 
 }  // namespace srmp::search

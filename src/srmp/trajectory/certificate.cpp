@@ -53,7 +53,9 @@ std::string kept_text(const ClearanceKept& kept) {
                      number(kept.from) + " to " + number(kept.to) + " s";
   for (const RelaxedClearance& pair : kept.relaxed)
     text += "; " + pair.body_a + " and " + pair.body_b + " have " + number(pair.clearance, 1e3) + " mm at the " +
-            (pair.from < kept.from ? "start" : "end");
+            (pair.from < kept.from ? "start"
+             : pair.to > kept.to   ? "end"
+                                   : "stop at " + number(pair.from) + " s");
   return text;
 }
 

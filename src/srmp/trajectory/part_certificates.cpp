@@ -65,6 +65,32 @@ void delay(Certificate& c, double by) {
     pair.from += by;
     pair.to += by;
   }
+  for (TimeInterval& stop : c.clearance_kept->at_stops) {
+    stop.from += by;
+    stop.to += by;
+  }
+}
+
+bool rests(const Trajectory& t) { return (t.positions.rowwise() - t.positions.row(0)).isZero(0.0); }
+
+/// What is said of the clearance of two motions, for the whole of them: `then` is that of the second, delayed. Nothing
+/// is said of the clearance of a rest, which lies between two motions.
+void join_clearance(std::optional<ClearanceKept>& kept, const std::optional<ClearanceKept>& then,
+                    const Trajectory& first, const Trajectory& next) {
+  if (!then && rests(next)) return;
+  if (!kept && rests(first)) {
+    kept = then;
+    return;
+  }
+  if (!kept || !then || kept->required != then->required) return kept.reset();
+  if (then->from > kept->to) kept->at_stops.push_back({kept->to, then->from});
+  kept->at_stops.insert(kept->at_stops.end(), then->at_stops.begin(), then->at_stops.end());
+  kept->to = then->to;
+  kept->violation = std::max(kept->violation, then->violation);
+  kept->relaxed.insert(kept->relaxed.end(), then->relaxed.begin(), then->relaxed.end());
+  for (const std::string& pair : then->close_links)
+    if (std::find(kept->close_links.begin(), kept->close_links.end(), pair) == kept->close_links.end())
+      kept->close_links.push_back(pair);
 }
 
 /// What is said of the clearance of a whole, for the part of it between two times.
@@ -77,6 +103,8 @@ void cut_clearance(std::optional<ClearanceKept>& kept, double begin, double end)
     pair.from = std::max(pair.from, begin);
     pair.to = std::min(pair.to, end);
   }
+  std::erase_if(kept->at_stops, [&](const TimeInterval& stop) { return stop.to < begin || stop.from > end; });
+  for (TimeInterval& stop : kept->at_stops) stop = {std::max(stop.from, begin), std::min(stop.to, end)};
 }
 
 void take_faster(LinkSpeedUse& use, const LinkSpeedUse& then) {
@@ -136,7 +164,7 @@ std::shared_ptr<const Certificate> certificate_of_join(const Trajectory& first, 
     c.deviation = std::isnan(c.deviation) ? c.deviation : then.deviation;
     c.deviation_time = std::isnan(c.deviation) ? unknown : then.deviation_time;
   }
-  c.clearance_kept.reset();  // the rule is about the ends of one motion
+  join_clearance(c.clearance_kept, then.clearance_kept, first, next);
   c.cartesian_deviation.reset();
   c.constraints.clear();  // the two may have had others
   c.goal_error = then.goal_error;

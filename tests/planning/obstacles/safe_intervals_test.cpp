@@ -45,14 +45,9 @@ struct Arms {
   Trajectory parameterized(const RowMatrix& rows) const { return srmp::time_parameterize(rows, {"a", "b"}, limits); }
 
   srmp::TimedTask task(const Trajectory& other, const Q& start, const Q& target) const {
-    return {quick.alone(0),
-            exact.alone(0),
-            {{quick.pair(0, 1), exact.pair(0, 1), false, &other}},
-            start,
-            {target},
-            {},
-            limits,
-            [this](const RowMatrix& rows) { return parameterized(rows); }};
+    return {quick.alone(0), exact.alone(0), {{quick.pair(0, 1), exact.pair(0, 1), false, &other}},
+            start,          {target},       {},
+            limits,         nullptr,        [this](const RowMatrix& rows) { return parameterized(rows); }};
   }
 
   bool collide(const Q& left, const Eigen::VectorXd& right) const {

@@ -5,8 +5,10 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/stopping.hpp"
+#include "srmp/planning/motion_checks.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/path.hpp"
+#include "srmp/trajectory/prove_constraints.hpp"
 
 namespace srmp {
 
@@ -52,6 +54,7 @@ class PlanInTime {
         workspace_(task.checker.make_workspace()),
         roadmap_(task, budget.deadline, options.roadmap),
         monitor_(task.other_robots, budget.deadline) {
+    if (task.constraints) constraints_ = std::make_unique<ConstraintChecker>(*task.constraints);
     task.checker.stop_at(budget.deadline, *workspace_);
   }
 
@@ -156,7 +159,8 @@ class PlanInTime {
     const Eigen::VectorXd from = rows.row(row - 1).transpose(), to = rows.row(row + 1).transpose();
     const Eigen::VectorXd shortest = task_.checker.robot().difference(from, to);
     if ((shortest - (to - from)).cwiseAbs().maxCoeff() > winding_tolerance) return false;
-    return task_.checker.is_motion_free(from, to, *workspace_, {.start_is_free = true}) &&
+    return (!constraints_ || constraints_->keeps(from, to, constraint_fractions.motions)) &&
+           task_.checker.is_motion_free(from, to, *workspace_, {.start_is_free = true}) &&
            replace(moves, k, count, without_row(rows, row));
   }
 
@@ -179,23 +183,28 @@ class PlanInTime {
       const double until = k + 1 < now.size() ? now[k + 1].leaves : infinity;
       if (monitor_.find_collision_at_samples(all, leaves, until)) continue;
       if (monitor_.prove(all)) continue;
-      if (rows.rows() > 2 && !is_proved_among_static(move.motion)) return false;  // its corners were blended
+      if (rows.rows() > 2 && !is_proved(move.motion)) return false;  // its corners were blended
       moves = std::move(now);
       return true;
     }
     return false;
   }
 
-  bool is_proved_among_static(const Trajectory& motion) const {
-    return certify(motion, task_.exact_checker, task_.limits,
-                   {.limits = false, .gap_tolerance = options_.gap_tolerance, .deadline = &budget_.deadline})
-        .proved_free();
+  /// Among all that is static, and to keep the path constraints.
+  bool is_proved(const Trajectory& motion) const {
+    Certificate certificate =
+        certify(motion, task_.exact_checker, task_.limits,
+                {.limits = false, .gap_tolerance = options_.gap_tolerance, .deadline = &budget_.deadline});
+    if (!certificate.proved_free()) return false;
+    if (task_.constraints) add_constraints(certificate, motion, *task_.constraints, budget_.deadline);
+    return keeps_constraints(certificate);
   }
 
   const TimedTask& task_;
   const TimedBudget& budget_;
   const PlanInTimeOptions& options_;
   Checker::WorkspacePtr workspace_;
+  std::unique_ptr<ConstraintChecker> constraints_;  // null: there are none
   SafeIntervals roadmap_;
   CollisionMonitor monitor_;
   std::uint64_t last_check_{};  // of the improvements

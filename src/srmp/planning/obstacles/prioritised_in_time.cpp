@@ -150,6 +150,7 @@ TimedTask PrioritisedInTime::task_of(std::size_t i, const Motions& at_once, cons
                  path.endpoints.targets,
                  unstack_waypoints(path.waypoints),
                  scaled(part.limits, common_),
+                 part.constraints.get(),
                  {}};
   if (const auto known = at_once.find(part.robot); known != at_once.end() && !part.may_end_anywhere()) {
     const Eigen::VectorXd end = known->second.positions.bottomRows(1).transpose();

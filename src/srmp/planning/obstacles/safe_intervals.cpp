@@ -7,6 +7,7 @@
 
 #include "srmp/core/memory_of.hpp"
 #include "srmp/planning/group_checkers.hpp"
+#include "srmp/planning/motion_checks.hpp"
 #include "srmp/search/best_first.hpp"
 #include "srmp/search/dijkstra.hpp"
 
@@ -15,6 +16,7 @@ namespace srmp {
 SafeIntervals::SafeIntervals(const TimedTask& task, const Deadline& deadline, const SafeIntervalOptions& options)
     : task_(task), deadline_(deadline), options_(options), workspace_(task.checker.make_workspace()) {
   task.checker.stop_at(deadline, *workspace_);
+  if (task.constraints) constraints_ = std::make_unique<ConstraintChecker>(*task.constraints);
   for (const MovingRobot& other : task.other_robots)
     last_step_ = std::max(last_step_, static_cast<int>(std::ceil(end_of(*other.motion) / time_step)));
   for (const MovingRobot& other : task.other_robots) {
@@ -48,6 +50,7 @@ void SafeIntervals::add_vertices(std::size_t count) {
   for (std::size_t samples = 0, added = 0; added < count && samples < max_samples; ++samples) {
     if (deadline_.stop_requested()) return;
     Eigen::VectorXd q = sample();
+    if (constraints_ && !constraints_->project(q, constraint_fractions.configurations)) continue;
     if (robot.limit_violation(q) || !task_.checker.is_free(q, *workspace_)) continue;
     add(std::move(q));
     ++added;
@@ -154,7 +157,8 @@ const SafeIntervals::Edge& SafeIntervals::edge(Vertex from, Vertex to) {
 SafeIntervals::Edge SafeIntervals::checked_edge(Vertex from, Vertex to) {
   ++edge_checks_;
   Edge edge;
-  edge.free = task_.checker.is_motion_free(vertices_[from], vertices_[to], *workspace_, {.start_is_free = true});
+  edge.free = (!constraints_ || constraints_->keeps(vertices_[from], vertices_[to], constraint_fractions.motions)) &&
+              task_.checker.is_motion_free(vertices_[from], vertices_[to], *workspace_, {.start_is_free = true});
   if (!edge.free) return edge;
   RowMatrix ends(2, vertices_[from].size());
   ends.row(0) = vertices_[from].transpose();

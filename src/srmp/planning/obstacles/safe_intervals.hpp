@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "srmp/planning/obstacles/timed_motion.hpp"
 #include "srmp/search/rrt_connect.hpp"
 #include "srmp/trajectory/motion_limits.hpp"
+#include "srmp/trajectory/placed_constraints.hpp"
 
 namespace srmp {
 
@@ -25,6 +27,7 @@ struct TimedTask {
   std::vector<Eigen::VectorXd> targets;   ///< free among all that is static; none: it may end anywhere
   std::vector<Eigen::VectorXd> path;      ///< free among all that is static, from start to a target; may be empty
   MotionLimits limits;                    ///< scaled
+  const PlacedConstraints* constraints;   ///< of its path; null: there are none
   /// The time-optimal trajectory along waypoints (m, dof), stationary at both ends. Throws PlanningError once the
   /// deadline has passed.
   std::function<Trajectory(const RowMatrix&)> parameterize;
@@ -71,7 +74,7 @@ struct SafeIntervalOptions {
 /// straight between steps: the path must be proved collision-free, and forbidden where that fails.
 ///
 /// The roadmap: start, targets, the given path, and vertices around the path with some joints displaced, drawn from a
-/// fixed pseudo-random sequence.
+/// fixed pseudo-random sequence. Path constraints: samples are projected onto them, and edges have to keep them.
 class SafeIntervals {
  public:
   /// References outlive this. Once the deadline has passed, run() says so, and nothing here takes long.
@@ -138,6 +141,7 @@ class SafeIntervals {
   const Deadline& deadline_;
   SafeIntervalOptions options_;
   Checker::WorkspacePtr workspace_;
+  std::unique_ptr<ConstraintChecker> constraints_;      // null: there are none
   std::vector<Checker::WorkspacePtr> pair_workspaces_;  // by other robot
   std::vector<RowMatrix> motions_;                      // of the other robots, at each step
   int last_step_{};                                     // from which on all others are stationary

@@ -65,6 +65,7 @@ search::Statistics LatticePortfolio::statistics() const {
   search::Statistics sum = searches_.statistics();
   for (const LatticeMember& member : members_)
     if (member.lattice) sum.memory += member.lattice->memory();
+  for (const auto& [lattice, tree] : trees_) sum.memory += tree.memory();
   return sum;
 }
 
@@ -75,9 +76,18 @@ std::uint64_t LatticePortfolio::states() const {
   return sum;
 }
 
-std::unique_ptr<search::ResumableSearch> LatticePortfolio::begin(LatticeMember& member) const {
+std::unique_ptr<search::ResumableSearch> LatticePortfolio::begin(LatticeMember& member) {
   member.lattice.reset(new Lattice(family_.lattice(member.choice)));
+  if (options_.ends.size() > 1) connect(*member.lattice, member.choice);
   return options_.search ? options_.search(member) : alternating_search(member);
+}
+
+/// With the searches of the same steps from the other end.
+void LatticePortfolio::connect(Lattice& lattice, const LatticeChoice& choice) {
+  const auto tree = [&](SearchFrom end) -> search::ConfigurationTree& {
+    return trees_.try_emplace({end, choice.scale}, lattice.wraps()).first->second;
+  };
+  lattice.meet(tree(choice.from), tree(choice.from_goals() ? SearchFrom::start : SearchFrom::goals));
 }
 
 std::unique_ptr<search::ResumableSearch> LatticePortfolio::alternating_search(LatticeMember& member) const {

@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "srmp/lattice/lattice.hpp"
@@ -67,8 +69,8 @@ struct LatticePortfolioOptions {
 };
 
 /// Lattices at several resolutions, from the start and from the goals, searched side by side a few expansions at a
-/// time (search/portfolio.hpp); by default each by several heuristics (search/alternating_search.hpp). A round of
-/// attempts is one slice of each search.
+/// time (search/portfolio.hpp); by default each by several heuristics (search/alternating_search.hpp). Searches with
+/// the same steps from both ends meet (Lattice::meet). A round of attempts is one slice of each search.
 class LatticePortfolio : public Strategy {
  public:
   /// The family outlives this.
@@ -89,11 +91,13 @@ class LatticePortfolio : public Strategy {
   std::uint64_t states() const;  ///< of all lattices
 
  private:
-  std::unique_ptr<search::ResumableSearch> begin(LatticeMember& member) const;
+  std::unique_ptr<search::ResumableSearch> begin(LatticeMember& member);
+  void connect(Lattice& lattice, const LatticeChoice& choice);
   std::unique_ptr<search::ResumableSearch> alternating_search(LatticeMember& member) const;
 
   LatticeFamily& family_;
   const LatticePortfolioOptions options_;
+  std::map<std::pair<SearchFrom, double>, search::ConfigurationTree> trees_;  // of what was expanded, by lattice
   std::vector<LatticeMember> members_;
   search::Portfolio searches_;
   std::vector<std::string> exhausted_graphs_;

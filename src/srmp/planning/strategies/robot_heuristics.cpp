@@ -71,12 +71,12 @@ search::InadmissibleHeuristics RobotHeuristics::inadmissible_heuristics(Lattice&
 std::size_t RobotHeuristics::metrics() const { return context_.common.heuristic == measure_names.front() ? 2 : 1; }
 
 AnyHeuristic RobotHeuristics::metric(std::size_t number, Lattice& lattice) const {
-  const RowMatrix rows = distance_weights(context_.robot.dof());
-  const Eigen::RowVectorXd weights = rows.row(static_cast<Eigen::Index>(number) + 1);
-  return [&lattice, weights = RowMatrix(weights / weights.maxCoeff())](search::StateId state) {
+  const RowMatrix proximal = distance_weights(context_.robot.dof()).row(1);
+  const double most = std::sqrt(static_cast<double>(context_.robot.dof()));  // a sum over joints, by the distance
+  return [&lattice, number, most, weights = RowMatrix(proximal / proximal.maxCoeff())](search::StateId state) {
     std::array<double, 2> values{};
     lattice.distances_to_targets(state, weights, values);
-    return values.front();
+    return number == 1 ? values.back() / most : values.front();
   };
 }
 

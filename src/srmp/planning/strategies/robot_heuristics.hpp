@@ -23,9 +23,9 @@ class RobotHeuristics {
   /// near the hand; and the sum over the joints; and what the options ask for, unless it is one of them. Where one
   /// leads into a corner, another leads out.
   search::InadmissibleHeuristics inadmissible_heuristics(Lattice& lattice);
-  /// How many consistent heuristics take the place of joint_euclidean in searches of several lattices: joint-space
-  /// distances in which the joints near the base count for more, or those near the end effector do, and no joint for
-  /// more than it costs to move. 1 where the options ask for another heuristic.
+  /// How many consistent heuristics take the place of joint_euclidean in searches of several lattices: the sum over the
+  /// joints, divided by the root of their number, and the distance in which the joints near the base count for more;
+  /// both are never above the distance. 1 where the options ask for another heuristic.
   std::size_t metrics() const;
   /// One of them. The lattice outlives it.
   search::AnyHeuristic metric(std::size_t number, Lattice& lattice) const;

@@ -61,7 +61,7 @@ FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& la
   const std::string graph = describe(choice);
   return {.path = path_of_one(std::move(rows)),
           .goal_index = connected ? connected->goal
-                                  : endpoints_.goal_indices[choice.from_goals() ? goal : goal - lattice.root_count()],
+                                  : endpoints_.goal_indices[choice.from_goals() ? goal : lattice.target_of(goal)],
           .cost = result.cost,
           .lower = result.cost / result.bound,
           .graph = graph,

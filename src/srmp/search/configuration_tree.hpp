@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace srmp::search {
+
+/// Configurations, each with the one from which it was reached; the nearest of them to a configuration is found by
+/// comparing all. Distances are Euclidean; angles that wrap go by the shorter way.
+class ConfigurationTree {
+ public:
+  /// `wraps`, by component: is it an angle that wraps around [rad]? Empty: none is.
+  explicit ConfigurationTree(std::vector<char> wraps = {}) : wraps_(std::move(wraps)) {}
+
+  std::size_t size() const { return parents_.size(); }
+  bool empty() const { return parents_.empty(); }
+  std::size_t add_root(const Eigen::VectorXd& q);
+  std::size_t add(const Eigen::VectorXd& q, std::size_t parent);  ///< the number of the new one
+  Eigen::VectorXd operator[](std::size_t i) const;
+  Eigen::VectorXd back() const { return (*this)[size() - 1]; }  ///< the newest
+  double cost(std::size_t i) const { return costs_[i]; }        ///< length of the way to the root
+
+  /// The first of those that are nearest; there is one.
+  std::size_t nearest(const Eigen::VectorXd& q) const;
+  /// From number i to its root.
+  std::vector<Eigen::VectorXd> to_root(std::size_t i) const;
+  /// From a to b.
+  Eigen::VectorXd difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
+  double distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const { return difference(a, b).norm(); }
+  std::size_t memory() const;
+
+ private:
+  std::size_t append(const Eigen::VectorXd& q, std::size_t parent, double cost);
+
+  std::vector<char> wraps_;
+  std::vector<std::vector<double>> columns_;  // one per component
+  std::vector<std::size_t> parents_;          // a root is its own parent
+  std::vector<double> costs_;
+  mutable std::vector<double> distances_;  // scratch
+};
+
+}  // namespace srmp::search
