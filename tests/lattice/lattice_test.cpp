@@ -330,6 +330,19 @@ struct Counts {
   int by_connection{}, cheaper{}, only_by_connection{}, exhausted{};
 };
 
+/// The path, which is free and costs what is said.
+std::vector<Eigen::VectorXd> free_path(const ConnectionWorld& world, const Lattice& lattice,
+                                       const search::Result& result) {
+  std::vector<Eigen::VectorXd> path = lattice.configurations(result.path);
+  double cost = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    cost += lattice.distance(path[i - 1], path[i]);
+    BOOST_TEST(world.is_free(path[i - 1], path[i]));
+  }
+  BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
+  return path;
+}
+
 /// The result is a path of the lattice with goal connections and keeps its bound on the optimum without them, `target`;
 /// `any` is the optimum with them.
 void check_connection_result(const ConnectionWorld& world, const Lattice& lattice, const search::Result& result,
@@ -341,13 +354,7 @@ void check_connection_result(const ConnectionWorld& world, const Lattice& lattic
   }
   BOOST_REQUIRE(result.status == Status::solved);
   BOOST_TEST(lattice.is_goal(result.path.back()));
-  const auto path = lattice.configurations(result.path);
-  double cost = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    cost += lattice.distance(path[i - 1], path[i]);
-    BOOST_TEST(world.is_free(path[i - 1], path[i]));
-  }
-  BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
+  const auto path = free_path(world, lattice, result);
   BOOST_TEST(result.cost >= any - 1e-9);
   BOOST_TEST(result.bound <= weight);
   BOOST_TEST(result.cost <= result.bound * target + 1e-9);
@@ -453,19 +460,6 @@ search::ConfigurationTree expanded_from_targets(const ConnectionWorld& world, co
   return tree;
 }
 
-/// Does the path lead from the start to the target that is said, free, at the cost that is said?
-void check_meeting_path(const ConnectionWorld& world, const Lattice& lattice, const search::Result& result) {
-  const auto path = lattice.configurations(result.path);
-  BOOST_TEST((path.front() == world.start));
-  BOOST_TEST((path.back() == world.targets[lattice.target_of(result.path.back())]));
-  double cost = 0.0;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    cost += lattice.distance(path[i - 1], path[i]);
-    BOOST_TEST(world.is_free(path[i - 1], path[i]));
-  }
-  BOOST_TEST(std::abs(cost - result.cost) < 1e-9);
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(searches_from_both_ends_meet_and_keep_every_bound_of_the_lattice) {
@@ -488,12 +482,14 @@ BOOST_AUTO_TEST_CASE(searches_from_both_ends_meet_and_keep_every_bound_of_the_la
         BOOST_TEST(target == search::infinity);
         return;
       }
-      check_meeting_path(world, lattice, result);
+      const auto path = free_path(world, lattice, result);
+      BOOST_TEST((path.front() == world.start));
+      BOOST_TEST((path.back() == world.targets[lattice.target_of(result.path.back())]));
       BOOST_TEST(result.bound <= weight);
       BOOST_TEST(result.cost <= result.bound * target + 1e-9);
       BOOST_TEST(result.cost / result.bound <= target + 1e-9);
       ++solved;
-      longer += lattice.configurations(result.path).size() > result.path.size();  // on in the other tree
+      longer += path.size() > result.path.size();  // on in the other tree
       only_by_meeting += target == search::infinity;
     });
   }

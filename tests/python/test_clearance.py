@@ -137,7 +137,21 @@ def test_the_certificate_is_a_value(post):
     assert "violation 0 m" in repr(kept)
     half = motion.slice(0.0, motion.duration / 2).certificate.clearance_kept
     assert (half.from_time, half.to_time) == (0.0, motion.duration / 2)
-    assert motion.slice(0, 1).followed_by(motion.slice(1, motion.duration)).certificate.clearance_kept is None
+    assert motion.slice(0, 1).followed_by(motion.slice(1, motion.duration)).certificate.clearance_kept == kept
+
+
+def test_joined_motions_keep_what_both_of_them_keep(post):
+    there = plan(post, clearance=0.03)
+
+    def there_and_back(**options):
+        post.make_planner(["arm"], options)
+        return there.followed_by(post.plan("arm", GOAL, START)).certificate.clearance_kept
+
+    whole = there_and_back(clearance=0.03)
+    assert (whole.required, whole.violation, whole.from_time, whole.at_stops) == (0.03, 0, 0, [])
+    assert whole.to_time > there.duration + 0.5
+    assert there_and_back(clearance=0.02) is None
+    assert there_and_back() is None
 
 
 def test_the_certificate_is_in_files(post, tmp_path):
