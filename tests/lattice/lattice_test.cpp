@@ -443,7 +443,7 @@ BOOST_AUTO_TEST_CASE(goal_connections_generated_again_are_the_same_states) {
   BOOST_TEST(!lattice.is_goal(0));
 }
 
-// --- searches from both ends that meet
+// --- searches from both ends that are connected
 
 namespace {
 
@@ -453,7 +453,7 @@ search::ConfigurationTree expanded_from_targets(const ConnectionWorld& world, co
   search::ConfigurationTree tree;
   const search::ConfigurationTree other;
   Lattice lattice = world.lattice(robot, world.targets, {world.start});
-  lattice.meet(tree, other);
+  lattice.connect_trees(tree, other);
   const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
   search::WeightedAstar search(lattice, lattice.starts(), h, {.weight = 5.0});
   search.improve(Deadline(), expansions);
@@ -462,9 +462,9 @@ search::ConfigurationTree expanded_from_targets(const ConnectionWorld& world, co
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(searches_from_both_ends_meet_and_keep_every_bound_of_the_lattice) {
+BOOST_AUTO_TEST_CASE(searches_from_both_ends_are_connected_and_keep_every_bound_of_the_lattice) {
   const auto robot = robots::planar();
-  int solved = 0, longer = 0, only_by_meeting = 0;
+  int solved = 0, longer = 0, only_by_connection = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     const ConnectionWorld world(seed);
     Lattice plain = world.lattice(*robot, false);
@@ -473,7 +473,7 @@ BOOST_AUTO_TEST_CASE(searches_from_both_ends_meet_and_keep_every_bound_of_the_la
     for_each_search(target, [&](double weight, const auto& run) {
       search::ConfigurationTree own;
       Lattice lattice = world.lattice(*robot, false);
-      lattice.meet(own, other);
+      lattice.connect_trees(own, other);
       const auto h = [&](search::StateId s) { return lattice.distance_to_targets(s); };
       const search::Result result = run(lattice, h);
       BOOST_TEST(own.size() >= result.statistics.expansions);
@@ -490,12 +490,12 @@ BOOST_AUTO_TEST_CASE(searches_from_both_ends_meet_and_keep_every_bound_of_the_la
       BOOST_TEST(result.cost / result.bound <= target + 1e-9);
       ++solved;
       longer += path.size() > result.path.size();  // on in the other tree
-      only_by_meeting += target == search::infinity;
+      only_by_connection += target == search::infinity;
     });
   }
   BOOST_TEST(solved > 500);
   BOOST_TEST(longer > 50);
-  BOOST_TEST(only_by_meeting > 0);
+  BOOST_TEST(only_by_connection > 0);
 }
 
 BOOST_AUTO_TEST_CASE(every_state_is_connected_with_every_waypoint_which_has_a_grid_of_its_own) {

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::int32_t full_turn = 3'600'000;  // grid units in 360 degrees
 // Goals lie on no grid. Their first key entry is `target_root` for targets, and less than that for the first, second, …
-// goal connection of a state, or `meeting_root`; the second entry is the number of the target, or of the state.
+// goal connection of a state, or `tree_root`; the second entry is the number of the target, or of the state.
 constexpr std::int32_t target_root = -1;
-constexpr std::int32_t meeting_root = std::numeric_limits<std::int32_t>::min();  // of goals in the other tree
-constexpr std::size_t nodes_to_compare = 4096;                                   // in an expansion, on average
+constexpr std::int32_t tree_root = std::numeric_limits<std::int32_t>::min();  // of goals in the other tree
+constexpr std::size_t nodes_to_compare = 4096;                                // in an expansion, on average
 constexpr double limit_tolerance = 1e-9;
 constexpr double min_cost = 1e-12;  // of edges, whose costs must be more than 0
 
@@ -110,11 +110,11 @@ std::vector<search::StateId> Lattice::starts() const {
 void Lattice::read_configuration(search::StateId state, Eigen::VectorXd& q) const {
   if (is_goal(state)) {
     const ConnectedGoal* connected = connected_goal(state);
-    const auto meeting = meetings_.find(state);
+    const auto connection = tree_connections_.find(state);
     if (connected)
       q = connected->q;
     else
-      q = meeting == meetings_.end() ? targets_[state - root_count()] : (*other_tree_)[meeting->second];
+      q = connection == tree_connections_.end() ? targets_[state - root_count()] : (*other_tree_)[connection->second];
     return;
   }
   const auto key = table_.key(state);
@@ -129,16 +129,17 @@ const ConnectedGoal* Lattice::connected_goal(search::StateId state) const {
 }
 
 std::size_t Lattice::target_of(search::StateId goal) const {
-  const auto meeting = meetings_.find(goal);
-  if (meeting == meetings_.end()) return goal - root_count();
-  const Eigen::VectorXd end = other_tree_->to_root(meeting->second).back();
+  const auto connection = tree_connections_.find(goal);
+  if (connection == tree_connections_.end()) return goal - root_count();
+  const Eigen::VectorXd end = other_tree_->to_root(connection->second).back();
   return static_cast<std::size_t>(std::find(targets_.begin(), targets_.end(), end) - targets_.begin());
 }
 
 std::size_t Lattice::memory() const {
   const std::size_t connected = sizeof(decltype(connected_goals_)::value_type) + joints_.size() * sizeof(double);
-  const std::size_t meeting = sizeof(decltype(meetings_)::value_type);
-  return table_.memory() + nodes_.memory() + connected_goals_.size() * connected + meetings_.size() * meeting;
+  const std::size_t connection = sizeof(decltype(tree_connections_)::value_type);
+  return table_.memory() + nodes_.memory() + connected_goals_.size() * connected +
+         tree_connections_.size() * connection;
 }
 
 Eigen::VectorXd Lattice::configuration(search::StateId state) const {
@@ -311,7 +312,7 @@ void Lattice::connections(search::StateId state, std::vector<search::Successor>&
     if (waypoint != state) out.push_back({waypoint, std::max(distance(q_, roots_[i]), min_cost)});
   }
   add_goal_connections(state, out);
-  add_meeting(state, out);
+  add_tree_connection(state, out);
 }
 
 void Lattice::successors(search::StateId state, std::size_t level, std::vector<search::Successor>& out) {
@@ -338,7 +339,7 @@ void Lattice::add_goal_connections(search::StateId state, std::vector<search::Su
   }
 }
 
-void Lattice::meet(search::ConfigurationTree& own, const search::ConfigurationTree& other) {
+void Lattice::connect_trees(search::ConfigurationTree& own, const search::ConfigurationTree& other) {
   own_tree_ = &own;
   other_tree_ = &other;
 }
@@ -352,14 +353,14 @@ void Lattice::expanding(search::StateId state, search::StateId parent) {
 
 /// From `state`, whose configuration is q_. The larger the other tree, the fewer states are compared with it, so that
 /// the comparisons take no more time than the rest of the search.
-void Lattice::add_meeting(search::StateId state, std::vector<search::Successor>& out) {
+void Lattice::add_tree_connection(search::StateId state, std::vector<search::Successor>& out) {
   if (!other_tree_ || other_tree_->empty()) return;
   if (expansions_++ % (1 + other_tree_->size() / nodes_to_compare) != 0) return;
   std::fill(scratch_key_.begin(), scratch_key_.end(), 0);
-  scratch_key_[0] = meeting_root;
+  scratch_key_[0] = tree_root;
   scratch_key_[1] = static_cast<std::int32_t>(state);
   const search::StateId next = table_.insert(scratch_key_);
-  const std::size_t node = meetings_.try_emplace(next, other_tree_->nearest(q_)).first->second;
+  const std::size_t node = tree_connections_.try_emplace(next, other_tree_->nearest(q_)).first->second;
   const double cost = distance(q_, (*other_tree_)[node]) + other_tree_->cost(node);
   out.push_back({next, std::max(cost, min_cost)});
 }
@@ -396,9 +397,9 @@ std::vector<Eigen::VectorXd> Lattice::configurations(std::span<const search::Sta
     }
     result.push_back(std::move(q));
   }
-  const auto meeting = path.empty() ? meetings_.end() : meetings_.find(path.back());
-  if (meeting == meetings_.end()) return result;
-  const std::vector<Eigen::VectorXd> onwards = other_tree_->to_root(meeting->second);
+  const auto connection = path.empty() ? tree_connections_.end() : tree_connections_.find(path.back());
+  if (connection == tree_connections_.end()) return result;
+  const std::vector<Eigen::VectorXd> onwards = other_tree_->to_root(connection->second);
   for (std::size_t i = 1; i < onwards.size(); ++i)
     result.push_back(result.back() + other_tree_->difference(result.back(), onwards[i]));
   return result;

@@ -93,7 +93,7 @@ class Lattice {
   /// there an edge leads to the nearest configuration of `other`, and on to that tree's root, which is one of the
   /// targets. It is a goal of the same kind as those of `goal_connection`. Several lattices with the same roots may
   /// share a tree. Both outlive this.
-  void meet(search::ConfigurationTree& own, const search::ConfigurationTree& other);
+  void connect_trees(search::ConfigurationTree& own, const search::ConfigurationTree& other);
 
   // --- search::Graph
   void expanding(search::StateId state, search::StateId parent);
@@ -150,7 +150,7 @@ class Lattice {
   Family make_family(const PrimitiveFamily& family) const;
   void tell(std::span<const search::Edge> edges, std::span<const double> costs) const;
   void add_goal_connections(search::StateId state, std::vector<search::Successor>& out);
-  void add_meeting(search::StateId state, std::vector<search::Successor>& out);
+  void add_tree_connection(search::StateId state, std::vector<search::Successor>& out);
   void add_moves(search::StateId state, const Family& family, std::vector<search::Successor>& out);
   void add_move(search::StateId state, const Move& move, std::vector<search::Successor>& out);
   void add_moves_to_targets(search::StateId state, const Move& steps, std::vector<search::Successor>& out);
@@ -176,9 +176,9 @@ class Lattice {
   LatticeObserver observer_;
   search::ConfigurationTree* own_tree_{};
   const search::ConfigurationTree* other_tree_{};
-  BlockVector<std::size_t> nodes_;                   // by state: its number in own_tree_
-  std::map<search::StateId, std::size_t> meetings_;  // goals in other_tree_: their numbers there
-  std::size_t expansions_{};                         // since other_tree_ has nodes
+  BlockVector<std::size_t> nodes_;                           // by state: its number in own_tree_
+  std::map<search::StateId, std::size_t> tree_connections_;  // goals in other_tree_: their numbers there
+  std::size_t expansions_{};                                 // since other_tree_ has nodes
   std::vector<Level> levels_;
   std::vector<double> unit_;  // of the grid, one entry per joint [rad or m]
   StateTable table_;          // key: root number, then grid coordinates; goals: see lattice.cpp

@@ -5,7 +5,6 @@
 
 #include "srmp/core/error.hpp"
 #include "srmp/core/stopping.hpp"
-#include "srmp/planning/motion_checks.hpp"
 #include "srmp/trajectory/certify.hpp"
 #include "srmp/trajectory/path.hpp"
 #include "srmp/trajectory/prove_constraints.hpp"
@@ -51,12 +50,8 @@ class PlanInTime {
       : task_(task),
         budget_(budget),
         options_(options),
-        workspace_(task.checker.make_workspace()),
         roadmap_(task, budget.deadline, options.roadmap),
-        monitor_(task.other_robots, budget.deadline) {
-    if (task.constraints) constraints_ = std::make_unique<ConstraintChecker>(*task.constraints);
-    task.checker.stop_at(budget.deadline, *workspace_);
-  }
+        monitor_(task.other_robots, budget.deadline) {}
 
   TimedResult run() {
     std::size_t vertices = options_.first_vertices;
@@ -159,9 +154,7 @@ class PlanInTime {
     const Eigen::VectorXd from = rows.row(row - 1).transpose(), to = rows.row(row + 1).transpose();
     const Eigen::VectorXd shortest = task_.checker.robot().difference(from, to);
     if ((shortest - (to - from)).cwiseAbs().maxCoeff() > winding_tolerance) return false;
-    return (!constraints_ || constraints_->keeps(from, to, constraint_fractions.motions)) &&
-           task_.checker.is_motion_free(from, to, *workspace_, {.start_is_free = true}) &&
-           replace(moves, k, count, without_row(rows, row));
+    return roadmap_.is_motion_free(from, to) && replace(moves, k, count, without_row(rows, row));
   }
 
   /// Puts one move along `rows` in place of `count` moves from moves[k] on, begun as early as it is collision-free. It
@@ -203,8 +196,6 @@ class PlanInTime {
   const TimedTask& task_;
   const TimedBudget& budget_;
   const PlanInTimeOptions& options_;
-  Checker::WorkspacePtr workspace_;
-  std::unique_ptr<ConstraintChecker> constraints_;  // null: there are none
   SafeIntervals roadmap_;
   CollisionMonitor monitor_;
   std::uint64_t last_check_{};  // of the improvements

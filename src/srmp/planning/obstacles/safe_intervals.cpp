@@ -154,11 +154,15 @@ const SafeIntervals::Edge& SafeIntervals::edge(Vertex from, Vertex to) {
   return checked_edges_.emplace(ends, checked_edge(from, to)).first->second;  // unless the deadline cuts the check off
 }
 
+bool SafeIntervals::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return (!constraints_ || constraints_->keeps(a, b, constraint_fractions.motions)) &&
+         task_.checker.is_motion_free(a, b, *workspace_, {.start_is_free = true});
+}
+
 SafeIntervals::Edge SafeIntervals::checked_edge(Vertex from, Vertex to) {
   ++edge_checks_;
   Edge edge;
-  edge.free = (!constraints_ || constraints_->keeps(vertices_[from], vertices_[to], constraint_fractions.motions)) &&
-              task_.checker.is_motion_free(vertices_[from], vertices_[to], *workspace_, {.start_is_free = true});
+  edge.free = is_motion_free(vertices_[from], vertices_[to]);
   if (!edge.free) return edge;
   RowMatrix ends(2, vertices_[from].size());
   ends.row(0) = vertices_[from].transpose();

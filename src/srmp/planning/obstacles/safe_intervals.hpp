@@ -96,6 +96,9 @@ class SafeIntervals {
   /// that time, nor departures of the same edge that are later by less than the interval's length.
   void forbid(const std::vector<TimedStop>& stops, double from, double to);
 
+  /// Is the straight motion free of all that is static, and does it keep the path constraints? `a` is free.
+  bool is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b);
+
   std::uint64_t checks() const { return checks_; }  ///< of configurations against the other robots, so far
   std::uint64_t edge_checks() const { return edge_checks_; }
   std::size_t memory() const;  ///< [bytes]

@@ -87,7 +87,7 @@ void LatticePortfolio::connect(Lattice& lattice, const LatticeChoice& choice) {
   const auto tree = [&](SearchFrom end) -> search::ConfigurationTree& {
     return trees_.try_emplace({end, choice.scale}, lattice.wraps()).first->second;
   };
-  lattice.meet(tree(choice.from), tree(choice.from_goals() ? SearchFrom::start : SearchFrom::goals));
+  lattice.connect_trees(tree(choice.from), tree(choice.from_goals() ? SearchFrom::start : SearchFrom::goals));
 }
 
 std::unique_ptr<search::ResumableSearch> LatticePortfolio::alternating_search(LatticeMember& member) const {

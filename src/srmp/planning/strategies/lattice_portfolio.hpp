@@ -70,7 +70,8 @@ struct LatticePortfolioOptions {
 
 /// Lattices at several resolutions, from the start and from the goals, searched side by side a few expansions at a
 /// time (search/portfolio.hpp); by default each by several heuristics (search/alternating_search.hpp). Searches with
-/// the same steps from both ends meet (Lattice::meet). A round of attempts is one slice of each search.
+/// the same steps from both ends are connected (Lattice::connect_trees). A round of attempts is one slice of each
+/// search.
 class LatticePortfolio : public Strategy {
  public:
   /// The family outlives this.
