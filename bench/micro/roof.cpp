@@ -65,7 +65,7 @@ struct Block {
 
 Block random_block(const RobotModel& robot, const BatchModel& model, bool moving, double size, std::mt19937& random) {
   const auto uniform = [&](double low, double high) { return low + (high - low) * (random() * 0x1p-32); };
-  const std::size_t joints = model.world.actuated_joints.size();
+  const std::size_t joints = model.robot->actuated_joints.size();
   Block block{floats((joints + 1) * kLanes), floats((joints + 1) * kLanes)};
   std::vector<double> q(robot.dof()), difference(robot.dof());
   for (double& change : difference) change = uniform(-size, size);
@@ -74,7 +74,7 @@ Block random_block(const RobotModel& robot, const BatchModel& model, bool moving
       for (std::size_t j = 0; j < q.size(); ++j)
         q[j] = uniform(std::max(robot.joints()[j].lower, -M_PI), std::min(robot.joints()[j].upper, M_PI));
     for (std::size_t k = 0; k < joints; ++k) {
-      const BatchActuatedJoint& actuated = model.world.actuated_joints[k];
+      const BatchActuatedJoint& actuated = model.robot->actuated_joints[k];
       const double change = actuated.ratio * difference[actuated.joint];
       double value = actuated.ratio * q[actuated.joint] + actuated.offset;
       if (moving) value += change * (lane + 0.5) / kLanes;
@@ -143,7 +143,7 @@ void report(const std::shared_ptr<const RobotModel>& robot, const std::shared_pt
   const detail::SceneModel scene_model(scene, group, {.mode = CheckMode::exact, .covers = covers});
   for (const bool moving : {false, true})
     for (const SimdBackend backend : available_simd_backends()) {
-      const BatchModel model(scene_model.batch_scene.world, backend);
+      const BatchModel model(scene_model.batch_scene.robot, scene_model.batch_scene.pairs, backend);
       const std::vector<Block> blocks = free_blocks(*robot, model, moving, options);
       const auto [kernel, peak] = roof_of(backend);
       const bench::KernelOperations counted = operations_of(kernel, model, blocks, moving);

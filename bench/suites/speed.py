@@ -331,7 +331,7 @@ def table(result: dict[str, Any]) -> str:
         median, p95 = (in_ms(np.percentile(seconds, p)) if seconds else "–" for p in (50, 95))
         cells = [str(row["aim"]), row["name"], f"{len(seconds)}/{len(own)}", median, p95]
         cells += [f"{np.mean(costs):.2f}" if costs else "–", row["goal"]]
-        lines.append([*cells, *(pair_cells(own, other) if paired and other else [])])
+        lines.append([*cells, *(pair_cells(own, other or {}) if paired else [])])
     head = ["aim", "case", "solved", "median", "95 %", "cost", "goal", *(["baseline", "ratio"] if paired else [])]
     return format_table(head, lines)
 

@@ -43,6 +43,7 @@ def test_speed_with_a_baseline_in_pairs(suite, stand_in_dir, monkeypatch):
         assert row["own"].keys() == row["baseline"].keys() == {"box/0001", "box/0002"}
         assert all(own["seconds"] > 0 for own in row["own"].values())
         assert [own["cost"] for own in row["own"].values()] == [other["cost"] for other in row["baseline"].values()]
+    result["rows"].append({"aim": 2, "name": "a yardstick", "goal": "–", "own": result["rows"][0]["own"]})
     assert "2/2" in speed.table(json.loads(json.dumps(result)))
     with pytest.raises(srmp.InvalidArgument, match="aims '1,7': they are 1 to 5"):
         speed.run(str(stand_in_dir), None, "1,7", "1", 1, None)

@@ -15,6 +15,7 @@
 
 namespace srmp {
 
+class BatchRobotStore;
 class CoverStore;
 class PairTableStore;
 namespace detail {
@@ -63,6 +64,8 @@ struct CheckerOptions {
   double clearance{};
   /// Where tables of pairs of links are looked up (not by CheckMode::coal); nullptr: nowhere.
   std::shared_ptr<PairTableStore> pair_tables{};
+  /// Where robots are looked up as checks of batches need them, so that a changed scene costs less; nullptr: nowhere.
+  std::shared_ptr<BatchRobotStore> batch_robots{};
 };
 
 /// What a thread's checks did so far: counts.

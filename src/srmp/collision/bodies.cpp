@@ -59,17 +59,44 @@ Body object_body(const Object& object, BodyKind kind) {
           solid_of(object.parts)};
 }
 
+}  // namespace
+
+/// What the rules of contact and the pairs need of a body, close together in memory: there are many pairs.
+struct Bodies::Side {
+  explicit Side(const Body& body)
+      : robot(body.robot),
+        link(body.kind == BodyKind::link),
+        attached(body.kind == BodyKind::attached_object),
+        is_solid(body.is_solid()),
+        name(body.name_id),
+        source(body.source),
+        support(body.support),
+        padding(body.padding),
+        solid(body.solid) {}
+
+  int robot;
+  bool link, attached, is_solid;
+  std::size_t name, source;
+  std::uint64_t support;
+  double padding;
+  const coal::CollisionGeometry* solid;
+};
+
+namespace {
+
+using Side = Bodies::Side;
+
 /// Decides whether contact between two bodies is a collision.
 class ContactRules {
  public:
   /// Numbers the bodies by their scene names: several geometries share a link.
   ContactRules(const Scene& scene, const RobotGroup& group, Bodies& bodies, bool other_robots_only)
       : scene_(scene), group_(group), other_robots_only_(other_robots_only) {
-    std::map<std::string_view, std::size_t> known;
+    std::map<std::string_view, std::size_t> links;
     const auto number = [&](Body& body) {
-      const auto [it, added] = known.try_emplace(body.scene_name, names_.size());
-      if (added) names_.push_back(&body.scene_name);
-      body.name_id = it->second;
+      body.name_id = names_.size();
+      if (body.kind == BodyKind::link) body.name_id = links.try_emplace(body.scene_name, names_.size()).first->second;
+      if (body.name_id == names_.size()) names_.push_back(&body.scene_name);
     };
     for (Body& body : bodies.moving) number(body);
     for (Body& body : bodies.fixed) number(body);
@@ -78,14 +105,14 @@ class ContactRules {
     self_pairs_.resize(group.size());
   }
 
-  bool count(const Body& a, const Body& b) {
+  bool count(const Side& a, const Side& b) {
     if (a.robot != 0 && b.robot != 0) return false;
     if (other_robots_only_ && (a.robot == b.robot || a.robot < 0 || b.robot < 0)) return false;
-    const bool same_robot = a.robot == b.robot && a.kind == BodyKind::link && b.kind == BodyKind::link;
+    const bool same_robot = a.robot == b.robot && a.link && b.link;
     if (by_model_alone(a, b))
       return !same_robot || is_self_pair(group_.model(static_cast<std::size_t>(a.robot)),
                                          static_cast<std::size_t>(a.robot), a.source, b.source);
-    if (allowed(a.name_id, b.name_id)) return false;
+    if (allowed(a.name, b.name)) return false;
     if (!same_robot) return true;
     // The model may leave out more than it allows; a pair that it allows gets here by the scene's own setting.
     const RobotModel& model = group_.model(static_cast<std::size_t>(a.robot));
@@ -97,9 +124,8 @@ class ContactRules {
   static constexpr char unknown = 2;
 
   /// No setting of the scene names both, as for most pairs of most scenes: the model's own rules decide.
-  bool by_model_alone(const Body& a, const Body& b) const {
-    return !(has_setting_[a.name_id] && has_setting_[b.name_id]) && a.kind != BodyKind::attached_object &&
-           b.kind != BodyKind::attached_object;
+  bool by_model_alone(const Side& a, const Side& b) const {
+    return !(has_setting_[a.name] && has_setting_[b.name]) && !a.attached && !b.attached;
   }
 
   /// Does a setting name the body or the robot that it is a link of?
@@ -152,11 +178,13 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
     first += group.instance(i).q.size();
   }
   group.forward(data_, q);
+  fixed.reserve(scene.objects().size() + 8);  // moving them costs more than making room
   for (std::size_t i = 0; i < group.size(); ++i) add_links(static_cast<int>(i));
   add_objects(scene);
   add_other_robots(scene);
 
   std::vector<Eigen::AlignedBox3d> boxes;
+  boxes.reserve(fixed.size());
   for (const FixedBody& body : fixed) {
     const Bounds& b = body.bounds;
     const Eigen::Vector3d half = body.pose.linear().cwiseAbs() * b.box_half, center = body.pose * b.box_center;
@@ -237,21 +265,29 @@ void Bodies::add_other_robots(const Scene& scene) {
 
 void Bodies::add_pairs(const Scene& scene) {
   ContactRules rules(scene, group_, *this, options_.other_robots_only);
+  const std::vector<Side> of_moving(moving.begin(), moving.end()), of_fixed(fixed.begin(), fixed.end());
   fixed_pair.assign(moving.size() * fixed.size(), -1);
+  pairs.reserve(moving.size() * fixed.size() + moving.size() * moving.size() / 2);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     for (std::size_t j = 0; j < fixed.size(); ++j)
-      if (rules.count(moving[i], fixed[j])) add_pair(moving[i], false, i, fixed[j], true, j);
-    for (std::size_t j = i + 1; j < moving.size(); ++j)
-      if (rules.count(moving[i], moving[j])) {
-        const bool swap = moving[i].robot != 0;  // the planned robot's body comes first
-        add_pair(moving[swap ? j : i], false, swap ? j : i, moving[swap ? i : j], false, swap ? i : j);
-      }
-  }
-  for (std::size_t i = 0; i < fixed.size(); ++i)
-    for (std::size_t j = 0; j < fixed.size(); ++j) {
-      const bool once = fixed[i].robot == 0 && (fixed[j].robot != 0 || i < j);
-      if (once && rules.count(fixed[i], fixed[j])) add_pair(fixed[i], true, i, fixed[j], true, j);
+      if (rules.count(of_moving[i], of_fixed[j])) add_pair(of_moving[i], i, of_fixed[j], true, j);
+    for (std::size_t j = i + 1; j < moving.size(); ++j) {
+      if (!rules.count(of_moving[i], of_moving[j])) continue;
+      const std::size_t a = of_moving[i].robot != 0 ? j : i,
+                        b = a == i ? j : i;  // the planned robot's body comes first
+      if (of_moving[a].support == of_moving[b].support)
+        add_rigid_pair(false, a, false, b);
+      else
+        add_pair(of_moving[a], a, of_moving[b], false, b);
     }
+  }
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i].robot != 0) continue;
+    for (std::size_t j = 0; j < fixed.size(); ++j) {
+      const bool once = fixed[j].robot != 0 || i < j;
+      if (once && rules.count(of_fixed[i], of_fixed[j])) add_rigid_pair(true, i, true, j);
+    }
+  }
 }
 
 bool Bodies::are_closer(const Pair& pair, const RobotGroup::Data& data, double distance, NarrowPhase& narrow) const {
@@ -303,51 +339,60 @@ void Bodies::exempt_close_links() {
   }
 }
 
-const PairTable* Bodies::table_of(const Body& a, const Body& b) const {
-  if (a.robot != b.robot || a.robot < 0 || a.kind != BodyKind::link || b.kind != BodyKind::link) return nullptr;
-  const PairTables* tables = tables_[static_cast<std::size_t>(a.robot)];
+const PairTable* Bodies::table_of(std::size_t robot, std::size_t geometry_a, std::size_t geometry_b) const {
+  const PairTables* tables = tables_[robot];
   if (!tables) return nullptr;
   const auto found = std::find_if(tables->begin(), tables->end(), [&](const PairTable& table) {
-    return std::minmax(a.source, b.source) == std::minmax(table.geometry_a, table.geometry_b);
+    return std::minmax(geometry_a, geometry_b) == std::minmax(table.geometry_a, table.geometry_b);
   });
   return found == tables->end() ? nullptr : &*found;
 }
 
-void Bodies::add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib) {
+void Bodies::add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib) {
   const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
-  if (a.support == b.support) {
-    const auto pose = [&](bool is_fixed, std::size_t i) {
-      return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
-    };
-    if (a_fixed && b_fixed && a.robot != b.robot) fixed_pairs.emplace_back(index_a, index_b);
-    const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
-    const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
-    if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;
-    const Placed placed_a{a.geometry.get(), a.parts.bvh.get(), a.bounds, pose_a, center_a},
-        placed_b{b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b};
-    if (NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance)
-      overlaps.push_back({a_fixed, b_fixed, index_a, index_b});
-    return;
-  }
-  Pair pair{index_a, index_b, b_fixed};
-  pair.table = table_of(a, b);
-  if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
-  pair.solid = a.is_solid() && b.is_solid();
-  pair.both_meshes = !a.is_solid() && !b.is_solid();
+  const auto body = [&](bool is_fixed, std::size_t i) -> const Body& {
+    if (is_fixed) return fixed[i];
+    return moving[i];
+  };
+  const Body &a = body(a_fixed, ia), &b = body(b_fixed, ib);
+  const auto pose = [&](bool is_fixed, std::size_t i) {
+    return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
+  };
+  if (a_fixed && b_fixed && a.robot != b.robot) fixed_pairs.emplace_back(index_a, index_b);
+  const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
+  const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
+  if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;
+  const Placed placed_a{a.geometry.get(), a.parts.bvh.get(), a.bounds, pose_a, center_a},
+      placed_b{b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b};
+  if (NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance)
+    overlaps.push_back({a_fixed, b_fixed, index_a, index_b});
+}
+
+void Bodies::add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib) {
+  const auto id = static_cast<std::uint32_t>(pairs.size());
+  Pair& pair = pairs.emplace_back();
+  pair.a = static_cast<std::uint32_t>(ia);
+  pair.b = static_cast<std::uint32_t>(ib);
+  pair.b_fixed = b_fixed;
+  pair.solid = a.is_solid && b.is_solid;
+  pair.both_meshes = !a.is_solid && !b.is_solid;
   if (a.solid && b.solid) pair.formula = formulas.index(*a.solid, *b.solid);
   pair.padding = (a.robot == b.robot ? 0.0 : a.padding + b.padding) + options_.clearance;
   pair.support_a = a.support & ~b.support;
   pair.support_b = b.support & ~a.support;
-  if (pair.table && pair.table->never_collide()) {
-    apart.push_back(pair);
-    return;
+  if (a.robot == b.robot && a.link && b.link) {
+    pair.table = table_of(static_cast<std::size_t>(a.robot), a.source, b.source);
+    if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
+    if (pair.table && pair.table->never_collide()) {
+      apart.push_back(pair);
+      pairs.pop_back();
+      return;
+    }
   }
-  const auto id = static_cast<std::uint32_t>(pairs.size());
   if (b_fixed)
     fixed_pair[ia * fixed.size() + ib] = static_cast<std::int32_t>(id);
   else
     moving_pairs.push_back(id);
-  pairs.push_back(pair);
 }
 
 }  // namespace srmp::detail

@@ -79,6 +79,8 @@ struct Bodies {
   /// CheckerOptions::clearance, which the padding of each pair holds; that of bodies does not.
   double clearance() const { return options_.clearance; }
 
+  struct Side;
+
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
   std::vector<Pair> pairs;
@@ -103,9 +105,10 @@ struct Bodies {
   void add_other_robots(const Scene& scene);
   void add_fixed(Body body, const Eigen::Isometry3d& pose);
   void add_pairs(const Scene& scene);
-  void add_pair(const Body& a, bool a_fixed, std::size_t ia, const Body& b, bool b_fixed, std::size_t ib);
+  void add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib);
+  void add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib);
 
-  const PairTable* table_of(const Body& a, const Body& b) const;
+  const PairTable* table_of(std::size_t robot, std::size_t geometry_a, std::size_t geometry_b) const;
 
   const RobotGroup& group_;
   CheckerOptions options_;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace srmp::detail {
@@ -41,8 +42,8 @@ class BoxBvh {
     std::int32_t left{-1}, right{-1};
     std::int32_t body{-1};  // of a leaf
   };
-  using Range = std::pair<std::size_t, std::size_t>;
-  std::int32_t build(const std::vector<Eigen::AlignedBox3d>& boxes, std::vector<std::size_t>& order, Range range);
+  std::int32_t build(const std::vector<Eigen::AlignedBox3d>& boxes, const std::vector<Eigen::Vector3d>& centers,
+                     std::span<std::size_t> order);
 
   std::vector<Node> nodes_;
 };

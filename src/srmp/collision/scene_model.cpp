@@ -10,9 +10,8 @@ namespace {
 
 /// Where spheres are the bodies, subdividing down to them decides the check. Elsewhere the batch stops early, because
 /// Coal resolves what is left open, pair by pair, in less time than more blocks would take.
-BatchChecker::MotionOptions batch_options_for(const BatchWorld& world) {
-  const bool exact = std::all_of(world.bodies.begin(), world.bodies.end(), [](const auto& body) { return body.exact; });
-  return {.step = 0.05, .refinements = exact ? 4 : 1, .max_blocks = 64};
+BatchChecker::MotionOptions batch_options_for(const BatchRobotModel& robot) {
+  return {.step = 0.05, .refinements = robot.exact ? 4 : 1, .max_blocks = 64};
 }
 
 using Tables = std::vector<std::shared_ptr<const PairTables>>;
@@ -50,9 +49,10 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
       if (auto quick = covers->adopted_quick(shape)) return quick;
     return covers->cover(shape);
   };
-  batch_scene = make_batch_scene(bodies, group, cover_of);
-  batch.emplace(batch_scene.world);
-  batch_options = batch_options_for(batch_scene.world);
+  BatchRobotStore none;
+  batch_scene = make_batch_scene(bodies, group, cover_of, options.batch_robots ? *options.batch_robots : none);
+  batch.emplace(batch_scene.robot, batch_scene.pairs);
+  batch_options = batch_options_for(*batch_scene.robot);
 }
 
 bool SceneModel::spheres_reach(ConstVector q) const {

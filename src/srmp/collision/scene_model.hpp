@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "srmp/collision/batch/batch_checker.hpp"
 #include "srmp/collision/batch/batch_world.hpp"
 #include "srmp/collision/bodies.hpp"
 #include "srmp/collision/checker.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "srmp/collision/batch/batch_robot.hpp"
 #include "srmp/collision/pair_table.hpp"
 
 namespace srmp {
@@ -9,6 +10,7 @@ namespace srmp {
 SceneCheckers::SceneCheckers()
     : covers_(std::make_shared<CoverStore>()),
       pair_tables_(std::make_shared<PairTableStore>(covers_->directory())),
+      batch_robots_(std::make_shared<BatchRobotStore>()),
       preparation_(covers_, pair_tables_) {}
 
 const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, CheckMode mode) {
@@ -65,6 +67,7 @@ void SceneCheckers::clear() {
   alone_.clear();
   single_.clear();
   together_.reset();
+  batch_robots_->scene_changed();
   covers_->release_unused();  // those of robots that left the scene
 }
 

@@ -21,7 +21,7 @@ class SceneCheckers {
   const Checker& of(const Scene& scene, const std::string& robot, CheckMode mode);
   /// With the covers and tables known here, for a checker that its user keeps.
   CheckerOptions options(CheckMode mode) const {
-    return {.mode = mode, .covers = covers_, .pair_tables = pair_tables_};
+    return {.mode = mode, .covers = covers_, .pair_tables = pair_tables_, .batch_robots = batch_robots_};
   }
 
   /// Of one robot that moves while the others stand as in `scene`, whose state this must be, and that keeps a clearance
@@ -49,6 +49,7 @@ class SceneCheckers {
   bool other_backend_{};
   std::shared_ptr<CoverStore> covers_;
   std::shared_ptr<PairTableStore> pair_tables_;
+  std::shared_ptr<BatchRobotStore> batch_robots_;
   RobotPreparation preparation_;
   std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;
   std::map<std::pair<std::string, bool>, std::shared_ptr<const ProblemCheckers>> single_;  // with a clearance or not

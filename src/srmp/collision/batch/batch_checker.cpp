@@ -35,25 +35,28 @@ struct Interval {
 }  // namespace
 
 BatchChecker::BatchChecker(const BatchWorld& world, SimdBackend backend)
-    : impl_(std::make_unique<const BatchModel>(world, backend)) {}
+    : BatchChecker(std::make_shared<const BatchRobotModel>(world), world, backend) {}
+
+BatchChecker::BatchChecker(std::shared_ptr<const BatchRobotModel> robot, const BatchPairs& pairs, SimdBackend backend)
+    : impl_(std::make_unique<const BatchModel>(std::move(robot), pairs, backend)) {}
 
 BatchChecker::~BatchChecker() = default;
 BatchChecker::BatchChecker(BatchChecker&&) noexcept = default;
-std::size_t BatchChecker::dof() const { return impl_->world.dof; }
+std::size_t BatchChecker::dof() const { return impl_->robot->dof; }
 SimdBackend BatchChecker::backend() const { return impl_->backend; }
-double BatchChecker::error_bound() const { return impl_->error_bound; }
+double BatchChecker::error_bound() const { return impl_->robot->error_bound; }
 
 // --- Checks
 
 class BatchChecker::Workspace {
  public:
   explicit Workspace(const BatchModel& impl)
-      : values(aligned_floats(impl.world.actuated_joints.size() * kLanes + kLanes)),
-        half_widths(aligned_floats(impl.world.actuated_joints.size() * kLanes + kLanes)),
+      : values(aligned_floats(impl.robot->actuated_joints.size() * kLanes + kLanes)),
+        half_widths(aligned_floats(impl.robot->actuated_joints.size() * kLanes + kLanes)),
         scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
         pair_lanes(impl.pair_obstacles.size() + impl.self_pairs.size(), 0),
-        start(impl.world.actuated_joints.size()),
-        delta(impl.world.actuated_joints.size()),
+        start(impl.robot->actuated_joints.size()),
+        delta(impl.robot->actuated_joints.size()),
         view(impl.view()) {
     undecided.reserve(1024);
     open.reserve(4096);
@@ -100,7 +103,7 @@ class BatchChecker::Workspace {
 
   void set_motion(const BatchModel& impl, std::span<const double> a, std::span<const double> difference) {
     for (std::size_t k = 0; k < start.size(); ++k) {
-      const BatchActuatedJoint& actuated = impl.world.actuated_joints[k];
+      const BatchActuatedJoint& actuated = impl.robot->actuated_joints[k];
       start[k] = actuated.ratio * a[actuated.joint] + actuated.offset;
       delta[k] = actuated.ratio * difference[actuated.joint];
       constexpr double turn = 2 * std::numbers::pi;
@@ -158,8 +161,8 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
   if (n == 0 || count * n != configurations.size() || count == 0 || count > block)
     throw InvalidArgument("batch checker: a block holds 1 to 16 configurations of " + std::to_string(n) + " entries");
   w.undecided.clear();
-  for (std::size_t k = 0; k < impl_->world.actuated_joints.size(); ++k) {
-    const BatchActuatedJoint& actuated = impl_->world.actuated_joints[k];
+  for (std::size_t k = 0; k < impl_->robot->actuated_joints.size(); ++k) {
+    const BatchActuatedJoint& actuated = impl_->robot->actuated_joints[k];
     for (std::size_t i = 0; i < kLanes; ++i) {
       double value = actuated.ratio * configurations[std::min(i, count - 1) * n + actuated.joint] + actuated.offset;
       constexpr double turn = 2 * std::numbers::pi;
@@ -189,7 +192,7 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   w.undecided.clear();
   w.set_motion(*impl_, a, difference);
   double length = 0;
-  for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->actuated_reach[k];
+  for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->robot->actuated_reach[k];
   const int blocks = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
   w.open.clear();
   for (int j = 0; j < blocks; ++j)  // a block's lanes are spread over the motion: collisions show early
@@ -258,9 +261,9 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
 
 Eigen::Isometry3d BatchChecker::actuated_joint_pose(std::span<const double> q, std::size_t k, Workspace& w) const {
   require_size(q.size(), dof(), "batch checker: configuration");
-  if (k >= impl_->world.actuated_joints.size())
+  if (k >= impl_->robot->actuated_joints.size())
     throw InvalidArgument("batch checker: there is no actuated joint " + std::to_string(k) + "; there are " +
-                          std::to_string(impl_->world.actuated_joints.size()));
+                          std::to_string(impl_->robot->actuated_joints.size()));
   check_block(q, w);
   // The kernel leaves lane 0 of the last slice's frames at the front of its scratch memory; all lanes are equal here.
   const int width = impl_->backend == SimdBackend::avx512 ? 16 : impl_->backend == SimdBackend::avx2 ? 8 : 4;

@@ -14,6 +14,7 @@
 namespace srmp {
 
 struct BatchModel;
+struct BatchRobotModel;
 
 enum class CollisionStatus { free, colliding, undecided };
 
@@ -50,6 +51,9 @@ class BatchChecker {
  public:
   /// Throws InvalidArgument for indices out of range, non-finite numbers and more than 4 million pairs.
   explicit BatchChecker(const BatchWorld& world, SimdBackend backend = default_simd_backend());
+  /// Of a robot that others may share.
+  BatchChecker(std::shared_ptr<const BatchRobotModel> robot, const BatchPairs& pairs,
+               SimdBackend backend = default_simd_backend());
   ~BatchChecker();
   BatchChecker(BatchChecker&&) noexcept;
 

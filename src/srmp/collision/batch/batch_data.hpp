@@ -57,13 +57,19 @@ struct BatchSelfPair {
   bool exact{true};  ///< false: a hit proves nothing
 };
 
-struct BatchWorld {
+struct BatchRobot {
   std::size_t dof{};
   std::vector<BatchActuatedJoint> actuated_joints;
   std::vector<BatchBody> bodies;
+};
+
+/// Obstacles, and what may not touch what.
+struct BatchPairs {
   std::vector<BatchObstacle> obstacles;
   std::vector<std::pair<int, int>> obstacle_pairs;  ///< (body, obstacle) to check
   std::vector<BatchSelfPair> self_pairs;
 };
+
+struct BatchWorld : BatchRobot, BatchPairs {};
 
 }  // namespace srmp

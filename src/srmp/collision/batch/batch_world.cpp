@@ -42,21 +42,41 @@ PlacedSphere around(const std::vector<PlacedSphere>& spheres) {
   return result;
 }
 
-class Builder {
+/// The cover of an attached object must be quick to make: unless it is a sphere, the cells of its bounding box are
+/// covered.
+GeometryCover cover_of_attached(const Body& body) {
+  if (dynamic_cast<const coal::Sphere*>(body.geometry.get()) != nullptr) return quick_cover(*body.geometry);
+  GeometryCover cover = box_cells_cover(body.bounds.box_center, body.bounds.box_half);
+  cover.bound = {body.bounds.center, body.bounds.radius};
+  return cover;
+}
+
+/// A geometry of a batch body.
+struct Piece {
+  std::size_t body{};  // of the batch
+  const Body* of{};
+  const MovingBody* moving{};                  // null: it is fixed
+  Eigen::Isometry3d pose;                      // of one that is fixed, or where a link holds an object
+  std::shared_ptr<const GeometryCover> cover;  // of a link
+};
+
+/// Makes the robot of a batch from its pieces.
+class RobotBuilder {
  public:
-  Builder(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of)
-      : bodies_(bodies), group_(group), cover_of_(cover_of), data_(group.make_data()) {
+  RobotBuilder(const RobotGroup& group, const std::vector<Piece>& pieces)
+      : group_(group), pieces_(pieces), data_(group.make_data()) {
     group.forward(data_, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size())));
   }
 
-  BatchScene build() {
-    scene_.world.dof = group_.joints().size();
+  BatchRobot build() {
+    robot_.dof = group_.joints().size();
     add_actuated_joints();
-    for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
-    for (BatchBody& body : scene_.world.bodies) finish(body);
-    for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
-    add_pairs();
-    return std::move(scene_);
+    for (const Piece& piece : pieces_) add(piece);
+    for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {
+      robot_.bodies[i].bound = around(bounds_[i]);
+      if (robot_.bodies[i].exact) robot_.bodies[i].inner.clear();
+    }
+    return std::move(robot_);
   }
 
  private:
@@ -75,29 +95,30 @@ class Builder {
         const Joint& joint = group_.joints()[from.joint];
         actuated.max_travel = std::abs(from.ratio) * (std::max(std::abs(joint.lower), std::abs(joint.upper)) + 1.0);
       }
-      scene_.world.actuated_joints.push_back(actuated);
+      robot_.actuated_joints.push_back(actuated);
     }
   }
 
-  void add_cover(BatchBody& body, const Body& from, const Eigen::Isometry3d& pose) {
-    if (from.kind == BodyKind::link)
-      add_spheres(body, *cover_of_(*from.geometry), pose);
-    else
-      add_spheres(body, cover_of_attached(from), pose);
-  }
-
-  /// A cover of an attached object must be quick to make: unless it is a sphere, the cells of its bounding box are
-  /// covered.
-  static GeometryCover cover_of_attached(const Body& from) {
-    if (dynamic_cast<const coal::Sphere*>(from.geometry.get()) != nullptr) return quick_cover(*from.geometry);
-    GeometryCover cover = box_cells_cover(from.bounds.box_center, from.bounds.box_half);
-    cover.bound = {from.bounds.center, from.bounds.radius};
-    return cover;
+  void add(const Piece& piece) {
+    if (piece.body == robot_.bodies.size()) {
+      robot_.bodies.emplace_back();
+      bounds_.emplace_back();
+      if (piece.moving) {
+        robot_.bodies.back().actuated_joint = deepest_actuated_joint(piece.of->support);
+        robot_.bodies.back().padding = piece.of->padding;
+      }
+    }
+    Eigen::Isometry3d pose = piece.pose;
+    if (piece.moving)
+      pose = frames_[static_cast<std::size_t>(deepest_actuated_joint(piece.of->support))].inverse() *
+             pose_of(*piece.moving, group_, data_);
+    add_spheres(piece.body, piece.cover ? *piece.cover : cover_of_attached(*piece.of), pose);
   }
 
   /// Adds a geometry's spheres to a body. Those of a cover grow a little, so that what they prove free is farther from
   /// contact than SceneWorkspace's reserve; then no result depends on which cover of the geometry this is.
-  void add_spheres(BatchBody& body, const GeometryCover& cover, const Eigen::Isometry3d& pose) {
+  void add_spheres(std::size_t number, const GeometryCover& cover, const Eigen::Isometry3d& pose) {
+    BatchBody& body = robot_.bodies[number];
     const auto first_fine = static_cast<std::uint32_t>(body.fine.size());
     const double reserve = cover.exact ? 0.0 : PairTable::reserve;
     const auto add = [&](std::vector<PlacedSphere>& to, const std::vector<PlacedSphere>& spheres, double growth) {
@@ -115,30 +136,72 @@ class Builder {
       for (std::uint32_t& child : body.children.back()) child += first_fine;
     }
     if (!body.children.empty()) body.children.resize(body.coarse.size());
-    bounds_of(body).push_back({pose * cover.bound.center, cover.bound.radius + reserve});
+    bounds_[number].push_back({pose * cover.bound.center, cover.bound.radius + reserve});
   }
 
-  std::vector<PlacedSphere>& bounds_of(const BatchBody& body) {
-    bounds_.resize(scene_.world.bodies.size());
-    return bounds_[static_cast<std::size_t>(&body - scene_.world.bodies.data())];
+  const RobotGroup& group_;
+  const std::vector<Piece>& pieces_;
+  RobotGroup::Data data_;
+  BatchRobot robot_;
+  std::vector<Eigen::Isometry3d> frames_;          // of actuated joints, at q = 0
+  std::vector<std::vector<PlacedSphere>> bounds_;  // of each body's geometries
+};
+
+class Builder {
+ public:
+  Builder(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of)
+      : bodies_(bodies), group_(group), cover_of_(cover_of) {}
+
+  BatchScene build(BatchRobotStore& known) {
+    for (const MovingBody& body : bodies_.moving) body_of_moving_.push_back(add_moving(body));
+    moving_ = geometries_.size();
+    fixed_.reserve(bodies_.fixed.size());
+    scene_.pairs.obstacles.reserve(bodies_.fixed.size());
+    for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
+    scene_.robot = known.get(key(), [&] { return RobotBuilder(group_, pieces_).build(); });
+    add_pairs();
+    return std::move(scene_);
   }
 
-  void finish(BatchBody& body) {
-    body.bound = around(bounds_of(body));
-    if (body.exact) body.inner.clear();
+ private:
+  void add_piece(Piece piece) {
+    if (piece.of->kind == BodyKind::link) piece.cover = cover_of_(*piece.of->geometry);
+    if (piece.body == geometries_.size()) geometries_.push_back(0);
+    ++geometries_[piece.body];
+    pieces_.push_back(std::move(piece));
   }
 
   int add_moving(const MovingBody& body) {
-    const int actuated = deepest_actuated_joint(body.support);
-    const auto key = std::pair(body.name_id, body.attached());
-    const auto [place, added] = links_.try_emplace(key, static_cast<int>(scene_.world.bodies.size()));
-    if (added) {
-      scene_.world.bodies.emplace_back();
-      scene_.world.bodies.back().actuated_joint = actuated;
-      scene_.world.bodies.back().padding = body.padding;
-    }
-    add_cover(scene_.world.bodies[place->second], body, frames_[actuated].inverse() * pose_of(body, group_, data_));
+    const auto [place, added] =
+        links_.try_emplace(std::pair(body.name_id, body.attached()), static_cast<int>(geometries_.size()));
+    const auto number = static_cast<std::size_t>(place->second);
+    add_piece({number, &body, &body, body.attached() ? body.in_link : Eigen::Isometry3d::Identity(), nullptr});
     return place->second;
+  }
+
+  /// Models, where they stand and where joints stand that are not planned; then the pieces.
+  BatchRobotStore::Key key() const {
+    BatchRobotStore::Key key;
+    const auto add = [&](const auto& matrix) {
+      key.numbers.insert(key.numbers.end(), matrix.data(), matrix.data() + matrix.size());
+    };
+    key.numbers.push_back(static_cast<double>(group_.size()));
+    const Pose to_base = group_.instance(0).base.inverse();
+    for (std::size_t i = 0; i < group_.size(); ++i) {
+      const RobotInstance& instance = group_.instance(i);
+      key.parts.push_back(instance.model);
+      if (i > 0) add((to_base * instance.base).isometry().matrix());
+      add(instance.other_positions);
+    }
+    for (const Piece& piece : pieces_) {
+      key.parts.push_back(piece.of->geometry);
+      key.parts.push_back(piece.cover);
+      for (const double number : {static_cast<double>(piece.body), static_cast<double>(piece.of->source),
+                                  static_cast<double>(piece.of->robot), piece.moving ? piece.of->padding : -1.0})
+        key.numbers.push_back(number);
+      add(piece.pose.matrix());
+    }
+    return key;
   }
 
   BatchObstacle as_obstacle(const FixedBody& body) const {
@@ -178,33 +241,32 @@ class Builder {
     if (body.kind != BodyKind::link) return true;
     if (body.robot >= 0 && (body.padding != 0.0 || bodies_.clearance() != 0.0)) return false;
     if (!body.field || cover_of_(*body.geometry)->fine.size() < many_spheres) return false;
-    std::vector<int> geometries(scene_.world.bodies.size()), pairs(geometries.size());
-    for (std::size_t i = 0; i < bodies_.moving.size(); ++i) {
-      const auto link = static_cast<std::size_t>(body_of_moving_[i]);
-      ++geometries[link];
-      if (bodies_.fixed_pair[i * bodies_.fixed.size() + fixed] >= 0) ++pairs[link];
-    }
+    std::vector<int> pairs(moving_);
+    for (std::size_t i = 0; i < bodies_.moving.size(); ++i)
+      if (bodies_.fixed_pair[i * bodies_.fixed.size() + fixed] >= 0)
+        ++pairs[static_cast<std::size_t>(body_of_moving_[i])];
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (pairs[i] != 0 && pairs[i] != geometries[i]) return false;
+      if (pairs[i] != 0 && pairs[i] != geometries_[i]) return false;
     return true;
   }
 
   void add_fixed(std::size_t fixed) {
     const FixedBody& from = bodies_.fixed[fixed];
     if (is_obstacle(fixed)) {
-      fixed_.push_back({true, static_cast<int>(scene_.world.obstacles.size())});
-      scene_.world.obstacles.push_back(as_obstacle(from));
+      fixed_.push_back({true, static_cast<int>(scene_.pairs.obstacles.size())});
+      scene_.pairs.obstacles.push_back(as_obstacle(from));
       return;
     }
-    fixed_.push_back({false, static_cast<int>(scene_.world.bodies.size())});
-    scene_.world.bodies.emplace_back();
-    add_cover(scene_.world.bodies.back(), from, from.pose);
-    finish(scene_.world.bodies.back());
+    fixed_.push_back({false, static_cast<int>(geometries_.size())});
+    add_piece({geometries_.size(), &from, nullptr, from.pose, nullptr});
   }
 
   void add_pairs() {
-    const std::size_t bodies = scene_.world.bodies.size(), obstacles = scene_.world.obstacles.size();
+    const std::size_t bodies = geometries_.size(), obstacles = scene_.pairs.obstacles.size();
     std::vector<std::uint32_t> obstacle_places, self_places, by_obstacles, by_bodies;
+    obstacle_places.reserve(bodies_.pairs.size());
+    by_obstacles.reserve(bodies_.pairs.size());
+    scene_.pairs.obstacle_pairs.reserve(bodies_.pairs.size());
     for (std::uint32_t id = 0; id < bodies_.pairs.size(); ++id) {
       const Pair& pair = bodies_.pairs[id];
       const auto a = static_cast<std::size_t>(body_of_moving_[pair.a]);
@@ -216,7 +278,7 @@ class Builder {
       (is_obstacle ? by_obstacles : by_bodies).push_back(id);
     }
     scene_.obstacle_pairs = lists_of(by_obstacles, obstacle_places, bodies * obstacles, [&](std::size_t place) {
-      scene_.world.obstacle_pairs.emplace_back(place / obstacles, place % obstacles);
+      scene_.pairs.obstacle_pairs.emplace_back(place / obstacles, place % obstacles);
     });
     std::vector<std::size_t> places;
     scene_.self_pairs =
@@ -225,9 +287,10 @@ class Builder {
       const auto a = places[i] / bodies, b = places[i] % bodies;
       const std::span<const std::uint32_t> pairs = scene_.self_pairs[i];
       // Where some geometries of the two may touch, a hit proves nothing.
-      const bool all = pairs.size() == bounds_[a].size() * bounds_[b].size();
+      const bool all =
+          pairs.size() == static_cast<std::size_t>(geometries_[a]) * static_cast<std::size_t>(geometries_[b]);
       const double padding = bodies_.pairs[pairs.front()].padding + NarrowPhase::contact_distance;
-      scene_.world.self_pairs.push_back({static_cast<int>(a), static_cast<int>(b), padding, all});
+      scene_.pairs.self_pairs.push_back({static_cast<int>(a), static_cast<int>(b), padding, all});
     }
   }
 
@@ -253,19 +316,20 @@ class Builder {
   const Bodies& bodies_;
   const RobotGroup& group_;
   const CoverOf& cover_of_;
-  RobotGroup::Data data_;
   BatchScene scene_;
-  std::vector<Eigen::Isometry3d> frames_;  // of actuated joints, at q = 0
+  std::vector<Piece> pieces_;
+  std::vector<int> geometries_;  // of each body of the batch
+  std::size_t moving_{};         // so many of these move, the first ones
   std::vector<int> body_of_moving_;
   std::vector<std::pair<bool, int>> fixed_;            // of Bodies::fixed: (obstacle?, index)
   std::map<std::pair<std::size_t, bool>, int> links_;  // by name_id
-  std::vector<std::vector<PlacedSphere>> bounds_;      // of each body's geometries
 };
 
 }  // namespace
 
-BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of) {
-  return Builder(bodies, group, cover_of).build();
+BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of,
+                            BatchRobotStore& known) {
+  return Builder(bodies, group, cover_of).build(known);
 }
 
 }  // namespace srmp::detail

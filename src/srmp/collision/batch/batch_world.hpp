@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "srmp/collision/batch/batch_checker.hpp"
+#include "srmp/collision/batch/batch_robot.hpp"
 #include "srmp/cover/geometry_cover.hpp"
 #include "srmp/robot/robot_model.hpp"
 
@@ -31,14 +31,16 @@ struct NumberLists {
 
 /// The world of a BatchChecker that checks before Coal does, and the pairs of Bodies that its pairs stand for.
 struct BatchScene {
-  BatchWorld world;
-  /// By index of BatchWorld::obstacle_pairs and self_pairs: the pairs of Bodies that each stands for, increasing.
+  std::shared_ptr<const BatchRobotModel> robot;
+  BatchPairs pairs;
+  /// By index of BatchPairs::obstacle_pairs and self_pairs: the pairs of Bodies that each stands for, increasing.
   NumberLists obstacle_pairs, self_pairs;
 };
 
 /// The geometries of one link become one body; so do links that do not move, fixed to the base, and attached objects.
 /// Objects that are boxes, spheres, cylinders or capsules become obstacles as they are; others are represented by their
-/// distance fields.
-BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of);
+/// distance fields. Robots are looked up in `known` and kept there.
+BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of,
+                            BatchRobotStore& known);
 
 }  // namespace srmp::detail
