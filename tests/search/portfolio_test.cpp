@@ -25,6 +25,8 @@ struct Options {
   double weight{1.5};
   std::uint64_t slice{2};
   std::uint64_t max_expansions{unlimited};
+  double more_expansions{0.0};
+  std::uint64_t most_more{unlimited};
 };
 
 PortfolioResult run(const std::vector<Problem*>& members, const Options& options = {}) {
@@ -33,7 +35,10 @@ PortfolioResult run(const std::vector<Problem*>& members, const Options& options
     return std::make_unique<AlternatingSearch<TestGraph, Problem>>(problem.graph, problem.starts, problem,
                                                                    inadmissible_heuristics(problem), options.weight);
   };
-  return portfolio(members.size(), make, {.slice = options.slice, .max_expansions = options.max_expansions},
+  return portfolio(members.size(), make,
+                   {.slice = options.slice,
+                    .max_expansions = options.max_expansions,
+                    .more_expansions = {.fraction = options.more_expansions, .most = options.most_more}},
                    Deadline());
 }
 
@@ -63,11 +68,44 @@ BOOST_AUTO_TEST_CASE(a_portfolio_keeps_the_bound_of_its_winner_and_fails_only_wh
   BOOST_TEST(second > 20);
 }
 
+BOOST_AUTO_TEST_CASE(a_portfolio_that_goes_on_returns_the_cheapest_path) {
+  int cheaper = 0;
+  for (unsigned seed = 0; seed + 1 < random_problems; ++seed) {
+    BOOST_TEST_CONTEXT("seed " << seed) {
+      const auto of = [&](double more) {
+        Problem a = random_problem(seed), b = random_problem(seed + 1);
+        const PortfolioResult found = run({&a, &b}, {.more_expansions = more});
+        if (found.result.status == Status::solved) check_result(found.winner ? b : a, found.result, 1.5);
+        return found;
+      };
+      const PortfolioResult first = of(0.0), more = of(0.5), all = of(1e9);
+      BOOST_TEST((more.result.status == first.result.status));
+      BOOST_TEST((all.result.status == first.result.status));
+      Problem a = random_problem(seed), b = random_problem(seed + 1);
+      const PortfolioResult two = run({&a, &b}, {.more_expansions = 1e9, .most_more = 2});
+      BOOST_TEST(two.result.statistics.expansions <= first.result.statistics.expansions + 4);  // the slice is 2
+      BOOST_TEST(more.result.statistics.expansions >= first.result.statistics.expansions);
+      if (first.result.status != Status::solved) continue;
+      BOOST_TEST(more.result.cost <= first.result.cost);
+      BOOST_TEST(all.result.cost <= more.result.cost);
+      cheaper += all.result.cost < first.result.cost;
+      for (const unsigned which : {0u, 1u}) {
+        Problem alone = random_problem(seed + which);
+        const Result own = run({&alone}).result;
+        if (own.status == Status::solved) BOOST_TEST(all.result.cost <= own.cost);
+      }
+    }
+  }
+  BOOST_TEST(cheaper > 20);
+}
+
 BOOST_AUTO_TEST_CASE(a_portfolio_refuses_invalid_options) {
   Problem problem = random_problem(0);
   check_throws<InvalidArgument>([&] { run({}); }, "at least one search");
   check_throws<InvalidArgument>([&] { run({&problem}, {0.5}); }, "weight");
   check_throws<InvalidArgument>([&] { run({&problem}, {2.0, 0}); }, "at least one expansion");
+  for (const double bad : {-0.1, std::numeric_limits<double>::quiet_NaN()})
+    check_throws<InvalidArgument>([&] { run({&problem}, {.more_expansions = bad}); }, "more_expansions.fraction is");
 }
 
 BOOST_AUTO_TEST_CASE(a_portfolio_says_which_graphs_hold_no_path) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/lengths.hpp"
 
 namespace srmp::search {
 
@@ -15,6 +16,9 @@ Portfolio::Portfolio(std::size_t count, Make make, const PortfolioOptions& optio
   if (options_.slices.size() != count)
     throw InvalidArgument("a portfolio has " + std::to_string(options_.slices.size()) + " slices for " +
                           std::to_string(count) + " searches");
+  if (!(options_.more_expansions.fraction >= 0.0))
+    throw InvalidArgument("a portfolio's more_expansions.fraction is " + to_text(options_.more_expansions.fraction) +
+                          ", it must be at least 0");
   if (std::count(options_.slices.begin(), options_.slices.end(), 0) > 0)
     throw InvalidArgument("a portfolio's slice must be at least one expansion");
 }
@@ -29,18 +33,31 @@ std::optional<PortfolioResult> Portfolio::round(const Deadline& deadline) {
       gave_up = true;
       continue;
     }
-    if (const auto stop = search.improve(deadline, options_.slices[i])) return result(cheapest(i), stop);
-    if (options_.first_only && search.finished() && search.solved()) return result(i, std::nullopt);
+    if (const auto stop = search.improve(deadline, options_.slices[i]))
+      return result(cheapest(first_.value_or(i)), stop);
+    if (options_.first_only && !first_ && search.finished() && search.solved()) {
+      first_ = i;
+      enough_ = enough_expansions();
+    }
+    if (first_ && statistics().expansions >= enough_) return result(cheapest(*first_), std::nullopt);
     working = true;
   }
   if (working) return std::nullopt;
-  return result(cheapest(0), gave_up ? std::optional(Status::timed_out) : std::nullopt);
+  return result(cheapest(first_.value_or(0)), gave_up ? std::optional(Status::timed_out) : std::nullopt);
 }
 
-/// Member `winner`, or one whose path costs less.
+std::uint64_t Portfolio::enough_expansions() const {
+  const std::uint64_t made = statistics().expansions;
+  const double more = std::min(options_.more_expansions.fraction * static_cast<double>(made), 1e18);
+  return made + std::min(options_.more_expansions.most, static_cast<std::uint64_t>(more));
+}
+
+/// Member `winner`, or one whose path costs less; once one has finished, of those that have: their bounds are proved.
 std::size_t Portfolio::cheapest(std::size_t winner) const {
-  for (std::size_t i = 0; i < searches_.size(); ++i)
-    if (searches_[i] && searches_[i]->cost() < searches_[winner]->cost()) winner = i;
+  for (std::size_t i = 0; i < searches_.size(); ++i) {
+    const bool counts = searches_[i] && (!first_ || searches_[i]->finished());
+    if (counts && searches_[i]->cost() < searches_[winner]->cost()) winner = i;
+  }
   return winner;
 }
 

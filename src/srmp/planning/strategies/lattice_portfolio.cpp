@@ -29,10 +29,11 @@ LatticePortfolio::LatticePortfolio(LatticeFamily& family, const LatticePortfolio
     : family_(family),
       options_(options),
       members_(members_of(options)),
-      searches_(
-          members_.size(), [this](std::size_t i) { return begin(members_[i]); },
-          {.slices = slices_of(members_), .max_expansions = options.max_expansions, .first_only = options.first_only}) {
-}
+      searches_(members_.size(), [this](std::size_t i) { return begin(members_[i]); },
+                {.slices = slices_of(members_),
+                 .max_expansions = options.max_expansions,
+                 .first_only = options.first_only,
+                 .more_expansions = options.more_expansions}) {}
 
 Attempt LatticePortfolio::attempt(const AttemptBudget&, const Deadline& deadline) {
   const auto found = searches_.round(deadline);

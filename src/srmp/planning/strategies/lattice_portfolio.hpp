@@ -62,10 +62,11 @@ struct LatticePortfolioOptions {
   /// Joint-space length: only states that may lie on a path shorter than this are searched.
   double max_length{std::numeric_limits<double>::infinity()};
   std::uint64_t max_expansions{std::numeric_limits<std::uint64_t>::max()};  ///< of one search
-  std::vector<std::uint64_t> slices{8, 8};  ///< expansions of one search in a round, by end
-  bool first_only{true};                    ///< search::PortfolioOptions::first_only
-  std::size_t variants{1};                  ///< searches for each lattice
-  MakeLatticeSearch search{};               ///< empty: search::AlternatingSearch
+  std::vector<std::uint64_t> slices{8, 8};   ///< expansions of one search in a round, by end
+  bool first_only{true};                     ///< search::PortfolioOptions::first_only
+  search::MoreExpansions more_expansions{};  ///< with first_only
+  std::size_t variants{1};                   ///< searches for each lattice
+  MakeLatticeSearch search{};                ///< empty: search::AlternatingSearch
 };
 
 /// Lattices at several resolutions, from the start and from the goals, searched side by side a few expansions at a

@@ -40,7 +40,9 @@ class OtherLattices : public LatticeFamily {
   MakeLattice make_;
 };
 
-}  // namespace
+/// Once there is a path, so many more expansions are made: what is found first depends on small things, the cheapest of
+/// some paths does not.
+constexpr search::MoreExpansions more_expansions{.fraction = 0.5, .most = 1000};
 
 bool searches_several_lattices(const PlannerOptions& options) {
   return std::visit(
@@ -50,6 +52,8 @@ bool searches_several_lattices(const PlannerOptions& options) {
       },
       options);
 }
+
+}  // namespace
 
 LatticeSearch::LatticeSearch(RobotContext& context, const RobotEndpoints& endpoints, RobotLattices& lattices,
                              BestPath& best, double direct)
@@ -102,6 +106,7 @@ LatticePortfolioOptions LatticeSearch::portfolio_options() {
   options.first_only = !anytime();
   options.search = [this](LatticeMember& member) { return make_search(member); };
   if (several_) {
+    options.more_expansions = more_expansions;
     if (!std::holds_alternative<MHAStar>(context_.options)) options.variants = lattices_.heuristics().metrics();
     prefer_narrow_end(options);
     return options;

@@ -99,8 +99,7 @@ class PathSearch {
     strategies.push_back(std::make_unique<LatticeSearch>(context_, endpoints_, lattices_, best_, direct_));
     FoundPath found = attempt_in_rounds(strategies, 0.0, 1.0, context_.deadline);
     if (!best_.empty()) return;  // an anytime planner has handed in its paths
-    const bool soon = searches_several_lattices(context_.options);
-    best_.take(std::move(found), context_.deadline, soon ? quick_shortcut : ShortcutOptions());
+    best_.take(std::move(found), context_.deadline);
   }
 
   /// Options that ask for a certain search get lattices alone.
