@@ -396,8 +396,8 @@ class PlannerInterface {
                              const std::map<std::string, GoalConstraint>& goals,
                              const std::map<std::string, Trajectory>& obstacles = {}, const Interrupt& interrupt = {});
   /// The same, with path constraints of each robot. Throws as it, and InvalidArgument as plan for constraints, for
-  /// those of a robot without a start, and for a frame of a robot that moves or of what it holds; NotSupported for
-  /// constraints with obstacles. A start that breaks a constraint is `start_invalid`, a goal `goal_invalid`.
+  /// those of a robot without a start, and for a frame of a robot that moves or of what it holds. A start that breaks a
+  /// constraint is `start_invalid`, a goal `goal_invalid`.
   MultiTrajectory plan_multi(const MultiPlanRequest& request, const Interrupt& interrupt = {});
   /// Statistics of the last plan, solved or not; status `exhausted` with zeros before the first.
   const PlanStatistics& get_planning_stats() const;

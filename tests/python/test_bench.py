@@ -102,3 +102,16 @@ def test_covers_are_built_once_and_loaded(tmp_path):
     assert row["built_s"] > row["loaded_s"] > 0
     assert 1 <= row["coarse"]["spheres"] <= 160
     assert f"| cube | {row['coarse']['spheres']} (" in covers.table({"rows": [{"robot": "cube", **row}]})
+
+
+def test_the_slowest_check_of_each_kind_of_robots(monkeypatch):
+    monkeypatch.syspath_prepend(str(MICRO))  # it uses checks.py
+    slowest = load("slowest_check")
+    rows = [
+        {"robot": "panda, meshes", "scenario": "box", "checks": 1200, "seconds": 1e-4},
+        {"robot": "panda, meshes", "scenario": "cage", "checks": 800, "seconds": 4.59e-3},
+        {"robot": "several", "scenario": "ring", "checks": 5, "seconds": 1e-3},
+    ]
+    _, _, panda, several = slowest.table({"rows": rows}).splitlines()
+    assert panda.split() == ["panda,", "meshes", "2", "2,000", "4.59", "ms", "cage"]
+    assert several.split() == ["several", "1", "5", "1.00", "ms", "ring"]

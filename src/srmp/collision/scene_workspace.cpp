@@ -20,6 +20,9 @@ constexpr double rough_distance = 0.3;
 constexpr int max_parts = 16;
 constexpr int samples_per_deadline_check = 32;
 
+/// A level of more intervals than this is not resolved as one.
+constexpr std::size_t many_intervals = 32;
+
 /// What proves a part of a motion free while spheres, tables or an arbitrary subdivision may have chosen the part: the
 /// pair must stay farther apart than this [m]. The whole motion, subdivided down to Checker::motion_floor, is then
 /// proved free as well, so the result does not depend on which spheres and tables there are.
@@ -297,15 +300,15 @@ double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, 
   return separation.gap - approach(pair, half_width, &direction) - pair.padding - NarrowPhase::tolerance;
 }
 
-/// Checks the pair over an interval around here. `parts`: into how many the interval is to be subdivided when the
-/// result is undecided; 0: into none, because the interval is below motion_floor. There, what is not proved free counts
-/// as colliding if the intervals are those of the whole motion.
-CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, int& parts) {
+/// Checks the pair over an interval around here. Below motion_floor, what is not proved free counts as colliding if the
+/// intervals are those of the whole motion.
+CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, Undecided& undecided) {
   const double motion = approach(pair, half_width);
   const double margin = pair.padding + motion + NarrowPhase::tolerance + reserve_;
   const double bound = distance_bound(pair);
   const bool at_floor = motion < Checker::motion_floor;
-  parts = at_floor ? 0 : 2;
+  undecided = {at_floor ? 0 : 2, bound};
+  int& parts = undecided.parts;
   if (bound > margin) return CollisionStatus::free;
   const CollisionStatus unproved =
       at_floor && reserve_ == 0.0 ? CollisionStatus::colliding : CollisionStatus::undecided;
@@ -314,6 +317,7 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
     return in_contact(pair) ? CollisionStatus::colliding : unproved;
   }
   const auto subdivide_for = [&](double distance) {
+    undecided.distance = distance;
     while (parts > 0 && parts < max_parts && motion > parts * (distance - pair.padding)) parts *= 2;
     return unproved;
   };
@@ -330,7 +334,7 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
   if (found == infinity) return CollisionStatus::free;
   if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
     return CollisionStatus::colliding;
-  if (pair.solid && found - pair.padding <= reserve_) {  // no part of the motion around here can be proved with it
+  if (found - pair.padding <= reserve_) {  // no part of the motion around here can be proved with it
     parts = 0;
     return unproved;
   }
@@ -344,21 +348,22 @@ bool SceneWorkspace::process(std::uint32_t pair, double t, double half_width) {
   if (is_still(bodies_.pairs[pair])) return start_is_free_ || !in_contact(bodies_.pairs[pair]);
   if (reserve_ > 0.0 && std::find(close_.begin(), close_.end(), pair) != close_.end()) return true;  // decided later
   if (reserve_ > 0.0 && table_proves(bodies_.pairs[pair], t - half_width, t + half_width)) return true;
-  int parts;
-  const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, parts);
+  Undecided undecided;
+  const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, undecided);
   if (status == CollisionStatus::undecided) {
-    if (parts > 0)
-      subdivide(t, half_width, pair, parts);
+    if (undecided.parts > 0)
+      subdivide({t, half_width, pair, undecided.distance}, undecided.parts, next_);
     else
       close_.push_back(pair);
   }
   return status != CollisionStatus::colliding;
 }
 
-/// Leaves the parts of the interval for the next level.
-void SceneWorkspace::subdivide(double t, double half_width, std::uint32_t pair, int parts) {
-  const double part = half_width / parts;
-  for (int i = 0; i < parts; ++i) next_.push_back({t - half_width + (2 * i + 1) * part, part, pair});
+/// Adds the parts of the interval, each with its distance.
+void SceneWorkspace::subdivide(const Interval& whole, int parts, std::vector<Interval>& out) {
+  const double part = whole.half_width / parts;
+  for (int i = 0; i < parts; ++i)
+    out.push_back({whole.t - whole.half_width + (2 * i + 1) * part, part, whole.pair, whole.distance});
 }
 
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
@@ -391,15 +396,13 @@ bool SceneWorkspace::resolve_open() { return resolve_intervals() && resolve_clos
 /// Resolves the open intervals in order of t. Those of pairs still undecided are subdivided, level by level, so that
 /// the samples of a level are placed once for all pairs and a contact is found early.
 bool SceneWorkspace::resolve_intervals() {
-  int samples = 0;
   while (!open_.empty()) {
+    if (open_.size() > many_intervals) return resolve_nearest_first();
     next_.clear();
     sort_open();
     for (std::size_t i = 0; i < open_.size();) {
       const double t = open_[i].t;
-      place_on_motion(t);
-      interruption_point();
-      if (deadline && ++samples % samples_per_deadline_check == 0 && deadline->expired()) throw MotionCheckStopped();
+      place_sample(t);
       for (; i < open_.size() && open_[i].t == t; ++i)
         if (!process(open_[i].pair, t, open_[i].half_width)) return false;
     }
@@ -408,15 +411,41 @@ bool SceneWorkspace::resolve_intervals() {
   return true;
 }
 
+/// Where two bodies pass each other within micrometres, a motion takes hundreds of intervals to prove, but few to
+/// refute, or to see that the two come too close for these intervals, if those where they are nearest come first.
+bool SceneWorkspace::resolve_nearest_first() {
+  const auto later = [](const Interval& a, const Interval& b) {
+    return std::tie(a.distance, a.t, a.half_width, a.pair) > std::tie(b.distance, b.t, b.half_width, b.pair);
+  };
+  std::make_heap(open_.begin(), open_.end(), later);
+  while (!open_.empty()) {
+    std::pop_heap(open_.begin(), open_.end(), later);
+    const Interval interval = open_.back();
+    open_.pop_back();
+    place_sample(interval.t);
+    next_.clear();
+    if (!process(interval.pair, interval.t, interval.half_width)) return false;
+    for (const Interval& part : next_) {
+      open_.push_back(part);
+      std::push_heap(open_.begin(), open_.end(), later);
+    }
+  }
+  return true;
+}
+
+void SceneWorkspace::place_sample(double t) {
+  place_on_motion(t);
+  interruption_point();
+  if (deadline && ++samples_ % samples_per_deadline_check == 0 && deadline->expired()) throw MotionCheckStopped();
+}
+
 /// Decides pairs that come within proof_reserve of contact: by Coal alone, from the whole motion downwards.
 bool SceneWorkspace::resolve_close() {
   reserve_ = 0.0;
-  bool free = true;
-  for (std::size_t i = 0; free && i < close_.size(); ++i) {
-    open_.assign(1, {0.5, 0.5, close_[i]});
-    free = resolve_intervals();
-  }
-  return free;
+  return std::all_of(close_.begin(), close_.end(), [&](std::uint32_t pair) {
+    open_.assign(1, {0.5, 0.5, pair, 0.0});
+    return resolve_nearest_first();
+  });
 }
 
 /// Checks the motion with the spheres; the pairs that they leave undecided go to open_.
@@ -433,7 +462,7 @@ CollisionStatus SceneWorkspace::check_with_spheres() {
       if (table_proves(bodies_.pairs[pair], u.t - u.half, u.t + u.half)) continue;
       auto& [low, high] = span_of_[pair];
       if (high < low) {
-        open_.push_back({0.0, 0.0, pair});
+        open_.push_back({0.0, 0.0, pair, 0.0});
         low = u.t - u.half;
       }
       high = u.t + u.half;

@@ -83,6 +83,11 @@ class SceneWorkspace final : public Checker::Workspace {
   struct Interval {
     double t, half_width;
     std::uint32_t pair;
+    double distance;  // about that of the pair there
+  };
+  struct Undecided {
+    int parts{};        // into which an interval is to be subdivided; 0: into none
+    double distance{};  // about that of the pair
   };
 
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
@@ -96,15 +101,17 @@ class SceneWorkspace final : public Checker::Workspace {
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 
   bool table_proves(const Pair& pair, double from, double to);
-  CollisionStatus check_pair(const Pair& pair, double half_width, int& parts);
+  CollisionStatus check_pair(const Pair& pair, double half_width, Undecided& undecided);
   bool process(std::uint32_t pair, double t, double half_width);
-  void subdivide(double t, double half_width, std::uint32_t pair, int parts);
+  static void subdivide(const Interval& whole, int parts, std::vector<Interval>& out);
   bool process_whole_motion();
   bool process_whole_motion_of(std::size_t body);
   void sort_open();
   bool resolve_open();
   bool resolve_intervals();
   bool resolve_close();
+  bool resolve_nearest_first();
+  void place_sample(double t);
   bool resolve_with_coal();
   CollisionStatus check_with_spheres();
   bool prove_with_spheres();
@@ -129,6 +136,7 @@ class SceneWorkspace final : public Checker::Workspace {
   double reserve_{};                  // farther than this must a pair stay apart to be proved free
   std::vector<std::uint32_t> close_;  // pairs that this motion's intervals proved neither free nor in contact
   std::vector<Interval> open_, next_;
+  int samples_{};                                   // placed, for looks at the deadline
   std::vector<std::pair<double, double>> span_of_;  // [pair] part of the motion that is open; empty between motions
 };
 
