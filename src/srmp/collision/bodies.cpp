@@ -273,8 +273,8 @@ void Bodies::add_pairs(const Scene& scene) {
       if (rules.count(of_moving[i], of_fixed[j])) add_pair(of_moving[i], i, of_fixed[j], true, j);
     for (std::size_t j = i + 1; j < moving.size(); ++j) {
       if (!rules.count(of_moving[i], of_moving[j])) continue;
-      const std::size_t a = of_moving[i].robot != 0 ? j : i,
-                        b = a == i ? j : i;  // the planned robot's body comes first
+      const bool swap = of_moving[i].robot != 0;  // the planned robot's body comes first
+      const std::size_t a = swap ? j : i, b = swap ? i : j;
       if (of_moving[a].support == of_moving[b].support)
         add_rigid_pair(false, a, false, b);
       else

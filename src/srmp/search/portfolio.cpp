@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "srmp/core/error.hpp"
-#include "srmp/core/lengths.hpp"
 
 namespace srmp::search {
 
