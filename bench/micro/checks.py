@@ -23,7 +23,7 @@ import statistics
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +52,33 @@ def build(program: str) -> Path:
         if done.returncode:
             sys.exit(f"{done.stdout}\n{command[1]} failed; it needs what pyproject.toml's dependency group build lists")
     return directory / "bench" / "micro" / program
+
+
+def label(robot: str, geometry: str) -> str:
+    return f"{robot}, {'spheres' if geometry == 'spheres' else 'meshes'}"
+
+
+def run_or_print(
+    parser: argparse.ArgumentParser,
+    run: Callable[[argparse.Namespace], dict[str, Any]],
+    table: Callable[[dict[str, Any]], str],
+) -> None:
+    """Adds --data, --out and --table; measures, or reads an earlier run's results, and prints the table of them."""
+    parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
+    parser.add_argument("--out", type=Path, help="result file (JSON)")
+    parser.add_argument(
+        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
+    )
+    options = parser.parse_args()
+    if options.table:
+        print(table(json.loads(options.table.read_text())))
+        return
+    if not options.data:
+        parser.error("--data is missing")
+    results = run(options)
+    if options.out:
+        write_json(options.out, results)
+    print(table(results))
 
 
 def rows_of(
@@ -157,7 +184,7 @@ def table(results: dict[str, Any]) -> str:
     for entry in results["summary"]:
         median, ratios = entry["median"], [rates["times_coal"] for rates in entry["scenarios"].values()]
         cells = [
-            f"{entry['robot']}, {'spheres' if entry['geometry'] == 'spheres' else 'meshes'}",
+            label(entry["robot"], entry["geometry"]),
             entry["backend"],
             *(
                 f"{median[key] / 1e6:.2f} M"
@@ -181,27 +208,13 @@ def table(results: dict[str, Any]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
-    )
     parser.add_argument("--problems", default="1-2", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument("--motions", type=int, default=300, help="in each scene (default: %(default)s)")
     parser.add_argument("--size", type=float, default=0.13, help="of the fastest joint [rad] (default: %(default)s)")
     parser.add_argument("--step", type=float, default=0.01, help="of plain Coal's samples [m] (default: %(default)s)")
     parser.add_argument("--repeats", type=int, default=3, help="the best counts (default: %(default)s)")
     parser.add_argument("--program", type=Path, help="bench_checks; default: built in build/bench")
-    options = parser.parse_args()
-    if options.table:
-        print(table(json.loads(options.table.read_text())))
-        return
-    if not options.data:
-        parser.error("--data is missing")
-    results = run(options)
-    if options.out:
-        write_json(options.out, results)
-    print(table(results))
+    run_or_print(parser, run, table)
 
 
 if __name__ == "__main__":

@@ -11,19 +11,19 @@ Needs PyYAML.
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
+from checks import run_or_print
 from tqdm import tqdm
 
 import srmp
-from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
 
@@ -171,13 +171,21 @@ def table(results: dict) -> str:
     return format_table(header, rows)
 
 
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    files = mbm.robot_files(arguments.data, arguments.robot, arguments.geometry)
+    srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])
+    with mbm.open_problems(files.directory, arguments.robot, numbers=mbm.parse_numbers(arguments.problems)) as problems:
+        rows = [
+            {"problem": problem.name, **measure(files, problem.scene, arguments)}
+            for problem in tqdm(problems, disable=None)
+        ]
+    keys = ("robot", "geometry", "problems", "points", "resolution", "motions", "size", "repeats")
+    header = mbm.header("point clouds", options={key: getattr(arguments, key) for key in keys})
+    return {"header": header, "rows": rows}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results and measure nothing"
-    )
     parser.add_argument("--robot", choices=list(mbm.GROUPS), default="panda")
     parser.add_argument("--geometry", choices=["urdf", "spheres"], default="urdf")
     parser.add_argument("--problems", default="1", help="numbers in each scenario (default: %(default)s)")
@@ -188,25 +196,7 @@ def main() -> None:
     parser.add_argument(
         "--repeats", type=int, default=3, help="runs, of which the best is reported (default: %(default)s)"
     )
-    arguments = parser.parse_args()
-    if arguments.table:
-        print(table(json.loads(arguments.table.read_text())))
-        return
-    if not arguments.data:
-        parser.error("--data is missing")
-    files = mbm.robot_files(arguments.data, arguments.robot, arguments.geometry)
-    srmp.cover(str(files.urdf), package_dirs=[str(files.directory)])
-    with mbm.open_problems(files.directory, arguments.robot, numbers=mbm.parse_numbers(arguments.problems)) as problems:
-        rows = [
-            {"problem": problem.name, **measure(files, problem.scene, arguments)}
-            for problem in tqdm(problems, disable=None)
-        ]
-    keys = ("robot", "geometry", "problems", "points", "resolution", "motions", "size", "repeats")
-    header = mbm.header("point clouds", options={key: getattr(arguments, key) for key in keys})
-    results = {"header": header, "rows": rows}
-    if arguments.out:
-        write_json(arguments.out, results)
-    print(table(results))
+    run_or_print(parser, run, table)
 
 
 if __name__ == "__main__":

@@ -13,16 +13,14 @@ independent ones in one thread, with operands in registers, at the rates measure
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import statistics
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from checks import BACKENDS, MODELS, build, rows_of
+from checks import BACKENDS, MODELS, build, label, rows_of, run_or_print
 
-from srmp._files import write_json
 from srmp.bench import mbm
 
 
@@ -60,8 +58,7 @@ def table(results: dict[str, Any]) -> str:
             kinds = [[row for row in own if row["moving"] == moving] for moving in (False, True)]
             if not all(kinds):
                 continue
-            name = f"{robot}, {'spheres' if geometry == 'spheres' else 'meshes'}"
-            lines.append(f"| {' | '.join([name, backend, *cells(kinds[0]), *cells(kinds[1])])} |")
+            lines.append(f"| {' | '.join([label(robot, geometry), backend, *cells(kinds[0]), *cells(kinds[1])])} |")
     header = results["header"]
     lines += ["", f"{header['cpu']}, problems {header['options']['problems']} of seven scenarios."]
     return "\n".join(lines)
@@ -69,26 +66,12 @@ def table(results: dict[str, Any]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=re.sub(r"\n.*", "", __doc__ or "", flags=re.S))
-    parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
-    )
     parser.add_argument("--problems", default="1", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument("--blocks", type=int, default=50, help="in each scene (default: %(default)s)")
     parser.add_argument("--size", type=float, default=0.13, help="of a motion [rad] (default: %(default)s)")
     parser.add_argument("--repeats", type=int, default=9, help="the best counts (default: %(default)s)")
     parser.add_argument("--program", type=Path, help="bench_roof; default: built in build/bench")
-    options = parser.parse_args()
-    if options.table:
-        print(table(json.loads(options.table.read_text())))
-        return
-    if not options.data:
-        parser.error("--data is missing")
-    results = run(options)
-    if options.out:
-        write_json(options.out, results)
-    print(table(results))
+    run_or_print(parser, run, table)
 
 
 if __name__ == "__main__":

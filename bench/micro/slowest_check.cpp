@@ -1,8 +1,8 @@
-// The slowest single motion check of saved problems: plans each again, with its planner, and times every check that
-// this makes. Prints JSON. bench/suites/slowest_check.py makes the problems and starts it.
-//   bench_slowest_check PROBLEM.srmp.json [PROBLEM.srmp.json ...]
-// CPU time of the thread. The slowest check of each problem is repeated; the best of six counts, so that what the
-// machine did meanwhile does not.
+// The slowest single motion check of a saved problem: plans it again, with its planner, and times every check that this
+// makes. Prints JSON. bench/micro/slowest_check.py makes the problems and starts it.
+//   bench_slowest_check PROBLEM.srmp.json
+// CPU time of the thread. The slowest check is repeated; the best of six counts, so that what the machine did meanwhile
+// does not.
 
 #include <algorithm>
 #include <cstdio>
@@ -117,7 +117,7 @@ void plan_again(PlannerInterface& planner) {
   }
 }
 
-void report(const std::string& file, bool last) {
+void report(const std::string& file) {
   Slowest slowest;
   PlannerInterface planner = PlannerInterface::load(file);
   planner.set_collision_backend([&](const Scene& scene, const std::string& robot, const CheckerOptions& options) {
@@ -125,21 +125,19 @@ void report(const std::string& file, bool last) {
   });
   planner.prepare();
   plan_again(planner);
-  std::printf("{\"checks\": %llu, \"seconds\": %.9f}%s\n", static_cast<unsigned long long>(slowest.checks()),
-              slowest.best_of(5), last ? "" : ",");
+  std::printf("{\"checks\": %llu, \"seconds\": %.9f}\n", static_cast<unsigned long long>(slowest.checks()),
+              slowest.best_of(5));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: bench_slowest_check PROBLEM.srmp.json [PROBLEM.srmp.json ...]\n");
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: bench_slowest_check PROBLEM.srmp.json\n");
     return 1;
   }
   try {
-    std::printf("[\n");
-    for (int i = 1; i < argc; ++i) report(argv[i], i + 1 == argc);
-    std::printf("]\n");
+    report(argv[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

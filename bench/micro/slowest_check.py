@@ -22,10 +22,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from checks import MODELS, build
+from checks import MODELS, build, label, run_or_print
 
 import srmp
-from srmp._files import write_json
 from srmp._table import format_table
 from srmp.bench import mbm
 from srmp.bench.scenarios import find
@@ -34,10 +33,10 @@ LIMIT = 10.0  # [s] of one plan
 TOGETHER = (("binpick", None), ("shelves", None), ("grid", 8), ("ring", 8))
 ALL_STATES = ("panda_two_rod", "panda_four")  # of --multi-data
 
-Saved = tuple[str, str, Path]  # robot, scenario, problem file
+Saved = tuple[str, str]  # robots and scenario of the problem that is in the file until the next one
 
 
-def alone(data: Path, problems: str, planners: Sequence[str], directory: Path) -> Iterator[Saved]:
+def alone(data: Path, problems: str, planners: Sequence[str], file: Path) -> Iterator[Saved]:
     for robot, geometry in MODELS:
         files = mbm.robot_files(str(data), robot, geometry)
         runner = mbm.Runner(files, "auto", {}, LIMIT)
@@ -47,12 +46,11 @@ def alone(data: Path, problems: str, planners: Sequence[str], directory: Path) -
                 planner.make_planner(robot, {"planner_id": planner_id, "time_limit": LIMIT})
                 with contextlib.suppress(srmp.PlanningError):
                     planner.plan(robot, own.start, own.goals)
-                name = f"{robot}, {'spheres' if geometry == 'spheres' else 'meshes'}"
-                scenario = problem.name.split("/")[0]
-                yield name, scenario, save(planner, directory)
+                planner.save(file)
+                yield label(robot, geometry), problem.name.split("/")[0]
 
 
-def together(data: Path, multi_data: Path | None, problems: str, directory: Path) -> Iterator[Saved]:
+def together(data: Path, multi_data: Path | None, problems: str, file: Path) -> Iterator[Saved]:
     scenarios = [(name, robots, data) for name, robots in TOGETHER]
     scenarios += [(f"{multi_data}/{name}.json", None, multi_data) for name in ALL_STATES if multi_data]
     for scenario, robots, own_data in scenarios:
@@ -65,31 +63,25 @@ def together(data: Path, multi_data: Path | None, problems: str, directory: Path
             goals = {name: srmp.GoalConstraint(srmp.GoalType.JOINTS, q) for name, q in problem.goals.items()}
             with contextlib.suppress(srmp.PlanningError):
                 planner.plan_multi(problem.starts, goals)
-            yield "several", Path(scenario).stem, save(planner, directory)
-
-
-def save(planner: srmp.PlannerInterface, directory: Path) -> Path:
-    path = directory / f"{len(list(directory.iterdir()))}.srmp.json"
-    planner.save(path)
-    return path
+            planner.save(file)
+            yield "several", Path(scenario).stem
 
 
 def measure(program: Path, file: Path) -> dict[str, Any]:
     done = subprocess.run([program, file], capture_output=True, text=True)
     if done.returncode:
         sys.exit(f"{program} failed: {done.stderr.strip()}")
-    (row,) = json.loads(done.stdout)
-    return row
+    return json.loads(done.stdout)
 
 
 def run(options: argparse.Namespace) -> dict[str, Any]:
     program = options.program or build("bench_slowest_check")
     rows = []
     with tempfile.TemporaryDirectory() as name:
-        directory = Path(name)
-        saved = alone(options.data, options.problems, options.planners or ["auto"], directory)
-        both = itertools.chain(saved, together(options.data, options.multi_data, options.problems, directory))
-        for robot, scenario, file in both:
+        file = Path(name) / "problem.srmp.json"
+        saved = alone(options.data, options.problems, options.planners or ["auto"], file)
+        both = itertools.chain(saved, together(options.data, options.multi_data, options.problems, file))
+        for robot, scenario in both:
             rows.append({"robot": robot, "scenario": scenario, **measure(program, file)})
     return {"header": mbm.header("slowest check", options={"problems": options.problems}), "rows": rows}
 
@@ -106,25 +98,11 @@ def table(result: dict[str, Any]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--data", type=Path, help="MotionBenchMaker's robots and problems")
     parser.add_argument("--multi-data", type=Path, help="directory of panda_two_rod.json and panda_four.json")
     parser.add_argument("--problems", default="1-10", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument("--planner", dest="planners", action="append", help="may be repeated; default: auto")
     parser.add_argument("--program", type=Path, help="bench_slowest_check, if it is built already")
-    parser.add_argument("--out", type=Path, help="result file (JSON)")
-    parser.add_argument(
-        "--table", type=Path, metavar="RESULTS", help="print the table of these results, measure nothing"
-    )
-    options = parser.parse_args()
-    if options.table:
-        print(table(json.loads(options.table.read_text())))
-        return
-    if not options.data:
-        parser.error("--data is needed: the directory of MotionBenchMaker's robots and problems")
-    result = run(options)
-    if options.out:
-        write_json(options.out, result)
-    print(table(result))
+    run_or_print(parser, run, table)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-// A checker of a scene that changed takes over what did not: it answers as one that knows nothing of the scene before,
-// with the same work.
+// A checker of a scene that changed takes over what did not: its results are those of one that knows nothing of the
+// scene before, with the same work.
 
 #include <boost/test/unit_test.hpp>
 
@@ -41,7 +41,7 @@ void change(Scene& scene, Dice& dice, const std::string& robot) {
   }
 }
 
-/// Both answer alike, after the same number of steps.
+/// Both have the same results, after the same number of steps.
 void compare(const Checker& a, const Checker& b, Dice& dice) {
   const auto in_a = a.make_workspace(), in_b = b.make_workspace();
   for (int i = 0; i < 20; ++i) {
@@ -70,7 +70,7 @@ BatchRobot one_sphere(double x) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_CASE(a_checker_of_a_changed_scene_answers_as_one_made_anew) {
+BOOST_AUTO_TEST_CASE(a_checker_of_a_changed_scene_has_the_results_of_one_made_anew) {
   const auto robot = arm7();
   for (unsigned seed = 0; seed < amount(10); ++seed) {
     Scene scene = crowd(robot, seed, seed % 10, hand_of(*robot));

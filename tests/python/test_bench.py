@@ -12,6 +12,11 @@ import pytest
 MICRO = Path(__file__).parents[2] / "bench" / "micro"
 
 
+@pytest.fixture(autouse=True)
+def programs_import_each_other(monkeypatch):
+    monkeypatch.syspath_prepend(str(MICRO))
+
+
 def load(name):
     spec = importlib.util.spec_from_file_location(f"bench_{name}", MICRO / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
@@ -104,8 +109,7 @@ def test_covers_are_built_once_and_loaded(tmp_path):
     assert f"| cube | {row['coarse']['spheres']} (" in covers.table({"rows": [{"robot": "cube", **row}]})
 
 
-def test_the_slowest_check_of_each_kind_of_robots(monkeypatch):
-    monkeypatch.syspath_prepend(str(MICRO))  # it uses checks.py
+def test_the_slowest_check_of_each_kind_of_robots():
     slowest = load("slowest_check")
     rows = [
         {"robot": "panda, meshes", "scenario": "box", "checks": 1200, "seconds": 1e-4},

@@ -25,8 +25,7 @@ struct Options {
   double weight{1.5};
   std::uint64_t slice{2};
   std::uint64_t max_expansions{unlimited};
-  double more_expansions{0.0};
-  std::uint64_t most_more{unlimited};
+  MoreExpansions more_expansions{};
 };
 
 PortfolioResult run(const std::vector<Problem*>& members, const Options& options = {}) {
@@ -35,11 +34,10 @@ PortfolioResult run(const std::vector<Problem*>& members, const Options& options
     return std::make_unique<AlternatingSearch<TestGraph, Problem>>(problem.graph, problem.starts, problem,
                                                                    inadmissible_heuristics(problem), options.weight);
   };
-  return portfolio(members.size(), make,
-                   {.slice = options.slice,
-                    .max_expansions = options.max_expansions,
-                    .more_expansions = {.fraction = options.more_expansions, .most = options.most_more}},
-                   Deadline());
+  return portfolio(
+      members.size(), make,
+      {.slice = options.slice, .max_expansions = options.max_expansions, .more_expansions = options.more_expansions},
+      Deadline());
 }
 
 }  // namespace
@@ -74,7 +72,7 @@ BOOST_AUTO_TEST_CASE(a_portfolio_that_goes_on_returns_the_cheapest_path) {
     BOOST_TEST_CONTEXT("seed " << seed) {
       const auto of = [&](double more) {
         Problem a = random_problem(seed), b = random_problem(seed + 1);
-        const PortfolioResult found = run({&a, &b}, {.more_expansions = more});
+        const PortfolioResult found = run({&a, &b}, {.more_expansions = {more}});
         if (found.result.status == Status::solved) check_result(found.winner ? b : a, found.result, 1.5);
         return found;
       };
@@ -82,7 +80,7 @@ BOOST_AUTO_TEST_CASE(a_portfolio_that_goes_on_returns_the_cheapest_path) {
       BOOST_TEST((more.result.status == first.result.status));
       BOOST_TEST((all.result.status == first.result.status));
       Problem a = random_problem(seed), b = random_problem(seed + 1);
-      const PortfolioResult two = run({&a, &b}, {.more_expansions = 1e9, .most_more = 2});
+      const PortfolioResult two = run({&a, &b}, {.more_expansions = {.fraction = 1e9, .most = 2}});
       BOOST_TEST(two.result.statistics.expansions <= first.result.statistics.expansions + 4);  // the slice is 2
       BOOST_TEST(more.result.statistics.expansions >= first.result.statistics.expansions);
       if (first.result.status != Status::solved) continue;
@@ -105,7 +103,7 @@ BOOST_AUTO_TEST_CASE(a_portfolio_refuses_invalid_options) {
   check_throws<InvalidArgument>([&] { run({&problem}, {0.5}); }, "weight");
   check_throws<InvalidArgument>([&] { run({&problem}, {2.0, 0}); }, "at least one expansion");
   for (const double bad : {-0.1, std::numeric_limits<double>::quiet_NaN()})
-    check_throws<InvalidArgument>([&] { run({&problem}, {.more_expansions = bad}); }, "more_expansions.fraction is");
+    check_throws<InvalidArgument>([&] { run({&problem}, {.more_expansions = {bad}}); }, "more_expansions.fraction is");
 }
 
 BOOST_AUTO_TEST_CASE(a_portfolio_says_which_graphs_hold_no_path) {

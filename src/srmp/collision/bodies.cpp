@@ -292,7 +292,7 @@ void Bodies::add_pairs(const Scene& scene) {
 
 bool Bodies::are_closer(const Pair& pair, const RobotGroup::Data& data, double distance, NarrowPhase& narrow) const {
   const MovingBody& a = moving[pair.a];
-  const Body& b = pair.b_fixed ? static_cast<const Body&>(fixed[pair.b]) : moving[pair.b];
+  const Body& b = body(pair.b_fixed, pair.b);
   const Eigen::Isometry3d pose_a = pose_of(a, group_, data);
   const Eigen::Isometry3d pose_b = pair.b_fixed ? fixed[pair.b].pose : pose_of(moving[pair.b], group_, data);
   const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
@@ -313,7 +313,7 @@ void Bodies::exempt_close_links() {
   };
   std::map<std::pair<std::string, std::string>, Links> links;
   for (Pair& pair : pairs) {
-    const Body &a = moving[pair.a], &b = pair.b_fixed ? static_cast<const Body&>(fixed[pair.b]) : moving[pair.b];
+    const Body &a = moving[pair.a], &b = body(pair.b_fixed, pair.b);
     if (a.robot == b.robot && a.kind == BodyKind::link && b.kind == BodyKind::link)
       links[std::minmax(a.name, b.name)].pairs.push_back(&pair);
   }
@@ -350,10 +350,6 @@ const PairTable* Bodies::table_of(std::size_t robot, std::size_t geometry_a, std
 
 void Bodies::add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib) {
   const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
-  const auto body = [&](bool is_fixed, std::size_t i) -> const Body& {
-    if (is_fixed) return fixed[i];
-    return moving[i];
-  };
   const Body &a = body(a_fixed, ia), &b = body(b_fixed, ib);
   const auto pose = [&](bool is_fixed, std::size_t i) {
     return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
@@ -369,8 +365,11 @@ void Bodies::add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::siz
 }
 
 void Bodies::add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib) {
+  const bool links = a.robot == b.robot && a.link && b.link;
+  const PairTable* table = links ? table_of(static_cast<std::size_t>(a.robot), a.source, b.source) : nullptr;
+  const bool never_collide = table && table->never_collide();
   const auto id = static_cast<std::uint32_t>(pairs.size());
-  Pair& pair = pairs.emplace_back();
+  Pair& pair = (never_collide ? apart : pairs).emplace_back();
   pair.a = static_cast<std::uint32_t>(ia);
   pair.b = static_cast<std::uint32_t>(ib);
   pair.b_fixed = b_fixed;
@@ -380,15 +379,9 @@ void Bodies::add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed
   pair.padding = (a.robot == b.robot ? 0.0 : a.padding + b.padding) + options_.clearance;
   pair.support_a = a.support & ~b.support;
   pair.support_b = b.support & ~a.support;
-  if (a.robot == b.robot && a.link && b.link) {
-    pair.table = table_of(static_cast<std::size_t>(a.robot), a.source, b.source);
-    if (pair.table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
-    if (pair.table && pair.table->never_collide()) {
-      apart.push_back(pair);
-      pairs.pop_back();
-      return;
-    }
-  }
+  pair.table = table;
+  if (table) pair.first_joint = group_.first_joint(static_cast<std::size_t>(a.robot));
+  if (never_collide) return;
   if (b_fixed)
     fixed_pair[ia * fixed.size() + ib] = static_cast<std::int32_t>(id);
   else

@@ -78,6 +78,11 @@ struct Bodies {
   bool leaves_out(const std::string& robot) const;
   /// CheckerOptions::clearance, which the padding of each pair holds; that of bodies does not.
   double clearance() const { return options_.clearance; }
+  /// Body `index` of `fixed`, or of `moving`.
+  const Body& body(bool is_fixed, std::size_t index) const {
+    if (is_fixed) return fixed[index];
+    return moving[index];
+  }
 
   struct Side;
 

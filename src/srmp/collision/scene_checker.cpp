@@ -22,11 +22,6 @@ using detail::SceneWorkspace;
 
 namespace {
 
-const detail::Body& body_of(const Bodies& bodies, bool fixed, std::size_t index) {
-  if (fixed) return bodies.fixed[index];
-  return bodies.moving[index];
-}
-
 /// Keeps one entry for each pair of bodies, the deepest; sorts them by depth, then by name.
 void keep_deepest(std::vector<Contact>& contacts) {
   const auto names = [](const Contact& c) { return std::tie(c.body_a, c.body_b); };
@@ -114,7 +109,7 @@ std::vector<Contact> SceneChecker::do_contacts(ConstVector q, Workspace& workspa
   std::vector<Contact> contacts;
   const auto add = [&](bool a_fixed, std::size_t a, bool b_fixed, std::size_t b, double padding) {
     const Proximity found = NarrowPhase::deepest(scene.placed(a_fixed, a), scene.placed(b_fixed, b), padding);
-    contacts.push_back(scene.contact(body_of(bodies, a_fixed, a), body_of(bodies, b_fixed, b), found, padding));
+    contacts.push_back(scene.contact(bodies.body(a_fixed, a), bodies.body(b_fixed, b), found, padding));
   };
   for (const detail::RigidOverlap& overlap : bodies.overlaps)
     add(overlap.a_fixed, overlap.a, overlap.b_fixed, overlap.b, 0.0);
@@ -156,7 +151,7 @@ std::optional<Contact> SceneChecker::do_nearest(ConstVector q, Workspace& worksp
   const Pair* pair = nearest_pair(scene).pair;
   if (!pair) return std::nullopt;
   const Proximity found = NarrowPhase::distance(scene.placed(false, pair->a), scene.placed(pair->b_fixed, pair->b));
-  return scene.contact(bodies.moving[pair->a], body_of(bodies, pair->b_fixed, pair->b), found, pair->padding);
+  return scene.contact(bodies.moving[pair->a], bodies.body(pair->b_fixed, pair->b), found, pair->padding);
 }
 
 double SceneChecker::do_clearance(ConstVector q, Workspace& workspace) const {

@@ -352,18 +352,18 @@ bool SceneWorkspace::process(std::uint32_t pair, double t, double half_width) {
   const CollisionStatus status = check_pair(bodies_.pairs[pair], half_width, undecided);
   if (status == CollisionStatus::undecided) {
     if (undecided.parts > 0)
-      subdivide({t, half_width, pair, undecided.distance}, undecided.parts, next_);
+      subdivide({t, half_width, pair, undecided.distance}, undecided.parts);
     else
       close_.push_back(pair);
   }
   return status != CollisionStatus::colliding;
 }
 
-/// Adds the parts of the interval, each with its distance.
-void SceneWorkspace::subdivide(const Interval& whole, int parts, std::vector<Interval>& out) {
+/// Leaves the parts of the interval, each with its distance, for later.
+void SceneWorkspace::subdivide(const Interval& whole, int parts) {
   const double part = whole.half_width / parts;
   for (int i = 0; i < parts; ++i)
-    out.push_back({whole.t - whole.half_width + (2 * i + 1) * part, part, whole.pair, whole.distance});
+    next_.push_back({whole.t - whole.half_width + (2 * i + 1) * part, part, whole.pair, whole.distance});
 }
 
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {

@@ -44,10 +44,7 @@ class SceneWorkspace final : public Checker::Workspace {
   bool is_free_here();
 
   const Body& body_a(const Pair& pair) const { return bodies_.moving[pair.a]; }
-  const Body& body_b(const Pair& pair) const {
-    if (pair.b_fixed) return bodies_.fixed[pair.b];
-    return bodies_.moving[pair.b];
-  }
+  const Body& body_b(const Pair& pair) const { return bodies_.body(pair.b_fixed, pair.b); }
   Placed placed(bool fixed, std::size_t index) const;
   Contact contact(const Body& a, const Body& b, const Proximity& found, double padding) const;
 
@@ -103,7 +100,7 @@ class SceneWorkspace final : public Checker::Workspace {
   bool table_proves(const Pair& pair, double from, double to);
   CollisionStatus check_pair(const Pair& pair, double half_width, Undecided& undecided);
   bool process(std::uint32_t pair, double t, double half_width);
-  static void subdivide(const Interval& whole, int parts, std::vector<Interval>& out);
+  void subdivide(const Interval& whole, int parts);
   bool process_whole_motion();
   bool process_whole_motion_of(std::size_t body);
   void sort_open();

@@ -57,6 +57,7 @@ struct BatchSelfPair {
   bool exact{true};  ///< false: a hit proves nothing
 };
 
+/// Bodies, and the actuated joints that carry them.
 struct BatchRobot {
   std::size_t dof{};
   std::vector<BatchActuatedJoint> actuated_joints;
@@ -70,6 +71,7 @@ struct BatchPairs {
   std::vector<BatchSelfPair> self_pairs;
 };
 
+/// All that a BatchChecker checks.
 struct BatchWorld : BatchRobot, BatchPairs {};
 
 }  // namespace srmp
