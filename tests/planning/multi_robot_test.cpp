@@ -117,6 +117,37 @@ BOOST_AUTO_TEST_CASE(a_robot_that_holds_is_without_times_where_the_others_are) {
   BOOST_CHECK_EQUAL(motion.merged().positions.cols(), 4);
 }
 
+/// On one clock, since nothing is proved of groups that are timed apart.
+BOOST_AUTO_TEST_CASE(pairs_that_do_not_reach_each_other_have_the_paths_of_each_pair) {
+  const srmp::PlannerOptions untimed = srmp::Auto{.common = {.time_limit = 20, .timing = "none", .certify = false}};
+  auto one_pair = planar_pair(untimed);
+  one_pair.plan_multi(starts, goals);
+  const std::map<std::string, double> of_one_pair = one_pair.get_planning_stats().robot_cost_rad;
+
+  srmp::PlannerInterface planner;
+  std::vector<std::string> names;
+  Starts all_starts;
+  Goals all_goals;
+  srmp::RobotDescription description = robots::planar_description();
+  for (const int pair : {0, 1, 2})
+    for (const std::string side : {"left", "right"}) {
+      names.push_back(description.name = side + std::to_string(pair));
+      const bool turned = side == "right";
+      planner.add_articulation(description,
+                               srmp::Pose::from_rpy({turned ? 3 : 0, 10 * pair, 0}, {0, 0, turned ? M_PI : 0}));
+      all_starts[names.back()] = starts.at(side);
+      all_goals.emplace(names.back(), goals.at(side));
+    }
+  planner.make_planner(names, untimed);
+  const srmp::MultiTrajectory motion = planner.plan_multi(all_starts, all_goals);
+  const Eigen::Index rows = motion.at("left0").positions.rows();
+  for (const std::string& name : names) {
+    BOOST_CHECK_EQUAL(motion.at(name).positions.rows(), rows);
+    BOOST_CHECK_CLOSE(planner.get_planning_stats().robot_cost_rad.at(name),
+                      of_one_pair.at(name.substr(0, name.size() - 1)), 1e-9);
+  }
+}
+
 BOOST_AUTO_TEST_CASE(what_cannot_be_says_why) {
   using srmp::Status;
   const GoalConstraint ahead = GoalConstraint::joints(Vector2d::Zero());

@@ -84,12 +84,9 @@ class CertifiedTiming {
                                                "); use another rate, or 0");
   }
 
-  /// The paths that were found for both, which do not collide, shortened together.
   void merge_groups(std::size_t i, std::size_t j) {
-    const JointPath raw = side_by_side(raw_path(groups_[i].path.robots), raw_path(groups_[j].path.robots));
+    groups_[i] = shortened_together(groups_[i].path, groups_[j].path);
     groups_.erase(groups_.begin() + static_cast<std::ptrdiff_t>(j));
-    const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
-    groups_[i] = {common_.shortcut ? shortened(raw, *world_, deadline_) : raw};
     merged_ = true;
     std::erase_if(proofs_, [&](const auto& known) {
       const std::vector<std::size_t>& robots = groups_[i].path.robots;
@@ -98,17 +95,38 @@ class CertifiedTiming {
     });
   }
 
-  void merge_all_groups() {
-    while (groups_.size() > 1) merge_groups(0, 1);
+  /// From the paths that were found for both, which do not collide.
+  Group shortened_together(const JointPath& a, const JointPath& b) {
+    std::vector<const JointPath*> found;
+    for (const JointPath& path : raw_)
+      for (const JointPath* part : {&a, &b})
+        if (std::binary_search(part->robots.begin(), part->robots.end(), path.robots.front())) found.push_back(&path);
+    const PhaseTimer timer(deadline_, statistics_.shortcut_time_s);
+    const JointPath raw = side_by_side(found);
+    return {common_.shortcut ? shortened(raw, *world_, deadline_) : raw};
   }
 
-  /// As the search found it.
-  JointPath raw_path(const std::vector<std::size_t>& robots) const {
-    std::optional<JointPath> raw;
-    for (const JointPath& path : raw_)
-      if (std::binary_search(robots.begin(), robots.end(), path.robots.front()))
-        raw = raw ? side_by_side(*raw, path) : path;
-    return *raw;
+  /// On one clock. Groups whose shortened paths collide on it are shortened together.
+  void merge_all_groups() {
+    if (groups_.size() == 1) return;
+    std::vector<Group> clear;  // of each other
+    while (!groups_.empty()) {
+      Group next = std::move(groups_.back());
+      groups_.pop_back();
+      const auto other = std::find_if(clear.begin(), clear.end(),
+                                      [&](const Group& group) { return in_conflict(*world_, group.path, next.path); });
+      if (other == clear.end()) {
+        clear.push_back(std::move(next));
+      } else {
+        groups_.push_back(shortened_together(other->path, next.path));
+        clear.erase(other);
+      }
+    }
+    std::vector<const JointPath*> paths;
+    for (const Group& group : clear) paths.push_back(&group.path);
+    groups_.push_back({side_by_side(paths)});
+    proofs_.clear();
+    merged_ = true;
   }
 
   /// Corners that cannot be proved free shrink.

@@ -31,28 +31,28 @@ Eigen::VectorXd position_at(const JointPath& path, std::size_t i, double step) {
   return (q.row(row - 1) + (step - from) / (*next - from) * (q.row(row) - q.row(row - 1))).transpose();
 }
 
-std::vector<double> all_steps(const JointPath& a, const JointPath& b) {
-  std::vector<double> steps = a.steps;
-  steps.insert(steps.end(), b.steps.begin(), b.steps.end());
+std::vector<double> all_steps(const std::vector<const JointPath*>& paths) {
+  std::vector<double> steps;
+  for (const JointPath* path : paths) steps.insert(steps.end(), path->steps.begin(), path->steps.end());
   std::sort(steps.begin(), steps.end());
   steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
   return steps;
 }
 
-JointPath side_by_side(const JointPath& a, const JointPath& b) {
-  JointPath both{{}, all_steps(a, b), {}};
+JointPath side_by_side(const std::vector<const JointPath*>& paths) {
+  JointPath all{{}, all_steps(paths), {}};
   std::vector<std::tuple<std::size_t, const JointPath*, std::size_t>> robots;
-  for (const JointPath* path : {&a, &b})
+  for (const JointPath* path : paths)
     for (std::size_t i = 0; i < path->robots.size(); ++i) robots.emplace_back(path->robots[i], path, i);
   std::sort(robots.begin(), robots.end());
   for (const auto& [robot, path, i] : robots) {
-    RowMatrix q(static_cast<Eigen::Index>(both.size()), path->positions[i].cols());
-    for (std::size_t row = 0; row < both.size(); ++row)
-      q.row(static_cast<Eigen::Index>(row)) = position_at(*path, i, both.steps[row]).transpose();
-    both.robots.push_back(robot);
-    both.positions.push_back(std::move(q));
+    RowMatrix q(static_cast<Eigen::Index>(all.size()), path->positions[i].cols());
+    for (std::size_t row = 0; row < all.size(); ++row)
+      q.row(static_cast<Eigen::Index>(row)) = position_at(*path, i, all.steps[row]).transpose();
+    all.robots.push_back(robot);
+    all.positions.push_back(std::move(q));
   }
-  return both;
+  return all;
 }
 
 }  // namespace srmp

@@ -23,9 +23,9 @@ struct JointPath {
 JointPath path_of_one(RowMatrix positions);
 /// Where robots[i] is at a step; after the last it is stationary.
 Eigen::VectorXd position_at(const JointPath& path, std::size_t i, double step);
-/// The steps of both, in order, each once.
-std::vector<double> all_steps(const JointPath& a, const JointPath& b);
-/// Both on one clock, with rows at the steps of both. They have no robot in common.
-JointPath side_by_side(const JointPath& a, const JointPath& b);
+/// The steps of all, in order, each once.
+std::vector<double> all_steps(const std::vector<const JointPath*>& paths);
+/// All on one clock, with rows at the steps of all. No two have a robot in common.
+JointPath side_by_side(const std::vector<const JointPath*>& paths);
 
 }  // namespace srmp

@@ -50,7 +50,7 @@ JointPath joint_path(const MultiRobotWorld& world, const std::vector<std::size_t
 }
 
 bool in_conflict(MultiRobotWorld& world, const JointPath& a, const JointPath& b) {
-  const std::vector<double> steps = all_steps(a, b);
+  const std::vector<double> steps = all_steps({&a, &b});
   for (std::size_t i = 0; i < a.robots.size(); ++i)
     for (std::size_t j = 0; j < b.robots.size(); ++j) {
       if (!world.may_conflict(a.robots[i], b.robots[j])) continue;

@@ -22,10 +22,12 @@ struct FreeAligned {
   void operator()(float* p) const { ::operator delete[](p, std::align_val_t{64}); }
 };
 using AlignedFloats = std::unique_ptr<float[], FreeAligned>;
-AlignedFloats aligned_floats(std::size_t count) {
-  auto* p = new (std::align_val_t{64}) float[count];
-  std::fill(p, p + count, 0.0f);
-  return AlignedFloats(p);
+/// Not initialized: what no check needs takes no memory.
+AlignedFloats aligned_floats(std::size_t count) { return AlignedFloats(new (std::align_val_t{64}) float[count]); }
+AlignedFloats zeros(std::size_t count) {
+  AlignedFloats floats = aligned_floats(count);
+  std::fill_n(floats.get(), count, 0.0f);
+  return floats;
 }
 
 struct Interval {
@@ -51,8 +53,8 @@ double BatchChecker::error_bound() const { return impl_->robot->error_bound; }
 class BatchChecker::Workspace {
  public:
   explicit Workspace(const BatchModel& impl)
-      : values(aligned_floats(impl.robot->actuated_joints.size() * kLanes + kLanes)),
-        half_widths(aligned_floats(impl.robot->actuated_joints.size() * kLanes + kLanes)),
+      : values(zeros(impl.robot->actuated_joints.size() * kLanes + kLanes)),
+        half_widths(zeros(impl.robot->actuated_joints.size() * kLanes + kLanes)),
         scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
         pair_lanes(impl.pair_obstacles.size() + impl.self_pairs.size(), 0),
         start(impl.robot->actuated_joints.size()),

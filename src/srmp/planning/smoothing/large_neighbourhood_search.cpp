@@ -166,7 +166,7 @@ class NeighbourhoodSearch {
         others.robots.push_back(path_.robots[other]);
         others.positions.push_back(path_.positions[other]);
       }
-    return side_by_side(own, others);
+    return side_by_side({&own, &others});
   }
 
   const JointPath& path_;
