@@ -117,7 +117,7 @@ class RobotModel {
   /// checked.
   void forward(RobotData& data, ConstVector q) const;
   /// The pose of geometries()[geometry], in the base frame.
-  const Eigen::Isometry3d& geometry_pose(const RobotData& data, std::size_t geometry) const;
+  Eigen::Isometry3d geometry_pose(const RobotData& data, std::size_t geometry) const;
   /// The pose of link_names()[link_index], in the base frame.
   Eigen::Isometry3d link_pose(const RobotData& data, std::size_t link_index) const;
   /// The axis of actuated_joints()[k], in the base frame: a point on it [m] and its unit direction.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "srmp/collision/scene_workspace.hpp"
 #include "srmp/core/error.hpp"
@@ -20,10 +21,12 @@ namespace {
 
 constexpr double rough_distance =
     0.3;  // of an interval's motion: smaller distances are not refined, it is halved anyway
+constexpr double likely_gain =
+    0.1;  // of an interval's motion: by so much its parts may be farther apart in the middle than it is
 constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter intervals are left unproved
 constexpr int max_levels = 3;                                  // of halving at once
 constexpr int max_samples = 200'000;              // configurations: the proof of an endless motion ends too
-constexpr int max_sharpening = 256;               // distances to bring the proved clearance near the one that was found
+constexpr int max_sharpening = 256;               // checks of each pass that raises the proved clearance
 constexpr double largest = 1e100;                 // [rad or m] beyond it, squares overflow
 constexpr Eigen::Index max_linear_segments = 64;  // a line is fitted to no more of them
 
@@ -181,8 +184,8 @@ class Segments {
   std::vector<RowMatrix> low_, high_;  // [level](block, joint)
 };
 
-/// Branch and bound over the time of one motion: first until the motion is proved free, by whatever clearance; then,
-/// where least is proved, until the clearance is known well enough.
+/// Branch and bound over the time of one motion: first until the motion is proved free, by the clearance that is to be
+/// known where that takes few more checks; then, where least is proved, until it is known well enough.
 class Prover {
  public:
   Prover(const SceneModel& model, const CubicMotion& motion, SceneWorkspace& workspace, const ProofOptions& options)
@@ -203,7 +206,8 @@ class Prover {
  private:
   struct Open {
     std::uint32_t pair;
-    int levels;  // of halving before it is worth another check
+    int levels;          // of halving before it is worth another check
+    double bound{-1.0};  // a clearance that the pair is proved to keep, less than the goal; below 0: none
   };
   /// A pair that is proved to keep a clearance of `bound` over an interval.
   struct Proved {
@@ -234,11 +238,15 @@ class Prover {
   void find_nearest_at(Eigen::Index row, double enough);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
+  bool prove_pair(Open open, const Interval& interval);
+  void give_up(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
   Check check(const Pair& pair, double motion, double required);
   Check measure(const Pair& pair, double motion, double required);
   static int levels_for(double room, double motion) {
-    return std::clamp(static_cast<int>(std::log2(motion / std::max(room, 0.1 * motion))), 0, max_levels);
+    int levels = 0;
+    for (double part = motion / 2.0; levels < max_levels && part >= room; part /= 2.0) ++levels;
+    return levels;
   }
   double approach(const Pair& pair);
   double displacement(std::uint32_t body, std::uint64_t support);
@@ -270,6 +278,7 @@ class Prover {
   double proved_{infinity};
   int samples_{};
   unsigned checks_{};  // that bounds did not decide
+  int raising_{};      // of pairs that were proved free, but less than the goal
   Segments::Range range_;
   std::vector<Displacement> displacements_;  // by moving body, in the current interval
   std::vector<Separation> separations_;      // by pair
@@ -314,10 +323,13 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
     const double bound = workspace_.distance_bound(pair) - pair.padding;
     if (bound < clearance_) order_.emplace_back(bound, i);
   }
-  std::sort(order_.begin(), order_.end());
+  const auto nearest_first = std::greater<>();  // of a heap
+  std::make_heap(order_.begin(), order_.end(), nearest_first);
   const bool may_stop = motion_.positions.rows() > 1;  // a single row has no other check
-  for (const auto& [bound, i] : order_) {
-    if (bound >= clearance_ || (may_stop && i != order_.front().second && stopped())) return;
+  for (bool first = true; !order_.empty(); order_.pop_back(), first = false) {
+    std::pop_heap(order_.begin(), order_.end(), nearest_first);
+    const auto [bound, i] = order_.back();
+    if (bound >= clearance_ || (may_stop && !first && stopped())) return;
     const Pair& pair = model_.bodies.pairs[i];
     const double margin = clearance_ + pair.padding;
     if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
@@ -356,7 +368,7 @@ Prover::Check Prover::check(const Pair& pair, double motion, double required) {
     return measure(pair, motion, required);
   // No distance could prove it.
   if (bound > pair.padding || !workspace_.in_contact(pair, {.use_tables = false}))
-    return {CollisionStatus::undecided, 0.0, false, bound + motion / 2.0 - pair.padding};
+    return {CollisionStatus::undecided, 0.0, false, bound + likely_gain * motion - pair.padding};
   note_distance(pair, pair.padding);
   return {CollisionStatus::colliding};
 }
@@ -401,11 +413,39 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
   unproved_.emplace_back(pair, part);
 }
 
+/// Notes what is proved of the pair over the interval.
+void Prover::give_up(const Open& open, const Interval& interval, bool measured) {
+  if (open.bound >= 0.0)
+    note_proved({open.bound, interval, open.pair, measured});
+  else
+    leave_unproved(interval, open.pair);
+}
+
+/// Proves the pair over the interval around the current configuration, or leaves it open; false at a contact. While
+/// the bodies are placed, more is proved than that it is free: the goal, as long as that takes few more checks.
+bool Prover::prove_pair(Open open, const Interval& interval) {
+  const Pair& pair = model_.bodies.pairs[open.pair];
+  const double motion = approach(pair);
+  const bool raises = raising_ < max_sharpening && motion >= Checker::motion_floor;
+  const Check found = check(pair, motion, raises ? goal() : 0.0);
+  if (found.status == CollisionStatus::colliding) return false;
+  const bool free = found.status == CollisionStatus::free;
+  if (free) open.bound = std::max(open.bound, found.bound);
+  if (open.bound >= 0.0 && (open.bound >= goal() || !raises))
+    note_proved({open.bound, interval, open.pair, found.measured});
+  else if (motion < finest_motion || interval.is_indivisible())
+    give_up(open, interval, found.measured);
+  else
+    open_.push_back({open.pair, levels_for(free ? open.bound + motion - goal() : found.room, motion), open.bound});
+  raising_ += open.bound >= 0.0 && open.bound < goal();
+  return true;
+}
+
 /// Proves the pairs open_[first, first + count) over the interval; false at a contact.
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
   rare_interruption_point();
   if (samples_ >= max_samples || stopped()) {
-    for (std::size_t i = first; i < first + count; ++i) leave_unproved(interval, open_[i].pair);
+    for (std::size_t i = first; i < first + count; ++i) give_up(open_[i], interval, false);
     return true;
   }
   const auto due = [](const Open& open) { return open.levels == 0; };
@@ -413,20 +453,11 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
   if (std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), due)) place_at(interval);
   const std::size_t kept = open_.size();
   for (std::size_t i = first; i < first + count; ++i) {
-    const auto [pair, levels] = open_[i];
-    if (levels > 0) {
-      open_.push_back({pair, levels - 1});
-      continue;
-    }
-    const double motion = approach(model_.bodies.pairs[pair]);
-    const Check found = check(model_.bodies.pairs[pair], motion, 0.0);
-    if (found.status == CollisionStatus::colliding) return false;
-    if (found.status == CollisionStatus::free)
-      note_proved({found.bound, interval, pair, found.measured});
-    else if (motion < finest_motion || interval.is_indivisible())
-      leave_unproved(interval, pair);
-    else
-      open_.push_back({pair, levels_for(found.room, motion)});
+    const Open open = open_[i];
+    if (open.levels > 0)
+      open_.push_back({open.pair, open.levels - 1, open.bound});
+    else if (!prove_pair(open, interval))
+      return false;
   }
   const std::size_t still_open = open_.size() - kept;
   if (still_open > 0 && !prove_halves(interval, kept, still_open)) return false;
@@ -486,7 +517,7 @@ MotionProof Prover::run() {
   bool free = refine_nearest();
   if (free && last > 0) {
     open_.clear();
-    for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) open_.push_back({i, 0});
+    for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) open_.push_back({.pair = i, .levels = 0});
     free = prove({0, last}, 0, model_.bodies.pairs.size()) && (!unproved_.empty() || sharpen());
   }
   return report(free && refine_nearest());

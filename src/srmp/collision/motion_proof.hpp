@@ -41,9 +41,9 @@ struct MotionProof {
 
 struct ProofOptions {
   /// Relative gap tolerance of the clearance, in (0, 1]. It says how well the clearance is to be known, and nothing
-  /// about what is proved free: once all of the motion is, `proved` is raised until (clearance - proved) / clearance is
-  /// no more than this, or the two are within 25 µm, or 256 more distances are computed. 1: not at all; `clearance` and
-  /// `proved` are then true, but may be far apart.
+  /// about what is proved free: `proved` is raised until (clearance - proved) / clearance is no more than this, or the
+  /// two are within 25 µm, or, while the motion is proved free and again once it is, 256 more checks were made for it.
+  /// 1: not at all; `clearance` and `proved` are then true, but may be far apart.
   double gap_tolerance{0.5};
   const Deadline* deadline{};  ///< once it passes, all that is open goes to `unproved`; null: none
 };
@@ -56,8 +56,8 @@ struct ProofOptions {
 /// halved (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004).
 /// Intervals of less than a quarter of Checker::motion_floor of motion are not (a checker may decide between two
 /// floors, where this proof has to follow): they go to `unproved`, and so does all that is open when time is up, or
-/// after 200 000 configurations. Where nothing is left open, the bounds are raised, the least first (best-first branch
-/// and bound), as far as ProofOptions::gap_tolerance asks.
+/// after 200 000 configurations. Where nothing is left open, bounds that are still too low are raised, the least first
+/// (best-first branch and bound), as far as ProofOptions::gap_tolerance asks.
 ///
 /// With a checker of CheckMode::coal, no pair was left out because of a table either. The result depends on the
 /// arguments alone. Stops at the first contact. Throws InvalidArgument for no rows, sizes that do not match

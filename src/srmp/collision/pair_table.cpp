@@ -116,8 +116,8 @@ class TableBuilder {
     q_[turning_.joints[0]] = first * cell;
     if (turning_.joints[1] >= 0) q_[turning_.joints[1]] = second * cell;
     model_.forward(*data_, q_);
-    const Eigen::Isometry3d &pose_a = model_.geometry_pose(*data_, a_.index),
-                            &pose_b = model_.geometry_pose(*data_, b_.index);
+    const Eigen::Isometry3d pose_a = model_.geometry_pose(*data_, a_.index),
+                            pose_b = model_.geometry_pose(*data_, b_.index);
     const Eigen::Vector3d center_a = pose_a * a_.bounds.center, center_b = pose_b * b_.bounds.center;
     const double change = half * cell + 1e-9;
     const double margin = moved(turning_.of_a, center_a, a_.bounds.radius, change) +

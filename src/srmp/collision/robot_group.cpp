@@ -84,7 +84,7 @@ void RobotGroup::forward(Data& data, ConstVector q) const {
 }
 
 Eigen::Isometry3d RobotGroup::geometry_pose(const Data& data, std::size_t robot, std::size_t geometry) const {
-  const Eigen::Isometry3d& pose = model(robot).geometry_pose(*data[robot], geometry);
+  const Eigen::Isometry3d pose = model(robot).geometry_pose(*data[robot], geometry);
   return robot == 0 ? pose : robots_[robot].base * pose;
 }
 

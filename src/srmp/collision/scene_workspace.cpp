@@ -57,8 +57,7 @@ SceneWorkspace::SceneWorkspace(const SceneModel& model)
   open_.reserve(1024);
   next_.reserve(1024);
   const std::size_t actuated_joints = model_.group.actuated_joints().size(), moving = bodies_.moving.size();
-  poses_.resize(moving);
-  centers_.resize(moving);
+  places_.resize(moving);
   const auto dof = static_cast<Eigen::Index>(model_.group.joints().size());
   start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
   active_list_.reserve(actuated_joints);
@@ -74,17 +73,24 @@ void SceneWorkspace::place(ConstVector q) {
   ++statistics.configurations;
   here_ = q;
   model_.group.forward(data_, q);
-  for (std::size_t i = 0; i < poses_.size(); ++i) {
-    const MovingBody& body = bodies_.moving[i];
-    poses_[i] = pose_of(body, model_.group, data_);
-    centers_[i] = poses_[i] * body.bounds.center;
-  }
+  for (Place& place : places_) place.known = false;
 }
 
-Placed SceneWorkspace::placed(bool fixed, std::size_t i) const {
+const SceneWorkspace::Place& SceneWorkspace::place_of(std::size_t body) {
+  Place& place = places_[body];
+  if (place.known) return place;
+  const MovingBody& moving = bodies_.moving[body];
+  place.pose = pose_of(moving, model_.group, data_);
+  place.center = place.pose * moving.bounds.center;
+  place.known = true;
+  return place;
+}
+
+Placed SceneWorkspace::placed(bool fixed, std::size_t i) {
   if (!fixed) {
     const MovingBody& body = bodies_.moving[i];
-    return {body.geometry.get(), body.parts.bvh.get(), body.bounds, poses_[i], centers_[i]};
+    const Place& place = place_of(i);
+    return {body.geometry.get(), body.parts.bvh.get(), body.bounds, place.pose, place.center};
   }
   const FixedBody& body = bodies_.fixed[i];
   return {body.geometry.get(), body.parts.bvh.get(), body.bounds, body.pose, body.center};
@@ -99,10 +105,10 @@ Contact SceneWorkspace::contact(const Body& a, const Body& b, const Proximity& f
 // --- one configuration
 
 /// From a sphere around a, and a box or a sphere around b.
-double SceneWorkspace::distance_bound(const Pair& pair) const {
-  const Eigen::Vector3d& center = centers_[pair.a];
+double SceneWorkspace::distance_bound(const Pair& pair) {
+  const Eigen::Vector3d& center = place_of(pair.a).center;
   const double radius = bodies_.moving[pair.a].bounds.radius;
-  if (!pair.b_fixed) return (center - centers_[pair.b]).norm() - radius - bodies_.moving[pair.b].bounds.radius;
+  if (!pair.b_fixed) return (center - place_of(pair.b).center).norm() - radius - bodies_.moving[pair.b].bounds.radius;
   const FixedBody& b = bodies_.fixed[pair.b];
   const Eigen::Vector3d local = b.pose.linear().transpose() * (center - b.pose.translation()) - b.bounds.box_center;
   return (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0).norm() - radius;
@@ -169,7 +175,7 @@ bool SceneWorkspace::for_each_fixed_near(std::size_t body, double margin, Visit&
   const double reach =
       moving.bounds.radius + moving.padding + bodies_.max_fixed_padding + margin + NarrowPhase::tolerance;
   const std::int32_t* row = bodies_.fixed_pair.data() + body * bodies_.fixed.size();
-  return bodies_.tree.for_each_near(centers_[body], reach, [&](std::size_t fixed) {
+  return bodies_.tree.for_each_near(place_of(body).center, reach, [&](std::size_t fixed) {
     return row[fixed] < 0 || visit(static_cast<std::uint32_t>(row[fixed]));
   });
 }
@@ -237,9 +243,10 @@ double SceneWorkspace::axis_reach(std::size_t body, std::size_t actuated) {
   double* reach = reach_.data() + body * actuated_joints;
   if (!reach_known_[body]) {
     const Core& core = bodies_.moving[body].core;
-    const Eigen::Vector3d half = poses_[body].linear() * core.half;
+    const Place& place = place_of(body);
+    const Eigen::Vector3d half = place.pose.linear() * core.half;
     for (std::size_t k : active_list_) {
-      const Eigen::Vector3d center = centers_[body] - axes_[k].first;
+      const Eigen::Vector3d center = place.center - axes_[k].first;
       const auto from_axis = [&](const Eigen::Vector3d& point) { return point.cross(axes_[k].second).norm(); };
       reach[k] = half.isZero(0.0) ? from_axis(center) : std::max(from_axis(center + half), from_axis(center - half));
       reach[k] += core.radius;
@@ -257,6 +264,7 @@ double SceneWorkspace::axis_reach(std::size_t body, std::size_t actuated) {
 double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, double half_width,
                                     const Eigen::Vector3d* direction) {
   const Core& core = bodies_.moving[body].core;
+  const Place& place = place_of(body);
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the center, over half of the motion
   double rest = 0.0, moved = 0.0, bent = 0.0, shallower = 0.0;
   const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
@@ -274,14 +282,14 @@ double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, dou
       continue;
     }
     const double reach = axis_reach(body, k), farthest = reach + moved;
-    velocity += linear_[k] * half_width * axis.cross(centers_[body] - point);
+    velocity += linear_[k] * half_width * axis.cross(place.center - point);
     turn += linear_[k] * half_width * axis;
     rest += rest_[k] * reach;
     shallower -= change;
     bent += change * farthest * (change + 2.0 * shallower);
     moved += change * farthest;
   }
-  const Eigen::Vector3d at_end = turn.cross(poses_[body].linear() * core.half);
+  const Eigen::Vector3d at_end = turn.cross(place.pose.linear() * core.half);
   const double linear =
       direction ? std::abs(velocity.dot(*direction)) + std::abs(at_end.dot(*direction)) +
                       core.radius * turn.cross(*direction).norm()
@@ -296,7 +304,7 @@ double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen
 
 double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, double half_width) {
   if (!(separation.gap > 0.0)) return -infinity;
-  const Eigen::Vector3d direction = poses_[pair.a].linear() * separation.direction.normalized();
+  const Eigen::Vector3d direction = place_of(pair.a).pose.linear() * separation.direction.normalized();
   return separation.gap - approach(pair, half_width, &direction) - pair.padding - NarrowPhase::tolerance;
 }
 

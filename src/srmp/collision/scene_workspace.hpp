@@ -28,7 +28,7 @@ class SceneWorkspace final : public Checker::Workspace {
   /// Places the bodies at q: what follows is about them there.
   void place(ConstVector q);
   /// A lower bound of the pair's distance from bounding volumes; padding not counted.
-  double distance_bound(const Pair& pair) const;
+  double distance_bound(const Pair& pair);
   /// The pair's distance is rarely more than this, given its distance_bound.
   double likely_max_distance(const Pair& pair, double bound) const;
   /// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
@@ -45,7 +45,7 @@ class SceneWorkspace final : public Checker::Workspace {
 
   const Body& body_a(const Pair& pair) const { return bodies_.moving[pair.a]; }
   const Body& body_b(const Pair& pair) const { return bodies_.body(pair.b_fixed, pair.b); }
-  Placed placed(bool fixed, std::size_t index) const;
+  Placed placed(bool fixed, std::size_t index);
   Contact contact(const Body& a, const Body& b, const Proximity& found, double padding) const;
 
   // --- any motion near a configuration, for prove_motion
@@ -76,6 +76,12 @@ class SceneWorkspace final : public Checker::Workspace {
   void check_block(ConstRows q, std::span<bool> free, const StateQuery& query);
 
  private:
+  /// Of a moving body at the current configuration, found when it is first needed.
+  struct Place {
+    bool known{};
+    Eigen::Isometry3d pose;
+    Eigen::Vector3d center;  // of its bounding sphere
+  };
   /// A part of the motion around t, over which a pair is still to be checked.
   struct Interval {
     double t, half_width;
@@ -87,6 +93,7 @@ class SceneWorkspace final : public Checker::Workspace {
     double distance{};  // about that of the pair
   };
 
+  const Place& place_of(std::size_t body);
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
                         Separation* separation = nullptr);
   double axis_reach(std::size_t body, std::size_t actuated);
@@ -118,8 +125,7 @@ class SceneWorkspace final : public Checker::Workspace {
   const Bodies& bodies_;
   RobotGroup::Data data_;
   NarrowPhase narrow_;
-  std::vector<Eigen::Isometry3d> poses_;  // of moving bodies
-  std::vector<Eigen::Vector3d> centers_;  // of their bounding spheres
+  std::vector<Place> places_;  // of moving bodies
   Eigen::VectorXd start_, delta_, q_, here_;
   std::uint64_t active_{};                // actuated joints that this motion moves
   std::vector<std::size_t> active_list_;  // the same, the deepest first

@@ -71,9 +71,7 @@ struct RobotModelImpl {
 class RobotData {
  public:
   KinematicTree::DataPtr tree;
-  std::vector<Eigen::Isometry3d> joint_poses;     // by joint of the tree
-  std::vector<Eigen::Isometry3d> geometry_poses;  // by geometry
-  bool fixed_are_stale{true};  // poses of the geometries that no planned joint moves are not up to date
+  std::vector<Eigen::Isometry3d> joint_poses;  // by joint of the tree
 };
 
 /// The steps of RobotModel::load, in several files.

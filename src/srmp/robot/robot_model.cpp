@@ -71,7 +71,6 @@ RobotDataPtr RobotModel::make_data() const {
   RobotDataPtr data(new RobotData);
   data->tree = impl_->tree->make_data();
   data->joint_poses.assign(impl_->tree->joint_count(), Eigen::Isometry3d::Identity());
-  data->geometry_poses.assign(geometries().size(), Eigen::Isometry3d::Identity());
   set_other_positions(*data, default_other_positions());
   forward(*data, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof())));
   return data;
@@ -83,23 +82,17 @@ void RobotModel::set_other_positions(RobotData& data, ConstVector positions) con
                           " other joints, got " + std::to_string(positions.size()) + " positions");
   for (const Follower& f : impl_->other_followers)
     KinematicTree::set(*data.tree, f.slot, f.ratio * positions[static_cast<Eigen::Index>(f.source)] + f.offset);
-  data.fixed_are_stale = true;
 }
 
 void RobotModel::forward(RobotData& data, ConstVector q) const {
   for (const Follower& f : impl_->planned_followers)
     KinematicTree::set(*data.tree, f.slot, f.ratio * q[static_cast<Eigen::Index>(f.source)] + f.offset);
   impl_->tree->forward(*data.tree, data.joint_poses);
-  for (std::size_t i = 0; i < impl_->geometries.size(); ++i) {
-    if (impl_->geometries[i].support == 0 && !data.fixed_are_stale) continue;
-    const KinematicTree::FixedPlacement& fixed = impl_->geometry_placements[i];
-    data.geometry_poses[i] = data.joint_poses[fixed.joint] * fixed.placement;
-  }
-  data.fixed_are_stale = false;
 }
 
-const Eigen::Isometry3d& RobotModel::geometry_pose(const RobotData& data, std::size_t geometry) const {
-  return data.geometry_poses[geometry];
+Eigen::Isometry3d RobotModel::geometry_pose(const RobotData& data, std::size_t geometry) const {
+  const KinematicTree::FixedPlacement& fixed = impl_->geometry_placements[geometry];
+  return data.joint_poses[fixed.joint] * fixed.placement;
 }
 
 Eigen::Isometry3d RobotModel::link_pose(const RobotData& data, std::size_t link_index) const {

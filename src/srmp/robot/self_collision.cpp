@@ -81,7 +81,7 @@ struct Candidate {
 bool collide(const RobotModel& model, const RobotData& data, std::size_t a, std::size_t b) {
   rare_interruption_point();
   const LinkGeometry &ga = model.geometries()[a], &gb = model.geometries()[b];
-  const Eigen::Isometry3d &pa = model.geometry_pose(data, a), &pb = model.geometry_pose(data, b);
+  const Eigen::Isometry3d pa = model.geometry_pose(data, a), pb = model.geometry_pose(data, b);
   const double reach = ga.radius + gb.radius;
   if ((pa * ga.center - pb * gb.center).squaredNorm() > reach * reach) return false;
   const coal::Transform3s ta(pa.linear(), pa.translation()), tb(pb.linear(), pb.translation());
