@@ -48,8 +48,8 @@ struct Memory {
         pair_lanes(of.pair_obstacles.size() + of.self_pairs.size()) {}
 
   batch::KernelResult run(batch::KernelFunction kernel, const float* values, const float* half_widths) {
-    batch::KernelResult result{0, 0, pair_lanes.data()};
-    kernel(model.view(), {values, half_widths, half_widths == nullptr, 0, 0}, scratch.get(), result);
+    batch::KernelResult result{0, 0, {-1, -1}, pair_lanes.data()};
+    kernel(model.view(), {values, half_widths, half_widths == nullptr, 0, 0, nullptr, 0}, scratch.get(), result);
     return result;
   }
 

@@ -315,6 +315,27 @@ BOOST_AUTO_TEST_CASE(what_a_motion_calls_free_is_free_between_samples) {
   BOOST_TEST(hits > 15);
 }
 
+/// Though pairs that hit before are tested first.
+BOOST_AUTO_TEST_CASE(what_is_found_of_a_motion_does_not_depend_on_those_before) {
+  std::mt19937 random(7);
+  int hits = 0, others = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const BatchWorld world = random_world(seed, seed % 2 ? 2.0 : 0.5);
+    const BatchChecker checker(world);
+    const auto used = checker.make_workspace();
+    for (int i = 0; i < 100; ++i) {
+      const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, i % 3 ? 0.3 : 3.0);
+      const auto fresh = checker.make_workspace();
+      const CollisionStatus status = checker.motion(a, d, *fresh, {});
+      BOOST_REQUIRE(checker.motion(a, d, *used, {}) == status);
+      BOOST_REQUIRE(same(checker.undecided(*used), checker.undecided(*fresh)));
+      (status == CollisionStatus::colliding ? hits : others) += 1;
+    }
+  }
+  BOOST_TEST(hits > 100);
+  BOOST_TEST(others > 100);
+}
+
 BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
   std::mt19937 random(6);
   int seen = 0;

@@ -73,15 +73,38 @@ class BatchChecker::Workspace {
   std::vector<UndecidedPair> undecided;
   std::vector<Interval> open, next;
   std::array<Interval, kLanes> lanes;
+  std::array<batch::KernelHit, 4> hits{};  // the pairs that hit last, the first hit_count of them
+  int hit_count{};
   BatchStatistics statistics;
 
   batch::KernelResult run(const BatchModel& impl, bool moving, bool proofs_only = false, unsigned decisive = 0) {
     ++statistics.blocks;
-    batch::KernelResult result{0, 0, pair_lanes.data()};
-    const batch::KernelRequest request{values.get(), moving ? half_widths.get() : nullptr, !moving, proofs_only,
-                                       static_cast<batch::LaneMask>(decisive)};
+    batch::KernelResult result{0, 0, {-1, -1}, pair_lanes.data()};
+    const bool looks_for_hits = moving && !proofs_only;
+    const batch::KernelRequest request{values.get(),
+                                       moving ? half_widths.get() : nullptr,
+                                       !moving,
+                                       proofs_only,
+                                       static_cast<batch::LaneMask>(decisive),
+                                       hits.data(),
+                                       looks_for_hits ? hit_count : 0};
     impl.kernel(view, request, scratch.get(), result);
+    if (looks_for_hits && result.colliding) note_hit(result.hit);
     return result;
+  }
+
+  /// To the front: motions that are checked one after the other are often stopped by the same bodies.
+  void note_hit(const batch::KernelHit& hit) {
+    const auto same = [&](const batch::KernelHit& known) { return known.pair == hit.pair && known.body == hit.body; };
+    auto found = std::find_if(hits.begin(), hits.begin() + hit_count, same);
+    if (found == hits.begin() + hit_count) {
+      if (hit_count == std::ssize(hits))
+        --found;
+      else
+        ++hit_count;
+      *found = hit;
+    }
+    std::rotate(hits.begin(), found, found + 1);
   }
 
   /// Moves the kernel's report into `undecided`, for those of the lanes `used` that do not collide; `at(lane)` is the

@@ -40,6 +40,8 @@ class Slice {
 
   void run() {
     place_nodes();
+    for (int n = 0; n < request_.likely_count; ++n)
+      if (hits_likely(request_.likely[n])) return;
     for (int i = 0; i < m_.body_count; ++i) place_body(i);
     for (int i = 0; i < m_.body_count; ++i) {
       check_obstacles(i);
@@ -244,8 +246,54 @@ class Slice {
     }
   }
 
+  /// Does a pair hit in some lanes? The bodies are not placed yet.
+  __attribute__((noinline)) bool hits_likely(const KernelHit& likely) {
+    current_ = likely;
+    if (likely.pair >= m_.pair_count) {
+      const KernelSelfPair& pair = m_.self_pairs[likely.pair - m_.pair_count];
+      const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
+      const bool exact = a.exact && b.exact;
+      return exact ? hits_body(a, all_of(a), b, all_of(b), pair, alive_)
+                   : hits_body(a, inside(a), b, inside(b), pair, alive_);
+    }
+    const KernelBody& body = m_.bodies[likely.body];
+    const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[likely.pair]];
+    return hits_obstacle(o, body, body.exact ? all_of(body) : inside(body), alive_);
+  }
+
+  struct Spheres {
+    int first, end;
+  };
+  static SRMP_INLINE Spheres all_of(const KernelBody& body) {
+    return {body.first_sphere, body.first_sphere + body.spheres};
+  }
+  static SRMP_INLINE Spheres inside(const KernelBody& body) {
+    return {body.first_inner, body.first_inner + body.inners};
+  }
+
+  /// Does one of the spheres of a body surely hit the obstacle? True when that ends the run.
+  SRMP_INLINE bool hits_obstacle(const KernelObstacle& o, const KernelBody& body, Spheres spheres, unsigned mask) {
+    for (int b = spheres.first; b < spheres.end; ++b)
+      if (hit_obstacle(o, fine(body, m_.spheres[b]), m_.spheres[b].radius + body.padding, mask)) return true;
+    return false;
+  }
+
+  /// Does one of the spheres of a surely hit one of b? True when that ends the run.
+  SRMP_INLINE bool hits_body(const KernelBody& a, Spheres of_a, const KernelBody& b, Spheres of_b,
+                             const KernelSelfPair& pair, unsigned mask) {
+    for (int i = of_a.first; i < of_a.end; ++i) {
+      const V3 ci = fine(a, m_.spheres[i]);
+      for (int j = of_b.first; j < of_b.end; ++j)
+        if (hit(between(ci, fine(b, m_.spheres[j])),
+                m_.spheres[i].radius + m_.spheres[j].radius + pair.padding - pair.error, mask))
+          return true;
+    }
+    return false;
+  }
+
   __attribute__((noinline)) void check_closely(int i, const KernelObstacle& o, int pair, unsigned pending, V margin) {
     const KernelBody& body = m_.bodies[i];
+    current_ = {pair, i};
     place_spheres(i);
     const V limit = add(margin, all(o.radius));
     unsigned undecided = 0;
@@ -266,8 +314,7 @@ class Slice {
     }
     if (undecided == 0) return;
     if (const unsigned open = undecided & ~proofs_only_; open && o.exact && o.size > body.capacity)
-      for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
-        if (hit_obstacle(o, fine(body, m_.spheres[b]), m_.spheres[b].radius + body.padding, open)) return;
+      if (hits_obstacle(o, body, inside(body), open)) return;
     report(pair, undecided);
   }
 
@@ -287,6 +334,7 @@ class Slice {
     hits &= alive_;
     if (hits == 0) return false;
     result_.colliding = static_cast<LaneMask>(result_.colliding | hits << lane_);
+    result_.hit = current_;
     alive_ &= ~hits;
     return done();
   }
@@ -321,6 +369,7 @@ class Slice {
 
   __attribute__((noinline)) void check_self_closely(int k, const KernelSelfPair& pair, unsigned pending, V limit) {
     const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
+    current_ = {m_.pair_count + k, -1};
     place_spheres(pair.a);
     place_spheres(pair.b);
     const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
@@ -341,22 +390,11 @@ class Slice {
       }
     }
     if (undecided == 0) return;
-    if (const unsigned open = undecided & ~proofs_only_;
-        open && pair.exact && a.capacity == 0.0f && b.capacity == 0.0f && check_inner(a, b, pair, open))
+    if (const unsigned open = undecided & ~proofs_only_; open && pair.exact && a.capacity == 0.0f &&
+                                                         b.capacity == 0.0f &&
+                                                         hits_body(a, inside(a), b, inside(b), pair, open))
       return;
     report(m_.pair_count + k, undecided);
-  }
-
-  /// Does a sphere inside a surely hit one inside b?
-  bool check_inner(const KernelBody& a, const KernelBody& b, const KernelSelfPair& pair, unsigned undecided) {
-    for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
-      const V3 ci = fine(a, m_.spheres[i]);
-      for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
-        if (hit(between(ci, fine(b, m_.spheres[j])),
-                m_.spheres[i].radius + m_.spheres[j].radius + pair.padding - pair.error, undecided))
-          return true;
-    }
-    return false;
   }
 
   /// Children of a coarse sphere that are near another body's coarse sphere, found one by one as needed. Each is placed
@@ -432,6 +470,7 @@ class Slice {
   const int lane_;
   const unsigned proofs_only_, ends_;  // of this slice
   unsigned alive_{all_lanes};          // lanes that are not decided yet
+  KernelHit current_{};                // what is being checked
   float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_;
 };
 

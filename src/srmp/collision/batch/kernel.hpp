@@ -89,17 +89,26 @@ struct KernelModel {
   int self_pair_count;
 };
 
+/// A pair whose spheres hit: a body and an obstacle, or two bodies.
+struct KernelHit {
+  int pair;  // -1: none
+  int body;  // the one that hit an obstacle
+};
+
 struct KernelRequest {
   const float* values;       // [actuated joint][kLanes]: angle (|.| <= 2 pi) or travel
   const float* half_widths;  // [actuated joint][kLanes]: how far it may be from there, >= 0; null: exactly there
   int every_lane;            // go on after a collision, until it is known which lanes collide
   int proofs_only;           // only whether lanes are free matters: one undecided pair decides that of a lane
   LaneMask decisive;         // lanes in which it ends the run; none with every_lane
+  const KernelHit* likely;   // pairs that are tested first for hits; what is found does not depend on them
+  int likely_count;          // 0 with every_lane
 };
 
 struct KernelResult {
   LaneMask undecided;    // lanes with a pair that is not proved free
   LaneMask colliding;    // lanes that surely collide at their sample; unless every_lane, the first found ends the run
+  KernelHit hit;         // of the colliding lanes, one
   LaneMask* pair_lanes;  // [pair_count + self_pair_count], zero on entry: lanes in which the pair is undecided
 };
 
