@@ -399,7 +399,19 @@ void SceneWorkspace::sort_open() {
 }
 
 /// Resolves the open intervals with Coal, then the pairs that come too close for these intervals.
-bool SceneWorkspace::resolve_open() { return resolve_intervals() && resolve_close(); }
+bool SceneWorkspace::resolve_open() { return is_end_free() && resolve_intervals() && resolve_close(); }
+
+/// Are the pairs that are open there apart at the end of the motion? Many a motion that is not free ends in contact.
+bool SceneWorkspace::is_end_free() {
+  constexpr double end = 1.0 - 1e-9;
+  const auto is_open = [&](const Interval& interval) { return interval.t + interval.half_width > end; };
+  if (std::none_of(open_.begin(), open_.end(), is_open)) return true;
+  q_ = start_ + delta_;
+  place(q_);
+  return std::none_of(open_.begin(), open_.end(), [&](const Interval& interval) {
+    return is_open(interval) && in_contact(bodies_.pairs[interval.pair]);
+  });
+}
 
 /// Resolves the open intervals in order of t. Those of pairs still undecided are subdivided, level by level, so that
 /// the samples of a level are placed once for all pairs and a contact is found early.

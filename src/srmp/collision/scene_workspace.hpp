@@ -112,6 +112,7 @@ class SceneWorkspace final : public Checker::Workspace {
   bool process_whole_motion_of(std::size_t body);
   void sort_open();
   bool resolve_open();
+  bool is_end_free();
   bool resolve_intervals();
   bool resolve_close();
   bool resolve_nearest_first();
