@@ -306,6 +306,9 @@ class ECBS(_Options):
     independence_detection: bool = False
     """Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
     otherwise all robots that can reach each other are."""
+    multi_resolution: bool = True
+    """Lattices of 6, 3, 1.5 and 0.75 times `resolution` (at most 90 degrees) are searched in turn, with budgets that
+    grow, and the bound holds for those in which the paths were found; otherwise lattices of `resolution` are."""
     large_neighbourhood_search: bool = True
     """After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
     move as before."""

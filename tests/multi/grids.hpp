@@ -83,7 +83,7 @@ struct GridWorld : TestWorld {
     return a.to == b.to || a.from == b.from || (a.from == b.to && a.to == b.from);
   }
   /// Two agents at a cell: the constrained one may not be there at that step. A swap: it may not make this move.
-  bool forbids(const Constraint& constraint, const Move& move) const override {
+  bool forbids(const Constraint& constraint, const Move& move) override {
     const Move& mine = constraint.conflict.moves[constraint.side];
     const Move& other = constraint.conflict.moves[1 - constraint.side];
     if (mine.to == other.to) return move.to == mine.to && move.end == mine.end;
@@ -154,7 +154,7 @@ struct RandomWorld : TestWorld {
     const std::uint64_t dice = mixed({seed, a, in_a.from, in_a.to, b, in_b.from, in_b.to});
     return !strangers(a, b) && static_cast<double>(dice >> 11) * 0x1p-53 < density;
   }
-  bool forbids(const Constraint& constraint, const Move& move) const override {
+  bool forbids(const Constraint& constraint, const Move& move) override {
     if (!by_step) return World::forbids(constraint, move);
     const Move& mine = constraint.conflict.moves[constraint.side];
     const int step = constraint.conflict.step;

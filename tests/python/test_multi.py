@@ -2,6 +2,7 @@
 
 import collections.abc
 import pickle
+import re
 import signal
 import threading
 import time
@@ -65,7 +66,7 @@ def test_the_statistics():
 
 
 def test_constraint_tree_nodes_are_counted():
-    planner = two("ECBS")
+    planner = two("ECBS", multi_resolution=False)
     planner.plan_multi(STARTS, GOALS)
     statistics = planner.get_planning_stats()
     assert "lattices of 15 degrees" in statistics["bound_graph"]
@@ -73,6 +74,19 @@ def test_constraint_tree_nodes_are_counted():
     assert statistics["samples"] == 0
     assert statistics["found_by"] == "conflict-based search"
     assert 1 <= statistics["bound"] <= 1.3 * 1.3 * 50
+
+
+def test_the_bound_of_ecbs_is_about_the_lattices_in_which_it_found_the_paths():
+    planner = two("ECBS", resolution=10)
+    planner.plan_multi(STARTS, GOALS)
+    statistics = planner.get_planning_stats()
+    lattice = re.search(r"lattices of ([\d.]+) degrees", statistics["bound_graph"])
+    assert lattice and float(lattice[1]) in (60, 30, 15, 7.5)
+    assert statistics["states"] > 0
+    assert 1 <= statistics["bound"] <= 1.3 * 1.3 * 50
+    planner = two("ECBS", resolution=60)  # 6 and 3 times as much are more than 90 degrees
+    planner.plan_multi(STARTS, GOALS)
+    assert "lattices of 90 degrees" in planner.get_planning_stats()["bound_graph"]
 
 
 def test_a_path_that_is_shown_optimal_has_bound_1():
@@ -392,7 +406,7 @@ def test_options_of_single_robots_are_kept(tmp_path):
 
 
 def test_the_time_limit_is_kept():
-    planner = two("CBS", time_limit=0.05)
+    planner = two("CBS", time_limit=0.05, resolution=2)
     with pytest.raises(srmp.PlanningError, match=r"no paths within the time limit of 0.05 s \(\d+ nodes") as error:
         planner.plan_multi(STARTS, GOALS)
     assert error.value.status == srmp.Status.timed_out
@@ -405,7 +419,7 @@ def test_the_time_limit_is_kept():
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_ctrl_c_stops_it(threads):
-    planner = two("CBS", time_limit=60, num_threads=threads)
+    planner = two("CBS", time_limit=60, num_threads=threads, resolution=2)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()

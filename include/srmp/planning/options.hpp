@@ -196,6 +196,9 @@ struct ECBS {
   /// Each robot is planned by itself first, by weighted A*, and only robots whose paths conflict are planned jointly;
   /// otherwise all robots that can reach each other are.
   bool independence_detection{false};
+  /// Lattices of 6, 3, 1.5 and 0.75 times `resolution` (at most 90 degrees) are searched in turn, with budgets that
+  /// grow, and the bound holds for those in which the paths were found; otherwise lattices of `resolution` are.
+  bool multi_resolution{true};
   /// After `shortcut`, paths of robots that were planned jointly are rerouted, one robot at a time, while the others
   /// move as before.
   bool large_neighbourhood_search{true};

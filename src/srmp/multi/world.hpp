@@ -84,6 +84,11 @@ struct Constraint {
   std::size_t agent() const { return conflict.agents[side]; }
 };
 
+/// The agent of a conflict whose constraint is the stronger one: now the one, now the other.
+inline int avoiding_side(const Conflict& conflict) {
+  return static_cast<int>((conflict.agents[0] + conflict.agents[1] + static_cast<std::size_t>(conflict.step)) % 2);
+}
+
 /// The step from which on the constraint forbids nothing.
 inline int end_of(const Constraint& constraint) {
   int end = 0;
@@ -105,8 +110,15 @@ class World {
   /// Does the constraint forbid its agent's `move`? It must forbid the conflict's own move. No solution may contain
   /// both a move that one side's constraint forbids and one that the other side's forbids, so that branching loses
   /// none. Moves that begin when both moves of the conflict have ended are never forbidden.
-  virtual bool forbids(const Constraint& constraint, const Move& move) const {
-    return constraint.conflict.moves[constraint.side] == move;
+  ///
+  /// By default one of the two agents may not make its move of the conflict, and the other none that conflicts with it
+  /// (avoidance of a step: Shaoul, Veerapaneni, Likhachev, Li 2024): where the one makes it, the other has to avoid it.
+  virtual bool forbids(const Constraint& constraint, const Move& move) {
+    const Conflict& conflict = constraint.conflict;
+    const int side = constraint.side, other = 1 - side;
+    if (conflict.moves[side] == move) return true;
+    return side == avoiding_side(conflict) &&
+           in_conflict(conflict.agents[side], move, conflict.agents[other], conflict.moves[other]);
   }
 };
 

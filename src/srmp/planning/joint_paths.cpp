@@ -34,6 +34,7 @@ class IndependenceDetection {
     planner_ = std::make_unique<GroupPlanner>(*world_, problem_.options);
     statistics_.bound_graph = graph_of_bound();
     find_groups();
+    statistics_.bound_graph = graph_of_bound();
     smooth();
     improve();
     statistics_.states += world_->states();
@@ -236,8 +237,11 @@ class IndependenceDetection {
   /// xECBS proves no more than that no path is shorter than the straight line.
   std::string graph_of_bound() const {
     if (std::holds_alternative<XECBS>(problem_.options)) return "every path";
-    return "the robots' " + describe_lattices(*world_, problem_.options) + ", in steps of " +
-           to_text(world_->step_time()) + " s, waiting counted";
+    std::string graphs;
+    for (const Group& group : groups_)
+      if (graphs.find(group.found.graph) == std::string::npos)
+        graphs += (graphs.empty() ? "" : "; ") + group.found.graph;
+    return graphs.empty() ? describe_graph(*world_, problem_.options) : graphs;
   }
 
   /// Zero where nothing is proven.

@@ -111,7 +111,7 @@ OptionSpec large_neighbourhood_search() {
 
 template <class Planner>
 std::vector<OptionSpec> conflict_options() {
-  return {
+  std::vector<OptionSpec> options{
       low_level_weight<Planner>(),
       option("high_level_focal_suboptimality", &Planner::high_level_focal_suboptimality, at_least(1.0),
              "The focal list of the constraint tree holds the nodes within this factor of the lower bound."),
@@ -121,6 +121,13 @@ std::vector<OptionSpec> conflict_options() {
       large_neighbourhood_search<Planner>(),
       robot_threads<Planner>(),
   };
+  if constexpr (requires { &Planner::multi_resolution; })
+    options.insert(options.end() - 2, option("multi_resolution", &Planner::multi_resolution, anything(),
+                                             "Lattices of 6, 3, 1.5 and 0.75 times `resolution` (at most 90 degrees) "
+                                             "are searched in turn, with budgets that grow, and the bound holds for "
+                                             "those in which the paths were found; otherwise lattices of `resolution` "
+                                             "are."));
+  return options;
 }
 
 // --- planners --------------------------------------------------------------------------------------------------------

@@ -90,12 +90,9 @@ Attempt ExperienceConflictSearch::on_lattices(Scaled& lattices, std::uint64_t ev
 
 Attempt ExperienceConflictSearch::search(MultiRobotWorld& world, const multi::ConflictSearchOptions& options,
                                          const std::string& found_by, const Deadline& deadline) {
-  const std::uint64_t states = world.states(), checks = world.pair_checks();
-  Attempt attempt = conflict_search_attempt(world, robots_, options_, options, found_by, deadline, statistics_);
+  Attempt attempt = conflict_search_apart(world, robots_, options_, options, found_by, deadline, statistics_);
   attempt.lower = 0.0;  // of these lattices alone
   if (attempt.status == Status::exhausted && !can_exhaust()) attempt.status = Status::timed_out;
-  statistics_.states += world.states() - states;
-  statistics_.edge_checks += world.pair_checks() - checks;
   return attempt;
 }
 
@@ -104,9 +101,7 @@ std::unique_ptr<MultiRobotWorld> ExperienceConflictSearch::make_world(double sca
   options.scale = scale;
   options.sparse = true;
   options.by_spheres = !can_exhaust();
-  auto world = std::make_unique<MultiRobotWorld>(world_.checkers(), tasks_, options);
-  world->stop_at(deadline);
-  return world;
+  return world_like(world_, tasks_, options, deadline);
 }
 
 /// Around one other robot at a time.

@@ -8,6 +8,7 @@
 #include "srmp/planning/strategies/composite_sampling.hpp"
 #include "srmp/planning/strategies/experience_conflict_search.hpp"
 #include "srmp/planning/strategies/group_strategies.hpp"
+#include "srmp/planning/strategies/lattice_conflict_search.hpp"
 
 namespace srmp {
 
@@ -25,6 +26,9 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadl
   }
   if (std::holds_alternative<XECBS>(options_))
     strategies.push_back(std::make_unique<ExperienceConflictSearch>(world_, robots, options_, statistics));
+  else if (const auto* ecbs = std::get_if<ECBS>(&options_);
+           ecbs && ecbs->multi_resolution && !world_.has_own_primitives())
+    strategies.push_back(std::make_unique<LatticeConflictSearch>(world_, robots, options_, statistics));
   else
     strategies.push_back(std::make_unique<ConflictSearchStrategy>(world_, robots, options_, !portfolio, statistics));
   if (portfolio) strategies.push_back(std::make_unique<CompositeLatticeStrategy>(*space, statistics));

@@ -159,6 +159,23 @@ Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::s
   return attempt;
 }
 
+Attempt conflict_search_apart(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                              const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
+                              const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics) {
+  const std::uint64_t states = world.states(), checks = world.pair_checks();
+  Attempt attempt = conflict_search_attempt(world, robots, options, search_options, found_by, deadline, statistics);
+  statistics.states += world.states() - states;
+  statistics.edge_checks += world.pair_checks() - checks;
+  return attempt;
+}
+
+std::unique_ptr<MultiRobotWorld> world_like(const MultiRobotWorld& world, std::vector<WorldTask> tasks,
+                                            const MultiRobotWorld::Options& options, const Deadline& deadline) {
+  auto made = std::make_unique<MultiRobotWorld>(world.checkers(), std::move(tasks), options);
+  made->stop_at(deadline);
+  return made;
+}
+
 ConflictSearchStrategy::ConflictSearchStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
                                                const PlannerOptions& options, bool alone, PlanStatistics& statistics)
     : world_(world),
@@ -199,8 +216,13 @@ multi::ConflictSearchOptions conflict_search_options(const PlannerOptions& optio
 }
 
 std::string describe_lattices(const MultiRobotWorld& world, const PlannerOptions& options) {
-  return "lattices of " + to_text(common_options(options).resolution) + " degrees" +
+  return "lattices of " + to_text(world.options().scale * common_options(options).resolution) + " degrees" +
          (world.has_own_primitives() ? " or of their own primitives" : "");
+}
+
+std::string describe_graph(const MultiRobotWorld& world, const PlannerOptions& options) {
+  return "the robots' " + describe_lattices(world, options) + ", in steps of " + to_text(world.step_time()) +
+         " s, waiting counted";
 }
 
 // --- the composite lattice
