@@ -422,11 +422,12 @@ void Prover::give_up(const Open& open, const Interval& interval, bool measured) 
 }
 
 /// Proves the pair over the interval around the current configuration, or leaves it open; false at a contact. While
-/// the bodies are placed, more is proved than that it is free: the goal, as long as that takes few more checks.
+/// the bodies are placed, more is proved of solids than that they are free: the goal, as long as that takes few more
+/// checks. Distances of meshes take long, so those come later, the nearest first.
 bool Prover::prove_pair(Open open, const Interval& interval) {
   const Pair& pair = model_.bodies.pairs[open.pair];
   const double motion = approach(pair);
-  const bool raises = raising_ < max_sharpening && motion >= Checker::motion_floor;
+  const bool raises = pair.solid && raising_ < max_sharpening && motion >= Checker::motion_floor;
   const Check found = check(pair, motion, raises ? goal() : 0.0);
   if (found.status == CollisionStatus::colliding) return false;
   const bool free = found.status == CollisionStatus::free;
