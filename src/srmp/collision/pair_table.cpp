@@ -209,8 +209,10 @@ Sha256::Digest key_of(const RobotModel& model) {
   const RobotDataPtr data = model.make_data();
   for (std::size_t sample = 1; sample <= 4; ++sample) {
     model.forward(*data, 6.0 * low_discrepancy_point(sample, static_cast<Eigen::Index>(model.dof())));
-    for (std::size_t i = 0; i < model.geometries().size(); ++i)
-      for (const double x : model.geometry_pose(*data, i).matrix().reshaped()) hash.add(x);
+    for (std::size_t i = 0; i < model.geometries().size(); ++i) {
+      const Eigen::Matrix4d pose = model.geometry_pose(*data, i).matrix();
+      for (const double x : pose.reshaped()) hash.add(x);
+    }
   }
   return hash.digest();
 }
