@@ -239,7 +239,7 @@ class Prover {
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_pair(Open open, const Interval& interval);
-  void give_up(const Open& open, const Interval& interval, bool measured);
+  void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
   Check check(const Pair& pair, double motion, double required);
   Check measure(const Pair& pair, double motion, double required);
@@ -413,8 +413,8 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
   unproved_.emplace_back(pair, part);
 }
 
-/// Notes what is proved of the pair over the interval.
-void Prover::give_up(const Open& open, const Interval& interval, bool measured) {
+/// Notes what is proved of the pair over the interval, which is not halved for it.
+void Prover::close(const Open& open, const Interval& interval, bool measured) {
   if (open.bound >= 0.0)
     note_proved({open.bound, interval, open.pair, measured});
   else
@@ -432,10 +432,9 @@ bool Prover::prove_pair(Open open, const Interval& interval) {
   if (found.status == CollisionStatus::colliding) return false;
   const bool free = found.status == CollisionStatus::free;
   if (free) open.bound = std::max(open.bound, found.bound);
-  if (open.bound >= 0.0 && (open.bound >= goal() || !raises))
-    note_proved({open.bound, interval, open.pair, found.measured});
-  else if (motion < finest_motion || interval.is_indivisible())
-    give_up(open, interval, found.measured);
+  const bool proved = open.bound >= 0.0 && (open.bound >= goal() || !raises);
+  if (proved || motion < finest_motion || interval.is_indivisible())
+    close(open, interval, found.measured);
   else
     open_.push_back({open.pair, levels_for(free ? open.bound + motion - goal() : found.room, motion), open.bound});
   raising_ += open.bound >= 0.0 && open.bound < goal();
@@ -446,7 +445,7 @@ bool Prover::prove_pair(Open open, const Interval& interval) {
 bool Prover::prove(const Interval& interval, std::size_t first, std::size_t count) {
   rare_interruption_point();
   if (samples_ >= max_samples || stopped()) {
-    for (std::size_t i = first; i < first + count; ++i) give_up(open_[i], interval, false);
+    for (std::size_t i = first; i < first + count; ++i) close(open_[i], interval, false);
     return true;
   }
   const auto due = [](const Open& open) { return open.levels == 0; };

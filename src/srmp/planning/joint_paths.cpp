@@ -234,13 +234,18 @@ class IndependenceDetection {
     return paths;
   }
 
+  /// What the groups' paths say, without repetitions.
+  std::string each_once(std::string FoundPath::* text, const char* separator) const {
+    std::string all;
+    for (const Group& group : groups_)
+      if (all.find(group.found.*text) == std::string::npos) all += (all.empty() ? "" : separator) + group.found.*text;
+    return all;
+  }
+
   /// xECBS proves no more than that no path is shorter than the straight line.
   std::string graph_of_bound() const {
     if (std::holds_alternative<XECBS>(problem_.options)) return "every path";
-    std::string graphs;
-    for (const Group& group : groups_)
-      if (graphs.find(group.found.graph) == std::string::npos)
-        graphs += (graphs.empty() ? "" : "; ") + group.found.graph;
+    const std::string graphs = each_once(&FoundPath::graph, "; ");
     return graphs.empty() ? describe_graph(*world_, problem_.options) : graphs;
   }
 
@@ -253,10 +258,7 @@ class IndependenceDetection {
   }
 
   void record() {
-    statistics_.found_by.clear();
-    for (const Group& group : groups_)
-      if (statistics_.found_by.find(group.found.found_by) == std::string::npos)
-        statistics_.found_by += (statistics_.found_by.empty() ? "" : ", ") + group.found.found_by;
+    statistics_.found_by = each_once(&FoundPath::found_by, ", ");
     record_costs(problem_, smoothed_paths(), lower(), deadline_, statistics_);
   }
 

@@ -50,10 +50,11 @@ JointPath joint_path(const MultiRobotWorld& world, const std::vector<std::size_t
 }
 
 bool in_conflict(MultiRobotWorld& world, const JointPath& a, const JointPath& b) {
-  const std::vector<double> steps = all_steps({&a, &b});
+  std::vector<double> steps;  // none until they are needed: most groups are far from each other
   for (std::size_t i = 0; i < a.robots.size(); ++i)
     for (std::size_t j = 0; j < b.robots.size(); ++j) {
       if (!world.may_conflict(a.robots[i], b.robots[j])) continue;
+      if (steps.empty()) steps = all_steps({&a, &b});
       for (std::size_t row = 0; row < std::max<std::size_t>(steps.size() - 1, 1); ++row) {
         const double from = steps[row], to = steps[std::min(row + 1, steps.size() - 1)];
         if (!world.are_collision_free(a.robots[i], position_at(a, i, from), position_at(a, i, to), b.robots[j],
