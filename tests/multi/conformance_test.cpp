@@ -124,7 +124,6 @@ BOOST_AUTO_TEST_CASE(a_world_without_paths_under_the_constraints_is_exhausted) {
   for (const Planner& planner : all_planners()) {
     RandomWorld world = random_graphs(1);
     world.density = 1.0;  // at any two places
-    world.by_step = true;
     const ConflictSearchResult result = plan(world, planner.options);
     BOOST_TEST((result.status == Status::exhausted));
     BOOST_TEST(result.stuck_agent == no_agent);

@@ -38,6 +38,8 @@ struct TestAgent : Agent {
   int min_steps{1}, max_steps{1};
   double wait{1.0};
   std::vector<double> inadmissible_heuristics;  ///< by state; empty: the heuristic
+  std::vector<std::vector<double>> costs;       ///< of the cheapest paths between states; empty: not known
+  std::vector<std::vector<int>> steps;          ///< of the quickest ones
 
   explicit TestAgent(Problem p) : problem(std::move(p)) {}
 
@@ -53,6 +55,29 @@ struct TestAgent : Agent {
     return min_steps + static_cast<int>(mixed({from, to}) % static_cast<std::uint64_t>(max_steps - min_steps + 1));
   }
   double wait_cost() override { return wait; }
+  double lower_cost(StateId from, StateId to) override { return costs.empty() ? 0.0 : costs[from][to]; }
+  int lower_steps(StateId from, StateId to) override { return steps.empty() ? 0 : steps[from][to]; }
+
+  /// By Floyd and Warshall.
+  void set_lower_bounds() {
+    const std::size_t count = problem.h.size();
+    costs.assign(count, std::vector<double>(count, infinity));
+    steps.assign(count, std::vector<int>(count, 1'000));
+    for (StateId s = 0; s < count; ++s) {
+      costs[s][s] = steps[s][s] = 0;
+      for (const auto& arc : problem.graph.arcs[s]) {
+        if (arc.cost == infinity) continue;
+        costs[s][arc.to] = arc.cost;
+        steps[s][arc.to] = duration(s, arc.to);
+      }
+    }
+    for (StateId via = 0; via < count; ++via)
+      for (StateId a = 0; a < count; ++a)
+        for (StateId b = 0; b < count; ++b) {
+          costs[a][b] = std::min(costs[a][b], costs[a][via] + costs[via][b]);
+          steps[a][b] = std::min(steps[a][b], steps[a][via] + steps[via][b]);
+        }
+  }
 };
 
 /// What an agent does during a step: it is on an edge, or at a state (from == to).
@@ -81,13 +106,6 @@ struct TestWorld : World {
 struct GridWorld : TestWorld {
   bool collide(std::size_t, Place a, std::size_t, Place b) const override {
     return a.to == b.to || a.from == b.from || (a.from == b.to && a.to == b.from);
-  }
-  /// Two agents at a cell: the constrained one may not be there at that step. A swap: it may not make this move.
-  bool forbids(const Constraint& constraint, const Move& move) override {
-    const Move& mine = constraint.conflict.moves[constraint.side];
-    const Move& other = constraint.conflict.moves[1 - constraint.side];
-    if (mine.to == other.to) return move.to == mine.to && move.end == mine.end;
-    return move == mine;
   }
 };
 
@@ -144,7 +162,6 @@ inline GridWorld random_grid(Dice& dice, unsigned width, unsigned height, unsign
 struct RandomWorld : TestWorld {
   unsigned seed{};
   double density{};  ///< fraction of the pairs of places that collide
-  bool by_step{};    ///< constraints forbid the place at the conflict's step, in place of the one move
 
   static bool strangers(std::size_t a, std::size_t b) { return a + b == 3; }  // 0 and 3, 1 and 2
 
@@ -154,12 +171,6 @@ struct RandomWorld : TestWorld {
     const std::uint64_t dice = mixed({seed, a, in_a.from, in_a.to, b, in_b.from, in_b.to});
     return !strangers(a, b) && static_cast<double>(dice >> 11) * 0x1p-53 < density;
   }
-  bool forbids(const Constraint& constraint, const Move& move) override {
-    if (!by_step) return World::forbids(constraint, move);
-    const Move& mine = constraint.conflict.moves[constraint.side];
-    const int step = constraint.conflict.step;
-    return move.from == mine.from && move.to == mine.to && move.start <= step && step < move.end;
-  }
 };
 
 inline RandomWorld random_graphs(unsigned seed) {
@@ -167,7 +178,7 @@ inline RandomWorld random_graphs(unsigned seed) {
   RandomWorld world;
   world.seed = seed;
   world.density = 0.3 * dice.unit();
-  world.by_step = dice.chance(0.5);
+  const bool bounds = dice.chance(0.5);
   const unsigned count = 2 + dice.below(3), states = 10 - 2 * count + dice.below(3);
   const bool ties = dice.chance(0.5);
   for (unsigned i = 0; i < count; ++i) {
@@ -185,6 +196,7 @@ inline RandomWorld random_graphs(unsigned seed) {
     world.agents.emplace_back(std::move(problem));
     world.agents.back().max_steps = 3;
     world.agents.back().wait = ties ? 1.0 : 0.1 + dice.unit();
+    if (bounds) world.agents.back().set_lower_bounds();
   }
   return world;
 }

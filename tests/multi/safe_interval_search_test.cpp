@@ -37,7 +37,7 @@ struct Scene {
     for (const Move& move : path.moves) {
       BOOST_REQUIRE_EQUAL(move.from, at);
       BOOST_REQUIRE_EQUAL(move.start, step);
-      for (const Constraint& constraint : constraints) BOOST_TEST(!world->forbids(constraint, move));
+      for (const Constraint& constraint : constraints) BOOST_TEST(!forbids(*world, constraint, me, move));
       if (move.end == forever) break;
       BOOST_REQUIRE_EQUAL(move.end - move.start, move.waits() ? 1 : agent.duration(move.from, move.to));
       cost += move.waits() ? agent.wait : agent.evaluate(move.from, move.to);
@@ -93,9 +93,10 @@ BOOST_AUTO_TEST_CASE(constraints_are_obeyed) {
     BOOST_TEST_CONTEXT("seed " << seed) {
       Scene scene(seed);
       if (!scene.solvable_alone() || scene.paths.size() < 2) continue;
-      for (const Move& move : scene.paths[me].moves)  // none of its own moves, beside one of the second agent's
-        if (scene.constraints.size() < 3 && move.end != forever)
-          scene.constraints.push_back({{{me, 1}, {move, scene.paths[1].moves.front()}, move.start}, 0});
+      for (const Move& move : scene.paths[me].moves)  // none of its first moves
+        if (scene.constraints.size() < 3 && move.end != forever) scene.constraints.push_back({me, move, false});
+      if (const Move& move = scene.paths[1].moves.front(); seed % 2 == 0 && move.end != forever)
+        scene.constraints.push_back({1, move, true});  // nor any that conflicts with the second agent's
       const TimedSearchResult found = scene.search({});
       if (found.status != Status::solved) continue;
       scene.check(found.path);

@@ -31,7 +31,7 @@ struct Scene {
 
   bool may_make(const Move& move) {
     for (const Constraint& constraint : constraints)
-      if (world->forbids(constraint, move)) return false;
+      if (forbids(*world, constraint, me, move)) return false;
     for (int step = move.start; step < move.end; ++step)
       for (const OtherPath& other : avoid)
         if (world->collide(me, {move.from, move.to}, other.agent, place_at(*other.path, step))) return false;
@@ -130,7 +130,14 @@ BOOST_AUTO_TEST_CASE(constraints_are_kept_with_and_without_experience) {
         for (const OtherPath& other : scene.others)
           if (found.count == 0) found = conflicts_of(*scene.world, {me, &last}, other);
         if (found.count == 0) break;
-        scene.constraints.push_back({found.first, 0});
+        const std::size_t kind = mixed({seed, static_cast<std::uint64_t>(count)}) % 3;
+        const Move& own = last.moves[count % last.moves.size()];
+        if (kind == 0 && own != found.first.moves[0] && own.end != forever)
+          scene.constraints.push_back({me, own, true});
+        if (kind == 1)
+          scene.constraints.push_back({found.first.agents[1], found.first.moves[1], true});
+        else
+          scene.constraints.push_back({me, found.first.moves[0], false});
         max_count = std::max(max_count, count + 1);
         const double optimum = scene.optimum();
         check_path(scene, scene.search(options), options.bound, optimum);
@@ -143,6 +150,19 @@ BOOST_AUTO_TEST_CASE(constraints_are_kept_with_and_without_experience) {
     }
   }
   BOOST_TEST(max_count == 12);
+}
+
+BOOST_AUTO_TEST_CASE(a_constraint_splits_the_solutions_in_two) {
+  GridWorld world = grid({"a.b", "..."}, {"b.a", "..."});
+  const Move right{0, 1, 0, 1}, wait{0, 0, 0, 1}, later{0, 1, 1, 2}, there{2, 1, 0, 1}, down{2, 5, 0, 1};
+  const Constraint never{0, right, false}, always{0, right, true};
+  for (const Move& move : {right, wait}) BOOST_TEST(forbids(world, never, 0, move) != forbids(world, always, 0, move));
+  BOOST_TEST(forbids(world, never, 0, right));
+  for (const Constraint& constraint : {never, always}) {
+    BOOST_TEST(!forbids(world, constraint, 0, later));  // it has ended
+    BOOST_TEST(!forbids(world, constraint, 1, down));
+    BOOST_TEST(forbids(world, constraint, 1, there) == constraint.required);
+  }
 }
 
 BOOST_AUTO_TEST_CASE(conflicts_with_others_are_as_few_as_the_bound_allows) {

@@ -180,7 +180,7 @@ class ConflictSearch {
 
   void tell(const TreeNode& node, std::uint64_t parent) const {
     OpenedNode opened{node.number, parent, node.cost, node.conflicts.size(), {}};
-    if (!node.conflicts.empty()) opened.first = choose(node);
+    if (!node.conflicts.empty()) opened.first = earliest(node);
     options_.on_opened(opened);
   }
 
@@ -202,12 +202,12 @@ class ConflictSearch {
 
   /// Opens the children of a node with a conflict.
   void branch(const TreeNode& node) {
-    const Conflict conflict = choose(node);
+    const Conflict conflict = earliest(node);
     for (const int side : {0, 1})
       if (gives_way(node, conflict.agents[side], conflict.agents[1 - side]))
         return push(replanned(std::make_shared<TreeNode>(node), conflict.agents[side]));
     if (!by_priorities() || (proves_ && node.complete && !priorities_only()))
-      add_constrained(node, conflict);
+      add_constrained(node);
     else
       add_prioritised(node, conflict);
   }
@@ -267,29 +267,95 @@ class ConflictSearch {
     return std::make_shared<const TimedPath>(std::move(later));
   }
 
-  /// Opens the two children that lose no solution; or in place of them the node itself, with a path found for one of
-  /// them that has fewer conflicts and is within the node's bound (bypass: Boyarski, Felner, Sharon, Stern 2015), but
-  /// never for a node that was taken to raise the bound.
-  void add_constrained(const TreeNode& node, const Conflict& conflict) {
+  /// The two children of a conflict that together lose no solution; null: there is none.
+  struct Split {
     NodePtr children[2];
-    for (const int side : {0, 1}) {
-      const std::size_t agent = conflict.agents[side];
-      auto child = std::make_shared<TreeNode>(node);
-      child->constraints = std::make_shared<const Link>(Link{{conflict, side}, node.constraints});
-      children[side] = child = replanned(std::move(child), agent);
-      if (!child || proves_ || child->move_conflicts >= node.move_conflicts ||
-          child->paths[agent]->cost > low_bound() * node.lower[agent])
-        continue;
-      child->constraints = node.constraints;
-      child->lower = node.lower;
-      child->sum_up();
-      return push(std::move(child));
-    }
-    for (NodePtr& child : children) push(std::move(child));
+    int raised{};  // children with a larger lower bound than the node has
+  };
+
+  /// Opens the two children that lose no solution; or in place of them the node itself, with paths found for one of
+  /// them that have fewer conflicts and are within the node's bounds (bypass: Boyarski, Felner, Sharon, Stern 2015),
+  /// but never for a node that was taken to raise the bound.
+  void add_constrained(const TreeNode& node) {
+    Split split = raises_bound() ? cardinal_split(node) : first_split(node);
+    for (const NodePtr& child : split.children)
+      if (!proves_ && bypasses(node, child)) {
+        child->constraints = node.constraints;
+        child->lower = node.lower;
+        child->sum_up();
+        return push(child);
+      }
+    for (NodePtr& child : split.children) push(std::move(child));
   }
 
-  /// The earliest conflict; of several, that of the first agents.
-  static Conflict choose(const TreeNode& node) {
+  /// Is the node branched for the sake of the lower bound, in place of a path?
+  bool raises_bound() const { return proves_ || options_.bound() == 1.0; }
+
+  /// By the earliest conflict; one child where that is a bypass.
+  Split first_split(const TreeNode& node) {
+    Split split;
+    for (const bool required : {false, true}) {
+      split.children[required] = child_of(node, earliest(node), required);
+      if (bypasses(node, split.children[required])) break;
+    }
+    return split;
+  }
+
+  /// By the earliest conflict of those most of whose children have a larger lower bound (cardinal conflicts first:
+  /// Boyarski et al. 2015, "ICBS").
+  Split cardinal_split(const TreeNode& node) {
+    std::vector<const Conflict*> by_step;
+    for (const auto& [pair, found] : node.conflicts) by_step.push_back(&found.first);
+    std::ranges::stable_sort(by_step, {}, &Conflict::step);
+    Split best;
+    best.raised = -1;
+    for (const Conflict* conflict : by_step) {
+      Split split;
+      for (const bool required : {false, true}) {
+        const NodePtr child = split.children[required] = child_of(node, *conflict, required);
+        split.raised += !child || child->lower_sum > node.lower_sum * (1.0 + 1e-12);
+      }
+      if (split.raised > best.raised) best = std::move(split);
+      if (best.raised == 2) break;
+    }
+    return best;
+  }
+
+  /// The child in which one agent of the conflict has to make its move, and all others avoid it, or may not make it.
+  NodePtr child_of(const TreeNode& node, const Conflict& conflict, bool required) {
+    const int side = side_of_split(conflict);
+    const Constraint constraint{conflict.agents[side], conflict.moves[side], required};
+    auto child = std::make_shared<TreeNode>(node);
+    child->constraints = std::make_shared<const Link>(Link{constraint, node.constraints});
+    if (!required) return replanned(std::move(child), constraint.agent);
+    for (std::size_t i = 0; i < world_.size() && child; ++i)
+      if (i != constraint.agent && breaks(i, *child->paths[i], constraint)) child = replanned(std::move(child), i);
+    return child;
+  }
+
+  /// The agent that is on the move, if the other one waits: to give way to it says more. Else now the one, now the
+  /// other.
+  static int side_of_split(const Conflict& conflict) {
+    if (conflict.moves[0].waits() != conflict.moves[1].waits()) return conflict.moves[0].waits();
+    return static_cast<int>((conflict.agents[0] + conflict.agents[1] + static_cast<std::size_t>(conflict.step) + 1) %
+                            2);
+  }
+
+  bool breaks(std::size_t agent, const TimedPath& path, const Constraint& constraint) {
+    return std::ranges::any_of(merged_waits(path.moves),
+                               [&](const Move& move) { return forbids(world_, constraint, agent, move); });
+  }
+
+  /// Has the child fewer conflicts than the node, and all its paths within the node's bounds?
+  bool bypasses(const TreeNode& node, const NodePtr& child) const {
+    if (!child || child->move_conflicts >= node.move_conflicts) return false;
+    for (std::size_t i = 0; i < node.paths.size(); ++i)
+      if (child->paths[i] != node.paths[i] && child->paths[i]->cost > low_bound() * node.lower[i]) return false;
+    return true;
+  }
+
+  /// Of several, that of the first agents.
+  static const Conflict& earliest(const TreeNode& node) {
     const auto earlier = [](const auto& a, const auto& b) { return a.second.first.step < b.second.first.step; };
     return std::min_element(node.conflicts.begin(), node.conflicts.end(), earlier)->second.first;
   }
@@ -323,9 +389,11 @@ class ConflictSearch {
 
   Status replan(TreeNode& node, std::size_t agent, const TimedPath* last, const std::vector<std::size_t>& before,
                 const OtherPath& also = {}) {
-    std::vector<Constraint> mine;
-    for (const Link* link = node.constraints.get(); link; link = link->before.get())
-      if (link->constraint.agent() == agent) mine.push_back(link->constraint);
+    std::vector<Constraint> constraints;  // that may forbid the agent a move
+    for (const Link* link = node.constraints.get(); link; link = link->before.get()) {
+      const Constraint& c = link->constraint;
+      if (c.agent == agent || (c.required && world_.may_conflict(agent, c.agent))) constraints.push_back(c);
+    }
     std::vector<OtherPath> avoid, others;
     std::vector<std::pair<std::size_t, PathPtr>> way_given{{agent, nullptr}};
     for (std::size_t i = 0; i < world_.size(); ++i) {
@@ -344,13 +412,14 @@ class ConflictSearch {
     options.max_evaluations = options_.max_evaluations - std::min(options_.max_evaluations, evaluations());
     if (!avoid.empty()) options.max_evaluations = std::min(options.max_evaluations, options_.max_priority_evaluations);
     const TimedPath* experience = options_.experience ? last : nullptr;
-    TimedSearchResult found = options_.known_paths_only || (by_priorities() && !avoid.empty())
-                                  ? safe_interval_search(world_, agent, mine, avoid, experience,
-                                                         {.weight = options_.low_level_weight,
-                                                          .known_paths_only = options_.known_paths_only,
-                                                          .max_evaluations = options.max_evaluations},
-                                                         deadline_)
-                                  : timed_search(world_, agent, mine, avoid, others, experience, options, deadline_);
+    TimedSearchResult found =
+        options_.known_paths_only || (by_priorities() && !avoid.empty())
+            ? safe_interval_search(world_, agent, constraints, avoid, experience,
+                                   {.weight = options_.low_level_weight,
+                                    .known_paths_only = options_.known_paths_only,
+                                    .max_evaluations = options.max_evaluations},
+                                   deadline_)
+            : timed_search(world_, agent, constraints, avoid, others, experience, options, deadline_);
     search::Statistics& low = result_.statistics.low;
     low.expansions += found.statistics.expansions;
     low.generated += found.statistics.generated;

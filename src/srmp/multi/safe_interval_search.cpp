@@ -74,7 +74,7 @@ class SafeIntervalSearch {
         constraints_(constraints),
         options_(options),
         wait_cost_(agent_.wait_cost()) {
-    for (const Constraint& constraint : constraints) horizon_ = std::max(horizon_, end_of(constraint));
+    for (const Constraint& constraint : constraints) horizon_ = std::max(horizon_, constraint.end());
     for (const OtherPath& other : avoid) {
       horizon_ = std::max(horizon_, other.path->arrival());
       avoid_.push_back({other.agent, merged_waits(other.path->moves)});
@@ -212,7 +212,7 @@ class SafeIntervalSearch {
   /// free.
   std::optional<int> obstructed_until(const Move& move) {
     for (const Constraint& constraint : constraints_)
-      if (world_.forbids(constraint, move)) return move.start + 1;
+      if (forbids(world_, constraint, me_, move)) return move.start + 1;
     for (const PathOfOther& other : avoid_)
       for (auto at = first_overlap(other, move.start); at != other.moves.end() && at->start < move.end; ++at)
         if (world_.in_conflict(me_, move, other.agent, *at)) {
@@ -232,8 +232,8 @@ class SafeIntervalSearch {
     if (known != stays_.end()) return known->second;
     int end = forever;
     for (const Constraint& constraint : constraints_)
-      for (int at = step; at < std::min(end, end_of(constraint)); ++at)
-        if (world_.forbids(constraint, {state, state, at, at + 1})) end = at;
+      for (int at = step; at < std::min(end, constraint.end()); ++at)
+        if (forbids(world_, constraint, me_, {state, state, at, at + 1})) end = at;
     for (const PathOfOther& other : avoid_)
       for (auto at = first_overlap(other, step); at != other.moves.end() && at->start < end; ++at)
         end = std::min(end, end_of_stay_beside(state, std::max(step, at->start), other.agent, *at));

@@ -20,7 +20,7 @@ struct SafeIntervalSearchOptions {
   std::uint64_t max_evaluations{std::numeric_limits<std::uint64_t>::max()};  ///< departures checked
 };
 
-/// One agent's path to a goal where it can stay for good, that makes no move which one of `constraints` (all its own)
+/// One agent's path to a goal where it can stay for good, that makes no move which one of `constraints`
 /// forbids and has no conflict with the paths in `avoid`: safe-interval path planning (SIPP: Phillips, Likhachev 2011)
 /// with lazily checked departures. A state is reached at most once in each interval of time during which the agent may
 /// wait there, so that no two states differ by waits alone. A departure that is not free is tried again when what is in

@@ -65,7 +65,8 @@ class TimedSearch {
         options_(options),
         wait_cost_(agent_.wait_cost()) {
     if (!(wait_cost_ > 0.0)) refuse("wait_cost is " + to_text(wait_cost_) + ", it must be more than 0");
-    for (const Constraint& constraint : constraints) horizon_ = std::max(horizon_, end_of(constraint));
+    for (const Constraint& constraint : constraints) horizon_ = std::max(horizon_, constraint.end());
+    add_landmarks();
     for (const auto& paths : {avoid, others})
       for (const OtherPath& other : paths) horizon_ = std::max(horizon_, other.path->arrival());
     for (const OtherPath& other : avoid) avoid_.push_back({other.agent, merged_waits(other.path->moves)});
@@ -108,13 +109,53 @@ class TimedSearch {
     return value;
   }
 
+  double heuristic(StateId state) const { return estimate(agent_.heuristic(state), "heuristic", state); }
+  double inadmissible_heuristic(StateId state) const {
+    return estimate(agent_.inadmissible_heuristic(state), "inadmissible heuristic", state);
+  }
+
+  struct ToGo {
+    double cost{};  // a lower bound
+    double inadmissible{};
+  };
+  /// A move that the agent has to make.
+  struct Landmark {
+    Move move;
+    ToGo to_go{};  // of the move and all that follows
+  };
+
+  void add_landmarks() {
+    for (const Constraint& constraint : constraints_)
+      if (constraint.required && constraint.agent == me_) landmarks_.push_back({.move = constraint.move});
+    std::ranges::sort(landmarks_, {}, [](const Landmark& landmark) { return landmark.move.start; });
+    for (std::size_t i = landmarks_.size(); i-- > 0;) {
+      Landmark& landmark = landmarks_[i];
+      const Move& move = landmark.move;
+      const double own = move.waits() ? wait_cost_ : agent_.evaluate(move.from, move.to);
+      const ToGo rest = to_go(move.to, i + 1);
+      landmark.to_go = {own + rest.cost, own + rest.inadmissible};
+    }
+  }
+
+  /// From a state on, with the landmark of this number and those after it still to come.
+  ToGo to_go(StateId state, std::size_t next) const {
+    if (next == landmarks_.size()) return {heuristic(state), inadmissible_heuristic(state)};
+    const Landmark& landmark = landmarks_[next];
+    const double there = agent_.lower_cost(state, landmark.move.from);
+    return {std::max(heuristic(state), there + landmark.to_go.cost), there + landmark.to_go.inadmissible};
+  }
+
   NodeId add(Node node) {
     const StateId state = node.move.to;
-    node.f = node.g + (node.final ? 0.0 : estimate(agent_.heuristic(state), "heuristic", state));
+    const auto next = std::ranges::lower_bound(landmarks_, node.move.end, {},
+                                               [](const Landmark& landmark) { return landmark.move.start; });
+    if (next != landmarks_.end() && !node.final &&
+        node.move.end + agent_.lower_steps(state, next->move.from) > next->move.start)
+      return no_node;  // too late
+    const ToGo rest = node.final ? ToGo{} : to_go(state, static_cast<std::size_t>(next - landmarks_.begin()));
+    node.f = node.g + rest.cost;
     if (node.f == search::infinity) return no_node;
-    const double to_go =
-        node.final ? 0.0 : estimate(agent_.inadmissible_heuristic(state), "inadmissible heuristic", state);
-    node.inflated = node.g + options_.low_level_weight * to_go;
+    node.inflated = node.g + options_.low_level_weight * rest.inadmissible;
     nodes_.push_back(node);
     const auto id = static_cast<NodeId>(nodes_.size() - 1);
     enter(id);
@@ -152,7 +193,7 @@ class TimedSearch {
 
   bool forbidden(const Move& move) const {
     for (const Constraint& constraint : constraints_)
-      if (world_.forbids(constraint, move)) return true;
+      if (forbids(world_, constraint, me_, move)) return true;
     for (const OtherMoves& other : avoid_)
       if (conflicts_with(move, other)) return true;
     return false;
@@ -237,8 +278,8 @@ class TimedSearch {
 
   bool can_stay(const Move& stay) const {
     for (const Constraint& constraint : constraints_) {
-      for (int step = stay.start; step < end_of(constraint); ++step)
-        if (world_.forbids(constraint, {stay.from, stay.from, step, step + 1})) return false;
+      for (int step = stay.start; step < constraint.end(); ++step)
+        if (forbids(world_, constraint, me_, {stay.from, stay.from, step, step + 1})) return false;
     }
     return std::none_of(avoid_.begin(), avoid_.end(),
                         [&](const OtherMoves& other) { return conflicts_with(stay, other); });
@@ -307,6 +348,7 @@ class TimedSearch {
   std::vector<OtherMoves> avoid_, others_;
   TimedSearchOptions options_;
   double wait_cost_;
+  std::vector<Landmark> landmarks_;  // by time
   int horizon_{0};
   std::vector<Node> nodes_;
   Heap<Key> by_f_, by_inflated_, waiting_;

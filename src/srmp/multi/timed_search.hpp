@@ -34,11 +34,12 @@ struct TimedSearchResult {
 /// One agent's path to a goal where it can stay for good: focal search (Pearl, Kim 1982) in the product of its graph
 /// and time.
 ///
-/// - It makes no move that one of `constraints` (all its own) forbids, and has no conflict with the paths in `avoid`.
+/// - It makes no move that one of `constraints` forbids, and has no conflict with the paths in `avoid`. Moves that the
+///   agent has to make are landmarks on its way: what is to go leads through them, and what comes too late is left out.
 /// - It has as few conflicts with the paths in `others` as the options allow.
 /// - `experience` (null: none) is a path of the same agent, found under fewer constraints: the part of it from the
-/// start
-///   that is still valid is in OPEN from the outset (Shaoul, Mishani, Likhachev, Li 2024). The guarantee is the same.
+///   start that is still valid is in OPEN from the outset (Shaoul, Mishani, Likhachev, Li 2024). The guarantee is the
+///   same.
 /// - States are reopened when a cheaper path to them is found, so that Agent::heuristic bounds all that is open.
 TimedSearchResult timed_search(World& world, std::size_t agent, std::span<const Constraint> constraints,
                                std::span<const OtherPath> avoid, std::span<const OtherPath> others,

@@ -56,6 +56,9 @@ class Agent {
   virtual double inadmissible_heuristic(StateId state) { return heuristic(state); }
   /// Steps that the edge takes, > 0.
   virtual int duration(StateId from, StateId to) = 0;
+  /// Lower bounds of what any path from one state to another costs, and of the steps that it takes.
+  virtual double lower_cost(StateId, StateId) { return 0.0; }
+  virtual int lower_steps(StateId, StateId) { return 0; }
   /// The states of paths from start to goal whose edges exist, both ways, where that is known beforehand.
   virtual std::vector<std::vector<StateId>> known_paths() { return {}; }
   /// Cost of waiting for a step, other than for good at the goal; > 0.
@@ -77,26 +80,6 @@ struct Conflict {
   int step{};  ///< the first at which they collide
 };
 
-/// Forbids one of a conflict's two agents its move.
-struct Constraint {
-  Conflict conflict;
-  int side{};
-  std::size_t agent() const { return conflict.agents[side]; }
-};
-
-/// The agent of a conflict whose constraint is the stronger one: now the one, now the other.
-inline int avoiding_side(const Conflict& conflict) {
-  return static_cast<int>((conflict.agents[0] + conflict.agents[1] + static_cast<std::size_t>(conflict.step)) % 2);
-}
-
-/// The step from which on the constraint forbids nothing.
-inline int end_of(const Constraint& constraint) {
-  int end = 0;
-  for (const Move& move : constraint.conflict.moves)
-    end = std::max(end, move.end == forever ? move.start + 1 : move.end);
-  return end;
-}
-
 /// All agents, and which of their moves conflict.
 class World {
  public:
@@ -107,24 +90,34 @@ class World {
   virtual bool may_conflict(std::size_t a, std::size_t b) const = 0;
   /// Do the agents collide at any time at which both moves last? Called for agents that may conflict only.
   virtual bool in_conflict(std::size_t a, const Move& move_a, std::size_t b, const Move& move_b) = 0;
-  /// Does the constraint forbid its agent's `move`? It must forbid the conflict's own move. No solution may contain
-  /// both a move that one side's constraint forbids and one that the other side's forbids, so that branching loses
-  /// none. Moves that begin when both moves of the conflict have ended are never forbidden.
-  ///
-  /// By default one of the two agents may not make its move of the conflict, and the other none that conflicts with it
-  /// (avoidance of a step: Shaoul, Veerapaneni, Likhachev, Li 2024): where the one makes it, the other has to avoid it.
-  virtual bool forbids(const Constraint& constraint, const Move& move) {
-    const Conflict& conflict = constraint.conflict;
-    const int side = constraint.side, other = 1 - side;
-    if (conflict.moves[side] == move) return true;
-    return side == avoiding_side(conflict) &&
-           in_conflict(conflict.agents[side], move, conflict.agents[other], conflict.moves[other]);
-  }
 };
 
 /// The steps [from, to) during which both moves last; empty if from >= to.
 inline std::pair<int, int> overlap(const Move& a, const Move& b) {
   return {std::max(a.start, b.start), std::min(a.end, b.end)};
+}
+
+/// Splits the solutions in two: those in which an agent does not make a move, and those in which it does (disjoint
+/// splitting: Li, Harabor, Stuckey, Felner, Koenig 2019, "Disjoint Splitting for Multi-Agent Path Finding with
+/// Conflict-Based Search"). In the latter no other agent makes a move that conflicts with it (avoidance of a step:
+/// Shaoul, Veerapaneni, Likhachev, Li 2024). A wait that lasts longer makes each of its steps.
+struct Constraint {
+  std::size_t agent{};
+  Move move;
+  bool required{};  ///< false: the agent may not make it
+  /// The step from which on it forbids nothing.
+  int end() const { return move.end == forever ? move.start + 1 : move.end; }
+};
+
+/// Does the constraint forbid `agent` the move? Waits are to be asked for step by step.
+inline bool forbids(World& world, const Constraint& constraint, std::size_t agent, const Move& move) {
+  const Move& own = constraint.move;
+  const auto [first, last] = overlap(own, move);
+  if (first >= last) return false;
+  if (agent != constraint.agent)
+    return constraint.required && world.may_conflict(agent, constraint.agent) &&
+           world.in_conflict(agent, move, constraint.agent, own);
+  return (move == own) != constraint.required;
 }
 
 }  // namespace srmp::multi

@@ -20,7 +20,7 @@ using search::StateId;
 
 namespace {
 
-constexpr double min_cost = 1e-12;  // of edges, whose costs must be more than 0: a start may be a goal
+constexpr double min_edge_cost = 1e-12;  // of edges, whose costs must be more than 0: a start may be a goal
 
 /// The result of a check; false where the deadline of its workspace cuts it off.
 template <class Check>
@@ -92,6 +92,10 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
     const double time = time_of(lattice_.configuration(from), lattice_.configuration(to));
     return std::max(1, static_cast<int>(std::ceil(time / step_time - 1e-9)));
   }
+  double lower_cost(StateId from, StateId to) override {
+    return lattice_.distance(lattice_.configuration(from), lattice_.configuration(to));
+  }
+  int lower_steps(StateId from, StateId to) override { return from == to ? 0 : duration(from, to); }
 
   /// Along a known path, from where one gets onto it.
   double inadmissible_heuristic(StateId state) override {
@@ -107,7 +111,7 @@ class MultiRobotWorld::RobotAgent : public multi::Agent {
     const std::uint64_t key = std::uint64_t{from} << 32 | to;
     if (const auto known = costs_.find(key); known != costs_.end()) return known->second;
     const double length = lattice_.distance(configuration(from), configuration(to));
-    const search::Edge edge{from, to, std::max(length, min_cost)};
+    const search::Edge edge{from, to, std::max(length, min_edge_cost)};
     double cost = 0.0;
     lattice_.evaluate({&edge, 1}, {&cost, 1});
     if (!may_be_cut_off(*workspace_)) costs_.emplace(key, cost);
