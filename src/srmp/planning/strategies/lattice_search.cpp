@@ -55,7 +55,7 @@ bool searches_several_lattices(const PlannerOptions& options) {
 
 }  // namespace
 
-LatticeSearch::LatticeSearch(RobotContext& context, const RobotEndpoints& endpoints, RobotLattices& lattices,
+LatticeSearch::LatticeSearch(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices,
                              BestPath& best, double direct)
     : context_(context),
       endpoints_(endpoints),

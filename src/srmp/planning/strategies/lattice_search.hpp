@@ -15,8 +15,8 @@ namespace srmp {
 class LatticeSearch : public Strategy {
  public:
   /// References outlive this. Throws NotSupported for the options of a planner for many robots.
-  /// `direct` is the length of the straight line to the nearest target.
-  LatticeSearch(RobotContext& context, const RobotEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
+  /// `direct` is the length of the straight line between the path's ends.
+  LatticeSearch(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
                 double direct);
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
@@ -40,7 +40,7 @@ class LatticeSearch : public Strategy {
   void bound(FoundPath& found) const;
 
   RobotContext& context_;
-  const RobotEndpoints& endpoints_;
+  const SearchEndpoints& endpoints_;
   RobotLattices& lattices_;
   BestPath& best_;
   const double direct_;

@@ -11,7 +11,7 @@
 
 namespace srmp {
 
-RobotLattices::RobotLattices(RobotContext& context, const RobotEndpoints& endpoints)
+RobotLattices::RobotLattices(RobotContext& context, const SearchEndpoints& endpoints)
     : context_(context), endpoints_(endpoints), heuristics_(context, endpoints.start) {
   const PhaseTimer timer(context.deadline, context.statistics.ik_time_s);
   if (context.common.ik_goal_connection)
@@ -56,14 +56,16 @@ FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& la
   const search::StateId goal = choice.from_goals() ? result.path.front() : result.path.back();
   const ConnectedGoal* connected = lattice.connected_goal(goal);
   if (choice.from_goals()) std::reverse(waypoints.begin(), waypoints.end());
-  RowMatrix rows = stack_waypoints(waypoints);
+  std::optional<std::size_t> target;
+  if (!connected) target = choice.from_goals() ? goal : lattice.target_of(goal);
+  RowMatrix rows = endpoints_.with_own_ends(stack_waypoints(waypoints), target);
   if (choice.from_goals()) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
+  const double ends = endpoints_.length_of_ends(context_.robot, target);  // of all paths to this target
   const std::string graph = describe(choice);
   return {.path = path_of_one(std::move(rows)),
-          .goal_index = connected ? connected->goal
-                                  : endpoints_.goal_indices[choice.from_goals() ? goal : lattice.target_of(goal)],
-          .cost = result.cost,
-          .lower = result.cost / result.bound,
+          .goal_index = target ? endpoints_.goal_indices[*target] : connected->goal,
+          .cost = result.cost + ends,
+          .lower = result.cost / result.bound + ends,
           .graph = graph,
           .found_by = graph};
 }

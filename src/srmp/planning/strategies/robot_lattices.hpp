@@ -4,7 +4,7 @@
 #include <string>
 
 #include "srmp/lattice/lattice.hpp"
-#include "srmp/planning/endpoints/endpoints.hpp"
+#include "srmp/planning/endpoints/search_endpoints.hpp"
 #include "srmp/planning/strategies/lattice_portfolio.hpp"
 #include "srmp/planning/strategies/robot_heuristics.hpp"
 
@@ -15,7 +15,7 @@ namespace srmp {
 class RobotLattices : public LatticeFamily {
  public:
   /// Both outlive this and its lattices.
-  RobotLattices(RobotContext& context, const RobotEndpoints& endpoints);
+  RobotLattices(RobotContext& context, const SearchEndpoints& endpoints);
 
   /// Has the user given motion primitives? Then all lattices have these.
   bool own_primitives() const { return !context_.common.mprim_path.empty(); }
@@ -53,7 +53,7 @@ class RobotLattices : public LatticeFamily {
   double resolution(double scale) const;
 
   RobotContext& context_;
-  const RobotEndpoints& endpoints_;
+  const SearchEndpoints& endpoints_;
   RobotHeuristics heuristics_;
   GoalConnection goal_connection_;
   std::optional<std::vector<JointPair>> pairs_;  // once needed

@@ -33,7 +33,11 @@ class CountedPortfolio : public LatticePortfolio {
 class PathSearch {
  public:
   PathSearch(RobotContext& context, const RobotEndpoints& endpoints)
-      : context_(context), endpoints_(endpoints), best_(context), lattices_(context, endpoints) {
+      : context_(context),
+        endpoints_(endpoints),
+        search_endpoints_(search_endpoints()),
+        best_(context),
+        lattices_(context, search_endpoints_) {
     for (const Eigen::VectorXd& target : endpoints.targets)
       direct_ = std::min(direct_, context.robot.difference(endpoints.start, target).norm());
   }
@@ -65,7 +69,7 @@ class PathSearch {
     Strategies strategies;
     if (wants_rrt_connect())
       strategies.push_back(
-          std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{.alone = false}));
+          std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{.alone = false}));
     strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
     auto portfolio = std::make_unique<CountedPortfolio>(lattices_, options.weight);
     const LatticePortfolio& searches = *portfolio;
@@ -89,14 +93,15 @@ class PathSearch {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     Strategies strategies;
     strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
-    strategies.push_back(std::make_unique<RrtConnectStrategy>(context_, endpoints_, direct_, RrtConnectBudget{}));
+    strategies.push_back(
+        std::make_unique<RrtConnectStrategy>(context_, search_endpoints_, direct_, RrtConnectBudget{}));
     return attempt_in_rounds(strategies, direct_, search::infinity, context_.deadline);
   }
 
   void run_lattice_search() {
     Strategies strategies;
     strategies.push_back(std::make_unique<JointBarriers>(context_, endpoints_));
-    strategies.push_back(std::make_unique<LatticeSearch>(context_, endpoints_, lattices_, best_, direct_));
+    strategies.push_back(std::make_unique<LatticeSearch>(context_, search_endpoints_, lattices_, best_, direct_));
     FoundPath found = attempt_in_rounds(strategies, 0.0, 1.0, context_.deadline);
     if (!best_.empty()) return;  // an anytime planner has handed in its paths
     best_.take(std::move(found), context_.deadline);
@@ -108,8 +113,29 @@ class PathSearch {
     return common.direction == "auto" && common.heuristic == CommonOptions().heuristic && !lattices_.own_primitives();
   }
 
+  /// On a grid for the planners that take the first path, or about the first: what they find would differ otherwise
+  /// where problems are only similar.
+  SearchEndpoints search_endpoints() const {
+    const bool first_path = std::visit(
+        [](const auto& o) {
+          if constexpr (requires { o.multi_resolution; }) return o.multi_resolution;
+          return std::is_same_v<std::decay_t<decltype(o)>, Auto>;
+        },
+        context_.options);
+    const bool anytime = std::holds_alternative<ARAStar>(context_.options);
+    if (!first_path || anytime || !context_.common.mprim_path.empty() || context_.task.constraints)
+      return exact_endpoints(endpoints_);
+    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    try {
+      return rounded_endpoints(context_, endpoints_);
+    } catch (const MotionCheckStopped&) {
+      return exact_endpoints(endpoints_);
+    }
+  }
+
   RobotContext& context_;
   const RobotEndpoints& endpoints_;
+  const SearchEndpoints search_endpoints_;
   BestPath best_;
   RobotLattices lattices_;
   double direct_{search::infinity};  // straight to the nearest goal: no path at all is shorter

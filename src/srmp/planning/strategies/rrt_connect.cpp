@@ -8,7 +8,7 @@
 
 namespace srmp {
 
-RrtConnectStrategy::RrtConnectStrategy(RobotContext& context, const RobotEndpoints& endpoints, double direct,
+RrtConnectStrategy::RrtConnectStrategy(RobotContext& context, const SearchEndpoints& endpoints, double direct,
                                        const RrtConnectBudget& budget)
     : context_(context),
       endpoints_(endpoints),
@@ -32,10 +32,13 @@ Attempt RrtConnectStrategy::attempt(const AttemptBudget& budget, const Deadline&
   if (!path) return not_found(deadline);
   done_ = true;
   Attempt result{.status = Status::solved};
-  const RowMatrix rows = unwrap_waypoints(stack_waypoints(*path), context_.task.limits.continuous);
-  result.found = {path_of_one(rows),      endpoints_.goal_index_of(path->back()),
-                  context_.length(*path), direct_,
-                  "every path",           "RRT-Connect"};
+  const RowMatrix whole = endpoints_.with_own_ends(stack_waypoints(*path), endpoints_.target_number(path->back()));
+  result.found = {.path = path_of_one(unwrap_waypoints(whole, context_.task.limits.continuous)),
+                  .goal_index = endpoints_.goal_index_of(path->back()),
+                  .cost = context_.length(unstack_waypoints(whole)),
+                  .lower = direct_,
+                  .graph = "every path",
+                  .found_by = "RRT-Connect"};
   return result.found.cost <= budget.max_cost ? result : not_found(deadline);
 }
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "srmp/planning/endpoints/endpoints.hpp"
+#include "srmp/planning/endpoints/search_endpoints.hpp"
 #include "srmp/planning/robot_context.hpp"
 #include "srmp/planning/strategies/strategy.hpp"
 #include "srmp/search/rrt_connect.hpp"
@@ -24,8 +24,8 @@ struct RrtConnectBudget {
 /// the same every time (robot_sampling.hpp). Proves nothing but that no path is shorter than the straight line.
 class RrtConnectStrategy : public Strategy {
  public:
-  /// References outlive this. `direct`: joint-space distance from the start to the nearest goal.
-  RrtConnectStrategy(RobotContext& context, const RobotEndpoints& endpoints, double direct,
+  /// References outlive this. `direct`: joint-space distance from the path's start to its nearest goal.
+  RrtConnectStrategy(RobotContext& context, const SearchEndpoints& endpoints, double direct,
                      const RrtConnectBudget& budget);
   ~RrtConnectStrategy() override;  ///< adds its work to the statistics
 
@@ -39,7 +39,7 @@ class RrtConnectStrategy : public Strategy {
   Attempt not_found(const Deadline& deadline) const;
 
   RobotContext& context_;
-  const RobotEndpoints& endpoints_;
+  const SearchEndpoints& endpoints_;
   const double direct_;
   const RrtConnectBudget budget_;
   const std::uint64_t checked_before_;
