@@ -30,6 +30,28 @@ class CountedPortfolio : public LatticePortfolio {
   RobotLattices& lattices_;
 };
 
+bool has_users_heuristic(const RobotContext& context) {
+  std::vector<std::string> names{context.common.heuristic};
+  if (const auto* mha = std::get_if<MHAStar>(&context.options))
+    names.insert(names.end(), mha->inadmissible_heuristics.begin(), mha->inadmissible_heuristics.end());
+  return std::ranges::any_of(names, [&](const std::string& name) { return context.problem.heuristics.contains(name); });
+}
+
+/// May the search begin and end near the path's own ends? It may for the planners whose path is about the first that is
+/// found: that would differ where problems are only similar. What the user gives to the search holds for the own ends.
+bool rounds_ends(const RobotContext& context) {
+  if (!context.common.mprim_path.empty() || context.task.constraints || has_users_heuristic(context)) return false;
+  return std::visit(
+      [](const auto& options) {
+        using Options = std::decay_t<decltype(options)>;
+        if constexpr (std::is_same_v<Options, WAStar> || std::is_same_v<Options, MHAStar> ||
+                      std::is_same_v<Options, WPASE>)
+          return options.multi_resolution;
+        return std::is_same_v<Options, Auto>;
+      },
+      context.options);
+}
+
 class PathSearch {
  public:
   PathSearch(RobotContext& context, const RobotEndpoints& endpoints)
@@ -113,18 +135,8 @@ class PathSearch {
     return common.direction == "auto" && common.heuristic == CommonOptions().heuristic && !lattices_.own_primitives();
   }
 
-  /// On a grid for the planners that take the first path, or about the first: what they find would differ otherwise
-  /// where problems are only similar.
   SearchEndpoints search_endpoints() const {
-    const bool first_path = std::visit(
-        [](const auto& o) {
-          if constexpr (requires { o.multi_resolution; }) return o.multi_resolution;
-          return std::is_same_v<std::decay_t<decltype(o)>, Auto>;
-        },
-        context_.options);
-    const bool anytime = std::holds_alternative<ARAStar>(context_.options);
-    if (!first_path || anytime || !context_.common.mprim_path.empty() || context_.task.constraints)
-      return exact_endpoints(endpoints_);
+    if (!rounds_ends(context_)) return exact_endpoints(endpoints_);
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
     try {
       return rounded_endpoints(context_, endpoints_);
