@@ -29,8 +29,10 @@ class Rounding {
     Eigen::VectorXd nearest = q, opposite = q;
     std::vector<std::pair<double, Eigen::Index>> joints;  // by how much farther the opposite side of the cell is
     for (Eigen::Index j = 0; j < q.size(); ++j) {
-      nearest[j] = on_grid(std::round(q[j] / cell[j]), j, cell);
-      opposite[j] = on_grid(std::round(q[j] / cell[j]) + (nearest[j] < q[j] ? 1.0 : -1.0), j, cell);
+      const double below = cell[j] * std::floor(q[j] / cell[j]), above = below + cell[j];
+      const bool down = q[j] - below <= above - q[j];
+      nearest[j] = within_limits(down ? below : above, within_limits(down ? above : below, q[j], j), j);
+      opposite[j] = within_limits(down ? above : below, nearest[j], j);
       joints.emplace_back(std::abs(opposite[j] - q[j]) - std::abs(nearest[j] - q[j]), j);
     }
     if (is_free(q, nearest)) return nearest;
@@ -43,9 +45,12 @@ class Rounding {
     return std::nullopt;
   }
 
-  double on_grid(double number, Eigen::Index j, const Eigen::VectorXd& cell) const {
+  /// `value`, or `otherwise` where it is not well within the limits: at a limit no trajectory turns without touching
+  /// it.
+  double within_limits(double value, double otherwise, Eigen::Index j) const {
     const Joint& joint = context_.robot.joints()[static_cast<std::size_t>(j)];
-    return std::clamp(number * cell[j], joint.lower, joint.upper);
+    const double margin = 0.1 * cells_.back()[j];
+    return joint.lower + margin <= value && value <= joint.upper - margin ? value : otherwise;
   }
 
   bool is_free(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
