@@ -60,12 +60,14 @@ FoundPath RobotLattices::path_of(const search::Result& result, const Lattice& la
   if (!connected) target = choice.from_goals() ? goal : lattice.target_of(goal);
   RowMatrix rows = endpoints_.with_own_ends(stack_waypoints(waypoints), target);
   if (choice.from_goals()) rows = unwrap_waypoints(rows, context_.task.limits.continuous);
-  const double ends = endpoints_.length_of_ends(context_.robot, target);  // of all paths to this target
+  const bool one_end = endpoints_.targets.size() == 1 && (choice.from_goals() || !goal_connection_);
+  const double ends = endpoints_.length_of_ends(context_.robot, target);
+  const double of_every_path = one_end ? ends : endpoints_.length_of_ends(context_.robot, std::nullopt);
   const std::string graph = describe(choice);
   return {.path = path_of_one(std::move(rows)),
           .goal_index = target ? endpoints_.goal_indices[*target] : connected->goal,
           .cost = result.cost + ends,
-          .lower = result.cost / result.bound + ends,
+          .lower = result.cost / result.bound + of_every_path,
           .graph = graph,
           .found_by = graph};
 }
