@@ -129,10 +129,6 @@ void find_targets(RobotContext& context, RobotEndpoints& endpoints) {
 
 }  // namespace
 
-int RobotEndpoints::goal_index_of(const Eigen::VectorXd& target) const {
-  return goal_indices[static_cast<std::size_t>(std::find(targets.begin(), targets.end(), target) - targets.begin())];
-}
-
 RobotEndpoints find_endpoints(RobotContext& context, bool start_may_be_close) {
   RobotEndpoints endpoints;
   find_start(context, endpoints, start_may_be_close);

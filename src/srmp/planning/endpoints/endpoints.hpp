@@ -18,8 +18,6 @@ struct RobotEndpoints {
   /// CommonOptions::clearance; empty: the target itself meets the goal.
   std::vector<std::vector<Eigen::VectorXd>> approaches;
 
-  /// Of one of the targets.
-  int goal_index_of(const Eigen::VectorXd& target) const;
   /// Segments of `recovery`.
   std::size_t recovery_segments() const { return recovery.empty() ? 0 : recovery.size() - 1; }
   /// Of these, the segments that lead out of a collision.

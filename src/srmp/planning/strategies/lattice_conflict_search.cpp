@@ -13,9 +13,9 @@ constexpr std::uint64_t first_evaluations = 4096;  // of the first round on each
 /// Steps of the lattices, as multiples of the resolution: coarse ones are quick, fine ones find narrow passages.
 std::vector<double> scales(double resolution) {
   std::vector<double> all;
-  for (const double wanted : {6.0, 3.0, 1.5, 0.75}) {
-    const double scale = std::min(wanted, M_PI / 2.0 / resolution);
-    if (all.empty() || scale < all.back()) all.push_back(scale);
+  for (const double scale : {6.0, 3.0, 1.5, 0.75}) {
+    const double limited = std::min(scale, M_PI / 2.0 / resolution);
+    if (all.empty() || limited < all.back()) all.push_back(limited);
   }
   return all;
 }

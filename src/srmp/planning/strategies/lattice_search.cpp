@@ -44,6 +44,8 @@ class OtherLattices : public LatticeFamily {
 /// some paths does not.
 constexpr search::MoreExpansions more_expansions{.fraction = 0.5, .most = 1000};
 
+}  // namespace
+
 bool searches_several_lattices(const PlannerOptions& options) {
   return std::visit(
       [](const auto& o) {
@@ -52,8 +54,6 @@ bool searches_several_lattices(const PlannerOptions& options) {
       },
       options);
 }
-
-}  // namespace
 
 LatticeSearch::LatticeSearch(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices,
                              BestPath& best, double direct)

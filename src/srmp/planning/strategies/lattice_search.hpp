@@ -9,6 +9,9 @@
 
 namespace srmp {
 
+/// Does the option multi_resolution ask for it? False for planners without.
+bool searches_several_lattices(const PlannerOptions& options);
+
 /// The planners of one robot that search lattices and nothing else: A*, weighted A*, ARA*, MHA*, wPA*SE, AMRA*. One
 /// search of one lattice or, with the option `multi_resolution`, one search of each of several lattices, side by side.
 /// An attempt is the whole search; the anytime planners hand each path that is better than the one before to `best`.

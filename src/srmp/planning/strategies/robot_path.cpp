@@ -41,15 +41,8 @@ bool has_users_heuristic(const RobotContext& context) {
 /// found: that would differ where problems are only similar. What the user gives to the search holds for the own ends.
 bool rounds_ends(const RobotContext& context) {
   if (!context.common.mprim_path.empty() || context.task.constraints || has_users_heuristic(context)) return false;
-  return std::visit(
-      [](const auto& options) {
-        using Options = std::decay_t<decltype(options)>;
-        if constexpr (std::is_same_v<Options, WAStar> || std::is_same_v<Options, MHAStar> ||
-                      std::is_same_v<Options, WPASE>)
-          return options.multi_resolution;
-        return std::is_same_v<Options, Auto>;
-      },
-      context.options);
+  if (std::holds_alternative<Auto>(context.options)) return true;
+  return searches_several_lattices(context.options) && !std::holds_alternative<ARAStar>(context.options);
 }
 
 class PathSearch {

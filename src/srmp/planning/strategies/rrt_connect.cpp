@@ -32,9 +32,10 @@ Attempt RrtConnectStrategy::attempt(const AttemptBudget& budget, const Deadline&
   if (!path) return not_found(deadline);
   done_ = true;
   Attempt result{.status = Status::solved};
-  const RowMatrix whole = endpoints_.with_own_ends(stack_waypoints(*path), endpoints_.target_number(path->back()));
+  const std::size_t target = endpoints_.target_number(path->back()).value();
+  const RowMatrix whole = endpoints_.with_own_ends(stack_waypoints(*path), target);
   result.found = {.path = path_of_one(unwrap_waypoints(whole, context_.task.limits.continuous)),
-                  .goal_index = endpoints_.goal_index_of(path->back()),
+                  .goal_index = endpoints_.goal_indices[target],
                   .cost = context_.length(unstack_waypoints(whole)),
                   .lower = direct_,
                   .graph = "every path",
