@@ -53,11 +53,11 @@ description = {
     "end_effector": "arm7_hand",
 }
 world = planner.read_sim(scene, "sapien", articulations={"arm": description})
-planner.make_planner("arm", srmp.Auto(time_limit=10))
 
 
-def move_to(what, goal):
+def move_to(what, goal, **options):
     """Plans from the current state of the simulation and executes the trajectory there."""
+    planner.make_planner("arm", srmp.Auto(time_limit=10, **options))
     world.refresh()
     trajectory = planner.plan("arm", planner.get_qpos("arm"), goal)
     execution = world.execute(trajectory)
@@ -81,7 +81,8 @@ world.grasp("cube", "arm", touch_links=["arm7_palm"])
 planner.set_allowed_collision("cube", "stand_left")  # the cube stands on it
 move_to("lift", end_effector_at([0.55, 0.3, 0.4]))
 planner.set_allowed_collision("cube", "stand_left", allowed=False)
-move_to("carry", end_effector_at([0.55, -0.3, 0.45]))
+# A shortest path grazes what it passes, and no controller follows it that exactly.
+move_to("carry", end_effector_at([0.55, -0.3, 0.45]), clearance=0.01)
 
 cube.remove_component(drive)
 for _ in range(60):  # the cube falls the last millimetres
