@@ -19,7 +19,7 @@ srmp::multi::ConflictSearchResult optimum(const FacingArms& pair, const std::str
     srmp::MultiRobotWorld::Options like = pair.world->options();
     like.scale = scale;
     const auto world =
-        srmp::world_like(*pair.world, {pair.world->task(0), pair.world->task(1)}, like, srmp::Deadline());
+        srmp::world_like(*pair.world, {pair.world->task(0), pair.world->task(1)}, like);
     if (srmp::describe_graph(*world, options) != graph) continue;
     srmp::WorldSubset subset(*world, both);
     return srmp::multi::conflict_search(subset, {.max_evaluations = 20'000}, srmp::Deadline());

@@ -76,7 +76,7 @@ Attempt ExperienceConflictSearch::along_known_paths(const Deadline& deadline) {
   options.known_paths_only = true;
   options.max_evaluations = experience_options.known_path_evaluations;
   options.max_priority_evaluations = options.max_evaluations / experience_options.parts;
-  const auto world = make_world(experience_options.lattice_scales.front(), deadline);
+  const auto world = make_world(experience_options.lattice_scales.front());
   return search(*world, options, "conflict-based search along known paths", deadline);
 }
 
@@ -84,7 +84,7 @@ Attempt ExperienceConflictSearch::on_lattices(Scaled& lattices, std::uint64_t ev
   multi::ConflictSearchOptions options = conflict_search_options(options_);
   options.max_evaluations = evaluations;
   options.max_priority_evaluations = evaluations / experience_options.parts;
-  if (!lattices.world) lattices.world = make_world(lattices.scale, deadline);
+  if (!lattices.world) lattices.world = make_world(lattices.scale);
   return search(*lattices.world, options, "conflict-based search on lattices", deadline);
 }
 
@@ -96,12 +96,12 @@ Attempt ExperienceConflictSearch::search(MultiRobotWorld& world, const multi::Co
   return attempt;
 }
 
-std::unique_ptr<MultiRobotWorld> ExperienceConflictSearch::make_world(double scale, const Deadline& deadline) const {
+std::unique_ptr<MultiRobotWorld> ExperienceConflictSearch::make_world(double scale) const {
   MultiRobotWorld::Options options = world_.options();
   options.scale = scale;
   options.sparse = true;
   options.by_spheres = !can_exhaust();
-  return world_like(world_, tasks_, options, deadline);
+  return world_like(world_, tasks_, options);
 }
 
 /// Around one other robot at a time.

@@ -41,7 +41,7 @@ class ExperienceConflictSearch : public Strategy {
   Attempt on_lattices(Scaled& lattices, std::uint64_t evaluations, const Deadline& deadline);
   Attempt search(MultiRobotWorld& world, const multi::ConflictSearchOptions& options, const std::string& found_by,
                  const Deadline& deadline);
-  std::unique_ptr<MultiRobotWorld> make_world(double scale, const Deadline& deadline) const;
+  std::unique_ptr<MultiRobotWorld> make_world(double scale) const;
   // True: there are more known paths than before.
   bool add_paths_around_each(const Deadline& deadline);
   bool add_paths_in_sequence(const Deadline& deadline);

@@ -162,6 +162,7 @@ Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::s
 Attempt conflict_search_apart(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
                               const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
                               const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics) {
+  world.stop_at(deadline);
   const std::uint64_t states = world.states(), checks = world.pair_checks();
   Attempt attempt = conflict_search_attempt(world, robots, options, search_options, found_by, deadline, statistics);
   statistics.states += world.states() - states;
@@ -170,10 +171,8 @@ Attempt conflict_search_apart(MultiRobotWorld& world, const std::vector<std::siz
 }
 
 std::unique_ptr<MultiRobotWorld> world_like(const MultiRobotWorld& world, std::vector<WorldTask> tasks,
-                                            const MultiRobotWorld::Options& options, const Deadline& deadline) {
-  auto made = std::make_unique<MultiRobotWorld>(world.checkers(), std::move(tasks), options);
-  made->stop_at(deadline);
-  return made;
+                                            const MultiRobotWorld::Options& options) {
+  return std::make_unique<MultiRobotWorld>(world.checkers(), std::move(tasks), options);
 }
 
 ConflictSearchStrategy::ConflictSearchStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots,

@@ -100,14 +100,15 @@ Attempt conflict_search_attempt(MultiRobotWorld& world, const std::vector<std::s
                                 const PlannerOptions& options, multi::ConflictSearchOptions search_options,
                                 const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics);
 
-/// The same in a world that is not the plan's: its states and checks are counted, too.
+/// The same in a world that is not the plan's, whose checks this deadline stops: its states and checks are counted,
+/// too.
 Attempt conflict_search_apart(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
                               const PlannerOptions& options, const multi::ConflictSearchOptions& search_options,
                               const std::string& found_by, const Deadline& deadline, PlanStatistics& statistics);
 
 /// The robots of a world with other tasks and options.
 std::unique_ptr<MultiRobotWorld> world_like(const MultiRobotWorld& world, std::vector<WorldTask> tasks,
-                                            const MultiRobotWorld::Options& options, const Deadline& deadline);
+                                            const MultiRobotWorld::Options& options);
 
 /// "lattices of 15 degrees".
 std::string describe_lattices(const MultiRobotWorld& world, const PlannerOptions& options);

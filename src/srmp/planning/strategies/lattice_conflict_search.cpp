@@ -45,7 +45,7 @@ Attempt LatticeConflictSearch::search(Lattices& lattices, std::uint64_t evaluati
     for (std::size_t i = 0; i < world_.size(); ++i) tasks.push_back(world_.task(i));
     MultiRobotWorld::Options options = world_.options();
     options.scale = lattices.scale;
-    lattices.world = world_like(world_, std::move(tasks), options, deadline);
+    lattices.world = world_like(world_, std::move(tasks), options);
   }
   multi::ConflictSearchOptions options = conflict_search_options(options_);
   options.max_evaluations = evaluations;
