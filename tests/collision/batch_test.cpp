@@ -345,7 +345,7 @@ BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 30; ++i) {
       const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.2);
-      if (checker.motion(a, d, *workspace, {.refinements = 1}) != CollisionStatus::undecided) continue;
+      if (checker.motion(a, d, *workspace, {.refinements = 1 + i % 3}) != CollisionStatus::undecided) continue;
       ++seen;
       const auto undecided = checker.undecided(*workspace);
       for (int s = 0; s <= 100; ++s) {

@@ -73,7 +73,7 @@ struct CheckStatistics {
   std::uint64_t configurations{};      ///< kinematics computed, one at a time
   std::uint64_t states{};              ///< configurations checked: is_free, and rows of are_free
   std::uint64_t motions{};             ///< motions checked: is_motion_free and certify_motion
-  std::uint64_t states_by_spheres{};   ///< of the states, decided by spheres alone (are_free)
+  std::uint64_t states_by_spheres{};   ///< of the states, decided by spheres alone
   std::uint64_t motions_by_spheres{};  ///< of the motions, decided by spheres alone
   std::uint64_t blocks{};              ///< of 16 configurations under spheres
   std::uint64_t undecided{};           ///< pairs, over a part of a motion, that spheres left to Coal

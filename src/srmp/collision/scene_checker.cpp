@@ -44,6 +44,12 @@ Checker::WorkspacePtr SceneChecker::do_make_workspace() const { return std::make
 bool SceneChecker::do_is_free(ConstVector q, Workspace& workspace) const {
   if (!model_.bodies.overlaps.empty()) return false;
   auto& scene = static_cast<SceneWorkspace&>(workspace);
+  // Where spheres are the bodies, a block of them decides earlier than pairs, one by one.
+  if (model_.batch && model_.batch_scene.robot->exact && model_.spheres_reach(q)) {
+    bool free = false;
+    scene.check_block(q.transpose(), {&free, 1}, {});
+    return free;
+  }
   scene.place(q);
   return scene.is_free_here();
 }

@@ -34,6 +34,10 @@ struct Interval {
   double t, half;
 };
 
+/// Which of a block's 16 equal parts of a motion each lane checks: those that an instruction set checks first are
+/// spread over the motion, from its end, so that collisions show early.
+constexpr std::array<int, kLanes> part_of_lane{15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0};
+
 }  // namespace
 
 BatchChecker::BatchChecker(const BatchWorld& world, SimdBackend backend)
@@ -57,6 +61,9 @@ class BatchChecker::Workspace {
         half_widths(zeros(impl.robot->actuated_joints.size() * kLanes + kLanes)),
         scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
         pair_lanes(impl.pair_obstacles.size() + impl.self_pairs.size(), 0),
+        open_pairs(pair_lanes.size(), 0),
+        next_open_pairs(pair_lanes.size(), 0),
+        open_bodies(static_cast<std::size_t>(impl.view().body_count), 0),
         start(impl.robot->actuated_joints.size()),
         delta(impl.robot->actuated_joints.size()),
         view(impl.view()) {
@@ -67,6 +74,9 @@ class BatchChecker::Workspace {
 
   AlignedFloats values, half_widths, scratch;
   std::vector<batch::LaneMask> pair_lanes;
+  // Of the levels of a motion after the first: pairs to be checked at this one, and at the next, and the former's
+  // bodies.
+  std::vector<char> open_pairs, next_open_pairs, open_bodies;
   // Of each actuated joint: its value at the start, less full turns so that the motion is near 0, and its change.
   std::vector<double> start, delta;
   batch::KernelModel view;
@@ -77,7 +87,8 @@ class BatchChecker::Workspace {
   int hit_count{};
   BatchStatistics statistics;
 
-  batch::KernelResult run(const BatchModel& impl, bool moving, bool proofs_only = false, unsigned decisive = 0) {
+  batch::KernelResult run(const BatchModel& impl, bool moving, bool proofs_only = false, unsigned decisive = 0,
+                          bool only_open_pairs = false) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, {-1, -1}, pair_lanes.data()};
     const bool looks_for_hits = moving && !proofs_only;
@@ -86,6 +97,8 @@ class BatchChecker::Workspace {
                                        !moving,
                                        proofs_only,
                                        static_cast<batch::LaneMask>(decisive),
+                                       only_open_pairs ? open_pairs.data() : nullptr,
+                                       only_open_pairs ? open_bodies.data() : nullptr,
                                        hits.data(),
                                        looks_for_hits ? hit_count : 0};
     impl.kernel(view, request, scratch.get(), result);
@@ -122,6 +135,24 @@ class BatchChecker::Workspace {
       for (int lane = 0; lane < kLanes; ++lane)
         if (lanes >> lane & 1) undecided.push_back({at(lane).t, at(lane).half, self, pair});
     }
+  }
+
+  /// Forgets the kernel's report, except for which pairs are undecided in lanes `used`.
+  void keep_open_pairs(unsigned used) {
+    for (std::size_t k = 0; k < pair_lanes.size(); ++k)
+      if (std::exchange(pair_lanes[k], batch::LaneMask{0}) & used) next_open_pairs[k] = 1;
+  }
+
+  /// What a part of a motion proves free is free in all parts of that part.
+  void begin_level() {
+    std::swap(open_pairs, next_open_pairs);
+    std::ranges::fill(next_open_pairs, 0);
+    for (int i = 0; i < view.body_count; ++i) {
+      const auto first = open_pairs.begin() + view.bodies[i].first_pair;
+      open_bodies[i] = std::find(first, first + view.bodies[i].pairs, 1) != first + view.bodies[i].pairs;
+    }
+    for (int k = 0; k < view.self_pair_count; ++k)
+      if (open_pairs[view.pair_count + k]) open_bodies[view.self_pairs[k].a] = open_bodies[view.self_pairs[k].b] = 1;
   }
 
   void clear_pair_lanes() { std::fill(pair_lanes.begin(), pair_lanes.end(), batch::LaneMask{0}); }
@@ -220,22 +251,24 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->robot->actuated_reach[k];
   const int blocks = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
   w.open.clear();
-  for (int j = 0; j < blocks; ++j)  // a block's lanes are spread over the motion: collisions show early
-    for (int i = 0; i < kLanes; ++i)
-      w.open.push_back({(static_cast<double>(i) * blocks + j + 0.5) / (blocks * kLanes), 0.5 / (blocks * kLanes)});
+  for (int j = 0; j < blocks; ++j)  // so are those of a block
+    for (const int part : part_of_lane)
+      w.open.push_back({(static_cast<double>(part) * blocks + j + 0.5) / (blocks * kLanes), 0.5 / (blocks * kLanes)});
 }
 
 CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
                                      const MotionOptions& options) const {
   begin_motion(a, difference, w, options);
+  std::ranges::fill(w.next_open_pairs, 0);
   int blocks = 0;
   for (int level = 0; !w.open.empty(); ++level) {
     w.next.clear();
+    if (level > 0) w.begin_level();
     const bool last = level >= options.refinements || blocks >= options.max_blocks;
     for (std::size_t first = 0; first < w.open.size(); first += kLanes) {
       const unsigned used = (1u << w.set_lanes(std::span(w.open).subspan(first))) - 1;
       ++blocks;
-      const batch::KernelResult result = w.run(*impl_, true);
+      const batch::KernelResult result = w.run(*impl_, true, false, 0, level > 0);
       if (result.colliding) {
         w.clear_pair_lanes();
         w.undecided.clear();
@@ -247,7 +280,7 @@ CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const 
         continue;
       }
       if (result.undecided == 0) continue;
-      w.clear_pair_lanes();
+      w.keep_open_pairs(used);
       w.subdivide(result.undecided & used, w.next);
     }
     if (last) break;

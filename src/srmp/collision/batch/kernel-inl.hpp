@@ -42,9 +42,10 @@ class Slice {
     place_nodes();
     for (int n = 0; n < request_.likely_count; ++n)
       if (hits_likely(request_.likely[n])) return;
-    for (int i = 0; i < m_.body_count; ++i) place_body(i);
+    for (int i = 0; i < m_.body_count; ++i)
+      if (is_open_body(i)) place_body(i);
     for (int i = 0; i < m_.body_count; ++i) {
-      check_obstacles(i);
+      if (is_open_body(i)) check_obstacles(i);
       if (done()) return;
     }
     check_self();
@@ -54,6 +55,9 @@ class Slice {
   static constexpr unsigned all_lanes = (1u << kWidth) - 1;
 
   SRMP_INLINE bool done() const { return alive_ == 0 || (!request_.every_lane && is_decided(request_, result_)); }
+
+  SRMP_INLINE bool is_open(int pair) const { return !request_.open_pairs || request_.open_pairs[pair]; }
+  SRMP_INLINE bool is_open_body(int body) const { return !request_.open_bodies || request_.open_bodies[body]; }
 
   SRMP_INLINE V row(const float* rows, int i) const { return load(rows + i * kWidth); }
   SRMP_INLINE void set_row(float* rows, int i, V a) const { store(rows + i * kWidth, a); }
@@ -104,7 +108,7 @@ class Slice {
   /// joints from the distal to the proximal, each turning what it carries, which may have moved already.
   SRMP_INLINE void place_body(int i) {
     const KernelBody& body = m_.bodies[i];
-    const V3 c = transform(body.node, body.x, body.y, body.z);
+    const V3 c = around(body);
     set_row(centers_, 3 * i, c.x);
     set_row(centers_, 3 * i + 1, c.y);
     set_row(centers_, 3 * i + 2, c.z);
@@ -217,6 +221,7 @@ class Slice {
     const V margin = add(row(margins_, i), all(body.padding)), limit = add(margin, all(body.radius));
     for (int k = 0; k < body.pairs; ++k) {
       const int pair = body.first_pair + k;
+      if (!is_open(pair)) continue;
       const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
       const unsigned pending = near(o, c, add(limit, all(o.radius)), alive_);
       if (pending == 0) continue;
@@ -232,6 +237,9 @@ class Slice {
   SRMP_INLINE V3 fine(const KernelBody& body, const KernelSphere& sphere) const {
     return transform(body.node, sphere.x, sphere.y, sphere.z);
   }
+
+  /// The centre of the sphere around a body.
+  SRMP_INLINE V3 around(const KernelBody& body) const { return transform(body.node, body.x, body.y, body.z); }
 
   /// Places the coarse spheres of a body when first needed.
   SRMP_INLINE void place_spheres(int i) {
@@ -252,13 +260,16 @@ class Slice {
     if (likely.pair >= m_.pair_count) {
       const KernelSelfPair& pair = m_.self_pairs[likely.pair - m_.pair_count];
       const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
-      const bool exact = a.exact && b.exact;
-      return exact ? hits_body(a, all_of(a), b, all_of(b), pair, alive_)
-                   : hits_body(a, inside(a), b, inside(b), pair, alive_);
+      const V limit = all(a.radius + b.radius + pair.padding);
+      const unsigned near = within(between(around(a), around(b)), limit) & alive_;
+      if (near == 0) return false;
+      return a.exact && b.exact ? hits_body(a, all_of(a), b, all_of(b), pair, near)
+                                : hits_body(a, inside(a), b, inside(b), pair, near);
     }
     const KernelBody& body = m_.bodies[likely.body];
     const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[likely.pair]];
-    return hits_obstacle(o, body, body.exact ? all_of(body) : inside(body), alive_);
+    const unsigned close = near(o, around(body), all(body.radius + body.padding + o.radius), alive_);
+    return close != 0 && hits_obstacle(o, body, body.exact ? all_of(body) : inside(body), close);
   }
 
   struct Spheres {
@@ -355,6 +366,7 @@ class Slice {
 
   void check_self() {
     for (int k = 0; k < m_.self_pair_count; ++k) {
+      if (!is_open(m_.pair_count + k)) continue;
       const KernelSelfPair& pair = m_.self_pairs[k];
       const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
       const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};

@@ -101,6 +101,8 @@ struct KernelRequest {
   int every_lane;            // go on after a collision, until it is known which lanes collide
   int proofs_only;           // only whether lanes are free matters: one undecided pair decides that of a lane
   LaneMask decisive;         // lanes in which it ends the run; none with every_lane
+  const char* open_pairs;    // [pair_count + self_pair_count]: only these are checked; null: all
+  const char* open_bodies;   // [body_count]: those of these pairs; null: all
   const KernelHit* likely;   // pairs that are tested first for hits; what is found does not depend on them
   int likely_count;          // 0 with every_lane
 };
