@@ -1,7 +1,7 @@
 """Plan times and costs beside aims, in one table, and beside another installed build in pairs.
 
     python bench/suites/speed.py --data DIR [--multi-data DIR] [--aims 1,2,3] [--problems 1-5] [--rounds 3]
-        [--baseline PYTHON] [--out speed.json]
+        [--baseline PYTHON] [--vamp PYTHON] [--out speed.json]
 
 DIR holds MotionBenchMaker's robots and problems; --multi-data is a directory with panda_two_rod.json, panda_four.json
 and their robot in panda/. Aims: 1 one arm of spheres, until the path is ready; 2 exact meshes; 3 certified and timed,
@@ -11,7 +11,9 @@ Times are CPU times of a process whose planner has one thread. Every case runs -
 with --baseline, the Python of an environment that holds another build, both take turns. A problem's time is its best of
 all rounds; the last columns are the baseline's median and the median of the problems' ratios to it. Where the `ompl`
 wheel is installed (pip install ompl), OMPL's RRTConnect and AORRTC are run on the same problems and collision checker,
-as a yardstick; their checks go through Python.
+as a yardstick; their checks go through Python. With --vamp, the Python of an environment that holds vamp
+(github.com/KavrakiLab/vamp, with its Panda), so are VAMP's RRT-Connect with simplification and its AORRTC, which check
+samples of motions against the same spheres, by VAMP's own measurement of time.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -40,7 +43,8 @@ ANYTIME = dict(zip(SCENARIOS, (4.23, 4.53, 4.33, 4.25, 5.87, 4.35, 4.54), strict
 TIMES = (0.001, 0.01, 0.03, 0.1)  # [s] of aim 4
 PATH_ONLY = {"timing": "none", "certify": False}
 LIMIT = 20.0  # [s] of a plan
-YARDSTICK = "yardstick"  # the kind of case that no other build runs
+YARDSTICK, VAMP = "yardstick", "vamp"  # the kinds of case that no other build runs
+VAMP_ITERATIONS = (100, 300, 1000, 3000, 10000)  # of its AORRTC, which has no time limit
 REPEATS = 5  # of a plan in one process
 
 Measured = dict[str, dict[str, Any]]
@@ -58,8 +62,8 @@ class Case:
     goal: str
 
 
-def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
-    """Of the chosen aims; with OMPL's planners beside them where the `ompl` wheel is installed."""
+def cases(aims: Sequence[int], multi_data: str | None, vamp: str | None) -> list[Case]:
+    """Of the chosen aims, beside OMPL's planners where its wheel is installed and VAMP's by the Python `vamp`."""
     wheel = has_wheel()
     found = [
         Case(1, f"{scenario}, spheres", "path", ("panda", "spheres", scenario), f"{SPHERES.get(scenario, 0.35)} ms")
@@ -69,6 +73,11 @@ def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
         Case(1, f"{scenario}, OMPL's RRTConnect", YARDSTICK, ("RRT-Connect", scenario), "–")
         for scenario in SCENARIOS
         if wheel
+    ]
+    found += [
+        Case(1, f"{scenario}, VAMP's RRT-Connect", VAMP, ("rrtc", scenario, vamp), "–")
+        for scenario in SCENARIOS
+        if vamp
     ]
     found += [
         Case(2, f"{scenario}, meshes", "path", ("panda", "urdf", scenario), "2 × spheres") for scenario in SCENARIOS
@@ -90,6 +99,11 @@ def cases(aims: Sequence[int], multi_data: str | None) -> list[Case]:
         Case(4, f"{scenario}, AORRTC at {1e3 * TIMES[-1]:g} ms", YARDSTICK, ("AORRTC", scenario), "–")
         for scenario in SCENARIOS
         if wheel
+    ]
+    found += [
+        Case(4, f"{scenario}, VAMP's AORRTC at {1e3 * TIMES[-1]:g} ms", VAMP, ("aorrtc", scenario, vamp), "–")
+        for scenario in SCENARIOS
+        if vamp
     ]
     if multi_data:
         files = {"two_rod": "8 ms", "four": "30 ms"}
@@ -250,6 +264,45 @@ def yardstick(data: str, problems: str, name: str, scenario: str) -> Measured:
     return found
 
 
+def vamp(data: str, problems: str, name: str, scenario: str, python: str) -> Measured:
+    """A planner of VAMP's; AORRTC's costs at TIMES are those of the runs that had ended by then."""
+    task: dict[str, Any] = {"planner": name, "iterations": VAMP_ITERATIONS, "repeats": REPEATS, "problems": {}}
+    for problem, planner, own in set_up(data, problems, "panda", "spheres", scenario, {}):
+        ends = {"start": [*own.start], "goals": [[*q] for q in own.goals[0].targets]}
+        task["problems"][problem] = ends | primitives(planner) | {"cylinders_as_boxes": scenario == "box"}
+    program = str(Path(__file__).with_name("vamp_planners.py"))
+    done = subprocess.run([python, program], input=json.dumps(task), capture_output=True, text=True)
+    if done.returncode:
+        raise srmp.Error(f"VAMP by {python} failed: {done.stderr.strip().splitlines()[-1]}")
+    found: Measured = {}
+    for problem, runs in json.loads(done.stdout).items():
+        solved = [run for run in runs if run["seconds"] is not None]
+        at = {f"{t:g}": min((r["cost"] for r in solved if r["seconds"] <= t), default=None) for t in TIMES}
+        cheapest = at[f"{TIMES[-1]:g}"] if name == "aorrtc" else min((r["cost"] for r in solved), default=None)
+        seconds = min((run["seconds"] for run in solved), default=None)
+        found[problem] = {"seconds": seconds, "cost": cheapest, "costs": at}
+    return found
+
+
+def primitives(planner: srmp.PlannerInterface) -> dict[str, list[Any]]:
+    """Boxes (centre, roll-pitch-yaw, half extents) and cylinders (centre, roll-pitch-yaw, radius, length)."""
+    found: dict[str, list[Any]] = {"boxes": [], "cylinders": []}
+    with tempfile.TemporaryDirectory() as directory:
+        file = Path(directory, "scene.json")
+        planner.save_scene(str(file))
+        objects = json.loads(file.read_text())["scene"]["objects"]
+    for shape, pose in ((each["shape"], each["pose"]) for each in objects):
+        # Rounded, because VAMP has a quicker check for boxes that stand upright exactly.
+        place = [pose[:3], [round(angle, 9) for angle in srmp.Pose.from_xyzw(pose[:3], pose[3:]).rpy()]]
+        if shape["kind"] == "box":
+            found["boxes"].append([*place, [size / 2 for size in shape["size"]]])
+        elif shape["kind"] == "cylinder":
+            found["cylinders"].append([*place, shape["radius"], shape["length"]])
+        else:
+            raise srmp.NotSupported(f"VAMP's column is for boxes and cylinders; this scene has a {shape['kind']}.")
+    return found
+
+
 def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: str | None) -> Measured:
     from srmp.bench.scenarios import find
 
@@ -269,7 +322,7 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
     return result
 
 
-KINDS = {function.__name__: function for function in (path, certified, first, moved, anytime, yardstick, arms)}
+KINDS = {function.__name__: function for function in (path, certified, first, moved, anytime, yardstick, vamp, arms)}
 
 
 # --- rounds and pairs -------------------------------------------------------------------------------------------------
@@ -295,7 +348,13 @@ def merge(rounds: Sequence[Measured]) -> Measured:
 
 
 def run(
-    data: str, multi_data: str | None, aims: str, problems: str, rounds: int, baseline: str | None
+    data: str,
+    multi_data: str | None,
+    aims: str,
+    problems: str,
+    rounds: int,
+    baseline: str | None,
+    vamp: str | None = None,
 ) -> dict[str, Any]:
     """One row a case: what was measured by this build, and by the baseline."""
     if not data:
@@ -308,8 +367,8 @@ def run(
         raise srmp.InvalidArgument(f"aims '{aims}': they are 1 to 5, separated by commas.")
     builds = {"own": sys.executable, **({"baseline": baseline} if baseline else {})}
     rows = []
-    for case in cases(numbers, multi_data):
-        chosen = ["own"] if case.kind == YARDSTICK else list(builds)
+    for case in cases(numbers, multi_data, vamp):
+        chosen = ["own"] if case.kind in (YARDSTICK, VAMP) else list(builds)
         measured: dict[str, list[Measured]] = {build: [] for build in chosen}
         for number in range(rounds):
             for build in chosen if number % 2 else reversed(chosen):  # neither is always the first
@@ -317,7 +376,7 @@ def run(
         rows.append(
             {"aim": case.aim, "name": case.name, "goal": case.goal} | {b: merge(r) for b, r in measured.items()}
         )
-    options = {"aims": numbers, "problems": problems, "rounds": rounds, "baseline": baseline}
+    options = {"aims": numbers, "problems": problems, "rounds": rounds, "baseline": baseline, "vamp": vamp}
     return {"header": mbm.header("speed", options=options), "rows": rows}
 
 
@@ -365,6 +424,7 @@ def main() -> None:
     parser.add_argument("--problems", default="1-5", help="numbers in each scenario (default: %(default)s)")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--baseline", help="Python of an environment with another build")
+    parser.add_argument("--vamp", help="Python of an environment with vamp; without it: left out")
     run_and_report(parser, run, table)
 
 

@@ -73,6 +73,46 @@ def test_the_other_measurements_of_speed(suite, stand_in_dir, monkeypatch):
     assert row["seconds"] > 0
 
 
+VAMP_STAND_IN = """
+class Path(list):
+    def cost(self): return 2.5
+class Result:
+    def __init__(self, path): self.path, self.nanoseconds, self.solved = path, 1000, bool(path)
+class Robot:
+    def halton(self): return self
+    def reset(self): pass
+    def simplify(self, path, *_): return Result(path)
+class Environment:
+    def add_cuboid(self, cuboid): assert len(cuboid) == 3
+    def add_capsule(self, capsule): assert len(capsule) == 4
+class Settings:
+    max_iterations = 7
+def plan(start, goals, scene, settings, sampler):
+    assert len(start) == len(goals[0]) == 7
+    return Result(Path([start, goals[0]]) if settings.max_iterations != 100 else Path())
+def Cuboid(*of): return of
+Cylinder = Cuboid
+def configure_robot_and_planner_with_kwargs(robot, planner): return Robot(), plan, Settings(), None
+"""
+
+
+def test_speed_beside_vamp(suite, stand_in_dir, monkeypatch, tmp_path):
+    speed = suite("speed")
+    monkeypatch.setattr(speed, "SCENARIOS", ("box",))
+    monkeypatch.setattr(speed, "has_wheel", lambda: False)
+    (tmp_path / "vamp.py").write_text(VAMP_STAND_IN)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    (row,) = speed.run(str(stand_in_dir), None, "1", "1-2", 1, None, sys.executable)["rows"][1:]
+    assert row["name"] == "box, VAMP's RRT-Connect"
+    assert [each["cost"] for each in row["own"].values()] == [2.5, 2.5]
+    assert [each["seconds"] for each in row["own"].values()] == pytest.approx([2e-6, 2e-6])
+    found = speed.vamp(str(stand_in_dir), "1", "aorrtc", "box", sys.executable)
+    assert found["box/0001"]["costs"] == {"0.001": 2.5, "0.01": 2.5, "0.03": 2.5, "0.1": 2.5}
+    (tmp_path / "vamp.py").write_text("raise RuntimeError('no robot')")
+    with pytest.raises(srmp.Error, match=r"VAMP by .* failed: RuntimeError: no robot"):
+        speed.vamp(str(stand_in_dir), "1", "rrtc", "box", sys.executable)
+
+
 def test_a_problem_that_one_round_does_not_solve_counts_as_not_solved(suite):
     speed = suite("speed")
     solved, failed = {"a": {"seconds": 2.0, "cost": 1.0}}, {"a": {"seconds": None, "cost": None}}
