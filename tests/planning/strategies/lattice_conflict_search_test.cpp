@@ -18,8 +18,7 @@ srmp::multi::ConflictSearchResult optimum(const FacingArms& pair, const std::str
   for (const double scale : {4.0, 3.0, 1.5, 0.75}) {  // 6 would be more than 90 degrees
     srmp::MultiRobotWorld::Options like = pair.world->options();
     like.scale = scale;
-    const auto world =
-        srmp::world_like(*pair.world, {pair.world->task(0), pair.world->task(1)}, like);
+    const auto world = srmp::world_like(*pair.world, {pair.world->task(0), pair.world->task(1)}, like);
     if (srmp::describe_graph(*world, options) != graph) continue;
     srmp::WorldSubset subset(*world, both);
     return srmp::multi::conflict_search(subset, {.max_evaluations = 20'000}, srmp::Deadline());
