@@ -241,11 +241,16 @@ def anytime(data: str, problems: str, robot: str, geometry: str, scenario: str) 
         if result is None:
             return {"seconds": None, "cost": None}
         known = [(each["time_s"], each["cost_rad"]) for each in planner.get_planning_stats()["solutions"]]
-        at = {f"{t:g}": min((c for s, c in known if s <= t), default=None) for t in TIMES}
+        at = costs_at_times(known)
         return {"seconds": known[0][0], "cost": at[f"{TIMES[-1]:g}"], "costs": at}
 
     options = {**PATH_ONLY, "improve_time": TIMES[-1]}
     return over_problems(data, problems, robot, geometry, scenario, options, measure)
+
+
+def costs_at_times(known: Sequence[tuple[float, float]]) -> dict[str, float | None]:
+    """The least cost known at each of TIMES; `known`: (seconds, cost)."""
+    return {f"{t:g}": min((cost for seconds, cost in known if seconds <= t), default=None) for t in TIMES}
 
 
 def yardstick(data: str, problems: str, name: str, scenario: str) -> Measured:
@@ -271,16 +276,12 @@ def vamp(data: str, problems: str, name: str, scenario: str, python: str) -> Mea
         ends = {"start": [*own.start], "goals": [[*q] for q in own.goals[0].targets]}
         task["problems"][problem] = ends | primitives(planner) | {"cylinders_as_boxes": scenario == "box"}
     program = str(Path(__file__).with_name("vamp_planners.py"))
-    done = subprocess.run([python, program], input=json.dumps(task), capture_output=True, text=True)
-    if done.returncode:
-        raise srmp.Error(f"VAMP by {python} failed: {done.stderr.strip().splitlines()[-1]}")
     found: Measured = {}
-    for problem, runs in json.loads(done.stdout).items():
-        solved = [run for run in runs if run["seconds"] is not None]
-        at = {f"{t:g}": min((r["cost"] for r in solved if r["seconds"] <= t), default=None) for t in TIMES}
-        cheapest = at[f"{TIMES[-1]:g}"] if name == "aorrtc" else min((r["cost"] for r in solved), default=None)
-        seconds = min((run["seconds"] for run in solved), default=None)
-        found[problem] = {"seconds": seconds, "cost": cheapest, "costs": at}
+    for problem, runs in result_of(f"VAMP by {python}", [python, program], json.dumps(task)).items():
+        known = [(run["seconds"], run["cost"]) for run in runs if run["seconds"] is not None]
+        at = costs_at_times(known)
+        cheapest = at[f"{TIMES[-1]:g}"] if name == "aorrtc" else min((cost for _, cost in known), default=None)
+        found[problem] = {"seconds": min((s for s, _ in known), default=None), "cost": cheapest, "costs": at}
     return found
 
 
@@ -331,10 +332,15 @@ KINDS = {function.__name__: function for function in (path, certified, first, mo
 def run_in_process(python: str, case: Case, data: str, problems: str) -> Measured:
     """One round of a case by the build of this Python."""
     task = json.dumps([case.kind, data, problems, *case.arguments])
-    command = [python, __file__, "--here", task]
-    done = subprocess.run(command, env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
+    return result_of(f"'{case.name}' by {python}", [python, __file__, "--here", task])
+
+
+def result_of(what: str, command: Sequence[str], given: str = "") -> Any:
+    """What a program with one thread prints last, as JSON; `given` is its standard input."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(command, env=environment, input=given, capture_output=True, text=True)
     if done.returncode:
-        raise srmp.Error(f"'{case.name}' by {python} failed: {done.stderr.strip().splitlines()[-1]}")
+        raise srmp.Error(f"{what} failed: {done.stderr.strip().splitlines()[-1]}")
     return json.loads(done.stdout.splitlines()[-1])
 
 

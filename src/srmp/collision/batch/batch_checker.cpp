@@ -87,18 +87,23 @@ class BatchChecker::Workspace {
   int hit_count{};
   BatchStatistics statistics;
 
-  batch::KernelResult run(const BatchModel& impl, bool moving, bool proofs_only = false, unsigned decisive = 0,
-                          bool only_open_pairs = false) {
+  struct RunOptions {
+    bool moving{};  // within the half widths; false: exactly at the values
+    bool proofs_only{};
+    unsigned decisive{};
+    bool open_pairs_only{};
+  };
+  batch::KernelResult run(const BatchModel& impl, const RunOptions& options) {
     ++statistics.blocks;
     batch::KernelResult result{0, 0, {-1, -1}, pair_lanes.data()};
-    const bool looks_for_hits = moving && !proofs_only;
+    const bool looks_for_hits = options.moving && !options.proofs_only;
     const batch::KernelRequest request{values.get(),
-                                       moving ? half_widths.get() : nullptr,
-                                       !moving,
-                                       proofs_only,
-                                       static_cast<batch::LaneMask>(decisive),
-                                       only_open_pairs ? open_pairs.data() : nullptr,
-                                       only_open_pairs ? open_bodies.data() : nullptr,
+                                       options.moving ? half_widths.get() : nullptr,
+                                       !options.moving,
+                                       options.proofs_only,
+                                       static_cast<batch::LaneMask>(options.decisive),
+                                       options.open_pairs_only ? open_pairs.data() : nullptr,
+                                       options.open_pairs_only ? open_bodies.data() : nullptr,
                                        hits.data(),
                                        looks_for_hits ? hit_count : 0};
     impl.kernel(view, request, scratch.get(), result);
@@ -227,7 +232,7 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
     }
   }
   const unsigned used = (1u << count) - 1;
-  const batch::KernelResult result = w.run(*impl_, false, options.proofs_only);
+  const batch::KernelResult result = w.run(*impl_, {.proofs_only = options.proofs_only});
   w.collect(*impl_, result, used, [](int lane) { return Interval{static_cast<double>(lane), 0}; });
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
   const unsigned colliding = result.colliding & used;
@@ -251,7 +256,7 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->robot->actuated_reach[k];
   const int blocks = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
   w.open.clear();
-  for (int j = 0; j < blocks; ++j)  // so are those of a block
+  for (int j = 0; j < blocks; ++j)  // the lanes of each block are spread over the motion, too
     for (const int part : part_of_lane)
       w.open.push_back({(static_cast<double>(part) * blocks + j + 0.5) / (blocks * kLanes), 0.5 / (blocks * kLanes)});
 }
@@ -268,7 +273,7 @@ CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const 
     for (std::size_t first = 0; first < w.open.size(); first += kLanes) {
       const unsigned used = (1u << w.set_lanes(std::span(w.open).subspan(first))) - 1;
       ++blocks;
-      const batch::KernelResult result = w.run(*impl_, true, false, 0, level > 0);
+      const batch::KernelResult result = w.run(*impl_, {.moving = true, .open_pairs_only = level > 0});
       if (result.colliding) {
         w.clear_pair_lanes();
         w.undecided.clear();
@@ -305,7 +310,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
     unsigned whole = 0;  // lanes that are not subdivided any more
     for (std::size_t i = 0; i < kLanes; ++i)
       if (w.lanes[i].half < (over_budget ? first : finest)) whole |= 1u << i;
-    const batch::KernelResult result = w.run(*impl_, true, true, whole);
+    const batch::KernelResult result = w.run(*impl_, {.moving = true, .proofs_only = true, .decisive = whole});
     if (result.undecided) w.clear_pair_lanes();
     if (result.colliding || (result.undecided & whole)) {
       ++w.statistics.motions_undecided;
