@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <mutex>
 #include <utility>
 
 #include "srmp/collision/narrow_phase.hpp"
@@ -127,8 +128,31 @@ struct Checker::Robots {
     }
   }
 
+  /// Checker::reach, which is computed once.
+  const Eigen::VectorXd& reach() const {
+    std::call_once(reach_known_, [this] { reach_ = farthest_points(); });
+    return reach_;
+  }
+
   RobotGroup group;
   std::vector<Part> parts;
+
+ private:
+  Eigen::VectorXd farthest_points() const {
+    const std::vector<ActuatedJoint>& actuated_joints = group.actuated_joints();
+    std::vector<double> farthest(actuated_joints.size(), 0.0);  // from the joint's axis
+    for_each_axis(data_at_zero(), [&](const Part&, std::size_t k, double distance, const Eigen::Vector3d&) {
+      farthest[k] = std::max(farthest[k], distance);
+    });
+    Eigen::VectorXd reach = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(group.joints().size()));
+    for (std::size_t k = 0; k < actuated_joints.size(); ++k)
+      reach[static_cast<Eigen::Index>(actuated_joints[k].joint)] +=
+          std::abs(actuated_joints[k].ratio) * (actuated_joints[k].prismatic ? 1.0 : farthest[k]);
+    return reach;
+  }
+
+  mutable std::once_flag reach_known_;
+  mutable Eigen::VectorXd reach_;
 };
 
 // --- the public functions check
@@ -272,19 +296,7 @@ MotionCertificate Checker::do_certify_motion(ConstVector a, ConstVector b, Works
   return {true, 0.0, 0.0, "", ""};
 }
 
-Eigen::VectorXd Checker::do_reach() const {
-  const std::vector<ActuatedJoint>& actuated_joints = group().actuated_joints();
-  std::vector<double> farthest(actuated_joints.size(), 0.0);  // from the joint's axis
-  robots_->for_each_axis(robots_->data_at_zero(),
-                         [&](const Robots::Part&, std::size_t k, double distance, const Eigen::Vector3d&) {
-                           farthest[k] = std::max(farthest[k], distance);
-                         });
-  Eigen::VectorXd reach = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(dof()));
-  for (std::size_t k = 0; k < actuated_joints.size(); ++k)
-    reach[static_cast<Eigen::Index>(actuated_joints[k].joint)] +=
-        std::abs(actuated_joints[k].ratio) * (actuated_joints[k].prismatic ? 1.0 : farthest[k]);
-  return reach;
-}
+Eigen::VectorXd Checker::do_reach() const { return robots_->reach(); }
 
 /// The sphere is centred on the first axis that never moves.
 PlacedSphere Checker::do_range() const {

@@ -129,19 +129,25 @@ class Segments {
   void fit_line(const Interval& at, Range& range) const {
     const double duration = motion_.times[at.to] - motion_.times[at.from];
     const double half = std::max(range.time - motion_.times[at.from], motion_.times[at.to] - range.time);
-    for (Eigen::Index j = 0; j < range.middle.size(); ++j) {
-      const double slope = (motion_.positions(at.to, j) - motion_.positions(at.from, j)) / duration;
-      double rest = 0.0;
-      for (Eigen::Index segment = at.from; segment < at.to; ++segment) {
-        const auto c = coefficients(segment, j);
-        const double start = motion_.times[segment] - range.time;
-        const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
-        for (std::size_t i = 0; i < c.size(); ++i)
-          rest = std::max(rest, std::abs(c[i] - range.middle[j] - slope * (start + static_cast<double>(i) * third)));
-      }
-      range.linear[static_cast<std::size_t>(j)] = slope * half;
-      range.rest[static_cast<std::size_t>(j)] = rest;
+    std::vector<double>& slope = range.linear;
+    for (std::size_t j = 0; j < slope.size(); ++j) {
+      const auto joint = static_cast<Eigen::Index>(j);
+      slope[j] = (motion_.positions(at.to, joint) - motion_.positions(at.from, joint)) / duration;
     }
+    std::fill(range.rest.begin(), range.rest.end(), 0.0);
+    for (Eigen::Index segment = at.from; segment < at.to; ++segment) {
+      const double start = motion_.times[segment] - range.time;
+      const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
+      for (std::size_t j = 0; j < slope.size(); ++j) {
+        const auto joint = static_cast<Eigen::Index>(j);
+        const auto c = coefficients(segment, joint);
+        const double middle = range.middle[joint];
+        for (std::size_t i = 0; i < c.size(); ++i)
+          range.rest[j] =
+              std::max(range.rest[j], std::abs(c[i] - middle - slope[j] * (start + static_cast<double>(i) * third)));
+      }
+    }
+    for (double& linear : slope) linear *= half;
   }
 
   /// Computes the ranges of 1, 2, 4, … segments, so that any run of segments is a few blocks.
@@ -232,8 +238,13 @@ class Prover {
   };
 
   bool stopped() const { return deadline_ && deadline_->stop_requested(); }
-  /// Looks at the clock at every eighth call: that takes longer than a check by bounds.
-  bool seldom_stopped() { return ++checks_ % 8 == 0 && stopped(); }
+  /// Looks at the clock after 64 checks of solids, or 8 of meshes: that takes longer than a check by bounds.
+  bool seldom_stopped(const Pair& pair) {
+    checks_ += pair.solid ? 1 : 8;
+    if (checks_ < 64) return false;
+    checks_ = 0;
+    return stopped();
+  }
   void place_at(const Interval& interval);
   void find_nearest_at(Eigen::Index row, double enough);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
@@ -277,7 +288,7 @@ class Prover {
   Eigen::VectorXd nearest_configuration_;
   double proved_{infinity};
   int samples_{};
-  unsigned checks_{};  // that bounds did not decide
+  unsigned checks_{};  // that bounds did not decide, since the last look at the clock
   int raising_{};      // of pairs that were proved free, but less than the goal
   Segments::Range range_;
   std::vector<Displacement> displacements_;  // by moving body, in the current interval
@@ -363,7 +374,7 @@ void Prover::place_at(const Interval& interval) {
 Prover::Check Prover::check(const Pair& pair, double motion, double required) {
   const double bound = workspace_.distance_bound(pair), left = bound - pair.padding - motion - NarrowPhase::tolerance;
   if (left > required) return {CollisionStatus::free, left, false};
-  if (seldom_stopped()) return {CollisionStatus::undecided, 0.0, false};
+  if (seldom_stopped(pair)) return {CollisionStatus::undecided, 0.0, false};
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
     return measure(pair, motion, required);
   // No distance could prove it.

@@ -47,7 +47,11 @@ std::span<const double> as_span(const Eigen::VectorXd& v) { return {v.data(), st
 }  // namespace
 
 SceneWorkspace::SceneWorkspace(const SceneModel& model)
-    : model_(model), bodies_(model.bodies), data_(model.group.make_data()), narrow_(model.bodies.formulas) {
+    : model_(model),
+      bodies_(model.bodies),
+      data_(model.group.make_data()),
+      narrow_(model.bodies.formulas),
+      displacements_(model) {
   narrow_.poll_with([this] {
     if (deadline && deadline->expired()) throw MotionCheckStopped();
     interruption_point();
@@ -56,17 +60,9 @@ SceneWorkspace::SceneWorkspace(const SceneModel& model)
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
   open_.reserve(1024);
   next_.reserve(1024);
-  const std::size_t actuated_joints = model_.group.actuated_joints().size(), moving = bodies_.moving.size();
-  places_.resize(moving);
+  places_.resize(bodies_.moving.size());
   const auto dof = static_cast<Eigen::Index>(model_.group.joints().size());
   start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
-  active_list_.reserve(actuated_joints);
-  speed_.resize(actuated_joints);
-  linear_.resize(actuated_joints);
-  rest_.resize(actuated_joints);
-  axes_.resize(actuated_joints);
-  reach_.resize(moving * actuated_joints);
-  reach_known_.resize(moving);
 }
 
 void SceneWorkspace::place(ConstVector q) {
@@ -76,7 +72,7 @@ void SceneWorkspace::place(ConstVector q) {
   for (Place& place : places_) place.known = false;
 }
 
-const SceneWorkspace::Place& SceneWorkspace::place_of(std::size_t body) {
+const Place& SceneWorkspace::place_of(std::size_t body) {
   Place& place = places_[body];
   if (place.known) return place;
   const MovingBody& moving = bodies_.moving[body];
@@ -195,34 +191,14 @@ void SceneWorkspace::start_motion(ConstVector a, ConstVector b) {
   delta_ = b - a;
   for (std::size_t i = 0; i < model_.group.continuous().size(); ++i)
     if (model_.group.continuous()[i]) delta_[i] = std::remainder(delta_[i], 2.0 * std::numbers::pi);
-  active_ = 0;
-  active_list_.clear();
-  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
-  for (std::size_t k = actuated_joints.size(); k-- > 0;) {  // children first
-    linear_[k] = actuated_joints[k].ratio * delta_[static_cast<Eigen::Index>(actuated_joints[k].joint)];
-    speed_[k] = std::abs(linear_[k]);
-    rest_[k] = 0.0;
-    if (speed_[k] == 0.0) continue;
-    active_ |= std::uint64_t{1} << k;
-    active_list_.push_back(k);
-  }
+  displacements_.start_straight(delta_);
 }
 
-void SceneWorkspace::start_any_motion(std::uint64_t active) {
-  active_ = active;
-  active_list_.clear();
-  for (std::size_t k = model_.group.actuated_joints().size(); k-- > 0;)
-    if (active >> k & 1) active_list_.push_back(k);
-}
+void SceneWorkspace::start_any_motion(std::uint64_t active) { displacements_.start_any(active); }
 
 void SceneWorkspace::place_in_range(ConstVector q, std::span<const double> change, std::span<const double> linear,
                                     std::span<const double> rest) {
-  for (std::size_t k : active_list_) {
-    const ActuatedJoint& actuated = model_.group.actuated_joints()[k];
-    speed_[k] = std::abs(actuated.ratio) * change[actuated.joint];
-    linear_[k] = actuated.ratio * linear[actuated.joint];
-    rest_[k] = std::abs(actuated.ratio) * rest[actuated.joint];
-  }
+  displacements_.limit(change, linear, rest);
   place_with_axes(q);
 }
 
@@ -233,73 +209,19 @@ void SceneWorkspace::place_on_motion(double t) {
 
 void SceneWorkspace::place_with_axes(ConstVector q) {
   place(q);
-  for (std::size_t k : active_list_) axes_[k] = model_.group.actuated_joint_axis(data_, k);
-  std::fill(reach_known_.begin(), reach_known_.end(), 0);
+  displacements_.place(data_);
 }
 
-/// The farthest that a point of the body's core may be from the joint's axis, here.
-double SceneWorkspace::axis_reach(std::size_t body, std::size_t actuated) {
-  const std::size_t actuated_joints = speed_.size();
-  double* reach = reach_.data() + body * actuated_joints;
-  if (!reach_known_[body]) {
-    const Core& core = bodies_.moving[body].core;
-    const Place& place = place_of(body);
-    const Eigen::Vector3d half = place.pose.linear() * core.half;
-    for (std::size_t k : active_list_) {
-      const Eigen::Vector3d center = place.center - axes_[k].first;
-      const auto from_axis = [&](const Eigen::Vector3d& point) { return point.cross(axes_[k].second).norm(); };
-      reach[k] = half.isZero(0.0) ? from_axis(center) : std::max(from_axis(center + half), from_axis(center - half));
-      reach[k] += core.radius;
-    }
-    reach_known_[body] = 1;
-  }
-  return reach[actuated];
-}
-
-/// The smaller of two bounds. The first is what the joints add up to, from the deepest to the shallowest: each one
-/// turns the body about the axis where it is now, since all that carries it stands still meanwhile, after the deeper
-/// ones moved the body by `moved` at most. The other is that of Taylor's polynomial of first degree, which knows how
-/// all joints move the body at once, and of its remainder: the second derivatives by two joints are no longer than the
-/// distance from the axis of the deeper one.
 double SceneWorkspace::displacement(std::size_t body, std::uint64_t support, double half_width,
                                     const Eigen::Vector3d* direction) {
-  const Core& core = bodies_.moving[body].core;
-  const Place& place = place_of(body);
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the center, over half of the motion
-  double rest = 0.0, moved = 0.0, bent = 0.0, shallower = 0.0;
-  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
-  for (std::size_t k : active_list_)
-    if ((support >> k & 1) && !actuated_joints[k].prismatic) shallower += speed_[k] * half_width;
-  for (std::size_t k : active_list_) {
-    if (!(support >> k & 1)) continue;
-    const auto& [point, axis] = axes_[k];
-    const double change = speed_[k] * half_width;
-    if (actuated_joints[k].prismatic) {
-      velocity += linear_[k] * half_width * axis;
-      rest += rest_[k];
-      bent += 2.0 * change * shallower;
-      moved += change;
-      continue;
-    }
-    const double reach = axis_reach(body, k), farthest = reach + moved;
-    velocity += linear_[k] * half_width * axis.cross(place.center - point);
-    turn += linear_[k] * half_width * axis;
-    rest += rest_[k] * reach;
-    shallower -= change;
-    bent += change * farthest * (change + 2.0 * shallower);
-    moved += change * farthest;
-  }
-  const Eigen::Vector3d at_end = turn.cross(place.pose.linear() * core.half);
-  const double linear =
-      direction ? std::abs(velocity.dot(*direction)) + std::abs(at_end.dot(*direction)) +
-                      core.radius * turn.cross(*direction).norm()
-                : std::max((velocity + at_end).norm(), (velocity - at_end).norm()) + core.radius * turn.norm();
-  return std::min(linear + rest + bent / 2.0, moved);
+  return displacements_.of(body, place_of(body), support, half_width, direction);
 }
 
 double SceneWorkspace::approach(const Pair& pair, double half_width, const Eigen::Vector3d* direction) {
   const double motion = displacement(pair.a, pair.support_a, half_width, direction);
-  return (pair.support_b & active_) ? motion + displacement(pair.b, pair.support_b, half_width, direction) : motion;
+  return (pair.support_b & displacements_.active())
+             ? motion + displacement(pair.b, pair.support_b, half_width, direction)
+             : motion;
 }
 
 double SceneWorkspace::free_gap(const Pair& pair, const Separation& separation, double half_width) {
@@ -376,7 +298,7 @@ void SceneWorkspace::subdivide(const Interval& whole, int parts) {
 
 bool SceneWorkspace::process_whole_motion_of(std::size_t body) {
   constexpr double half_width = 0.5;
-  if (bodies_.moving[body].support & active_)
+  if (bodies_.moving[body].support & displacements_.active())
     return for_each_fixed_near(body, displacement(body, bodies_.moving[body].support, half_width),
                                [&](std::uint32_t pair) { return process(pair, 0.5, half_width); });
   if (start_is_free_) return true;
@@ -518,13 +440,13 @@ bool SceneWorkspace::is_motion_free(const MotionQuery& query) {
   start_is_free_ = query.start_is_free;
   reserve_ = proof_reserve;
   close_.clear();
-  if (active_ == 0) {
+  if (displacements_.active() == 0) {
     if (query.start_is_free) return true;
     place(start_);
     return is_free_here();
   }
-  if (!model_.batch || !model_.spheres_reach(start_) || !model_.spheres_reach(start_ + delta_))
-    return resolve_with_coal();
+  q_ = start_ + delta_;
+  if (!model_.batch || !model_.spheres_reach(start_) || !model_.spheres_reach(q_)) return resolve_with_coal();
   if (query.spheres_only) {
     ++statistics.motions_by_spheres;
     return prove_with_spheres();

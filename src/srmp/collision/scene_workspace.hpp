@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "srmp/collision/displacements.hpp"
 #include "srmp/collision/narrow_phase.hpp"
 #include "srmp/collision/scene_model.hpp"
 
@@ -76,12 +77,6 @@ class SceneWorkspace final : public Checker::Workspace {
   void check_block(ConstRows q, std::span<bool> free, const StateQuery& query);
 
  private:
-  /// Of a moving body at the current configuration, found when it is first needed.
-  struct Place {
-    bool known{};
-    Eigen::Isometry3d pose;
-    Eigen::Vector3d center;  // of its bounding sphere
-  };
   /// A part of the motion around t, over which a pair is still to be checked.
   struct Interval {
     double t, half_width;
@@ -96,11 +91,10 @@ class SceneWorkspace final : public Checker::Workspace {
   const Place& place_of(std::size_t body);
   double query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,
                         Separation* separation = nullptr);
-  double axis_reach(std::size_t body, std::size_t actuated);
   void place_with_axes(ConstVector q);
   void place_on_motion(double t);
   /// Does the motion leave the two where they are relative to each other?
-  bool is_still(const Pair& pair) const { return ((pair.support_a | pair.support_b) & active_) == 0; }
+  bool is_still(const Pair& pair) const { return ((pair.support_a | pair.support_b) & displacements_.active()) == 0; }
   template <class Visit>
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 
@@ -128,13 +122,7 @@ class SceneWorkspace final : public Checker::Workspace {
   NarrowPhase narrow_;
   std::vector<Place> places_;  // of moving bodies
   Eigen::VectorXd start_, delta_, q_, here_;
-  std::uint64_t active_{};                // actuated joints that this motion moves
-  std::vector<std::size_t> active_list_;  // the same, the deepest first
-  std::vector<double> speed_;             // of each actuated joint, at most [rad or m over the whole motion]
-  std::vector<double> linear_, rest_;     // of it: what is linear [rad or m], and the rest, as in place_in_range
-  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> axes_;  // of active joints, here
-  std::vector<double> reach_;      // [body * actuated joints + k]: farthest point of the body from the joint's axis
-  std::vector<char> reach_known_;  // of this body, here
+  Displacements displacements_;
   BatchChecker::WorkspacePtr batch_;
   bool start_is_free_{};              // pairs that the motion does not move need no check
   double reserve_{};                  // farther than this must a pair stay apart to be proved free

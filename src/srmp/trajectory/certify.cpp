@@ -200,22 +200,26 @@ class Certifier {
   // --- deviation from the waypoints
 
   /// A bound on how far any point of the robot gets from the straight segment: the largest distance of the polynomial's
-  /// Bernstein coefficients, which enclose the curve.
-  double off_segment(const std::array<Eigen::RowVectorXd, 4>& points, Eigen::Index segment) {
-    const auto from = t_.waypoints.row(segment), to = t_.waypoints.row(segment + 1);
+  /// Bernstein coefficients, which enclose the curve; or one of these that is at least `enough`.
+  double off_segment(const std::array<Eigen::RowVectorXd, 4>& points, Eigen::Index segment, double enough) {
+    from_ = t_.waypoints.row(segment);
+    to_ = t_.waypoints.row(segment + 1);
     double largest_off = 0.0;
-    for (const Eigen::RowVectorXd& point : points) largest_off = std::max(largest_off, off_segment(point, from, to));
+    for (const Eigen::RowVectorXd& point : points) {
+      largest_off = std::max(largest_off, off_segment(point));
+      if (largest_off >= enough) break;
+    }
     return largest_off;
   }
 
-  /// The smallest sum of reach * |difference of a joint| to a point of the segment: at a weighted median.
-  double off_segment(const Eigen::RowVectorXd& point, const Eigen::RowVectorXd& from, const Eigen::RowVectorXd& to) {
+  /// The smallest sum of reach * |difference of a joint| to a point between from_ and to_: at a weighted median.
+  double off_segment(const Eigen::RowVectorXd& point) {
     breaks_.clear();
     double total = 0.0;
     for (Eigen::Index j = 0; j < point.size(); ++j) {
-      const double step = to[j] - from[j], weight = reach_[j] * std::abs(step);
+      const double step = to_[j] - from_[j], weight = reach_[j] * std::abs(step);
       if (!(weight > 0.0)) continue;
-      breaks_.emplace_back((point[j] - from[j]) / step, weight);
+      breaks_.emplace_back((point[j] - from_[j]) / step, weight);
       total += weight;
     }
     std::sort(breaks_.begin(), breaks_.end());
@@ -225,7 +229,7 @@ class Certifier {
       if ((passed += weight) >= 0.5 * total) break;
     }
     along = std::clamp(along, 0.0, 1.0);
-    return (point - from - along * (to - from)).cwiseAbs().dot(reach_);
+    return (point - from_ - along * (to_ - from_)).cwiseAbs().dot(reach_);
   }
 
   void check_deviation() {
@@ -243,9 +247,9 @@ class Certifier {
     for (Eigen::Index row = 0; row + 1 < std::max<Eigen::Index>(t_.positions.rows(), 2); ++row) {
       interruption_point();
       bernstein(row, points);
-      double smallest = off_segment(points, at);
+      double smallest = off_segment(points, at, std::numeric_limits<double>::infinity());
       for (Eigen::Index next = at + 1; next < segments && smallest > negligible_deviation; ++next) {
-        const double off = off_segment(points, next);
+        const double off = off_segment(points, next, smallest);
         if (off < smallest) {
           smallest = off;
           at = next;
@@ -262,9 +266,11 @@ class Certifier {
     points[0] = t_.positions.row(row);
     points[3] = t_.positions.row(next);
     const double third = (t_.times[next] - t_.times[row]) / 3.0;
-    const bool moves = t_.velocities.rows() > 0;
-    points[1] = moves ? Eigen::RowVectorXd(points[0] + third * t_.velocities.row(row)) : points[0];
-    points[2] = moves ? Eigen::RowVectorXd(points[3] - third * t_.velocities.row(next)) : points[3];
+    points[1] = points[0];
+    points[2] = points[3];
+    if (t_.velocities.rows() == 0) return;
+    points[1] += third * t_.velocities.row(row);
+    points[2] -= third * t_.velocities.row(next);
   }
 
   void note_deviation(double off, Eigen::Index row) {
@@ -300,6 +306,7 @@ class Certifier {
   const MotionLimits& limits_;
   const CertifyOptions& options_;
   Eigen::RowVectorXd reach_;
+  Eigen::RowVectorXd from_, to_;                   // a segment of the waypoints
   std::vector<std::pair<double, double>> breaks_;  // scratch of off_segment
   Certificate result_;
 };

@@ -49,11 +49,13 @@ class LimitCheck {
   void check_limits_of(Eigen::Index j) {
     const std::string& joint = t_.joint_names[static_cast<std::size_t>(j)];
     Use use;
-    if (options_.joints) check_position((*options_.joints)[static_cast<std::size_t>(j)], j, use.position);
+    segments_.clear();
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) {
       interruption_point();
-      update_derivatives(detail::segment_of(t_, row, j), j, row, use);
+      segments_.push_back(detail::segment_of(t_, row, j));
     }
+    if (options_.joints) check_position((*options_.joints)[static_cast<std::size_t>(j)], j, use.position);
+    for (Eigen::Index row = 0; row + 1 < t_.positions.rows(); ++row) update_derivatives(j, row, use);
     if (t_.velocities.rows() == 0)
       check_jumps(j, use);
     else
@@ -84,7 +86,7 @@ class LimitCheck {
     };
     for (Eigen::Index row = 0; row < t_.positions.rows(); ++row) at(t_.positions(row, j), t_.times[row], row);
     for (Eigen::Index row = 0; row + 1 < t_.positions.rows() && t_.velocities.rows() > 0; ++row) {
-      const detail::Cubic p = detail::segment_of(t_, row, j);
+      const detail::Cubic& p = segment(row);
       for (const double u : p.position_extrema()) at(p.position(u), t_.times[row] + u, row);
     }
     note(result_.position, worst, joint.name);
@@ -103,24 +105,26 @@ class LimitCheck {
     return 12 * rounding_of(p, end) / p.h / p.h;
   }
 
-  void update_derivatives(const detail::Cubic& p, Eigen::Index j, Eigen::Index row, Use& use) const {
+  void update_derivatives(Eigen::Index j, Eigen::Index row, Use& use) const {
+    const detail::Cubic& p = segment(row);
     const double begin = t_.times[row], h = p.h, rounding = rounding_of(p, t_.times[row + 1]);
-    const auto update = [&](Worst& worst, double value, double u, double unknown, double limit) {
-      worst.update(std::max(0.0, std::abs(value) - unknown) / limit, value, begin + u, row);
+    const auto update = [&](Worst& worst, double value, double u, double limit, const auto& unknown) {
+      if (std::abs(value) <= worst.fraction * limit * (1.0 - 1e-12)) return;  // most values: divisions are slow
+      worst.update(std::max(0.0, std::abs(value) - unknown()) / limit, value, begin + u, row);
     };
     for (const double u : {0.0, p.velocity_extremum(), h})
-      update(use.velocity, p.velocity(u), u, 2 * rounding / h, limits_.velocity[j]);
+      update(use.velocity, p.velocity(u), u, limits_.velocity[j], [&] { return 2 * rounding / h; });
     if (t_.velocities.rows() == 0) return;  // straight segments: jumps of the velocity are no accelerations
     for (const double u : {0.0, h})
-      update(use.acceleration, p.acceleration(u), u, 12 * rounding / h / h, limits_.acceleration[j]);
-    update(use.jerk, p.jerk(), 0.0, 36 * rounding / h / h / h, limits_.jerk[j]);
+      update(use.acceleration, p.acceleration(u), u, limits_.acceleration[j], [&] { return 12 * rounding / h / h; });
+    update(use.jerk, p.jerk(), 0.0, limits_.jerk[j], [&] { return 36 * rounding / h / h / h; });
   }
 
   /// Without velocities the motion is straight between rows: the velocity jumps there, as if within half of the time to
   /// the rows on both sides. The jerk has no bound there.
   void check_jumps(Eigen::Index j, Use& use) const {
     for (Eigen::Index row = 1; row + 1 < t_.positions.rows(); ++row) {
-      const detail::Cubic before = detail::segment_of(t_, row - 1, j), after = detail::segment_of(t_, row, j);
+      const detail::Cubic &before = segment(row - 1), &after = segment(row);
       const double jump = (after.c[1] - before.c[1]) / (0.5 * (before.h + after.h));
       use.acceleration.update(std::abs(jump) / limits_.acceleration[j], jump, t_.times[row], row);
       if (std::abs(jump) > allowed_jump(j)) use.jerk.update(infinity, jump, t_.times[row], row);
@@ -132,8 +136,7 @@ class LimitCheck {
     double unknown_before = 0.0;
     for (Eigen::Index row = 0; row < t_.accelerations.rows(); ++row) {
       double unknown = unknown_before;
-      if (row + 1 < t_.accelerations.rows())
-        unknown = acceleration_rounding_of(detail::segment_of(t_, row, j), t_.times[row + 1]);
+      if (row + 1 < t_.accelerations.rows()) unknown = acceleration_rounding_of(segment(row), t_.times[row + 1]);
       const double value = t_.accelerations(row, j);
       const double rounding = std::max(unknown, unknown_before) + stated_tolerance * limits_.acceleration[j];
       worst.update(std::max(0.0, std::abs(value) - rounding) / limits_.acceleration[j], value, t_.times[row], row);
@@ -152,7 +155,7 @@ class LimitCheck {
     double before = at_start && at_start->size() ? (*at_start)[j] : 0.0, unknown_before = 0.0;
     const Eigen::Index last = t_.positions.rows() - 1;
     for (Eigen::Index row = 0; row <= last && last > 0; ++row) {
-      const detail::Cubic p = detail::segment_of(t_, std::min(row, last - 1), j);
+      const detail::Cubic& p = segment(std::min(row, last - 1));
       const double end = t_.times[std::min(row + 1, last)];
       const double unknown = acceleration_rounding_of(p, end), after = row < last ? p.acceleration(0.0) : 0.0;
       const bool inside = row > 0 && row < last;
@@ -182,10 +185,13 @@ class LimitCheck {
           worst.time);
   }
 
+  const detail::Cubic& segment(Eigen::Index row) const { return segments_[static_cast<std::size_t>(row)]; }
+
   const Trajectory& t_;
   const MotionLimits& limits_;
   const LimitCheckOptions& options_;
   Certificate& result_;
+  std::vector<detail::Cubic> segments_;  // of one joint
 };
 
 }  // namespace

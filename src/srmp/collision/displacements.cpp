@@ -1,0 +1,162 @@
+#include "srmp/collision/displacements.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace srmp::detail {
+
+Displacements::Displacements(const SceneModel& model) : model_(model), joints_(model.group.actuated_joints().size()) {
+  active_list_.reserve(joints_);
+  speed_.resize(joints_);
+  linear_.resize(joints_);
+  rest_.resize(joints_);
+  axes_.resize(joints_);
+}
+
+void Displacements::start_straight(const Eigen::VectorXd& delta) {
+  const std::vector<ActuatedJoint>& actuated_joints = model_.group.actuated_joints();
+  std::uint64_t active = 0;
+  for (std::size_t k = 0; k < joints_; ++k) {
+    linear_[k] = actuated_joints[k].ratio * delta[static_cast<Eigen::Index>(actuated_joints[k].joint)];
+    speed_[k] = std::abs(linear_[k]);
+    rest_[k] = 0.0;
+    if (speed_[k] != 0.0) active |= std::uint64_t{1} << k;
+  }
+  start_any(active);
+}
+
+void Displacements::start_any(std::uint64_t active) {
+  active_ = active;
+  active_list_.clear();
+  for (std::size_t k = joints_; k-- > 0;)  // children first
+    if (active >> k & 1) active_list_.push_back(k);
+}
+
+void Displacements::limit(std::span<const double> change, std::span<const double> linear,
+                          std::span<const double> rest) {
+  for (std::size_t k : active_list_) {
+    const ActuatedJoint& actuated = model_.group.actuated_joints()[k];
+    speed_[k] = std::abs(actuated.ratio) * change[actuated.joint];
+    linear_[k] = actuated.ratio * linear[actuated.joint];
+    rest_[k] = std::abs(actuated.ratio) * rest[actuated.joint];
+  }
+}
+
+void Displacements::place(const RobotGroup::Data& data) {
+  const std::size_t moving = model_.bodies.moving.size();
+  for (std::size_t k : active_list_) axes_[k] = model_.group.actuated_joint_axis(data, k);
+  chains_.assign(moving, Chain{});
+  arms_.resize(moving * joints_);  // not before: most motions are decided by spheres alone
+  steps_.resize(moving * (joints_ + 1));
+}
+
+const Displacements::Arm& Displacements::arm(std::size_t body, const Place& place, std::size_t joint) {
+  Arm& arm = arms_[body * joints_ + joint];
+  std::uint64_t& known = chains_[body].arms;
+  if (known >> joint & 1) return arm;
+  known |= std::uint64_t{1} << joint;
+  const auto& [point, axis] = axes_[joint];
+  const Core& core = model_.bodies.moving[body].core;
+  const Eigen::Vector3d center = place.center - point;
+  arm.across = axis.cross(center);
+  if (core.half.isZero(0.0)) {
+    arm.reach = arm.across.norm() + core.radius;
+  } else {
+    const Eigen::Vector3d half = place.pose.linear() * core.half;
+    const auto from_axis = [&](const Eigen::Vector3d& end) { return end.cross(axis).norm(); };
+    arm.reach = std::max(from_axis(center + half), from_axis(center - half)) + core.radius;
+  }
+  return arm;
+}
+
+/// What the joint adds to the deeper ones.
+Displacements::Step Displacements::step_of(std::size_t joint, const Step& deeper, const Arm* arm,
+                                           double half_width) const {
+  Step step = deeper;
+  step.support |= std::uint64_t{1} << joint;
+  step.change = speed_[joint] * half_width;
+  step.prismatic = arm == nullptr;
+  const Eigen::Vector3d& axis = axes_[joint].second;
+  const double linear = linear_[joint] * half_width;
+  if (step.prismatic) {
+    step.velocity += linear * axis;
+    step.rest += rest_[joint];
+    step.moved += step.change;
+    return step;
+  }
+  step.farthest = arm->reach + deeper.moved;
+  step.velocity += linear * arm->across;
+  step.turn += linear * axis;
+  step.rest += rest_[joint] * arm->reach;
+  step.moved += step.change * step.farthest;
+  return step;
+}
+
+/// Of the joints of `support`, which move: the deepest ones of the body's chain, for every pair's.
+std::span<const Displacements::Step> Displacements::steps(std::size_t body, const Place& place, std::uint64_t support,
+                                                          double half_width) {
+  Chain& chain = chains_[body];
+  Step* steps = steps_.data() + body * (joints_ + 1);
+  const auto begin = [&](double width) {
+    chain.half_width = width;
+    chain.steps = chain.next = 0;
+  };
+  const auto count = static_cast<std::uint32_t>(std::popcount(support));
+  const auto go_on = [&](std::uint64_t among) {
+    for (; chain.steps < count && chain.next < active_list_.size(); ++chain.next) {
+      const std::size_t joint = active_list_[chain.next];
+      if (!(among >> joint & 1)) continue;
+      const Arm* own = model_.group.actuated_joints()[joint].prismatic ? nullptr : &arm(body, place, joint);
+      steps[chain.steps + 1] = step_of(joint, steps[chain.steps], own, half_width);
+      ++chain.steps;
+    }
+  };
+  if (chain.half_width != half_width) begin(half_width);
+  go_on(model_.bodies.moving[body].support);
+  if (steps[count].support != support) {  // others: known for this call alone
+    begin(-1.0);
+    go_on(support);
+  }
+  return {steps + 1, count};
+}
+
+/// The smaller of two bounds. The first is what the joints add up to, from the deepest to the shallowest: each one
+/// turns the body about the axis where it is now, since all that carries it stands still meanwhile, after the deeper
+/// ones moved the body by `moved` at most. The other is that of Taylor's polynomial of first degree, which knows how
+/// all joints move the body at once, and of its remainder: the second derivatives by two joints are no longer than the
+/// distance from the axis of the deeper one.
+double Displacements::of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+                         const Eigen::Vector3d* direction) {
+  support &= active_;
+  if (support == 0) return 0.0;
+  const std::span<const Step> all = steps(body, place, support, half_width);
+  double bent = 0.0, shallower = 0.0;
+  for (const Step& step : all)
+    if (!step.prismatic) shallower += step.change;
+  for (const Step& step : all) {
+    if (step.prismatic) {
+      bent += 2.0 * step.change * shallower;
+      continue;
+    }
+    shallower -= step.change;
+    bent += step.change * step.farthest * (step.change + 2.0 * shallower);
+  }
+  const Core& core = model_.bodies.moving[body].core;
+  const Step& last = all.back();
+  double linear = 0.0;
+  if (core.half.isZero(0.0)) {
+    linear = direction ? std::abs(last.velocity.dot(*direction)) : last.velocity.norm();
+    if (core.radius > 0.0)
+      linear += core.radius * (direction ? Eigen::Vector3d(last.turn.cross(*direction)) : last.turn).norm();
+  } else {
+    const Eigen::Vector3d at_end = last.turn.cross(place.pose.linear() * core.half);
+    linear = direction ? std::abs(last.velocity.dot(*direction)) + std::abs(at_end.dot(*direction)) +
+                             core.radius * last.turn.cross(*direction).norm()
+                       : std::max((last.velocity + at_end).norm(), (last.velocity - at_end).norm()) +
+                             core.radius * last.turn.norm();
+  }
+  return std::min(linear + last.rest + bent / 2.0, last.moved);
+}
+
+}  // namespace srmp::detail
