@@ -123,6 +123,22 @@ def test_a_solution_that_is_good_enough_ends_the_plan(arm, ready):
         assert stats["plan_time_s"] < 30
 
 
+@pytest.mark.parametrize(
+    "options",
+    [srmp.Auto(improve_time=60, time_limit=60), srmp.ARAStar(time_limit=60), srmp.AMRAStar(time_limit=60)],
+    ids=lambda options: type(options).__name__,
+)
+def test_a_straight_line_ends_the_plan(arm, ready, options):
+    goal = np.array(ready)
+    goal[:2] += [0.2, -0.1]
+    arm.make_planner("arm", options)
+    arm.plan("arm", ready, srmp.GoalConstraint(srmp.GoalType.JOINTS, goal))
+    stats = arm.get_planning_stats()
+    assert stats["path_cost_rad"] == pytest.approx(np.linalg.norm(goal - np.array(ready)), rel=1e-9)
+    assert stats["bound"] == 1
+    assert stats["plan_time_s"] < 30
+
+
 def test_auto_stops_at_the_bound_asked_for(arm, ready):
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
     arm.make_planner("arm", srmp.Auto(improve_time=60, time_limit=60, final_weight=20))

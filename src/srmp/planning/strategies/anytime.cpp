@@ -36,7 +36,7 @@ class Anytime {
   bool run_round(std::uint64_t expansions, double finer) {
     for (const double fraction : options_.fractions)
       while (true) {
-        if (good_enough() || until_.stop_requested()) return false;
+        if (best_.good_enough(improvement_.final_weight, direct_) || until_.stop_requested()) return false;
         const double before = best_cost(), limit = direct_ + fraction * (before - direct_);
         LatticePortfolio searches(lattices_, lattices_.portfolio_options(1.0, finer, limit, expansions));
         Attempt found = search(searches);
@@ -58,12 +58,6 @@ class Anytime {
   }
 
   double best_cost() const { return context_.statistics.path_cost_rad; }
-
-  /// A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
-  bool good_enough() const {
-    if (improvement_.final_weight > 1.0 && context_.statistics.bound <= improvement_.final_weight) return true;
-    return best_cost() <= direct_ * (1.0 + 1e-9);
-  }
 
   RobotContext& context_;
   RobotLattices& lattices_;

@@ -37,6 +37,13 @@ bool BestPath::prove(double lower, const std::string& graph) {
   return !news || !tell || tell(statistics.solutions.back(), waypoints_);
 }
 
+bool BestPath::good_enough(double final_weight, double direct) const {
+  const PlanStatistics& statistics = context_.statistics;
+  // A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
+  if (final_weight > 1.0 && statistics.bound <= final_weight) return true;
+  return statistics.path_cost_rad <= direct * (1.0 + 1e-9);
+}
+
 RowMatrix BestPath::shortened(const RowMatrix& path, const Deadline& until, ShortcutOptions options) {
   const PhaseTimer timer(context_.deadline, context_.statistics.shortcut_time_s);
   const auto is_free = [this](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {

@@ -26,6 +26,8 @@ class BestPath {
   bool take(FoundPath found, const Deadline& until, const ShortcutOptions& options = {});
   /// As `bound`, once there is a path: tells the user if its bound is better now. False: the user wants no better one.
   bool prove(double lower, const std::string& graph);
+  /// No better one is needed: it is as short as `direct`, the straight line, or `final_weight` is above 1 and proven.
+  bool good_enough(double final_weight, double direct) const;
 
  private:
   RowMatrix shortened(const RowMatrix& path, const Deadline& until, ShortcutOptions options);

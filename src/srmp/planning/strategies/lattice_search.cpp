@@ -200,12 +200,10 @@ AnySearch LatticeSearch::make_amra_star(LatticeMember& member, const AMRAStar& o
                                                                    std::move(amra));
 }
 
-/// False: neither the user nor `final_weight` requires a better one.
+/// False: the user wants no better one, or none is needed.
 bool LatticeSearch::take(const search::Result& better, const LatticeMember& member, double final_weight) {
   if (good_enough_) return false;  // another search of this round was told so
-  good_enough_ = !best_.take(found_path(better, member), context_.deadline);
-  // A shortened path may well be shorter than all of a lattice, so a bound of 1 there is no reason to stop.
-  if (final_weight > 1.0 && context_.statistics.bound <= final_weight) good_enough_ = true;
+  good_enough_ = !best_.take(found_path(better, member), context_.deadline) || best_.good_enough(final_weight, direct_);
   return !good_enough_;
 }
 
