@@ -84,6 +84,8 @@ class NeighbourhoodSearch {
     for (const Eigen::VectorXd& q : task_.single_robot_path) add_vertex(q);
     for (const Eigen::VectorXd& q : configurations)
       if (length_through(q) < options_.max_length_ratio * path_.length(robot_)) add_vertex(q);
+    distances_.assign(vertices_.size() * vertices_.size(), -1.0);
+    durations_.assign(distances_.size(), -1);
     cost_to_go_.assign(vertices_.size(), search::infinity);
     for (std::size_t goal = 0; goal < vertices_.size(); ++goal)
       if (is_goal_configuration(vertices_[goal]))
@@ -106,9 +108,15 @@ class NeighbourhoodSearch {
     const Eigen::VectorXd& end = vertices_[std::min<std::size_t>(1, vertices_.size() - 1)];
     return model().difference(vertices_[0], q).norm() + model().difference(q, end).norm();
   }
-  double distance(std::size_t a, std::size_t b) const { return model().difference(vertices_[a], vertices_[b]).norm(); }
-  int duration(std::size_t a, std::size_t b) const {
-    return world_.duration(number(robot_), vertices_[a], vertices_[b]);
+  double distance(std::size_t a, std::size_t b) {
+    double& known = distances_[a * vertices_.size() + b];
+    if (known < 0.0) known = model().difference(vertices_[a], vertices_[b]).norm();
+    return known;
+  }
+  int duration(std::size_t a, std::size_t b) {
+    int& known = durations_[a * vertices_.size() + b];
+    if (known < 0) known = world_.duration(number(robot_), vertices_[a], vertices_[b]);
+    return known;
   }
 
   // --- edges
@@ -175,6 +183,8 @@ class NeighbourhoodSearch {
   const LargeNeighbourhoodOptions& options_;
   const WorldTask& task_;
   std::vector<Eigen::VectorXd> vertices_;
+  std::vector<double> distances_;   // [from * vertices + to]; below 0: not known yet
+  std::vector<int> durations_;      // the same, in steps
   std::vector<double> cost_to_go_;  // by vertex: straight to the nearest goal
   int end_{};                       // the last step of the search
   double max_cost_{};
