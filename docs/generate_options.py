@@ -151,7 +151,7 @@ def module_text(_: str) -> str:
         fields="\n".join(module_field(option) for option in common_options()),
     )
     for planner in planners():
-        fields = [robots_field(planner.options)] if planner.many_robots else []
+        fields = [robots_field(planner.options)] if any(option.per_robot for option in planner.options) else []
         fields += [module_field(option) for option in own_options(planner)]
         text += MODULE_CLASS.format(name=planner.class_name, id=planner.id, docstring=docstring(about(planner)))
         text += "".join(f"{field}\n" for field in fields)

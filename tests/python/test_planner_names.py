@@ -29,6 +29,7 @@ OF_MANY = {
 def test_all_planners_are_looked_at():
     assert {"Astar", "wAstar", "ARAstar", "MHAstar", "wPASE", "AMRAstar"} == set(FOR_ONE)
     assert {"CBS", "ECBS", "xECBS", "prioritised"} == set(FOR_MANY)
+    assert all(srmp.planner_info(name).one_robot and srmp.planner_info(name).many_robots for name in BY_SAMPLING)
     assert set(SEARCHES) == set(FOR_ONE) | set(FOR_MANY)
 
 
@@ -58,6 +59,35 @@ def test_what_draws_samples_says_so(planner_id):
     planner.plan("arm", turned(0.8), turned(-0.8))
     assert planner.get_planning_stats()["samples"] > 0
     assert planner.get_planning_stats()["found_by"] == "RRT-Connect"
+
+
+def test_rrt_connect_of_two_arms_grows_trees_alone():
+    found = []
+    for _ in range(2):
+        planner = two("RRTConnect")
+        trajectory = planner.plan_multi(STARTS, GOALS)
+        found.append([one.positions.tobytes() for one in trajectory.values()])
+    assert found[0] == found[1]
+    assert in_contact(planner, trajectory) == []
+    statistics = planner.get_planning_stats()
+    assert statistics["found_by"] == "composite RRT-Connect"
+    assert statistics["samples"] > 0
+    assert statistics["expansions"] == statistics["tree_nodes"] == 0
+    assert statistics["large_neighbourhood_search"] is False
+
+
+def test_rrt_connect_of_two_arms_says_what_it_did_without_a_path():
+    planner = two("RRTConnect", distance=0.45, time_limit=0.3)  # too near to pass each other
+    said = r"no paths within the time limit of 0\.3 s \(\d+ configurations sampled\)"
+    with pytest.raises(srmp.PlanningError, match=said):
+        planner.plan_multi(STARTS, GOALS)
+
+
+def test_rrt_connect_of_two_arms_refuses_path_constraints():
+    planner = two("RRTConnect")
+    upright = {"left": [srmp.PathConstraint.cone([0, 0, 1], [0, 0, -1], 0.5)]}
+    with pytest.raises(srmp.NotSupported, match="constraints of 'left': the trees of RRTConnect for several robots"):
+        planner.plan_multi(STARTS, GOALS, constraints=upright)
 
 
 def require_conflict_based_search(statistics):

@@ -427,6 +427,7 @@ MultiTrajectory PlannerInterface::plan_multi(const MultiPlanRequest& given, cons
   require_for_many(options);
   impl_->require_backend_keeps_clearance(options);
   require_clearance_for_many(options, request);
+  require_constraints_for_many(options, request);
   require_heuristics(options, impl_->heuristic_names());
   if (!request.obstacles.empty())
     require_no_sample_rate(common_options(options), "a motion that waits for moving obstacles");

@@ -55,6 +55,15 @@ void require_clearance_for_many(const PlannerOptions& options, const MultiPlanRe
                        "has to be kept");
 }
 
+void require_constraints_for_many(const PlannerOptions& options, const MultiPlanRequest& request) {
+  if (!std::holds_alternative<RRTConnect>(options)) return;
+  for (const auto& [robot, constraints] : request.constraints)
+    if (!constraints.empty())
+      throw NotSupported("constraints of '" + robot +
+                         "': the trees of RRTConnect for several robots keep no path constraints; make_planner another "
+                         "planner, such as 'auto' or 'xECBS', for them");
+}
+
 void require_for_many(const PlannerOptions& options) {
   const PlannerInfo& info = registered_planner(options).info;
   if (!info.many_robots)

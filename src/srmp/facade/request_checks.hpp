@@ -25,6 +25,8 @@ void require_planner_for_one(const PlannerOptions& options);
 void require_for_many(const PlannerOptions& options);
 /// Throws NotSupported for a clearance above 0, required or preferred, which `what` cannot keep.
 void require_no_clearance(const PlannerOptions& options, const std::string& what);
+/// Throws NotSupported for path constraints that RRT-Connect's trees of several robots cannot keep.
+void require_constraints_for_many(const PlannerOptions& options, const MultiPlanRequest& request);
 /// Throws NotSupported for what of the clearances plan_multi cannot keep.
 void require_clearance_for_many(const PlannerOptions& options, const MultiPlanRequest& request);
 

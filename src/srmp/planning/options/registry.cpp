@@ -198,7 +198,8 @@ RegisteredPlanner rrt_connect() {
        .summary = "two trees that grow towards each other, by the same samples every time: quick, not optimal",
        .papers = "RRT-Connect: Kuffner, LaValle 2000",
        .guarantee = "none; no path is shorter than the straight line, which bounds the cost",
-       .one_robot = true},
+       .one_robot = true,
+       .many_robots = true},
       {}, {"rrtconnect", "rrt"});
 }
 

@@ -16,14 +16,16 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadl
                              PlanStatistics& statistics) {
   const PhaseTimer timer(deadline, statistics.search_time_s);
   const bool portfolio = std::holds_alternative<Auto>(options_) && !constrained(robots);
+  const bool trees_alone = std::holds_alternative<RRTConnect>(options_);
   std::optional<CompositeSpace> space;
   Strategies strategies;
-  if (portfolio) {
-    space.emplace(world_, robots);
+  if (portfolio)
     strategies.push_back(std::make_unique<CompositeRoadmapStrategy>(world_, robots, roadmaps_, statistics));
-    strategies.push_back(
-        std::make_unique<CompositeRrtStrategy>(world_, *space, common_options(options_).shortcut, statistics));
+  if (portfolio || trees_alone) {
+    space.emplace(world_, robots);
+    strategies.push_back(std::make_unique<CompositeRrtStrategy>(world_, *space, common_options(options_), statistics));
   }
+  if (trees_alone) return attempt_in_rounds(strategies, direct(robots), search::infinity, deadline);
   if (std::holds_alternative<XECBS>(options_))
     strategies.push_back(std::make_unique<ExperienceConflictSearch>(world_, robots, options_, statistics));
   else if (const auto* ecbs = std::get_if<ECBS>(&options_);

@@ -24,8 +24,9 @@ class GroupPlanner {
   GroupPlanner(MultiRobotWorld& world, const PlannerOptions& options)
       : world_(world), options_(options), roadmaps_(world) {}
 
-  /// By the strategies that the planner's options name: conflict-based search alone; for `auto` a portfolio of
-  /// composite roadmaps, RRT-Connect, conflict-based search and composite lattices. Throws PlanningError.
+  /// By the strategies that the planner's options name: conflict-based search alone, or RRT-Connect alone; for
+  /// `auto` a portfolio of composite roadmaps, RRT-Connect, conflict-based search and composite lattices. Throws
+  /// PlanningError.
   FoundPath find(const std::vector<std::size_t>& robots, const Deadline& deadline, PlanStatistics& statistics);
 
   /// As short as it can be while no more than one robot changes its path at a time.

@@ -43,6 +43,11 @@ Attempt accepted(JointPath path, const std::string& found_by) {
   return attempt;
 }
 
+std::string stopped_reason(Status status, const CommonOptions& options, const std::string& work) {
+  if (status == Status::cancelled) return "the plan was cancelled during the search (" + work + ")";
+  return "no paths within the time limit of " + to_text(options.time_limit) + " s (" + work + ")";
+}
+
 }  // namespace
 
 // --- roadmaps
@@ -113,9 +118,14 @@ std::optional<std::vector<Eigen::VectorXd>> CompositeRrtStrategy::grow_trees(std
 
 Attempt CompositeRrtStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
   const auto rows = grow_trees(budgets.rrt_attempts * growth(budget), deadline);
-  if (!rows) return {};
+  if (!rows) {
+    const Status status = stop_status(deadline).value_or(Status::timed_out);
+    const std::string work = std::to_string(statistics_.samples) + " configurations sampled";
+    return {.status = status, .reason = stopped_reason(status, options_, work)};
+  }
   JointPath path = space_.path(*rows);
-  if (shorten_) path = shortened(std::move(path), world_, deadline);  // random paths make large detours
+  // Random paths make large detours, and the budget is one of shortened paths.
+  if (options_.shortcut) path = shortened(std::move(path), world_, deadline);
   return path.length() <= budget.max_cost ? accepted(std::move(path), "composite RRT-Connect") : Attempt{};
 }
 
@@ -127,14 +137,9 @@ std::string no_paths_reason(const MultiRobotWorld& world, const PlannerOptions& 
                             const multi::ConflictSearchResult& found) {
   const std::string work = std::to_string(found.statistics.tree_nodes) + " nodes of the constraint tree, " +
                            std::to_string(found.statistics.low.expansions) + " states expanded";
-  switch (found.status) {
-    case Status::cancelled: return "the plan was cancelled during the search (" + work + ")";
-    case Status::exhausted:
-      return "the robots' " + describe_lattices(world, options) + " hold no paths without collisions (" + work +
-             "); a finer resolution, or other primitives, may hold some";
-    default:
-      return "no paths within the time limit of " + to_text(common_options(options).time_limit) + " s (" + work + ")";
-  }
+  if (found.status != Status::exhausted) return stopped_reason(found.status, common_options(options), work);
+  return "the robots' " + describe_lattices(world, options) + " hold no paths without collisions (" + work +
+         "); a finer resolution, or other primitives, may hold some";
 }
 
 }  // namespace

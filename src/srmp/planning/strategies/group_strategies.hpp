@@ -43,8 +43,9 @@ class CompositeRoadmapStrategy : public Strategy {
 /// Las Vegas Algorithms").
 class CompositeRrtStrategy : public Strategy {
  public:
-  CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space, bool shorten, PlanStatistics& statistics)
-      : world_(world), space_(space), shorten_(shorten), statistics_(statistics) {}
+  CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space, const CommonOptions& options,
+                       PlanStatistics& statistics)
+      : world_(world), space_(space), options_(options), statistics_(statistics) {}
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
   bool can_exhaust() const override { return false; }
@@ -54,7 +55,7 @@ class CompositeRrtStrategy : public Strategy {
 
   MultiRobotWorld& world_;
   const CompositeSpace& space_;
-  const bool shorten_;  // before the path is compared with the budget
+  const CommonOptions& options_;
   PlanStatistics& statistics_;
   std::uint64_t restarts_{};
 };

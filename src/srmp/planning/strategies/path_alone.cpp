@@ -8,9 +8,11 @@ RobotPath find_path_alone(const PlanProblem& problem, const RobotProblem& task, 
                           const Deadline& deadline, PlanStatistics& statistics) {
   CommonOptions common = common_options(problem.options, task.robot);
   common.recover_start = false;
-  const auto* any = std::get_if<Auto>(&problem.options);
-  const PlannerOptions options = any ? PlannerOptions(Auto{.common = common, .max_expansions = any->max_expansions})
-                                     : PlannerOptions(WAStar{.common = common});
+  PlannerOptions options = WAStar{.common = common};
+  if (const auto* any = std::get_if<Auto>(&problem.options))
+    options = Auto{.common = common, .max_expansions = any->max_expansions};
+  else if (std::holds_alternative<RRTConnect>(problem.options))
+    options = RRTConnect{.common = common};
   PlanStatistics own;
   RobotContext context(problem, task, options, checker, deadline, own);
   const auto add = [&] {
