@@ -206,6 +206,8 @@ def test_invalid_requests_are_refused(write, data, monkeypatch):
 def test_robots_of_spheres(mbm_dir):
     result = multi.run("grid", 2, problems="1", planner_id="auto", data=str(mbm_dir), geometry="spheres")
     assert [row["status"] for row in result["rows"]] == ["solved"]
+    assert result["rows"][0]["found_by"]
+    assert result["rows"][0]["independence_detection"] is True
     assert result["header"]["options"]["geometry"] == "spheres"
     assert result["header"]["scenario"]["robots"]["panda_0"]["urdf"].name == "panda_spherized.urdf"
     with pytest.raises(srmp.InvalidArgument, match="neither 'urdf' nor 'spheres'"):

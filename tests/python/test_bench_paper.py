@@ -50,6 +50,8 @@ def test_every_experiment_has_rows_that_were_checked(results):
     solved = [row for row in rows if row["status"] == "solved"]
     assert len(solved) > 0.7 * len(rows)
     assert all(row["ee_cost_m"] > 0 and row["path_cost_rad"] > 0 for row in solved)
+    assert all(row["found_by"] for row in solved if row["library"] == "SRMP")
+    assert all(row["found_by"].startswith("the lattice of") for row in solved if row["planner"] == "wA*")
     assert results["header"]["complete"]
     assert results["seconds"].keys() == {"a", "b", "c"}
 

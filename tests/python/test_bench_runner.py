@@ -261,6 +261,7 @@ def test_two_workers_write_the_same_rows(command, stand_in_dir, tmp_path):
         assert not out.with_suffix(".json.part").exists()
     assert results[1]["header"]["workers"] == 2
     assert [row["status"] for row in results[0]["rows"]] == ["solved"] * 3
+    assert all(row["found_by"] for row in results[0]["rows"])
     assert repeatable(results[0]["rows"]) == repeatable(results[1]["rows"])
 
 

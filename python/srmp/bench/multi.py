@@ -19,7 +19,11 @@ from srmp.bench.runner import Execution, Progress, Steps, run_rows
 from srmp.bench.scenarios import find
 from srmp.bench.scenes import Problem, Scenario
 
-_STATISTICS = (*mbm.STATISTICS, "path_cost_rad", "bound", "tree_nodes", "makespan_s", "flow_time_s")
+_STATISTICS = (
+    *mbm.STATISTICS,
+    *("path_cost_rad", "bound", "tree_nodes", "makespan_s", "flow_time_s"),
+    *("independence_detection", "large_neighbourhood_search"),
+)
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,8 @@ _METHOD = """## How it is measured
   that the planner solved.
 - **Time** ends when the path is ready: shortcut, in our planners, or simplified by OMPL's `PathSimplifier`, which takes
   the time that is left and at least one pass. Our planners have their default options, OMPL's their default
-  parameters. `ARA*`, `AMRA*` and RRT* improve their path until the time limit, unless they prove it good enough before.
+  parameters. `ARA*` and `AMRA*` improve their path for nine tenths of the time limit, unless it can be no better;
+  RRT* does until the limit.
 - **OMPL** plans on the same robot, scene and collision checker as our planners: motions are proved free between
   samples, so that only the planner differs. **OMPL, plain Coal** uses Pinocchio and Coal
   [as one writes it](benchmarks.md#plain-coal), and samples motions as MoveIt does by default (half a percent of the
