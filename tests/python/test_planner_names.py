@@ -77,10 +77,13 @@ def test_rrt_connect_of_two_arms_grows_trees_alone():
 
 
 def test_rrt_connect_of_two_arms_says_what_it_did_without_a_path():
-    planner = two("RRTConnect", distance=0.45, time_limit=0.3)  # too near to pass each other
+    planner = bars("RRTConnect", distance=0.6, time_limit=0.3)  # so near that bars on one side cannot get to the other
     said = r"no paths within the time limit of 0\.3 s \(\d+ configurations sampled\)"
     with pytest.raises(srmp.PlanningError, match=said):
-        planner.plan_multi(STARTS, GOALS)
+        planner.plan_multi({"a": [1.4], "b": [-1.4]}, {"a": joints([-1.4]), "b": joints([1.4])})
+    statistics = planner.get_planning_stats()
+    assert statistics["status"] == srmp.Status.timed_out
+    assert statistics["samples"] > 0
 
 
 def test_rrt_connect_of_two_arms_refuses_path_constraints():
@@ -185,14 +188,14 @@ BAR = (
 )
 
 
-def bars(planner_id="xECBS"):
-    """Two bars of 0.95 m that turn in the same plane, 1.3 m apart, towards each other at angle 0."""
+def bars(planner_id="xECBS", distance=1.3, time_limit=20):
+    """Two bars of 0.95 m that turn in the same plane, towards each other at angle 0."""
     planner = srmp.PlannerInterface()
     planner.add_articulation(urdf_text=BAR, name="a", end_effector="bar")
     planner.add_articulation(
-        urdf_text=BAR, name="b", end_effector="bar", base_pose=Pose.from_rpy([1.3, 0, 0], [0, 0, np.pi])
+        urdf_text=BAR, name="b", end_effector="bar", base_pose=Pose.from_rpy([distance, 0, 0], [0, 0, np.pi])
     )
-    planner.make_planner(["a", "b"], {"planner_id": planner_id, "resolution": 6, "time_limit": 20})
+    planner.make_planner(["a", "b"], {"planner_id": planner_id, "resolution": 6, "time_limit": time_limit})
     return planner
 
 
