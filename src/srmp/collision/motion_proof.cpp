@@ -129,25 +129,20 @@ class Segments {
   void fit_line(const Interval& at, Range& range) const {
     const double duration = motion_.times[at.to] - motion_.times[at.from];
     const double half = std::max(range.time - motion_.times[at.from], motion_.times[at.to] - range.time);
-    std::vector<double>& slope = range.linear;
-    for (std::size_t j = 0; j < slope.size(); ++j) {
-      const auto joint = static_cast<Eigen::Index>(j);
-      slope[j] = (motion_.positions(at.to, joint) - motion_.positions(at.from, joint)) / duration;
-    }
-    std::fill(range.rest.begin(), range.rest.end(), 0.0);
+    Eigen::Map<Eigen::VectorXd> slope(range.linear.data(), range.middle.size()), rest(range.rest.data(), slope.size());
+    slope = (motion_.positions.row(at.to) - motion_.positions.row(at.from)).transpose() / duration;
+    rest.setZero();
     for (Eigen::Index segment = at.from; segment < at.to; ++segment) {
       const double start = motion_.times[segment] - range.time;
       const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
-      for (std::size_t j = 0; j < slope.size(); ++j) {
-        const auto joint = static_cast<Eigen::Index>(j);
-        const auto c = coefficients(segment, joint);
-        const double middle = range.middle[joint];
+      for (Eigen::Index j = 0; j < slope.size(); ++j) {
+        const auto c = coefficients(segment, j);
         for (std::size_t i = 0; i < c.size(); ++i)
-          range.rest[j] =
-              std::max(range.rest[j], std::abs(c[i] - middle - slope[j] * (start + static_cast<double>(i) * third)));
+          rest[j] =
+              std::max(rest[j], std::abs(c[i] - range.middle[j] - slope[j] * (start + static_cast<double>(i) * third)));
       }
     }
-    for (double& linear : slope) linear *= half;
+    slope *= half;
   }
 
   /// Computes the ranges of 1, 2, 4, … segments, so that any run of segments is a few blocks.
