@@ -199,7 +199,9 @@ def test_planning_does_not_know_that_it_is_watched(planner, viewer):
 def test_a_planner_that_plans_in_another_thread_is_left_alone(planner, viewer):
     planner.make_planner("arm", srmp.ARAStar(time_limit=1.5, final_weight=1.0))
     q = planner.get_qpos("arm")
-    thread = threading.Thread(target=planner.plan, args=("arm", q, q + [1.6, 0.8, 0, 0, 0, 0, 0]))  # around the post
+    thread = threading.Thread(
+        target=planner.plan, args=("arm", q, np.add(q, [1.6, 0.8, 0, 0, 0, 0, 0]))
+    )  # around the post
     thread.start()
     eventually(lambda: repr(planner) == "PlannerInterface(planning)")
     viewer.set_goal("arm", moved(arm_world()))  # the viewer goes on meanwhile

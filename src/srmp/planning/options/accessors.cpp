@@ -56,7 +56,7 @@ bool large_neighbourhood_search(const PlannerOptions& options) {
   return std::visit(
       [](const auto& typed) {
         if constexpr (requires { typed.large_neighbourhood_search; }) return typed.large_neighbourhood_search;
-        return !std::is_same_v<std::decay_t<decltype(typed)>, RRTConnect>;  // which is a search of lattices
+        return !std::is_same_v<std::decay_t<decltype(typed)>, RRTConnect>;  // trees and nothing else
       },
       options);
 }

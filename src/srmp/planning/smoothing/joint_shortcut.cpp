@@ -58,16 +58,16 @@ class JointShortcutter {
   /// Does the robot collide with none of the others as they move, when it is at `place(row)` in each row?
   template <class Place>
   bool is_free_of_others(std::size_t robot, std::size_t a, std::size_t b, Place&& place) {
-    const auto is_free = [&](std::size_t other, std::size_t row) {
+    const auto is_free_of = [&](std::size_t other, std::size_t row) {
       return world_.are_collision_free(number(robot), place(row), place(row + 1), number(other), at(other, row),
                                        at(other, row + 1), {.start_is_free = true});
     };
-    const Collision last = last_collision_;  // a motion that differs little collides there too
-    if (last.robot == robot && a <= last.row && last.row < b && !is_free(last.other, last.row)) return false;
+    const Collision& last = last_collision_;  // a motion that differs little collides there too
+    if (last.robot == robot && a <= last.row && last.row < b && !is_free_of(last.other, last.row)) return false;
     for (std::size_t other = 0; other < path_.positions.size(); ++other) {
       if (other == robot || !world_.may_conflict(number(robot), number(other))) continue;
       for (std::size_t row = a; row < b; ++row) {
-        if (is_free(other, row)) continue;
+        if (is_free_of(other, row)) continue;
         last_collision_ = {robot, other, row};
         return false;
       }
