@@ -27,8 +27,8 @@ RobotContext::RobotContext(const PlanProblem& problem, const RobotProblem& task,
 void RobotContext::stop_if_late(const std::string& phase) const {
   if (deadline.cancelled()) throw PlanningError(Status::cancelled, "the plan was cancelled during " + phase);
   if (deadline.expired())
-    throw PlanningError(Status::timed_out,
-                        "the time limit of " + to_text(common.time_limit) + " s passed during " + phase);
+    throw PlanningError(Status::timed_out, "no path within the time limit of " + to_text(common.time_limit) +
+                                               " s, which passed during " + phase);
 }
 
 std::string RobotContext::no_path_sentence(const search::Result& result, const std::string& no_path,

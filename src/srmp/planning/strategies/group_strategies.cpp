@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "srmp/core/error.hpp"
+#include "srmp/core/stopping.hpp"
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
 #include "srmp/planning/strategies/composite_search.hpp"
