@@ -2,6 +2,7 @@
 // scene before, with the same work.
 
 #include <boost/test/unit_test.hpp>
+#include <set>
 
 #include "collision/worlds.hpp"
 #include "srmp/collision/batch/batch_robot.hpp"
@@ -84,6 +85,42 @@ BOOST_AUTO_TEST_CASE(a_checker_of_a_changed_scene_has_the_results_of_one_made_an
       compare(*taken_over, *make_checker(scene, "arm7", {.covers = covers, .clearance = clearance}), dice);
       change(scene, dice, "arm7");
       known->scene_changed();
+    }
+  }
+}
+
+BOOST_AUTO_TEST_CASE(a_checker_that_follows_objects_has_the_results_of_one_made_anew) {
+  const auto robot = arm7();
+  for (unsigned seed = 0; seed < amount(10); ++seed) {
+    Scene scene = crowd(robot, seed, seed % 10, hand_of(*robot));
+    scene.set_allowed_collision("box_a", "arm7_base");
+    Dice dice(200 + seed);
+    const CheckerOptions options{
+        .mode = std::array{CheckMode::exact, CheckMode::coal, CheckMode::conservative}[seed % 3],
+        .covers = std::make_shared<CoverStore>(""),
+        .clearance = seed % 4 == 3 ? 0.01 : 0.0};
+    SceneChecker following(scene, "arm7", options);
+    for (int step = 0; step < 6; ++step) {
+      std::set<std::string> moved;
+      for (const std::string& name : scene.object_names()) {
+        if (scene.attachments().contains(name) || dice.below(4) != 0) continue;
+        const double from = step == 2 ? 0.0 : 0.45;  // into the base too
+        scene.set_object_pose(name, dice.pose(from, from + 0.45));
+        moved.insert(name);
+      }
+      following.move_objects(scene, moved);
+      const auto anew = make_checker(scene, "arm7", options);
+      compare(following, *anew, dice);
+      const auto in_a = following.make_workspace(), in_b = anew->make_workspace();
+      for (int i = 0; i < 5; ++i) {
+        const Eigen::VectorXd q = dice.configuration(*robot);
+        const auto a = following.contacts(q, *in_a), b = anew->contacts(q, *in_b);
+        BOOST_TEST_REQUIRE(a.size() == b.size());
+        for (std::size_t k = 0; k < a.size(); ++k) BOOST_TEST(a[k].describe() == b[k].describe());
+      }
+      const auto a = following.nearest_fixed(), b = anew->nearest_fixed();
+      BOOST_TEST_REQUIRE(a.has_value() == b.has_value());
+      if (a) BOOST_TEST(a->describe() == b->describe());
     }
   }
 }

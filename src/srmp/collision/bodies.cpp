@@ -183,17 +183,50 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
   add_objects(scene);
   add_other_robots(scene);
 
+  for (const FixedBody& body : fixed) max_fixed_padding = std::max(max_fixed_padding, body.padding + clearance());
+  build_tree();
+  add_pairs(scene);
+  if (clearance() > 0.0) exempt_close_links();
+}
+
+void Bodies::build_tree() {
   std::vector<Eigen::AlignedBox3d> boxes;
   boxes.reserve(fixed.size());
   for (const FixedBody& body : fixed) {
     const Bounds& b = body.bounds;
     const Eigen::Vector3d half = body.pose.linear().cwiseAbs() * b.box_half, center = body.pose * b.box_center;
     boxes.emplace_back(center - half, center + half);
-    max_fixed_padding = std::max(max_fixed_padding, body.padding + clearance());
   }
   tree.build(boxes);
-  add_pairs(scene);
-  if (clearance() > 0.0) exempt_close_links();
+}
+
+std::vector<std::size_t> Bodies::move_objects(const Scene& scene, const std::set<std::string>& names) {
+  const Pose to_base = group_.instance(0).base.inverse();
+  std::vector<std::size_t> moved;
+  std::vector<char> is_moved(fixed.size());
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    FixedBody& body = fixed[i];
+    if (body.kind != BodyKind::object || !names.contains(body.name)) continue;
+    body.pose = (to_base * scene.object(body.name).pose).isometry();
+    body.center = body.pose * body.bounds.center;
+    moved.push_back(i);
+    is_moved[i] = true;
+  }
+  if (moved.empty()) return moved;
+  build_tree();
+  std::erase_if(overlaps, [&](const RigidOverlap& pair) {
+    return (pair.a_fixed && is_moved[pair.a]) || (pair.b_fixed && is_moved[pair.b]);
+  });
+  for (const auto& [a, b] : fixed_pairs) {
+    const RigidOverlap pair{true, true, a, b};
+    if ((is_moved[a] || is_moved[b]) && overlap(pair)) overlaps.push_back(pair);
+  }
+  // Those of moving bodies come first, in their own order.
+  std::stable_sort(overlaps.begin(), overlaps.end(), [](const RigidOverlap& a, const RigidOverlap& b) {
+    if (!a.a_fixed || !b.a_fixed) return a.a_fixed < b.a_fixed;
+    return std::pair(a.a, a.b) < std::pair(b.a, b.b);
+  });
+  return moved;
 }
 
 bool Bodies::leaves_out(const std::string& robot) const {
@@ -349,19 +382,23 @@ const PairTable* Bodies::table_of(std::size_t robot, std::size_t geometry_a, std
 }
 
 void Bodies::add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib) {
-  const auto index_a = static_cast<std::uint32_t>(ia), index_b = static_cast<std::uint32_t>(ib);
-  const Body &a = body(a_fixed, ia), &b = body(b_fixed, ib);
+  const RigidOverlap pair{a_fixed, b_fixed, static_cast<std::uint32_t>(ia), static_cast<std::uint32_t>(ib)};
+  if (a_fixed && b_fixed && fixed[ia].robot != fixed[ib].robot) fixed_pairs.emplace_back(pair.a, pair.b);
+  if (overlap(pair)) overlaps.push_back(pair);
+}
+
+/// Of two bodies that never move relative to each other.
+bool Bodies::overlap(const RigidOverlap& pair) const {
   const auto pose = [&](bool is_fixed, std::size_t i) {
     return is_fixed ? fixed[i].pose : pose_of(moving[i], group_, data_);
   };
-  if (a_fixed && b_fixed && a.robot != b.robot) fixed_pairs.emplace_back(index_a, index_b);
-  const Eigen::Isometry3d pose_a = pose(a_fixed, ia), pose_b = pose(b_fixed, ib);
+  const Body &a = body(pair.a_fixed, pair.a), &b = body(pair.b_fixed, pair.b);
+  const Eigen::Isometry3d pose_a = pose(pair.a_fixed, pair.a), pose_b = pose(pair.b_fixed, pair.b);
   const Eigen::Vector3d center_a = pose_a * a.bounds.center, center_b = pose_b * b.bounds.center;
-  if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return;
+  if ((center_a - center_b).norm() > a.bounds.radius + b.bounds.radius) return false;
   const Placed placed_a{a.geometry.get(), a.parts.bvh.get(), a.bounds, pose_a, center_a},
       placed_b{b.geometry.get(), b.parts.bvh.get(), b.bounds, pose_b, center_b};
-  if (NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance)
-    overlaps.push_back({a_fixed, b_fixed, index_a, index_b});
+  return NarrowPhase::deepest(placed_a, placed_b, 0.0).distance < -Checker::touching_tolerance;
 }
 
 void Bodies::add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib) {

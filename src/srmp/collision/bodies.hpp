@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,10 @@ struct Bodies {
   Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions& options,
          std::vector<const PairTables*> tables);
 
+  /// Objects that no robot holds stand in `scene` where they did not before, and nothing else has changed: all that
+  /// depends on where they stand is as if made anew. Returns their numbers in `fixed`.
+  std::vector<std::size_t> move_objects(const Scene& scene, const std::set<std::string>& names);
+
   /// Is this robot, which is not in the group, left out with all that it holds?
   bool leaves_out(const std::string& robot) const;
   /// CheckerOptions::clearance, which the padding of each pair holds; that of bodies does not.
@@ -109,9 +114,11 @@ struct Bodies {
   void add_objects(const Scene& scene);
   void add_other_robots(const Scene& scene);
   void add_fixed(Body body, const Eigen::Isometry3d& pose);
+  void build_tree();
   void add_pairs(const Scene& scene);
   void add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib);
   void add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib);
+  bool overlap(const RigidOverlap& pair) const;
 
   const PairTable* table_of(std::size_t robot, std::size_t geometry_a, std::size_t geometry_b) const;
 

@@ -55,6 +55,15 @@ SceneModel::SceneModel(const Scene& scene, const RobotGroup& robots, const Check
   batch_options = batch_options_for(*batch_scene.robot);
 }
 
+void SceneModel::move_objects(const Scene& scene, const std::set<std::string>& names) {
+  const std::vector<std::size_t> moved = bodies.move_objects(scene, names);
+  if (!batch || moved.empty()) return;
+  for (const std::size_t i : moved)
+    batch_scene.pairs.obstacles[static_cast<std::size_t>(batch_scene.obstacle_of_fixed[i])] =
+        as_obstacle(bodies.fixed[i], bodies.clearance());
+  batch.emplace(batch_scene.robot, batch_scene.pairs);
+}
+
 bool SceneModel::spheres_reach(ConstVector q) const {
   for (std::size_t i = 0; i < group.joints().size(); ++i) {
     const Joint& joint = group.joints()[i];

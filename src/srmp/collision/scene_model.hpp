@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "srmp/collision/batch/batch_checker.hpp"
@@ -14,9 +16,12 @@
 
 namespace srmp::detail {
 
-/// What a SceneChecker knows of the scene. Const; workspaces share it.
+/// What a SceneChecker knows of the scene. Workspaces share it.
 struct SceneModel {
   SceneModel(const Scene& scene, const RobotGroup& group, const CheckerOptions& options);
+
+  /// As Bodies::move_objects; workspaces made before are not to be used any more.
+  void move_objects(const Scene& scene, const std::set<std::string>& names);
 
   /// The pairs of bodies that an undecided pair of the batch stands for.
   std::span<const std::uint32_t> pairs_of(const UndecidedPair& pair) const {

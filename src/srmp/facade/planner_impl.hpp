@@ -41,6 +41,13 @@ struct PlannerInterface::Impl {
     result.reset();
   }
 
+  /// Moves an object that no robot holds; the checkers follow it.
+  void move_object(const std::string& name, const Pose& pose) {
+    scene.set_object_pose(name, pose);
+    checkers.object_moved(name);
+    result.reset();
+  }
+
   /// Planners and the last request go with their robots.
   template <class Gone>
   void forget(Gone&& gone) {

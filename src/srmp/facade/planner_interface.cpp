@@ -98,9 +98,7 @@ void PlannerInterface::remove_object(const std::string& name) {
   impl_->change([&](Scene& scene) { scene.remove_object(name); });
 }
 
-void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose) {
-  impl_->change([&](Scene& scene) { scene.set_object_pose(name, pose); });
-}
+void PlannerInterface::set_object_pose(const std::string& name, const Pose& pose) { impl_->move_object(name, pose); }
 
 void PlannerInterface::set_padding(const std::string& name, double padding) {
   impl_->change([&](Scene& scene) {

@@ -15,14 +15,16 @@ SceneCheckers::SceneCheckers()
 
 const Checker& SceneCheckers::of(const Scene& scene, const std::string& robot, CheckMode mode) {
   scene.robot(robot);  // throws with the nearest name
-  std::unique_ptr<const Checker>& slot = alone_[{robot, mode}];
-  if (!slot) slot = make_checker(scene, robot, options(mode));
+  follow_objects(scene);
+  std::unique_ptr<SceneChecker>& slot = alone_[{robot, mode}];
+  if (!slot) slot = std::make_unique<SceneChecker>(scene, robot, options(mode));
   return *slot;
 }
 
 std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, const std::vector<std::string>& robots,
                                                          double clearance, std::size_t threads,
                                                          const Deadline& deadline) {
+  follow_objects(scene);
   std::vector<Eigen::VectorXd> others;
   for (const auto& [name, robot] : scene.robots())
     if (std::find(robots.begin(), robots.end(), name) == robots.end()) others.push_back(robot.q);
@@ -31,7 +33,7 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
     return together_;
   CheckerOptions options = this->options(CheckMode::exact);
   options.clearance = clearance;
-  auto made = std::make_shared<const ProblemCheckers>(scene, robots, options, threads, backend_, deadline);
+  auto made = std::make_shared<ProblemCheckers>(scene, robots, options, threads, backend_, deadline);
   together_ = std::move(made);
   others_ = std::move(others);
   return together_;
@@ -40,11 +42,12 @@ std::shared_ptr<const ProblemCheckers> SceneCheckers::of(const Scene& scene, con
 std::shared_ptr<const ProblemCheckers> SceneCheckers::of_one(const Scene& scene, const std::string& robot,
                                                              double clearance) {
   scene.robot(robot);  // throws with the nearest name
+  follow_objects(scene);
   auto& slot = single_[{robot, clearance > 0.0}];
   if (!slot || slot->options.clearance != clearance) {
     CheckerOptions options = this->options(CheckMode::exact);
     options.clearance = clearance;
-    slot = std::make_shared<const ProblemCheckers>(scene, std::vector{robot}, options, 1, backend_);
+    slot = std::make_shared<ProblemCheckers>(scene, std::vector{robot}, options, 1, backend_);
   }
   return slot;
 }
@@ -59,11 +62,31 @@ void SceneCheckers::prepare(const Scene& scene, const StepProgress& progress) {
 
 void SceneCheckers::set_backend(CheckerFactory backend) {
   backend_ = std::move(backend);
-  other_backend_ = true;
   clear();
 }
 
+void SceneCheckers::object_moved(const std::string& name) {
+  if (!alone_.empty() || !single_.empty() || together_) moved_.insert(name);
+}
+
+void SceneCheckers::follow_objects(const Scene& scene) {
+  if (moved_.empty()) return;
+  const auto can_follow = [&](const auto& checkers) { return !backend_ && checkers.use_count() == 1; };
+  std::erase_if(single_, [&](const auto& entry) { return !can_follow(entry.second); });
+  if (!can_follow(together_)) together_.reset();
+  try {
+    for (const auto& [key, checker] : alone_) checker->move_objects(scene, moved_);
+    for (const auto& [key, checkers] : single_) checkers->move_objects(scene, moved_);
+    if (together_) together_->move_objects(scene, moved_);
+  } catch (...) {
+    clear();
+    throw;
+  }
+  moved_.clear();
+}
+
 void SceneCheckers::clear() {
+  moved_.clear();
   alone_.clear();
   single_.clear();
   together_.reset();

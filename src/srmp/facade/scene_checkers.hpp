@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,21 +41,26 @@ class SceneCheckers {
   /// Makes the checkers that plan, from now on; those that verify are always the library's own.
   void set_backend(CheckerFactory backend);
   /// Whether that was done.
-  bool has_other_backend() const { return other_backend_; }
+  bool has_other_backend() const { return static_cast<bool>(backend_); }
   /// The scene has changed.
   void clear();
+  /// An object stands elsewhere, and nothing else has changed: the library's own checkers follow it when they are next
+  /// needed.
+  void object_moved(const std::string& name);
 
  private:
-  CheckerFactory backend_{make_checker};
-  bool other_backend_{};
+  void follow_objects(const Scene& scene);
+
+  CheckerFactory backend_;  // the user's; none: the library's own
   std::shared_ptr<CoverStore> covers_;
   std::shared_ptr<PairTableStore> pair_tables_;
   std::shared_ptr<BatchRobotStore> batch_robots_;
   RobotPreparation preparation_;
-  std::map<std::pair<std::string, CheckMode>, std::unique_ptr<const Checker>> alone_;
-  std::map<std::pair<std::string, bool>, std::shared_ptr<const ProblemCheckers>> single_;  // with a clearance or not
-  std::shared_ptr<const ProblemCheckers> together_;  // of the last robots that moved together
-  std::vector<Eigen::VectorXd> others_;              // where the robots that stand still did for `together_`
+  std::map<std::pair<std::string, CheckMode>, std::unique_ptr<SceneChecker>> alone_;
+  std::map<std::pair<std::string, bool>, std::shared_ptr<ProblemCheckers>> single_;  // with a clearance or not
+  std::shared_ptr<ProblemCheckers> together_;  // of the last robots that moved together
+  std::set<std::string> moved_;                // objects that these checkers have not followed
+  std::vector<Eigen::VectorXd> others_;        // where the robots that stand still did for `together_`
 };
 
 }  // namespace srmp

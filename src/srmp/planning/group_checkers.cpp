@@ -30,12 +30,16 @@ RowMatrix side_by_side(const RowMatrix& robot, const RowMatrix& other, bool othe
 GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
                              std::size_t threads, const CheckerFactory& backend, const Deadline& deadline)
     : scene_(scene), names_(std::move(robots)), options_(options), backend_(backend), alone_(names_.size()) {
+  if (!backend_) own_.resize(size());
   Jobs jobs(threads);
   make_all(jobs, size(), deadline, [&](std::size_t i) {
     CheckerOptions alone = options_;
     for (const std::string& other : names_)
       if (other != names_[i]) alone.excluded_robots.push_back(other);
-    alone_[i] = backend_(scene_, names_[i], alone);
+    if (backend_)
+      alone_[i] = backend_(scene_, names_[i], alone);
+    else
+      alone_[i] = own_[i] = std::make_shared<SceneChecker>(scene_, names_[i], alone);
   });
   if (size() == 1) return;
   std::vector<PlacedSphere> ranges;
@@ -54,7 +58,16 @@ GroupCheckers::GroupCheckers(const Scene& scene, std::vector<std::string> robots
 std::unique_ptr<const Checker> GroupCheckers::make_pair(std::size_t i, std::size_t j, CheckerOptions options) const {
   options.other_robots = {names_[j]};
   options.other_robots_only = true;
-  return backend_(scene_, names_[i], options);
+  return make(names_[i], options);
+}
+
+std::unique_ptr<const Checker> GroupCheckers::make(const std::string& robot, const CheckerOptions& options) const {
+  return backend_ ? backend_(scene_, robot, options) : make_checker(scene_, robot, options);
+}
+
+void GroupCheckers::move_objects(const Scene& scene, const std::set<std::string>& names) {
+  for (const std::string& name : names) scene_.set_object_pose(name, scene.object(name).pose);
+  for (const auto& checker : own_) checker->move_objects(scene_, names);  // pairs of robots leave objects out
 }
 
 const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) const {
@@ -67,6 +80,13 @@ const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) cons
     checker = make_pair(i, j, std::move(options));
   }
   return checker.get();
+}
+
+void ProblemCheckers::move_objects(const Scene& scene, const std::set<std::string>& names) {
+  planning.move_objects(scene, names);
+  for (const Made& made : {std::cref(verification_), std::cref(clearance_verification_)})
+    if (made) made->move_objects(scene, names);
+  with_clearance_.clear();
 }
 
 const GroupCheckers& ProblemCheckers::verification() const {
@@ -85,14 +105,14 @@ const Checker& ProblemCheckers::with_clearance(double clearance) const {
   if (!checker) {
     CheckerOptions changed = options;
     changed.clearance = clearance;
-    checker = backend(planning.scene(), planning.names().front(), changed);
+    checker = planning.make(planning.names().front(), changed);
   }
   return *checker;
 }
 
 ProblemCheckers::Made ProblemCheckers::made_by_coal(double clearance) const {
   const CheckerOptions options{.mode = CheckMode::coal, .clearance = clearance};
-  return std::make_unique<const GroupCheckers>(planning.scene(), planning.names(), options, threads_);
+  return std::make_unique<GroupCheckers>(planning.scene(), planning.names(), options, threads_);
 }
 
 }  // namespace srmp

@@ -3,10 +3,12 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "srmp/collision/checker.hpp"
+#include "srmp/collision/scene_checker.hpp"
 
 namespace srmp {
 
@@ -15,14 +17,20 @@ namespace srmp {
 class GroupCheckers {
  public:
   /// Robots of the scene that are not named stand still. `threads`: checkers that are made at the same time, by
-  /// `backend`. Throws PlanningError once the deadline has passed before all are made.
+  /// `backend`; none: the library's own. Throws PlanningError once the deadline has passed before all are made.
   GroupCheckers(const Scene& scene, std::vector<std::string> robots, const CheckerOptions& options,
-                std::size_t threads = 1, const CheckerFactory& backend = make_checker, const Deadline& deadline = {});
+                std::size_t threads = 1, const CheckerFactory& backend = {}, const Deadline& deadline = {});
+
+  /// Another checker of the scene, by the same backend.
+  std::unique_ptr<const Checker> make(const std::string& robot, const CheckerOptions& options) const;
+  /// As SceneChecker::move_objects; only without a backend of the user's.
+  void move_objects(const Scene& scene, const std::set<std::string>& names);
 
   const Scene& scene() const { return scene_; }
   const std::vector<std::string>& names() const { return names_; }
   std::size_t size() const { return names_.size(); }
-  double clearance() const { return options_.clearance; }  ///< [m] CheckerOptions::clearance
+  double clearance() const { return options_.clearance; }     ///< [m] CheckerOptions::clearance
+  const CheckerFactory& backend() const { return backend_; }  ///< none: the library's own
   const Checker& alone(std::size_t i) const { return *alone_[i]; }
   /// i < j: collisions between i and j; a configuration is i's, then j's. Null: they cannot reach each other.
   const Checker* pair(std::size_t i, std::size_t j) const {
@@ -38,11 +46,12 @@ class GroupCheckers {
   using Pairs = std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<const Checker>>;
   std::unique_ptr<const Checker> make_pair(std::size_t i, std::size_t j, CheckerOptions options) const;
 
-  const Scene scene_;
+  Scene scene_;
   std::vector<std::string> names_;
   const CheckerOptions options_;
   const CheckerFactory backend_;
-  std::vector<std::unique_ptr<const Checker>> alone_;
+  std::vector<std::shared_ptr<SceneChecker>> own_;  // those of alone_ that are the library's own
+  std::vector<std::shared_ptr<const Checker>> alone_;
   Pairs pairs_;
   mutable std::mutex mutex_;  // of what follows
   mutable Pairs pairs_by_spheres_;
@@ -53,15 +62,14 @@ class GroupCheckers {
 class ProblemCheckers {
  public:
   ProblemCheckers(const Scene& scene, const std::vector<std::string>& robots, const CheckerOptions& options,
-                  std::size_t threads = 1, const CheckerFactory& backend = make_checker, const Deadline& deadline = {})
-      : options(options),
-        backend(backend),
-        planning(scene, robots, options, threads, backend, deadline),
-        threads_(threads) {}
+                  std::size_t threads = 1, const CheckerFactory& backend = {}, const Deadline& deadline = {})
+      : options(options), planning(scene, robots, options, threads, backend, deadline), threads_(threads) {}
+
+  /// As GroupCheckers::move_objects, of all of them.
+  void move_objects(const Scene& scene, const std::set<std::string>& names);
 
   const CheckerOptions options;  ///< of those that plan
-  const CheckerFactory backend;  ///< that makes those that plan
-  const GroupCheckers planning;
+  GroupCheckers planning;
   const GroupCheckers& verification() const;  ///< without CheckerOptions::clearance
   /// As those that verify, with the clearance of `options`.
   const GroupCheckers& clearance_verification() const;
@@ -69,7 +77,7 @@ class ProblemCheckers {
   const Checker& with_clearance(double clearance) const;
 
  private:
-  using Made = std::unique_ptr<const GroupCheckers>;
+  using Made = std::unique_ptr<GroupCheckers>;
   Made made_by_coal(double clearance) const;
 
   const std::size_t threads_;

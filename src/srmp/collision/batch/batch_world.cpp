@@ -160,6 +160,7 @@ class Builder {
     for (std::size_t i = 0; i < bodies_.fixed.size(); ++i) add_fixed(i);
     scene_.robot = known.get(key(), [&] { return RobotBuilder(group_, pieces_).build(); });
     add_pairs();
+    for (const auto& [is_obstacle, index] : fixed_) scene_.obstacle_of_fixed.push_back(is_obstacle ? index : -1);
     return std::move(scene_);
   }
 
@@ -204,33 +205,6 @@ class Builder {
     return key;
   }
 
-  BatchObstacle as_obstacle(const FixedBody& body) const {
-    const coal::CollisionGeometry* shape = body.geometry.get();
-    BatchObstacle o{.pose = body.pose, .padding = body.padding + bodies_.clearance() + NarrowPhase::contact_distance};
-    if (const auto* s = dynamic_cast<const coal::Sphere*>(shape)) {
-      o.kind = BatchObstacle::Kind::sphere;
-      o.size = {s->radius, 0, 0};
-    } else if (const auto* s = dynamic_cast<const coal::Box*>(shape)) {
-      o.kind = BatchObstacle::Kind::box;
-      o.size = 2 * s->halfSide;
-    } else if (const auto* s = dynamic_cast<const coal::Cylinder*>(shape)) {
-      o.kind = BatchObstacle::Kind::cylinder;
-      o.size = {s->radius, 2 * s->halfLength, 0};
-    } else if (const auto* s = dynamic_cast<const coal::Capsule*>(shape)) {
-      o.kind = BatchObstacle::Kind::capsule;
-      o.size = {s->radius, 2 * s->halfLength, 0};
-    } else {
-      o.kind = body.field ? BatchObstacle::Kind::field : BatchObstacle::Kind::box;
-      o.size = 2 * body.bounds.box_half;
-      o.pose.translate(body.bounds.box_center);
-      o.field = body.field;
-      o.field_center = body.bounds.box_center;
-      o.exact = body.field != nullptr;
-      o.connected = !body.parts.bvh;
-    }
-    return o;
-  }
-
   /// A distance field takes longer to check than a sphere: it pays only for links that need as many spheres.
   static constexpr std::size_t many_spheres = 512;
 
@@ -254,7 +228,7 @@ class Builder {
     const FixedBody& from = bodies_.fixed[fixed];
     if (is_obstacle(fixed)) {
       fixed_.push_back({true, static_cast<int>(scene_.pairs.obstacles.size())});
-      scene_.pairs.obstacles.push_back(as_obstacle(from));
+      scene_.pairs.obstacles.push_back(as_obstacle(from, bodies_.clearance()));
       return;
     }
     fixed_.push_back({false, static_cast<int>(geometries_.size())});
@@ -330,6 +304,33 @@ class Builder {
 BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of,
                             BatchRobotStore& known) {
   return Builder(bodies, group, cover_of).build(known);
+}
+
+BatchObstacle as_obstacle(const FixedBody& body, double clearance) {
+  const coal::CollisionGeometry* shape = body.geometry.get();
+  BatchObstacle o{.pose = body.pose, .padding = body.padding + clearance + NarrowPhase::contact_distance};
+  if (const auto* s = dynamic_cast<const coal::Sphere*>(shape)) {
+    o.kind = BatchObstacle::Kind::sphere;
+    o.size = {s->radius, 0, 0};
+  } else if (const auto* s = dynamic_cast<const coal::Box*>(shape)) {
+    o.kind = BatchObstacle::Kind::box;
+    o.size = 2 * s->halfSide;
+  } else if (const auto* s = dynamic_cast<const coal::Cylinder*>(shape)) {
+    o.kind = BatchObstacle::Kind::cylinder;
+    o.size = {s->radius, 2 * s->halfLength, 0};
+  } else if (const auto* s = dynamic_cast<const coal::Capsule*>(shape)) {
+    o.kind = BatchObstacle::Kind::capsule;
+    o.size = {s->radius, 2 * s->halfLength, 0};
+  } else {
+    o.kind = body.field ? BatchObstacle::Kind::field : BatchObstacle::Kind::box;
+    o.size = 2 * body.bounds.box_half;
+    o.pose.translate(body.bounds.box_center);
+    o.field = body.field;
+    o.field_center = body.bounds.box_center;
+    o.exact = body.field != nullptr;
+    o.connected = !body.parts.bvh;
+  }
+  return o;
 }
 
 }  // namespace srmp::detail

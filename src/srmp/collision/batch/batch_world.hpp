@@ -13,6 +13,7 @@
 namespace srmp::detail {
 
 struct Bodies;
+struct FixedBody;
 class RobotGroup;
 
 /// Returns the cover of a link's geometry, not null.
@@ -35,6 +36,8 @@ struct BatchScene {
   BatchPairs pairs;
   /// By index of BatchPairs::obstacle_pairs and self_pairs: the pairs of Bodies that each stands for, increasing.
   NumberLists obstacle_pairs, self_pairs;
+  /// Of each fixed body, which obstacle it is; -1: none, but a body of the robot.
+  std::vector<int> obstacle_of_fixed;
 };
 
 /// The geometries of one link become one body; so do links that do not move, fixed to the base, and attached objects.
@@ -42,5 +45,8 @@ struct BatchScene {
 /// distance fields. Robots are looked up in `known` and kept there.
 BatchScene make_batch_scene(const Bodies& bodies, const RobotGroup& group, const CoverOf& cover_of,
                             BatchRobotStore& known);
+
+/// A fixed body as an obstacle; `clearance` [m] is added to its padding.
+BatchObstacle as_obstacle(const FixedBody& body, double clearance);
 
 }  // namespace srmp::detail

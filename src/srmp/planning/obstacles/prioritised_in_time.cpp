@@ -22,7 +22,7 @@ PrioritisedInTime::PrioritisedInTime(const PlanProblem& problem, const GroupChec
       options_(options),
       common_(common_options(problem.options)),
       group_(group),
-      quick_(problem.scene, group.names(), problem.checkers.options, 1, problem.checkers.backend),
+      quick_(problem.scene, group.names(), problem.checkers.options, 1, problem.checkers.planning.backend()),
       deadline_(deadline),
       statistics_(statistics) {
   for (std::size_t i = 0; i < problem.robots.size(); ++i) {

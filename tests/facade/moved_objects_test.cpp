@@ -1,0 +1,107 @@
+// Plans after objects have moved are those of a planner that knew nothing of where they stood before.
+
+#include <boost/test/unit_test.hpp>
+
+#include "srmp/planner_interface.hpp"
+#include "support/robots.hpp"
+#include "support/throws.hpp"
+
+using Eigen::Vector2d;
+using srmp::GoalConstraint;
+using srmp::PlannerInterface;
+using srmp::Pose;
+
+namespace {
+
+const Vector2d start(-1.0, 0.3), goal(1.0, -0.2);
+
+/// Two planar arms 3 m apart, each beside a post.
+PlannerInterface two_arms(const std::vector<Pose>& posts) {
+  PlannerInterface planner;
+  srmp::RobotDescription description = robots::planar_description();
+  for (const auto& [name, x] : {std::pair{"left", 0.0}, {"right", 3.0}}) {
+    description.name = name;
+    planner.add_articulation(description, {.p = {x, 0.0, 0.0}});
+  }
+  for (std::size_t i = 0; i < posts.size(); ++i) planner.add_cylinder("post" + std::to_string(i), 0.05, 1.0, posts[i]);
+  planner.make_planner({"left"}, srmp::Auto{});
+  planner.make_planner({"left", "right"}, srmp::Auto{});
+  return planner;
+}
+
+/// Of one arm, or why there is none; then of both.
+std::string plans(PlannerInterface& planner) {
+  std::ostringstream text;
+  text.precision(17);
+  try {
+    const srmp::Trajectory path = planner.plan("left", start, GoalConstraint::joints(goal));
+    text << path.positions << " " << path.certificate->clearance;
+  } catch (const srmp::Error& error) {
+    text << error.what();
+  }
+  try {
+    const auto both =
+        planner.plan_multi({{"left", start}, {"right", start}},
+                           {{"left", GoalConstraint::joints(goal)}, {"right", GoalConstraint::joints(goal)}});
+    for (const auto& [name, motion] : both.robots) text << name << motion.positions;
+  } catch (const srmp::Error& error) {
+    text << error.what();
+  }
+  text << planner.is_state_colliding("left", start);
+  return text.str();
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(moved_objects)
+
+BOOST_AUTO_TEST_CASE(plans_are_those_of_a_new_planner) {
+  std::vector<Pose> posts{{.p = {1.5, 0.0, 0.0}}, {.p = {4.6, 0.1, 0.0}}};
+  PlannerInterface planner = two_arms(posts);
+  std::set<std::string> different;
+  for (int step = 0; step < 12; ++step) {
+    const std::string expected = [&] {
+      PlannerInterface anew = two_arms(posts);
+      return plans(anew);
+    }();
+    BOOST_TEST(plans(planner) == expected);
+    different.insert(expected);
+    for (std::size_t i = 0; i < posts.size(); ++i) {
+      if ((step + static_cast<int>(i)) % 3 == 0) continue;
+      posts[i].p.head<2>() = Vector2d(3.0 * static_cast<double>(i), 0.0) +
+                             (0.3 + 0.15 * step) * Vector2d(std::cos(0.7 * step), std::sin(1.3 * step));
+      planner.set_object_pose("post" + std::to_string(i), posts[i]);
+    }
+  }
+  BOOST_TEST(different.size() > 6);
+}
+
+BOOST_AUTO_TEST_CASE(a_backend_of_the_users_makes_its_checkers_again) {
+  PlannerInterface planner = two_arms({{.p = {1.5, 0.0, 0.0}}});
+  int made = 0;
+  planner.set_collision_backend(
+      [&](const srmp::Scene& scene, const std::string& robot, const srmp::CheckerOptions& options) {
+        ++made;
+        return srmp::make_checker(scene, robot, options);
+      });
+  for (int moves = 0; moves < 3; ++moves) {
+    planner.set_object_pose("post0", {.p = {1.5, 0.1 * moves, 0.0}});
+    planner.plan("left", start, GoalConstraint::joints(goal));
+  }
+  BOOST_TEST(made == 3);
+}
+
+BOOST_AUTO_TEST_CASE(an_object_that_cannot_be_moved_stays_and_so_do_plans) {
+  PlannerInterface planner = two_arms({{.p = {1.5, 0.0, 0.0}}});
+  const std::string before = plans(planner);
+  check_throws<srmp::InvalidArgument>([&] { planner.set_object_pose("pots0", {}); }, "did you mean 'post0'");
+  check_throws<srmp::InvalidArgument>([&] { planner.set_object_pose("post0", {.p = {std::nan(""), 0.0, 0.0}}); },
+                                      "NaN");
+  BOOST_TEST(plans(planner) == before);
+  planner.set_object_pose("post0", {.p = {9.0, 0.0, 0.0}});
+  planner.remove_object("post0");  // one that the checkers have not followed yet
+  PlannerInterface without = two_arms({});
+  BOOST_TEST(plans(planner) == plans(without));
+}
+
+BOOST_AUTO_TEST_SUITE_END()
