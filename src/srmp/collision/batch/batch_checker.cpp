@@ -92,6 +92,7 @@ class BatchChecker::Workspace {
     bool proofs_only{};
     unsigned decisive{};
     bool open_pairs_only{};
+    std::size_t used{kLanes};  // lanes that are not copies of the one before
   };
   batch::KernelResult run(const BatchModel& impl, const RunOptions& options) {
     ++statistics.blocks;
@@ -105,7 +106,8 @@ class BatchChecker::Workspace {
                                        options.open_pairs_only ? open_pairs.data() : nullptr,
                                        options.open_pairs_only ? open_bodies.data() : nullptr,
                                        hits.data(),
-                                       looks_for_hits ? hit_count : 0};
+                                       looks_for_hits ? hit_count : 0,
+                                       static_cast<int>(options.used)};
     impl.kernel(view, request, scratch.get(), result);
     if (looks_for_hits && result.colliding) note_hit(result.hit);
     return result;
@@ -176,13 +178,26 @@ class BatchChecker::Workspace {
   /// were.
   std::size_t set_lanes(std::span<const Interval> from) {
     const std::size_t count = std::min<std::size_t>(kLanes, from.size());
-    for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = from[std::min(i, count - 1)];
-    for (std::size_t k = 0; k < start.size(); ++k)
-      for (int i = 0; i < kLanes; ++i) {
-        values[k * kLanes + i] = static_cast<float>(start[k] + lanes[i].t * delta[k]);
-        // A little wider: for the float rounding of this number and of the bound made of it.
-        half_widths[k * kLanes + i] = static_cast<float>(std::abs(delta[k]) * lanes[i].half * (1 + 1e-4) + 1e-12);
-      }
+    std::array<double, kLanes> t, half;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      lanes[i] = from[std::min(i, count - 1)];
+      t[i] = lanes[i].t;
+      half[i] = lanes[i].half;
+    }
+    const bool equal = std::ranges::all_of(half, [&](double h) { return h == half[0]; });  // those of one level are
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      // A little wider: for the float rounding of this number and of the bound made of it.
+      const auto width = [moved = std::abs(delta[k])](double h) {
+        return static_cast<float>(moved * h * (1 + 1e-4) + 1e-12);
+      };
+      float *value = values.get() + k * kLanes, *half_width = half_widths.get() + k * kLanes;
+      const double from_k = start[k], delta_k = delta[k];
+      for (int i = 0; i < kLanes; ++i) value[i] = static_cast<float>(from_k + t[i] * delta_k);
+      if (equal)
+        std::fill_n(half_width, kLanes, width(half[0]));
+      else
+        std::ranges::transform(half, half_width, width);
+    }
     return count;
   }
 
@@ -232,7 +247,7 @@ BatchChecker::Lanes BatchChecker::check_block(std::span<const double> configurat
     }
   }
   const unsigned used = (1u << count) - 1;
-  const batch::KernelResult result = w.run(*impl_, {.proofs_only = options.proofs_only});
+  const batch::KernelResult result = w.run(*impl_, {.proofs_only = options.proofs_only, .used = count});
   w.collect(*impl_, result, used, [](int lane) { return Interval{static_cast<double>(lane), 0}; });
   std::sort(w.undecided.begin(), w.undecided.end(), by_time_and_pair);
   const unsigned colliding = result.colliding & used;
@@ -271,9 +286,10 @@ CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const 
     if (level > 0) w.begin_level();
     const bool last = level >= options.refinements || blocks >= options.max_blocks;
     for (std::size_t first = 0; first < w.open.size(); first += kLanes) {
-      const unsigned used = (1u << w.set_lanes(std::span(w.open).subspan(first))) - 1;
+      const std::size_t count = w.set_lanes(std::span(w.open).subspan(first));
+      const unsigned used = (1u << count) - 1;
       ++blocks;
-      const batch::KernelResult result = w.run(*impl_, {.moving = true, .open_pairs_only = level > 0});
+      const batch::KernelResult result = w.run(*impl_, {.moving = true, .open_pairs_only = level > 0, .used = count});
       if (result.colliding) {
         w.clear_pair_lanes();
         w.undecided.clear();
@@ -310,7 +326,8 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
     unsigned whole = 0;  // lanes that are not subdivided any more
     for (std::size_t i = 0; i < kLanes; ++i)
       if (w.lanes[i].half < (over_budget ? first : finest)) whole |= 1u << i;
-    const batch::KernelResult result = w.run(*impl_, {.moving = true, .proofs_only = true, .decisive = whole});
+    const batch::KernelResult result =
+        w.run(*impl_, {.moving = true, .proofs_only = true, .decisive = whole, .used = count});
     if (result.undecided) w.clear_pair_lanes();
     if (result.colliding || (result.undecided & whole)) {
       ++w.statistics.motions_undecided;

@@ -36,16 +36,17 @@ class Slice {
     near_radii_ = near_ + 3 * kWidth * m_.max_children;
     near_lanes_ = near_radii_ + m_.max_children;
     placed_ = near_lanes_ + m_.max_children;
+    self_near_ = placed_ + m_.body_count;
   }
 
   void run() {
     place_nodes();
     for (int n = 0; n < request_.likely_count; ++n)
       if (hits_likely(request_.likely[n])) return;
-    for (int i = 0; i < m_.body_count; ++i)
-      if (is_open_body(i)) place_body(i);
-    for (int i = 0; i < m_.body_count; ++i) {
-      if (is_open_body(i)) check_obstacles(i);
+    for (int i = m_.body_count - 1; i >= 0; --i) {  // the farther from the base, the likelier a hit
+      if (!is_open_body(i)) continue;
+      place_body(i);
+      check_obstacles(i);
       if (done()) return;
     }
     check_self();
@@ -384,16 +385,28 @@ class Slice {
     current_ = {m_.pair_count + k, -1};
     place_spheres(pair.a);
     place_spheres(pair.b);
+    const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};
     const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
+    int count = 0;  // spheres of b near the one around a
+    for (int j = b.first_sphere; j < b.first_sphere + b.spheres; ++j) {
+      const unsigned lanes = within(between(ca, coarse(j)), add(limit, all(m_.spheres[j].radius + a.radius))) & pending;
+      if (lanes == 0) continue;
+      self_near_[2 * count] = static_cast<float>(j);
+      self_near_[2 * count++ + 1] = static_cast<float>(lanes);
+    }
+    if (count == 0) return;
     unsigned undecided = 0;
     for (int i = a.first_sphere; i < a.first_sphere + a.spheres && !(undecided & ends_); ++i) {
       const V3 ci = coarse(i);
       const float ri = m_.spheres[i].radius;
       const unsigned around = within(between(ci, cb), add(limit, all(ri + b.radius))) & pending & ~undecided;
       if (around == 0) continue;
-      for (int j = b.first_sphere; j < b.first_sphere + b.spheres; ++j) {
+      for (int n = 0; n < count; ++n) {
+        const unsigned both = around & static_cast<unsigned>(self_near_[2 * n + 1]);
+        if (both == 0) continue;
+        const int j = static_cast<int>(self_near_[2 * n]);
         const V squared = between(ci, coarse(j));
-        const unsigned near = within(squared, add(limit, all(ri + m_.spheres[j].radius))) & around & ~undecided;
+        const unsigned near = within(squared, add(limit, all(ri + m_.spheres[j].radius))) & both & ~undecided;
         if (near == 0) continue;
         if (pair.exact && a.exact && b.exact &&
             hit(squared, ri + m_.spheres[j].radius + pair.padding - pair.error, near))
@@ -483,13 +496,13 @@ class Slice {
   const unsigned proofs_only_, ends_;  // of this slice
   unsigned alive_{all_lanes};          // lanes that are not decided yet
   KernelHit current_{};                // what is being checked
-  float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_;
+  float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_, *self_near_;
 };
 
 }  // namespace
 
 void SRMP_KERNEL(const KernelModel& model, const KernelRequest& request, float* scratch, KernelResult& result) {
-  for (int lane = 0; lane < kLanes; lane += kWidth) {
+  for (int lane = 0; lane < request.used; lane += kWidth) {
     Slice(model, request, scratch, result, lane).run();
     if (!request.every_lane && is_decided(request, result)) return;
   }

@@ -105,6 +105,7 @@ struct KernelRequest {
   const char* open_bodies;   // [body_count]: those of these pairs; null: all
   const KernelHit* likely;   // pairs that are tested first for hits; what is found does not depend on them
   int likely_count;          // 0 with every_lane
+  int used;                  // lanes from here on are copies of the one before: they need no check
 };
 
 struct KernelResult {
@@ -120,7 +121,7 @@ using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float*
 inline int scratch_floats(const KernelModel& m) {
   return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count +
                    3 * m.max_children) +
-         2 * m.max_children + m.body_count;
+         2 * m.max_children + m.body_count + 2 * m.coarse_count;
 }
 
 void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
