@@ -5,7 +5,8 @@
 
 DIR holds MotionBenchMaker's robots and problems; --multi-data is a directory with panda_two_rod.json, panda_four.json
 and their robot in panda/. Aims: 1 one arm of spheres, until the path is ready; 2 exact meshes; 3 certified and timed,
-from call to return, the first plan in a changed scene, and one object moved among 100; 4 cost over time; 5 many arms.
+from call to return, the first plan in a changed scene, and one object moved or added among 100; 4 cost over time; 5 many
+arms.
 
 Times are CPU times of a process whose planner has one thread. Every case runs --rounds times in a process of its own;
 with --baseline, the Python of an environment that holds another build, both take turns. A problem's time is its best of
@@ -90,7 +91,7 @@ def cases(aims: Sequence[int], multi_data: str | None, vamp: str | None) -> list
         Case(3, f"{scenario}, first plan", "first", ("panda", "urdf", scenario), "0.2 ms more")
         for scenario in SCENARIOS
     ]
-    found.append(Case(3, "one of 100 boxes moved", "moved", (), "0.05 ms"))
+    found += [Case(3, f"one of 100 boxes {change}", change, (), "0.05 ms") for change in ("moved", "added")]
     found += [
         Case(4, f"{scenario}, at {1e3 * TIMES[-1]:g} ms", "anytime", ("panda", "spheres", scenario), f"cost {cost}")
         for scenario, cost in ANYTIME.items()
@@ -209,8 +210,8 @@ def first(data: str, problems: str, robot: str, geometry: str, scenario: str) ->
     return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
 
 
-def moved(data: str, problems: str) -> Measured:
-    """What a plan costs more when one of 100 boxes has moved since the last one."""
+def with_box(change: Callable[[srmp.PlannerInterface, srmp.Pose], None]) -> float | None:
+    """What a plan costs more among 100 boxes after a change of box0, which is to stand at the pose."""
     planner, random = srmp.PlannerInterface(), np.random.default_rng(0)
     planner.add_articulation(
         urdf_path=srmp.data_path("arm7.urdf"),
@@ -225,12 +226,24 @@ def moved(data: str, problems: str) -> Measured:
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, start + 0.5 * np.eye(7)[0])
     still, _ = best(lambda: planner.plan("arm", start, goal), 50)
 
-    def with_move() -> Any:
-        planner.set_object_pose("box0", srmp.Pose(p=[*random.uniform(1.0, 2.0, 2), 0.5]))
+    def with_change() -> Any:
+        change(planner, srmp.Pose(p=[*random.uniform(1.0, 2.0, 2), 0.5]))
         return planner.plan("arm", start, goal)
 
-    after, _ = best(with_move, 50)
-    return {"moved": {"seconds": None if still is None or after is None else after - still, "cost": None}}
+    after, _ = best(with_change, 50)
+    return None if still is None or after is None else after - still
+
+
+def moved(data: str, problems: str) -> Measured:
+    return {"moved": {"seconds": with_box(lambda planner, pose: planner.set_object_pose("box0", pose)), "cost": None}}
+
+
+def added(data: str, problems: str) -> Measured:
+    def change(planner: srmp.PlannerInterface, pose: srmp.Pose) -> None:
+        planner.remove_object("box0")
+        planner.add_box("box0", [0.05] * 3, pose)
+
+    return {"added": {"seconds": with_box(change), "cost": None}}
 
 
 def anytime(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:
@@ -323,7 +336,10 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
     return result
 
 
-KINDS = {function.__name__: function for function in (path, certified, first, moved, anytime, yardstick, vamp, arms)}
+KINDS = {
+    function.__name__: function
+    for function in (path, certified, first, moved, added, anytime, yardstick, vamp, arms)
+}
 
 
 # --- rounds and pairs -------------------------------------------------------------------------------------------------
