@@ -5,8 +5,8 @@
 
 DIR holds MotionBenchMaker's robots and problems; --multi-data is a directory with panda_two_rod.json, panda_four.json
 and their robot in panda/. Aims: 1 one arm of spheres, until the path is ready; 2 exact meshes; 3 certified and timed,
-from call to return, the first plan in a changed scene, and one object moved or added among 100; 4 cost over time; 5 many
-arms.
+from call to return, the first plan in a changed scene, and one object moved or added among 100; 4 cost over time; 5
+many arms.
 
 Times are CPU times of a process whose planner has one thread. Every case runs --rounds times in a process of its own;
 with --baseline, the Python of an environment that holds another build, both take turns. A problem's time is its best of
@@ -337,8 +337,7 @@ def arms(data: str, problems: str, scenario: str, robots: int | None, own_data: 
 
 
 KINDS = {
-    function.__name__: function
-    for function in (path, certified, first, moved, added, anytime, yardstick, vamp, arms)
+    function.__name__: function for function in (path, certified, first, moved, added, anytime, yardstick, vamp, arms)
 }
 
 
