@@ -210,7 +210,7 @@ def first(data: str, problems: str, robot: str, geometry: str, scenario: str) ->
     return over_problems(data, problems, robot, geometry, scenario, PATH_ONLY, measure)
 
 
-def with_box(change: Callable[[srmp.PlannerInterface, srmp.Pose], None]) -> float | None:
+def with_box(kind: str, change: Callable[[srmp.PlannerInterface, srmp.Pose], None]) -> Measured:
     """What a plan costs more among 100 boxes after a change of box0, which is to stand at the pose."""
     planner, random = srmp.PlannerInterface(), np.random.default_rng(0)
     planner.add_articulation(
@@ -231,11 +231,11 @@ def with_box(change: Callable[[srmp.PlannerInterface, srmp.Pose], None]) -> floa
         return planner.plan("arm", start, goal)
 
     after, _ = best(with_change, 50)
-    return None if still is None or after is None else after - still
+    return {kind: {"seconds": None if still is None or after is None else after - still, "cost": None}}
 
 
 def moved(data: str, problems: str) -> Measured:
-    return {"moved": {"seconds": with_box(lambda planner, pose: planner.set_object_pose("box0", pose)), "cost": None}}
+    return with_box("moved", lambda planner, pose: planner.set_object_pose("box0", pose))
 
 
 def added(data: str, problems: str) -> Measured:
@@ -243,7 +243,7 @@ def added(data: str, problems: str) -> Measured:
         planner.remove_object("box0")
         planner.add_box("box0", [0.05] * 3, pose)
 
-    return {"added": {"seconds": with_box(change), "cost": None}}
+    return with_box("added", change)
 
 
 def anytime(data: str, problems: str, robot: str, geometry: str, scenario: str) -> Measured:

@@ -1,6 +1,9 @@
 // Plans after objects have moved are those of a planner that knew nothing of where they stood before.
 
 #include <boost/test/unit_test.hpp>
+#include <cmath>
+#include <set>
+#include <sstream>
 
 #include "srmp/planner_interface.hpp"
 #include "support/robots.hpp"

@@ -65,9 +65,7 @@ void SceneCheckers::set_backend(CheckerFactory backend) {
   clear();
 }
 
-void SceneCheckers::object_moved(const std::string& name) {
-  if (!alone_.empty() || !single_.empty() || together_) moved_.insert(name);
-}
+void SceneCheckers::object_moved(const std::string& name) { moved_.insert(name); }
 
 void SceneCheckers::follow_objects(const Scene& scene) {
   if (moved_.empty()) return;

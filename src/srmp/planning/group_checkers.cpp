@@ -84,8 +84,8 @@ const Checker* GroupCheckers::pair_by_spheres(std::size_t i, std::size_t j) cons
 
 void ProblemCheckers::move_objects(const Scene& scene, const std::set<std::string>& names) {
   planning.move_objects(scene, names);
-  for (const Made& made : {std::cref(verification_), std::cref(clearance_verification_)})
-    if (made) made->move_objects(scene, names);
+  if (verification_) verification_->move_objects(scene, names);
+  if (clearance_verification_) clearance_verification_->move_objects(scene, names);
   with_clearance_.clear();
 }
 

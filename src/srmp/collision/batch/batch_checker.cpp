@@ -178,26 +178,13 @@ class BatchChecker::Workspace {
   /// were.
   std::size_t set_lanes(std::span<const Interval> from) {
     const std::size_t count = std::min<std::size_t>(kLanes, from.size());
-    std::array<double, kLanes> t, half;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      lanes[i] = from[std::min(i, count - 1)];
-      t[i] = lanes[i].t;
-      half[i] = lanes[i].half;
-    }
-    const bool equal = std::ranges::all_of(half, [&](double h) { return h == half[0]; });  // those of one level are
-    for (std::size_t k = 0; k < start.size(); ++k) {
-      // A little wider: for the float rounding of this number and of the bound made of it.
-      const auto width = [moved = std::abs(delta[k])](double h) {
-        return static_cast<float>(moved * h * (1 + 1e-4) + 1e-12);
-      };
-      float *value = values.get() + k * kLanes, *half_width = half_widths.get() + k * kLanes;
-      const double from_k = start[k], delta_k = delta[k];
-      for (int i = 0; i < kLanes; ++i) value[i] = static_cast<float>(from_k + t[i] * delta_k);
-      if (equal)
-        std::fill_n(half_width, kLanes, width(half[0]));
-      else
-        std::ranges::transform(half, half_width, width);
-    }
+    for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = from[std::min(i, count - 1)];
+    for (std::size_t k = 0; k < start.size(); ++k)
+      for (int i = 0; i < kLanes; ++i) {
+        values[k * kLanes + i] = static_cast<float>(start[k] + lanes[i].t * delta[k]);
+        // A little wider: for the float rounding of this number and of the bound made of it.
+        half_widths[k * kLanes + i] = static_cast<float>(std::abs(delta[k]) * lanes[i].half * (1 + 1e-4) + 1e-12);
+      }
     return count;
   }
 
