@@ -26,6 +26,7 @@ inline void count_arithmetic() { ++kernel_operations.arithmetic; }
 inline V load(const float* p) {
   return each([&](int i) { return p[i]; });
 }
+inline V load_any(const float* p) { return load(p); }
 inline void store(float* p, V a) {
   for (int i = 0; i < kWidth; ++i) p[i] = a.lane[i];
 }
@@ -46,6 +47,20 @@ inline V max0(V a) {
 }
 inline V min(V a, V b) {
   return count_arithmetic(), each([&](int i) { return std::min(a.lane[i], b.lane[i]); });
+}
+/// Counted as what a tree of exchanges takes.
+template <class F>
+V of_lanes(V a, F&& f) {
+  float result = a.lane[0];
+  for (int i = 1; i < kWidth; i *= 2) count_arithmetic();
+  for (const float x : a.lane) result = f(result, x);
+  return all(result);
+}
+inline V lowest(V a) {
+  return of_lanes(a, [](float x, float y) { return std::min(x, y); });
+}
+inline V highest(V a) {
+  return of_lanes(a, [](float x, float y) { return std::max(x, y); });
 }
 inline V truncate(V a) {
   return count_arithmetic(), each([&](int i) { return std::trunc(a.lane[i]); });

@@ -45,17 +45,21 @@ struct Memory {
   explicit Memory(const BatchModel& of)
       : model(of),
         scratch(floats(static_cast<std::size_t>(batch::scratch_floats(of.view())))),
-        pair_lanes(of.pair_obstacles.size() + of.self_pairs.size()) {}
+        pair_lanes(of.pair_obstacles.size() + of.self_pairs.size()),
+        undecided_pairs(pair_lanes.size()) {}
 
   batch::KernelResult run(batch::KernelFunction kernel, const float* values, const float* half_widths) {
-    batch::KernelResult result{0, 0, {-1, -1}, pair_lanes.data()};
-    kernel(model.view(), {values, half_widths, half_widths == nullptr, 0, 0, nullptr, 0}, scratch.get(), result);
+    batch::KernelResult result{0, 0, {}, pair_lanes.data(), undecided_pairs.data(), 0};
+    const batch::KernelRequest request{
+        .values = values, .half_widths = half_widths, .every_lane = half_widths == nullptr, .used = kLanes};
+    kernel(model.view(), request, scratch.get(), result);
     return result;
   }
 
   const BatchModel& model;
   Floats scratch;
   std::vector<batch::LaneMask> pair_lanes;
+  std::vector<batch::KernelPair> undecided_pairs;
 };
 
 /// 16 configurations for the kernel, or the 16 parts of a motion.

@@ -34,9 +34,10 @@ struct Interval {
   double t, half;
 };
 
-/// Which of a block's 16 equal parts of a motion each lane checks: those that an instruction set checks first are
-/// spread over the motion, from its end, so that collisions show early.
-constexpr std::array<int, kLanes> part_of_lane{15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0};
+/// The first intervals of a motion are checked in rounds, one of each of its parts, from its end, so that collisions
+/// show early. AVX2 checks a round at a time.
+constexpr int kParts = 8;
+constexpr std::array<int, kParts> part_order{7, 3, 5, 1, 6, 2, 4, 0};
 
 }  // namespace
 
@@ -61,9 +62,9 @@ class BatchChecker::Workspace {
         half_widths(zeros(impl.robot->actuated_joints.size() * kLanes + kLanes)),
         scratch(aligned_floats(static_cast<std::size_t>(batch::scratch_floats(impl.view())))),
         pair_lanes(impl.pair_obstacles.size() + impl.self_pairs.size(), 0),
-        open_pairs(pair_lanes.size(), 0),
-        next_open_pairs(pair_lanes.size(), 0),
-        open_bodies(static_cast<std::size_t>(impl.view().body_count), 0),
+        undecided_pairs(pair_lanes.size()),
+        is_open(pair_lanes.size(), 0),
+        is_open_body(static_cast<std::size_t>(impl.view().body_count), 0),
         start(impl.robot->actuated_joints.size()),
         delta(impl.robot->actuated_joints.size()),
         view(impl.view()) {
@@ -74,16 +75,18 @@ class BatchChecker::Workspace {
 
   AlignedFloats values, half_widths, scratch;
   std::vector<batch::LaneMask> pair_lanes;
+  std::vector<batch::KernelPair> undecided_pairs;  // of the last run
   // Of the levels of a motion after the first: pairs to be checked at this one, and at the next, and the former's
   // bodies.
-  std::vector<char> open_pairs, next_open_pairs, open_bodies;
+  std::vector<batch::KernelPair> open_pairs, next_open_pairs;  // a pair of several blocks is there several times
+  std::vector<char> is_open, is_open_body;
   // Of each actuated joint: its value at the start, less full turns so that the motion is near 0, and its change.
   std::vector<double> start, delta;
   batch::KernelModel view;
   std::vector<UndecidedPair> undecided;
   std::vector<Interval> open, next;
   std::array<Interval, kLanes> lanes;
-  std::array<batch::KernelHit, 4> hits{};  // the pairs that hit last, the first hit_count of them
+  std::array<batch::KernelHit, 5> hits{};  // the last ones, the first hit_count of them
   int hit_count{};
   BatchStatistics statistics;
 
@@ -96,15 +99,15 @@ class BatchChecker::Workspace {
   };
   batch::KernelResult run(const BatchModel& impl, const RunOptions& options) {
     ++statistics.blocks;
-    batch::KernelResult result{0, 0, {-1, -1}, pair_lanes.data()};
+    batch::KernelResult result{0, 0, {}, pair_lanes.data(), undecided_pairs.data(), 0};
     const bool looks_for_hits = options.moving && !options.proofs_only;
     const batch::KernelRequest request{values.get(),
                                        options.moving ? half_widths.get() : nullptr,
                                        !options.moving,
                                        options.proofs_only,
                                        static_cast<batch::LaneMask>(options.decisive),
-                                       options.open_pairs_only ? open_pairs.data() : nullptr,
-                                       options.open_pairs_only ? open_bodies.data() : nullptr,
+                                       options.open_pairs_only ? is_open.data() : nullptr,
+                                       options.open_pairs_only ? is_open_body.data() : nullptr,
                                        hits.data(),
                                        looks_for_hits ? hit_count : 0,
                                        static_cast<int>(options.used)};
@@ -115,7 +118,9 @@ class BatchChecker::Workspace {
 
   /// To the front: motions that are checked one after the other are often stopped by the same bodies.
   void note_hit(const batch::KernelHit& hit) {
-    const auto same = [&](const batch::KernelHit& known) { return known.pair == hit.pair && known.body == hit.body; };
+    const auto same = [&](const batch::KernelHit& known) {
+      return known.of.pair == hit.of.pair && known.sphere == hit.sphere && known.other == hit.other;
+    };
     auto found = std::find_if(hits.begin(), hits.begin() + hit_count, same);
     if (found == hits.begin() + hit_count) {
       if (hit_count == std::ssize(hits))
@@ -131,38 +136,51 @@ class BatchChecker::Workspace {
   /// interval of a lane.
   template <class At>
   void collect(const BatchModel& impl, const batch::KernelResult& result, unsigned used, At&& at) {
-    if (!result.undecided) return;
     used &= ~static_cast<unsigned>(result.colliding);
-    const int pairs = view.pair_count;
-    for (int k = 0; k < static_cast<int>(pair_lanes.size()); ++k) {
-      const unsigned lanes = std::exchange(pair_lanes[k], batch::LaneMask{0}) & used;
+    for (const batch::KernelPair& undecided_pair : pairs_of(result)) {
+      const unsigned lanes = take_lanes(undecided_pair) & used;
       if (lanes == 0) continue;
-      const bool self = k >= pairs;
-      const int pair = self ? k - pairs : impl.pair_ids[k];
+      const bool self = undecided_pair.body < 0;
+      const int pair = self ? undecided_pair.pair - view.pair_count : impl.pair_ids[undecided_pair.pair];
       for (int lane = 0; lane < kLanes; ++lane)
         if (lanes >> lane & 1) undecided.push_back({at(lane).t, at(lane).half, self, pair});
     }
   }
 
   /// Forgets the kernel's report, except for which pairs are undecided in lanes `used`.
-  void keep_open_pairs(unsigned used) {
-    for (std::size_t k = 0; k < pair_lanes.size(); ++k)
-      if (std::exchange(pair_lanes[k], batch::LaneMask{0}) & used) next_open_pairs[k] = 1;
+  void keep_open_pairs(const batch::KernelResult& result, unsigned used) {
+    for (const batch::KernelPair& pair : pairs_of(result))
+      if (take_lanes(pair) & used) next_open_pairs.push_back(pair);
   }
 
   /// What a part of a motion proves free is free in all parts of that part.
   void begin_level() {
+    const auto set = [&](char open) {
+      for (const auto& [pair, body] : open_pairs) {
+        is_open[pair] = open;
+        if (body >= 0) {
+          is_open_body[body] = open;
+        } else {
+          const batch::KernelSelfPair& self_pair = view.self_pairs[pair - view.pair_count];
+          is_open_body[self_pair.a] = is_open_body[self_pair.b] = open;
+        }
+      }
+    };
+    set(0);
     std::swap(open_pairs, next_open_pairs);
-    std::ranges::fill(next_open_pairs, 0);
-    for (int i = 0; i < view.body_count; ++i) {
-      const auto first = open_pairs.begin() + view.bodies[i].first_pair;
-      open_bodies[i] = std::find(first, first + view.bodies[i].pairs, 1) != first + view.bodies[i].pairs;
-    }
-    for (int k = 0; k < view.self_pair_count; ++k)
-      if (open_pairs[view.pair_count + k]) open_bodies[view.self_pairs[k].a] = open_bodies[view.self_pairs[k].b] = 1;
+    next_open_pairs.clear();
+    set(1);
   }
 
-  void clear_pair_lanes() { std::fill(pair_lanes.begin(), pair_lanes.end(), batch::LaneMask{0}); }
+  std::span<const batch::KernelPair> pairs_of(const batch::KernelResult& result) const {
+    return {undecided_pairs.data(), static_cast<std::size_t>(result.undecided_count)};
+  }
+  batch::LaneMask take_lanes(const batch::KernelPair& pair) {
+    return std::exchange(pair_lanes[pair.pair], batch::LaneMask{0});
+  }
+  void forget(const batch::KernelResult& result) {
+    for (const batch::KernelPair& pair : pairs_of(result)) take_lanes(pair);
+  }
 
   void set_motion(const BatchModel& impl, std::span<const double> a, std::span<const double> difference) {
     for (std::size_t k = 0; k < start.size(); ++k) {
@@ -179,12 +197,20 @@ class BatchChecker::Workspace {
   std::size_t set_lanes(std::span<const Interval> from) {
     const std::size_t count = std::min<std::size_t>(kLanes, from.size());
     for (std::size_t i = 0; i < kLanes; ++i) lanes[i] = from[std::min(i, count - 1)];
-    for (std::size_t k = 0; k < start.size(); ++k)
-      for (int i = 0; i < kLanes; ++i) {
-        values[k * kLanes + i] = static_cast<float>(start[k] + lanes[i].t * delta[k]);
-        // A little wider: for the float rounding of this number and of the bound made of it.
-        half_widths[k * kLanes + i] = static_cast<float>(std::abs(delta[k]) * lanes[i].half * (1 + 1e-4) + 1e-12);
-      }
+    const bool same = std::ranges::all_of(lanes, [&](const Interval& lane) { return lane.half == lanes[0].half; });
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      const double at = start[k], change = delta[k];
+      float *to_values = values.get() + k * kLanes, *to_widths = half_widths.get() + k * kLanes;
+      for (int i = 0; i < kLanes; ++i) to_values[i] = static_cast<float>(at + lanes[i].t * change);
+      // A little wider: for the float rounding of this number and of the bound made of it.
+      const auto half_width = [&](double half) {
+        return static_cast<float>(std::abs(change) * half * (1 + 1e-4) + 1e-12);
+      };
+      if (same)
+        std::fill_n(to_widths, kLanes, half_width(lanes[0].half));
+      else
+        std::ranges::transform(lanes, to_widths, [&](const Interval& lane) { return half_width(lane.half); });
+    }
     return count;
   }
 
@@ -256,17 +282,18 @@ void BatchChecker::begin_motion(std::span<const double> a, std::span<const doubl
   w.set_motion(*impl_, a, difference);
   double length = 0;
   for (std::size_t k = 0; k < w.delta.size(); ++k) length += std::abs(w.delta[k]) * impl_->robot->actuated_reach[k];
-  const int blocks = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kLanes)), 1.0, 64.0));
-  w.open.clear();
-  for (int j = 0; j < blocks; ++j)  // the lanes of each block are spread over the motion, too
-    for (const int part : part_of_lane)
-      w.open.push_back({(static_cast<double>(part) * blocks + j + 0.5) / (blocks * kLanes), 0.5 / (blocks * kLanes)});
+  const int rounds = static_cast<int>(std::clamp(std::ceil(length / (2 * options.step * kParts)), 1.0, 128.0));
+  const double half = 0.5 / (rounds * kParts);
+  w.open.resize(static_cast<std::size_t>(rounds * kParts));
+  auto next = w.open.begin();
+  for (int round = rounds - 1; round >= 0; --round)
+    for (const int part : part_order) *next++ = {(2 * (part * rounds + round) + 1) * half, half};
 }
 
 CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const double> difference, Workspace& w,
                                      const MotionOptions& options) const {
   begin_motion(a, difference, w, options);
-  std::ranges::fill(w.next_open_pairs, 0);
+  w.next_open_pairs.clear();
   int blocks = 0;
   for (int level = 0; !w.open.empty(); ++level) {
     w.next.clear();
@@ -278,7 +305,7 @@ CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const 
       ++blocks;
       const batch::KernelResult result = w.run(*impl_, {.moving = true, .open_pairs_only = level > 0, .used = count});
       if (result.colliding) {
-        w.clear_pair_lanes();
+        w.forget(result);
         w.undecided.clear();
         ++w.statistics.motions_colliding;
         return CollisionStatus::colliding;
@@ -288,7 +315,7 @@ CollisionStatus BatchChecker::motion(std::span<const double> a, std::span<const 
         continue;
       }
       if (result.undecided == 0) continue;
-      w.keep_open_pairs(used);
+      w.keep_open_pairs(result, used);
       w.subdivide(result.undecided & used, w.next);
     }
     if (last) break;
@@ -315,7 +342,7 @@ bool BatchChecker::proves_free(std::span<const double> a, std::span<const double
       if (w.lanes[i].half < (over_budget ? first : finest)) whole |= 1u << i;
     const batch::KernelResult result =
         w.run(*impl_, {.moving = true, .proofs_only = true, .decisive = whole, .used = count});
-    if (result.undecided) w.clear_pair_lanes();
+    w.forget(result);
     if (result.colliding || (result.undecided & whole)) {
       ++w.statistics.motions_undecided;
       return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "srmp/collision/batch/batch_numbers.hpp"
@@ -82,6 +83,7 @@ BatchModel::BatchModel(std::shared_ptr<const BatchRobotModel> batch_robot, const
   require_valid(pairs);
   obstacles.reserve(pairs.obstacles.size());
   nearest_.reserve(pairs.obstacles.size());
+  boxes_.reserve(pairs.obstacles.size());
   for (const BatchObstacle& obstacle : pairs.obstacles) add_obstacle(obstacle);
   add_pairs(pairs);
   self_pairs.reserve(pairs.self_pairs.size());
@@ -139,12 +141,45 @@ void BatchModel::add_obstacle(const BatchObstacle& o) {
   kernel.radius = above(rounding + o.padding + here);
   kernel.inner_radius = below(rounding + o.padding - here);
   obstacles.push_back(kernel);
+  add_box(o, kernel.radius + here + 1e-4);
 
   const Eigen::Vector3d p = inverse.translation();  // the base in the obstacle's frame
   double distance = p.norm() - extent(o);
   if (o.kind == BatchObstacle::Kind::box || o.kind == BatchObstacle::Kind::field)
     distance = (p.cwiseAbs() - o.size / 2).cwiseMax(0.0).norm();
   nearest_.push_back(distance - o.padding);
+}
+
+/// The box around an obstacle (of a field: around its grid) and the margin, which is larger than the kernel's errors.
+void BatchModel::add_box(const BatchObstacle& o, double margin) {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
+  switch (o.kind) {
+    case BatchObstacle::Kind::sphere: break;
+    case BatchObstacle::Kind::box: half = o.size / 2; break;
+    case BatchObstacle::Kind::cylinder: half = {o.size[0], o.size[0], o.size[1] / 2}; break;
+    case BatchObstacle::Kind::capsule: half.z() = o.size[1] / 2; break;
+    case BatchObstacle::Kind::field:
+      for (int i = 0; i < 3; ++i) half[i] = o.field->cell() * (o.field->size()[i] - 1) / 2;
+      center = o.field->corner() + half - o.field_center;
+      break;
+  }
+  center = o.pose * center;
+  half = o.pose.linear().cwiseAbs() * half;
+  Box box;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    box[i] = below(center[axis] - half[axis] - margin);
+    box[i + 3] = above(center[axis] + half[axis] + margin);
+  }
+  boxes_.push_back(box);
+}
+
+/// Starts a new block with boxes that nothing is near to where the last one is full.
+void BatchModel::add_pair_box(std::size_t in_body, const Box& box) {
+  const std::size_t lane = in_body % batch::kLanes;
+  if (lane == 0) pair_boxes.resize(pair_boxes.size() + 6 * batch::kLanes, std::numeric_limits<float>::infinity());
+  float* block = pair_boxes.data() + pair_boxes.size() - 6 * batch::kLanes;
+  for (std::size_t i = 0; i < 6; ++i) block[i * batch::kLanes + lane] = box[i];
 }
 
 /// Sorted; without those of obstacles that the body cannot reach.
@@ -160,9 +195,11 @@ void BatchModel::add_pairs(const BatchPairs& pairs) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const double reach = robot->body_reach[i] * 1.0001 + 1e-3;
     bodies[i].first_pair = static_cast<int>(pair_obstacles.size());
+    bodies[i].first_box = static_cast<int>(pair_boxes.size());
     for (; next != order.end() && all[*next].first == static_cast<int>(i); ++next) {
       const int obstacle = all[*next].second;
       if (nearest_[obstacle] > reach) continue;
+      add_pair_box(pair_obstacles.size() - static_cast<std::size_t>(bodies[i].first_pair), boxes_[obstacle]);
       pair_obstacles.push_back(obstacle);
       pair_ids.push_back(*next);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -22,16 +23,25 @@ struct BatchModel {
   std::vector<batch::KernelBody> bodies;  // of the robot, with their pairs
   std::vector<batch::KernelObstacle> obstacles;
   std::vector<int> pair_obstacles, pair_ids;
+  std::vector<float> pair_boxes;
   std::vector<batch::KernelSelfPair> self_pairs;
 
   batch::KernelModel view() const {
-    return {robot->nodes.data(),   static_cast<int>(robot->nodes.size()),
-            bodies.data(),         static_cast<int>(bodies.size()),
-            robot->stage_count,    robot->spheres.data(),
-            robot->coarse_count,   robot->children.data(),
-            robot->max_children,   obstacles.data(),
-            pair_obstacles.data(), static_cast<int>(pair_obstacles.size()),
-            self_pairs.data(),     static_cast<int>(self_pairs.size())};
+    return {robot->nodes.data(),
+            static_cast<int>(robot->nodes.size()),
+            bodies.data(),
+            static_cast<int>(bodies.size()),
+            robot->stage_count,
+            robot->spheres.data(),
+            robot->coarse_count,
+            robot->children.data(),
+            robot->max_children,
+            obstacles.data(),
+            pair_obstacles.data(),
+            pair_boxes.data(),
+            static_cast<int>(pair_obstacles.size()),
+            self_pairs.data(),
+            static_cast<int>(self_pairs.size())};
   }
 
  private:
@@ -40,7 +50,13 @@ struct BatchModel {
   void add_pairs(const BatchPairs& pairs);
   void add_self_pair(const BatchSelfPair& pair);
 
-  std::vector<double> nearest_;  // [m] of each obstacle: how near the base it comes, with its padding
+  using Box = std::array<float, 6>;  // lowest x, y, z, highest x, y, z
+  void add_box(const BatchObstacle& obstacle, double margin);
+  void add_pair_box(std::size_t in_body, const Box& box);
+
+  // Of each obstacle: [m] how near the base it comes, with its padding, and the box around it, with a margin.
+  std::vector<double> nearest_;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace srmp

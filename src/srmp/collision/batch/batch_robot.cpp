@@ -58,7 +58,19 @@ void require_valid_body(const BatchRobot& robot, std::size_t i) {
     for (const std::uint32_t child : list) require_index(static_cast<int>(child), body.fine.size(), part, "child");
 }
 
-/// The motion of a sphere is that of its center.
+//// Entries within 1e-9 of 0 and of 1 are taken for these: the float error of the rotation is larger.
+void set_rotation(batch::KernelNode& node, const Eigen::Matrix3d& rotation) {
+  const Eigen::Matrix3d whole = rotation.array().round();
+  node.exchanges = (rotation - whole).cwiseAbs().maxCoeff() < 1e-9;
+  batch::copy_rotation(node.exchanges ? whole : rotation, node.rotation);
+  if (!node.exchanges) return;
+  for (int c = 0; c < 3; ++c) {
+    whole.col(c).cwiseAbs().maxCoeff(&node.axis[c]);
+    node.direction[c] = static_cast<float>(whole(node.axis[c], c));
+  }
+}
+
+// The motion of a sphere is that of its center.
 bool is_sphere(const BatchBody& body) {
   return body.exact && body.coarse.size() == 1 && body.coarse.front().center == body.bound.center;
 }
@@ -76,14 +88,17 @@ BatchRobotModel::BatchRobotModel(const BatchRobot& robot) : dof(robot.dof), actu
 }
 
 void BatchRobotModel::add_nodes(const BatchRobot& robot) {
-  nodes.push_back({-1, -1, 0, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}});
+  nodes.push_back({.parent = -1, .actuated_joint = -1});
   rotation_error_.push_back(0);
   position_error_.push_back(0);
   node_reach_.push_back(0);
   for (std::size_t k = 0; k < robot.actuated_joints.size(); ++k) {
     const BatchActuatedJoint& actuated = robot.actuated_joints[k];
-    batch::KernelNode node{actuated.parent + 1, static_cast<int>(k), actuated.prismatic, {}, {}};
-    batch::copy_rotation(actuated.frame.linear(), node.rotation);
+    batch::KernelNode node{};
+    node.parent = actuated.parent + 1;
+    node.actuated_joint = static_cast<int>(k);
+    node.prismatic = actuated.prismatic;
+    set_rotation(node, actuated.frame.linear());
     for (int i = 0; i < 3; ++i) node.translation[i] = static_cast<float>(actuated.frame.translation()[i]);
     nodes.push_back(node);
     // Rounding of one joint: each entry of a product of rotations errs by at most 3 units, the constants by 1, the
@@ -106,6 +121,7 @@ void BatchRobotModel::add_reach(const BatchRobot& robot) {
     body_reach.push_back(far + body.padding);
     for (int k = body.actuated_joint; k >= 0; k = actuated_joints[k].parent) {
       actuated_reach[k] = std::max(actuated_reach[k], actuated_joints[k].prismatic ? 1.0 : beyond);
+      nodes[k + 1].reach = above(1.0001 * actuated_reach[k] + 1e-3);
       beyond += actuated_joints[k].frame.translation().norm() + actuated_joints[k].max_travel;
     }
   }

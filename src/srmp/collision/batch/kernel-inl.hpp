@@ -36,17 +36,18 @@ class Slice {
     near_radii_ = near_ + 3 * kWidth * m_.max_children;
     near_lanes_ = near_radii_ + m_.max_children;
     placed_ = near_lanes_ + m_.max_children;
-    self_near_ = placed_ + m_.body_count;
+    moved_ = placed_ + m_.body_count;
+    self_near_ = moved_ + m_.body_count;
   }
 
   void run() {
     place_nodes();
+    bound_motion();
     for (int n = 0; n < request_.likely_count; ++n)
       if (hits_likely(request_.likely[n])) return;
     for (int i = m_.body_count - 1; i >= 0; --i) {  // the farther from the base, the likelier a hit
       if (!is_open_body(i)) continue;
-      place_body(i);
-      check_obstacles(i);
+      check_obstacles(i, place_body(i));
       if (done()) return;
     }
     check_self();
@@ -72,26 +73,42 @@ class Slice {
   SRMP_INLINE void place_node(int i) {
     const KernelNode& node = m_.nodes[i];
     const float* parent = frames_ + 12 * kWidth * node.parent;
+    if (node.exchanges) {
+      const float *along_x = parent + node.axis[0] * kWidth, *along_y = parent + node.axis[1] * kWidth,
+                  *along_z = parent + node.axis[2] * kWidth;
+      const V dx = all(node.direction[0]), dy = all(node.direction[1]), dz = all(node.direction[2]);
+      turn_node(i, [&](int k) {
+        return V3{mul(row(along_x, 3 * k), dx), mul(row(along_y, 3 * k), dy), mul(row(along_z, 3 * k), dz)};
+      });
+    } else {
+      const float* r = node.rotation;
+      turn_node(i, [&](int k) {
+        const V px = row(parent, 3 * k), py = row(parent, 3 * k + 1), pz = row(parent, 3 * k + 2);
+        return V3{sum(mul(px, all(r[0])), mul(py, all(r[3])), mul(pz, all(r[6]))),
+                  sum(mul(px, all(r[1])), mul(py, all(r[4])), mul(pz, all(r[7]))),
+                  sum(mul(px, all(r[2])), mul(py, all(r[5])), mul(pz, all(r[8])))};
+      });
+    }
+  }
+
+  /// `axes(k)`: row k of the frame's rotation at value 0.
+  template <class Axes>
+  SRMP_INLINE void turn_node(int i, Axes&& axes) {
+    const KernelNode& node = m_.nodes[i];
+    const float* parent = frames_ + 12 * kWidth * node.parent;
     float* frame = frames_ + 12 * kWidth * i;
     const V value = load(request_.values + node.actuated_joint * kLanes + lane_);
-    const float *r = node.rotation, *t = node.translation;
-    SinCos angle{};
+    const V tx = all(node.translation[0]), ty = all(node.translation[1]), tz = all(node.translation[2]);
+    SinCos angle{all(0.0f), all(1.0f)};
     if (!node.prismatic) angle = sincos(value);
     for (int k = 0; k < 3; ++k) {
-      const V px = row(parent, 3 * k), py = row(parent, 3 * k + 1), pz = row(parent, 3 * k + 2);
-      V x = sum(mul(px, all(r[0])), mul(py, all(r[3])), mul(pz, all(r[6])));
-      V y = sum(mul(px, all(r[1])), mul(py, all(r[4])), mul(pz, all(r[7])));
-      const V z = sum(mul(px, all(r[2])), mul(py, all(r[5])), mul(pz, all(r[8])));
-      V p = add(sum(mul(px, all(t[0])), mul(py, all(t[1])), mul(pz, all(t[2]))), row(parent, 9 + k));
-      if (node.prismatic) {
-        p = add(p, mul(z, value));
-      } else {
-        const V turned = add(mul(x, angle.cos), mul(y, angle.sin));
-        y = sub(mul(y, angle.cos), mul(x, angle.sin));
-        x = turned;
-      }
-      set_row(frame, 3 * k, x);
-      set_row(frame, 3 * k + 1, y);
+      const auto [x, y, z] = axes(k);
+      const V offset =
+          sum(mul(row(parent, 3 * k), tx), mul(row(parent, 3 * k + 1), ty), mul(row(parent, 3 * k + 2), tz));
+      V p = add(offset, row(parent, 9 + k));
+      if (node.prismatic) p = add(p, mul(z, value));
+      set_row(frame, 3 * k, add(mul(x, angle.cos), mul(y, angle.sin)));
+      set_row(frame, 3 * k + 1, sub(mul(y, angle.cos), mul(x, angle.sin)));
       set_row(frame, 3 * k + 2, z);
       set_row(frame, 9 + k, p);
     }
@@ -105,15 +122,39 @@ class Slice {
             add(sum(mul(row(f, 6), vx), mul(row(f, 7), vy), mul(row(f, 8), vz)), row(f, 11))};
   }
 
-  /// Computes the centre of the body, and how far it can move while every actuated joint stays within its half width:
-  /// joints from the distal to the proximal, each turning what it carries, which may have moved already.
-  SRMP_INLINE void place_body(int i) {
-    const KernelBody& body = m_.bodies[i];
-    const V3 c = around(body);
+  /// How far any body can move, at most, while every actuated joint stays within its half width. It suffices for bodies
+  /// that are far from everything, and is not below what move_body computes, operation by operation.
+  SRMP_INLINE void bound_motion() {
+    V moved = all(0.0f);
+    if (request_.half_widths)
+      for (int n = m_.node_count - 1; n > 0; --n) {
+        const V width = load(request_.half_widths + m_.nodes[n].actuated_joint * kLanes + lane_);
+        moved = add(moved, m_.nodes[n].prismatic ? width : mul(width, add(all(m_.nodes[n].reach), moved)));
+      }
+    any_moved_ = moved;
+  }
+
+  /// Computes the centre of the body.
+  SRMP_INLINE V3 place_body(int i) {
+    const V3 c = around(m_.bodies[i]);
     set_row(centers_, 3 * i, c.x);
     set_row(centers_, 3 * i + 1, c.y);
     set_row(centers_, 3 * i + 2, c.z);
-    placed_[i] = 0.0f;
+    placed_[i] = moved_[i] = 0.0f;
+    return c;
+  }
+
+  SRMP_INLINE V3 center(int i) const {
+    return {row(centers_, 3 * i), row(centers_, 3 * i + 1), row(centers_, 3 * i + 2)};
+  }
+
+  /// Computes, when first needed, how far the body can move: joints from the distal to the proximal, each turning what
+  /// it carries, which may have moved already.
+  __attribute__((noinline)) void move_body(int i) {
+    if (moved_[i] != 0.0f) return;
+    moved_[i] = 1.0f;
+    const KernelBody& body = m_.bodies[i];
+    const V3 c = center(i);
     V moved = all(0.0f);
     int stage = body.first_stage;
     for (int n = body.node; n != 0; n = m_.nodes[n].parent) {
@@ -216,19 +257,48 @@ class Slice {
     return lanes == 0 ? 0 : within(squared_distance_to_field(o.field, place), limit) & lanes;
   }
 
-  void check_obstacles(int i) {
+  /// A box around something in all lanes, each number in every lane.
+  struct Box {
+    V3 low, high;
+  };
+  SRMP_INLINE Box box_around(const V3& c, V reach) const {
+    return {{lowest(sub(c.x, reach)), lowest(sub(c.y, reach)), lowest(sub(c.z, reach))},
+            {highest(add(c.x, reach)), highest(add(c.y, reach)), highest(add(c.z, reach))}};
+  }
+
+  /// Which of the next kWidth pairs of a body have an obstacle that is not apart from the box.
+  SRMP_INLINE unsigned near_box(const Box& box, const float* obstacles) const {
+    const auto apart = [&](int axis, V low, V high) {
+      return either(less(high, load_any(obstacles + axis * kLanes)),
+                    less(load_any(obstacles + (axis + 3) * kLanes), low));
+    };
+    return ~bits(either(either(apart(0, box.low.x, box.high.x), apart(1, box.low.y, box.high.y)),
+                        apart(2, box.low.z, box.high.z))) &
+           all_lanes;
+  }
+
+  void check_obstacles(int i, const V3& c) {
     const KernelBody& body = m_.bodies[i];
-    const V3 c{row(centers_, 3 * i), row(centers_, 3 * i + 1), row(centers_, 3 * i + 2)};
-    const V margin = add(row(margins_, i), all(body.padding)), limit = add(margin, all(body.radius));
-    for (int k = 0; k < body.pairs; ++k) {
-      const int pair = body.first_pair + k;
-      if (!is_open(pair)) continue;
-      const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
-      const unsigned pending = near(o, c, add(limit, all(o.radius)), alive_);
-      if (pending == 0) continue;
-      check_closely(i, o, pair, pending, margin);
-      if (done()) return;
+    const Box box = box_around(c, sum(any_moved_, all(body.padding), all(body.radius)));
+    for (int k = 0; k < body.pairs; k += kWidth) {
+      const float* obstacles = m_.pair_boxes + body.first_box + k / kLanes * (6 * kLanes) + k % kLanes;
+      for (unsigned left = near_box(box, obstacles); left != 0; left &= left - 1) {
+        const int pair = body.first_pair + k + __builtin_ctz(left);
+        if (is_open(pair) && check_obstacle(i, c, pair)) return;
+      }
     }
+  }
+
+  /// True when that ends the run.
+  SRMP_INLINE bool check_obstacle(int i, const V3& c, int pair) {
+    const KernelBody& body = m_.bodies[i];
+    const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
+    move_body(i);
+    const V margin = add(row(margins_, i), all(body.padding));
+    const unsigned pending = near(o, c, sum(margin, all(body.radius), all(o.radius)), alive_);
+    if (pending == 0) return false;
+    check_closely(i, o, pair, pending, margin);
+    return done();
   }
 
   SRMP_INLINE V3 coarse(int b) const {
@@ -255,50 +325,34 @@ class Slice {
     }
   }
 
-  /// Does a pair hit in some lanes? The bodies are not placed yet.
+  /// Do they hit in some lanes? The bodies are not placed yet.
   __attribute__((noinline)) bool hits_likely(const KernelHit& likely) {
-    current_ = likely;
-    if (likely.pair >= m_.pair_count) {
-      const KernelSelfPair& pair = m_.self_pairs[likely.pair - m_.pair_count];
-      const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
-      const V limit = all(a.radius + b.radius + pair.padding);
-      const unsigned near = within(between(around(a), around(b)), limit) & alive_;
-      if (near == 0) return false;
-      return a.exact && b.exact ? hits_body(a, all_of(a), b, all_of(b), pair, near)
-                                : hits_body(a, inside(a), b, inside(b), pair, near);
+    current_ = likely.of;
+    if (current_.body >= 0) {
+      const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[current_.pair]];
+      const KernelBody& body = m_.bodies[current_.body];
+      return hits_obstacle(o, body, likely.sphere, fine(body, m_.spheres[likely.sphere]), alive_);
     }
-    const KernelBody& body = m_.bodies[likely.body];
-    const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[likely.pair]];
-    const unsigned close = near(o, around(body), all(body.radius + body.padding + o.radius), alive_);
-    return close != 0 && hits_obstacle(o, body, body.exact ? all_of(body) : inside(body), close);
+    const KernelSelfPair& pair = m_.self_pairs[current_.pair - m_.pair_count];
+    const V3 a = fine(m_.bodies[pair.a], m_.spheres[likely.sphere]),
+             b = fine(m_.bodies[pair.b], m_.spheres[likely.other]);
+    return hits_body(pair, likely.sphere, likely.other, between(a, b), alive_);
   }
 
-  struct Spheres {
-    int first, end;
-  };
-  static SRMP_INLINE Spheres all_of(const KernelBody& body) {
-    return {body.first_sphere, body.first_sphere + body.spheres};
-  }
-  static SRMP_INLINE Spheres inside(const KernelBody& body) {
-    return {body.first_inner, body.first_inner + body.inners};
-  }
-
-  /// Does one of the spheres of a body surely hit the obstacle? True when that ends the run.
-  SRMP_INLINE bool hits_obstacle(const KernelObstacle& o, const KernelBody& body, Spheres spheres, unsigned mask) {
-    for (int b = spheres.first; b < spheres.end; ++b)
-      if (hit_obstacle(o, fine(body, m_.spheres[b]), m_.spheres[b].radius + body.padding, mask)) return true;
+  /// Does one of the spheres inside of a body surely hit the obstacle? True when that ends the run.
+  SRMP_INLINE bool inside_hits(const KernelObstacle& o, const KernelBody& body, unsigned mask) {
+    for (int b = body.first_inner; b < body.first_inner + body.inners; ++b)
+      if (hits_obstacle(o, body, b, fine(body, m_.spheres[b]), mask)) return true;
     return false;
   }
 
-  /// Does one of the spheres of a surely hit one of b? True when that ends the run.
-  SRMP_INLINE bool hits_body(const KernelBody& a, Spheres of_a, const KernelBody& b, Spheres of_b,
-                             const KernelSelfPair& pair, unsigned mask) {
-    for (int i = of_a.first; i < of_a.end; ++i) {
+  /// Does one of the spheres inside of a surely hit one inside of b? True when that ends the run.
+  SRMP_INLINE bool inside_hits(const KernelSelfPair& pair, unsigned mask) {
+    const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
+    for (int i = a.first_inner; i < a.first_inner + a.inners; ++i) {
       const V3 ci = fine(a, m_.spheres[i]);
-      for (int j = of_b.first; j < of_b.end; ++j)
-        if (hit(between(ci, fine(b, m_.spheres[j])),
-                m_.spheres[i].radius + m_.spheres[j].radius + pair.padding - pair.error, mask))
-          return true;
+      for (int j = b.first_inner; j < b.first_inner + b.inners; ++j)
+        if (hits_body(pair, i, j, between(ci, fine(b, m_.spheres[j])), mask)) return true;
     }
     return false;
   }
@@ -314,7 +368,7 @@ class Slice {
       const unsigned around =
           near(o, coarse(b), add(limit, all(sphere.radius)), body.exact ? pending : pending & ~undecided);
       if (around == 0) continue;
-      if (body.exact && o.exact && hit_obstacle(o, coarse(b), sphere.radius + body.padding, around)) return;
+      if (body.exact && o.exact && hits_obstacle(o, body, b, coarse(b), around)) return;
       if (sphere.children == 0) {
         undecided |= around;
         continue;
@@ -326,36 +380,43 @@ class Slice {
     }
     if (undecided == 0) return;
     if (const unsigned open = undecided & ~proofs_only_; open && o.exact && o.size > body.capacity)
-      if (hits_obstacle(o, body, inside(body), open)) return;
-    report(pair, undecided);
+      if (inside_hits(o, body, open)) return;
+    report(undecided);
   }
 
-  /// Does a sphere surely hit the obstacle in some lanes of `mask`? True when that ends the run.
-  SRMP_INLINE bool hit_obstacle(const KernelObstacle& o, const V3& center, float sphere, unsigned mask) {
-    const float radius = sphere + o.inner_radius;
-    if (!o.field.squared) return hit(squared_distance(o, center), radius, mask);
-    return radius > 0.0f && hit(surely_within(o, center, radius) & mask);
+  /// Does a sphere of a body surely hit the obstacle in some lanes of `mask`? True when that ends the run.
+  SRMP_INLINE bool hits_obstacle(const KernelObstacle& o, const KernelBody& body, int sphere, const V3& center,
+                                 unsigned mask) {
+    const float radius = m_.spheres[sphere].radius + body.padding + o.inner_radius;
+    if (!(radius > 0.0f)) return false;
+    const unsigned hits = o.field.squared ? surely_within(o, center, radius)
+                                          : bits(less(squared_distance(o, center), all(radius * radius)));
+    return hit(hits & mask, sphere, -1);
   }
 
-  /// Are some lanes of `mask` surely closer than `radius`? True when that ends the run.
-  SRMP_INLINE bool hit(V squared, float radius, unsigned mask) {
-    return radius > 0.0f && hit(bits(less(squared, all(radius * radius))) & mask);
+  /// Do spheres of two bodies surely hit in some lanes of `mask`? True when that ends the run.
+  SRMP_INLINE bool hits_body(const KernelSelfPair& pair, int a, int b, V squared, unsigned mask) {
+    const float radius = m_.spheres[a].radius + m_.spheres[b].radius + pair.padding - pair.error;
+    return radius > 0.0f && hit(bits(less(squared, all(radius * radius))) & mask, a, b);
   }
 
-  SRMP_INLINE bool hit(unsigned hits) {
+  SRMP_INLINE bool hit(unsigned hits, int sphere, int other) {
     hits &= alive_;
     if (hits == 0) return false;
     result_.colliding = static_cast<LaneMask>(result_.colliding | hits << lane_);
-    result_.hit = current_;
+    result_.hit = {current_, sphere, other};
     alive_ &= ~hits;
     return done();
   }
 
-  SRMP_INLINE void report(int pair, unsigned lanes) {
+  /// The current pair is undecided in these lanes.
+  SRMP_INLINE void report(unsigned lanes) {
     lanes &= alive_;
     if (lanes == 0) return;
     const auto shifted = static_cast<LaneMask>(lanes << lane_);
-    result_.pair_lanes[pair] = static_cast<LaneMask>(result_.pair_lanes[pair] | shifted);
+    LaneMask& of_pair = result_.pair_lanes[current_.pair];
+    if (of_pair == 0) result_.undecided_pairs[result_.undecided_count++] = current_;
+    of_pair = static_cast<LaneMask>(of_pair | shifted);
     result_.undecided = static_cast<LaneMask>(result_.undecided | shifted);
     alive_ &= ~(lanes & proofs_only_);
   }
@@ -370,10 +431,13 @@ class Slice {
       if (!is_open(m_.pair_count + k)) continue;
       const KernelSelfPair& pair = m_.self_pairs[k];
       const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
-      const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};
-      const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
-      const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), all(pair.padding + pair.error));
-      const unsigned pending = within(between(ca, cb), add(limit, all(a.radius + b.radius))) & alive_;
+      const V padding = all(pair.padding + pair.error), radii = all(a.radius + b.radius);
+      const V squared = between(center(pair.a), center(pair.b));
+      if ((within(squared, add(add(any_moved_, padding), radii)) & alive_) == 0) continue;
+      move_body(pair.a);
+      move_body(pair.b);
+      const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), padding);
+      const unsigned pending = within(squared, add(limit, radii)) & alive_;
       if (pending == 0) continue;
       check_self_closely(k, pair, pending, limit);
       if (done()) return;
@@ -385,8 +449,7 @@ class Slice {
     current_ = {m_.pair_count + k, -1};
     place_spheres(pair.a);
     place_spheres(pair.b);
-    const V3 ca{row(centers_, 3 * pair.a), row(centers_, 3 * pair.a + 1), row(centers_, 3 * pair.a + 2)};
-    const V3 cb{row(centers_, 3 * pair.b), row(centers_, 3 * pair.b + 1), row(centers_, 3 * pair.b + 2)};
+    const V3 ca = center(pair.a), cb = center(pair.b);
     int count = 0;  // spheres of b near the one around a
     for (int j = b.first_sphere; j < b.first_sphere + b.spheres; ++j) {
       const unsigned lanes = within(between(ca, coarse(j)), add(limit, all(m_.spheres[j].radius + a.radius))) & pending;
@@ -408,18 +471,15 @@ class Slice {
         const V squared = between(ci, coarse(j));
         const unsigned near = within(squared, add(limit, all(ri + m_.spheres[j].radius))) & both & ~undecided;
         if (near == 0) continue;
-        if (pair.exact && a.exact && b.exact &&
-            hit(squared, ri + m_.spheres[j].radius + pair.padding - pair.error, near))
-          return;
+        if (pair.exact && a.exact && b.exact && hits_body(pair, i, j, squared, near)) return;
         undecided |= finer(a, m_.spheres[i], ci, b, m_.spheres[j], coarse(j), limit, near);
       }
     }
     if (undecided == 0) return;
-    if (const unsigned open = undecided & ~proofs_only_; open && pair.exact && a.capacity == 0.0f &&
-                                                         b.capacity == 0.0f &&
-                                                         hits_body(a, inside(a), b, inside(b), pair, open))
+    if (const unsigned open = undecided & ~proofs_only_;
+        open && pair.exact && a.capacity == 0.0f && b.capacity == 0.0f && inside_hits(pair, open))
       return;
-    report(m_.pair_count + k, undecided);
+    report(undecided);
   }
 
   /// Children of a coarse sphere that are near another body's coarse sphere, found one by one as needed. Each is placed
@@ -495,8 +555,10 @@ class Slice {
   const int lane_;
   const unsigned proofs_only_, ends_;  // of this slice
   unsigned alive_{all_lanes};          // lanes that are not decided yet
-  KernelHit current_{};                // what is being checked
-  float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_, *self_near_;
+  KernelPair current_{};               // what is being checked
+  V any_moved_;                        // an upper bound of how far a body can move
+  float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_, *moved_,
+      *self_near_;
 };
 
 }  // namespace

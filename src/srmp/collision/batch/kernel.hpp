@@ -17,6 +17,11 @@ struct KernelNode {
   int prismatic;
   float rotation[9];  // of the frame at value 0 in the parent's, row by row
   float translation[3];
+  float reach;  // how far anything that the joint moves can be from its axis, with a body's reach_radius
+  // Where the rotation only exchanges axes: the parent's axis that x, y and z are along, and in which direction.
+  int exchanges;
+  int axis[3];
+  float direction[3];
 };
 
 struct KernelSphere {
@@ -39,6 +44,7 @@ struct KernelBody {
   float capacity;             // nothing of a larger diameter can be inside without contact; 0 for solids
   int exact;                  // the coarse spheres are the body itself
   int first_pair, pairs;      // obstacles to check against, into Model::pair_obstacles
+  int first_box;              // blocks of their boxes, into Model::pair_boxes
 };
 
 /// A DistanceField, in the kernel's numbers.
@@ -84,15 +90,23 @@ struct KernelModel {
   int max_children;  // of a sphere
   const KernelObstacle* obstacles;
   const int* pair_obstacles;
-  int pair_count;  // body-obstacle pairs; self pairs are numbered after them
+  const float* pair_boxes;  // kLanes pairs of a body a block: lowest x, y, z of what is near, then the highest; a box
+                            // apart from all of a body leaves nothing that is near
+  int pair_count;           // body-obstacle pairs; self pairs are numbered after them
   const KernelSelfPair* self_pairs;
   int self_pair_count;
 };
 
-/// A pair whose spheres hit: a body and an obstacle, or two bodies.
-struct KernelHit {
+/// A body and an obstacle, or two bodies.
+struct KernelPair {
   int pair;  // -1: none
-  int body;  // the one that hit an obstacle
+  int body;  // the one with the obstacle; -1: two bodies
+};
+
+/// A sphere of a body inside an obstacle or another body's sphere.
+struct KernelHit {
+  KernelPair of;
+  int sphere, other;  // of two bodies: one of a, one of b
 };
 
 struct KernelRequest {
@@ -103,7 +117,7 @@ struct KernelRequest {
   LaneMask decisive;         // lanes in which it ends the run; none with every_lane
   const char* open_pairs;    // [pair_count + self_pair_count]: only these are checked; null: all
   const char* open_bodies;   // [body_count]: those of these pairs; null: all
-  const KernelHit* likely;   // pairs that are tested first for hits; what is found does not depend on them
+  const KernelHit* likely;   // tested first; whether a hit is found does not depend on them
   int likely_count;          // 0 with every_lane
   int used;                  // lanes from here on are copies of the one before: they need no check
 };
@@ -113,6 +127,8 @@ struct KernelResult {
   LaneMask colliding;    // lanes that surely collide at their sample; unless every_lane, the first found ends the run
   KernelHit hit;         // of the colliding lanes, one
   LaneMask* pair_lanes;  // [pair_count + self_pair_count], zero on entry: lanes in which the pair is undecided
+  KernelPair* undecided_pairs;  // room for as many: those of which these are not zero
+  int undecided_count;
 };
 
 using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);
@@ -121,7 +137,7 @@ using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float*
 inline int scratch_floats(const KernelModel& m) {
   return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count +
                    3 * m.max_children) +
-         2 * m.max_children + m.body_count + 2 * m.coarse_count;
+         2 * m.max_children + 2 * m.body_count + 2 * m.coarse_count;
 }
 
 void run_portable(const KernelModel&, const KernelRequest&, float* scratch, KernelResult&);

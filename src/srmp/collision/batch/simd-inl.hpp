@@ -19,6 +19,7 @@ constexpr int kWidth = 16;
 using V = __m512;
 using M = __mmask16;
 SRMP_INLINE V load(const float* p) { return _mm512_load_ps(p); }
+SRMP_INLINE V load_any(const float* p) { return _mm512_loadu_ps(p); }  // not aligned
 SRMP_INLINE void store(float* p, V a) { _mm512_store_ps(p, a); }
 SRMP_INLINE V all(float x) { return _mm512_set1_ps(x); }
 SRMP_INLINE V add(V a, V b) { return _mm512_add_ps(a, b); }
@@ -26,6 +27,9 @@ SRMP_INLINE V sub(V a, V b) { return _mm512_sub_ps(a, b); }
 SRMP_INLINE V mul(V a, V b) { return _mm512_mul_ps(a, b); }
 SRMP_INLINE V max0(V a) { return _mm512_max_ps(a, _mm512_setzero_ps()); }
 SRMP_INLINE V min(V a, V b) { return _mm512_min_ps(a, b); }
+SRMP_INLINE V max(V a, V b) { return _mm512_max_ps(a, b); }
+SRMP_INLINE V lowest(V a) { return all(_mm512_reduce_min_ps(a)); }  // of all lanes, in every lane
+SRMP_INLINE V highest(V a) { return all(_mm512_reduce_max_ps(a)); }
 SRMP_INLINE V truncate(V a) { return _mm512_roundscale_ps(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
 SRMP_INLINE V gather(const float* p, V index) { return _mm512_i32gather_ps(_mm512_cvttps_epi32(index), p, 4); }
 SRMP_INLINE V abs(V a) { return _mm512_abs_ps(a); }
@@ -42,6 +46,7 @@ constexpr int kWidth = 8;
 using V = __m256;
 using M = __m256;
 SRMP_INLINE V load(const float* p) { return _mm256_load_ps(p); }
+SRMP_INLINE V load_any(const float* p) { return _mm256_loadu_ps(p); }
 SRMP_INLINE void store(float* p, V a) { _mm256_store_ps(p, a); }
 SRMP_INLINE V all(float x) { return _mm256_set1_ps(x); }
 SRMP_INLINE V add(V a, V b) { return _mm256_add_ps(a, b); }
@@ -49,6 +54,15 @@ SRMP_INLINE V sub(V a, V b) { return _mm256_sub_ps(a, b); }
 SRMP_INLINE V mul(V a, V b) { return _mm256_mul_ps(a, b); }
 SRMP_INLINE V max0(V a) { return _mm256_max_ps(a, _mm256_setzero_ps()); }
 SRMP_INLINE V min(V a, V b) { return _mm256_min_ps(a, b); }
+SRMP_INLINE V max(V a, V b) { return _mm256_max_ps(a, b); }
+template <class Op>
+SRMP_INLINE V of_lanes(V a, Op&& op) {
+  a = op(a, _mm256_permute2f128_ps(a, a, 1));
+  a = op(a, _mm256_permute_ps(a, 0x4e));
+  return op(a, _mm256_permute_ps(a, 0xb1));
+}
+SRMP_INLINE V lowest(V a) { return of_lanes(a, min); }
+SRMP_INLINE V highest(V a) { return of_lanes(a, max); }
 SRMP_INLINE V truncate(V a) { return _mm256_round_ps(a, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC); }
 SRMP_INLINE V gather(const float* p, V index) { return _mm256_i32gather_ps(p, _mm256_cvttps_epi32(index), 4); }
 SRMP_INLINE V abs(V a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
@@ -65,6 +79,7 @@ constexpr int kWidth = 4;
 typedef float V __attribute__((vector_size(16)));
 typedef int M __attribute__((vector_size(16)));
 SRMP_INLINE V load(const float* p) { return *reinterpret_cast<const V*>(p); }
+SRMP_INLINE V load_any(const float* p) { return V{p[0], p[1], p[2], p[3]}; }
 SRMP_INLINE void store(float* p, V a) { *reinterpret_cast<V*>(p) = a; }
 SRMP_INLINE V all(float x) { return V{x, x, x, x}; }
 SRMP_INLINE V add(V a, V b) { return a + b; }
@@ -76,6 +91,11 @@ SRMP_INLINE M either(M a, M b) { return a | b; }
 SRMP_INLINE V choose(M m, V a, V b) { return (V)((m & (M)a) | (~m & (M)b)); }
 SRMP_INLINE V max0(V a) { return choose(a > V{}, a, V{}); }
 SRMP_INLINE V min(V a, V b) { return choose(a < b, a, b); }
+SRMP_INLINE V lowest(V a) {
+  a = min(a, V{a[2], a[3], a[0], a[1]});
+  return min(a, V{a[1], a[0], a[3], a[2]});
+}
+SRMP_INLINE V highest(V a) { return V{} - lowest(-a); }
 SRMP_INLINE V truncate(V a) { return __builtin_convertvector(__builtin_convertvector(a, M), V); }
 SRMP_INLINE V gather(const float* p, V index) {
   const M i = __builtin_convertvector(index, M);
