@@ -118,7 +118,6 @@ struct Exact {
   SimdBackend backend;
   std::unique_ptr<const Checker> checker;
   Checker::WorkspacePtr workspace;
-  std::uint64_t blocks_of_free_motions{};
   Stopwatch random_states, free_states;
 };
 
@@ -153,7 +152,6 @@ class Report {
     });
 
     std::vector<std::size_t> free = check_all(contenders);
-    count_blocks(exact, contenders, free);
     time_motions(contenders, free);
     for (Exact& e : exact) {
       e.time_states(states, e.random_states, options_.repeats);
@@ -172,16 +170,6 @@ class Report {
     for (std::size_t i = 0; i < options_.motions; ++i)
       if (contenders.back().results[i]) free.push_back(i);
     return free;
-  }
-
-  void count_blocks(std::vector<Exact>& exact, std::vector<Contender>& contenders,
-                    const std::vector<std::size_t>& free) const {
-    for (std::size_t k = 0; k < exact.size(); ++k) {
-      const auto blocks = [&] { return exact[k].checker->statistics(*exact[k].workspace).blocks; };
-      const std::uint64_t before = blocks();
-      for (std::size_t i : free) contenders[2 + k].check(i);
-      exact[k].blocks_of_free_motions = blocks() - before;
-    }
   }
 
   void time_motions(std::vector<Contender>& contenders, const std::vector<std::size_t>& free) const {
@@ -213,8 +201,7 @@ class Report {
           k ? ", " : "", c.name.c_str(), c.all.seconds(), c.free.seconds(), missed, refused);
       if (k >= 2 && k < 2 + exact.size()) {
         const Exact& e = exact[k - 2];
-        std::printf(", \"free_blocks\": %llu, \"random_states_s\": %.9f, \"free_states_s\": %.9f",
-                    static_cast<unsigned long long>(e.blocks_of_free_motions), e.random_states.seconds(),
+        std::printf(", \"random_states_s\": %.9f, \"free_states_s\": %.9f", e.random_states.seconds(),
                     e.free_states.seconds());
       }
       std::printf("}");

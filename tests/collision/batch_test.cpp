@@ -29,7 +29,7 @@ Eigen::Isometry3d pose(std::mt19937& random, double size) {
 }
 
 /// A robot of eight joints with a branch, a prismatic joint and a mimic; one exact body of five spheres and one body
-/// with coarse, fine and inner spheres on each actuated joint; obstacles of every kind.
+/// with coarse, fine and inner spheres on each actuated joint; obstacles of every kind, most of them farther away.
 BatchWorld random_world(unsigned seed, double spread = 1.0) {
   std::mt19937 random(seed);
   BatchWorld world;
@@ -38,6 +38,7 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
     BatchActuatedJoint actuated;
     actuated.parent = k == 5 ? 2 : k - 1;
     actuated.frame = pose(random, 0.25);
+    if (k % 3 == 1) actuated.frame.linear() = Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::Unit(k % 2)).matrix();
     actuated.prismatic = k == 3;
     actuated.joint = k == 7 ? 4 : k;
     actuated.ratio = k == 7 ? -0.5 : 1.0;
@@ -63,18 +64,19 @@ BatchWorld random_world(unsigned seed, double spread = 1.0) {
     covered.inner = {{c, 0.055}};
     world.bodies.push_back(covered);
   }
-  for (int i = 0; i < 12; ++i) {
+  constexpr int near = 12, obstacles = 40;
+  for (int i = 0; i < obstacles; ++i) {
     BatchObstacle o;
     o.kind = static_cast<BatchObstacle::Kind>(i % 4);
     const Eigen::Vector3d s = vector(random, 1).cwiseAbs();
     o.size = Eigen::Vector3d(0.02, 0.02, 0.02) + 0.2 * s;
-    o.pose = pose(random, spread);
+    o.pose = pose(random, i < near ? spread : 3 * spread);
     if (i % 3 == 0) o.pose.linear().setIdentity();
     o.padding = i % 2 ? 0.0 : 0.003;
     world.obstacles.push_back(o);
   }
   for (int b = 2; b < 18; ++b)
-    for (int o = 0; o < 12; ++o) world.obstacle_pairs.push_back({b, o});
+    for (int o = 0; o < obstacles; ++o) world.obstacle_pairs.push_back({b, o});
   for (int a = 0; a < 18; ++a)
     for (int b = a + 1; b < 18; ++b)
       if (world.bodies[a].actuated_joint + 3 < world.bodies[b].actuated_joint) world.self_pairs.push_back({a, b, 0.0});

@@ -75,7 +75,7 @@ struct CheckStatistics {
   std::uint64_t motions{};             ///< motions checked: is_motion_free and certify_motion
   std::uint64_t states_by_spheres{};   ///< of the states, decided by spheres alone
   std::uint64_t motions_by_spheres{};  ///< of the motions, decided by spheres alone
-  std::uint64_t blocks{};              ///< of 16 configurations under spheres
+  std::uint64_t blocks{};              ///< of up to 16 configurations under spheres
   std::uint64_t undecided{};           ///< pairs, over a part of a motion, that spheres left to Coal
   std::uint64_t by_tables{};           ///< of those, decided by the pair's table
   std::uint64_t narrow_phase{};        ///< pairs that Coal decided

@@ -27,7 +27,7 @@ struct UndecidedPair {
 };
 
 struct BatchStatistics {
-  std::uint64_t blocks{};  ///< kernel calls of 16 configurations
+  std::uint64_t blocks{};  ///< kernel calls of up to 16 configurations
   std::uint64_t motions{};
   std::uint64_t motions_free{}, motions_colliding{}, motions_undecided{};  ///< not proved (proves_free): undecided
 };
