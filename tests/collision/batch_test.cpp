@@ -318,6 +318,20 @@ BOOST_AUTO_TEST_CASE(what_a_motion_calls_free_is_free_between_samples) {
 }
 
 /// Though pairs that hit before are tested first.
+BOOST_AUTO_TEST_CASE(what_has_no_end_is_not_called_free) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const BatchWorld world = random_world(seed, 100.0);
+    const std::vector<double> start(world.dof, 0.1), difference(world.dof, 1e8);
+    for (const SimdBackend backend : available_simd_backends()) {
+      const BatchChecker checker(world, backend);
+      const auto workspace = checker.make_workspace();
+      const auto whole = BatchChecker::MotionOptions{.step = 1e9, .refinements = 0, .max_blocks = 1};
+      BOOST_TEST(static_cast<int>(checker.motion(start, difference, *workspace, whole)) !=
+                 static_cast<int>(CollisionStatus::free));
+    }
+  }
+}
+
 BOOST_AUTO_TEST_CASE(what_is_found_of_a_motion_does_not_depend_on_those_before) {
   std::mt19937 random(7);
   int hits = 0, others = 0;

@@ -282,7 +282,10 @@ class Slice {
     const Box box = box_around(c, sum(any_moved_, all(body.padding), all(body.radius)));
     for (int k = 0; k < body.pairs; k += kWidth) {
       const float* obstacles = m_.pair_boxes + body.first_box + k / kLanes * (6 * kLanes) + k % kLanes;
-      for (unsigned left = near_box(box, obstacles); left != 0; left &= left - 1) {
+      const int count = body.pairs - k;
+      unsigned left = near_box(box, obstacles);
+      if (count < kWidth) left &= (1u << count) - 1;  // an endless motion is not apart from where there is no pair
+      for (; left != 0; left &= left - 1) {
         const int pair = body.first_pair + k + __builtin_ctz(left);
         if (is_open(pair) && check_obstacle(i, c, pair)) return;
       }
