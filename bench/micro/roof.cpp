@@ -50,8 +50,11 @@ struct Memory {
 
   batch::KernelResult run(batch::KernelFunction kernel, const float* values, const float* half_widths) {
     batch::KernelResult result{0, 0, {}, pair_lanes.data(), undecided_pairs.data(), 0};
-    const batch::KernelRequest request{
-        .values = values, .half_widths = half_widths, .every_lane = half_widths == nullptr, .used = kLanes};
+    batch::KernelRequest request{};
+    request.values = values;
+    request.half_widths = half_widths;
+    request.every_lane = half_widths == nullptr;
+    request.used = kLanes;
     kernel(model.view(), request, scratch.get(), result);
     return result;
   }
