@@ -317,7 +317,6 @@ BOOST_AUTO_TEST_CASE(what_a_motion_calls_free_is_free_between_samples) {
   BOOST_TEST(hits > 15);
 }
 
-/// Though pairs that hit before are tested first.
 BOOST_AUTO_TEST_CASE(what_has_no_end_is_not_called_free) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const BatchWorld world = random_world(seed, 100.0);
@@ -332,6 +331,7 @@ BOOST_AUTO_TEST_CASE(what_has_no_end_is_not_called_free) {
   }
 }
 
+/// Though spheres that hit before are tested first.
 BOOST_AUTO_TEST_CASE(what_is_found_of_a_motion_does_not_depend_on_those_before) {
   std::mt19937 random(7);
   int hits = 0, others = 0;

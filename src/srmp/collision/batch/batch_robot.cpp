@@ -58,7 +58,7 @@ void require_valid_body(const BatchRobot& robot, std::size_t i) {
     for (const std::uint32_t child : list) require_index(static_cast<int>(child), body.fine.size(), part, "child");
 }
 
-//// Entries within 1e-9 of 0 and of 1 are taken for these: the float error of the rotation is larger.
+/// Entries within 1e-9 of 0 and of 1 are taken for these: the float error of the rotation is larger.
 void set_rotation(batch::KernelNode& node, const Eigen::Matrix3d& rotation) {
   const Eigen::Matrix3d whole = rotation.array().round();
   node.exchanges = (rotation - whole).cwiseAbs().maxCoeff() < 1e-9;
@@ -70,7 +70,7 @@ void set_rotation(batch::KernelNode& node, const Eigen::Matrix3d& rotation) {
   }
 }
 
-// The motion of a sphere is that of its center.
+/// The motion of a sphere is that of its center.
 bool is_sphere(const BatchBody& body) {
   return body.exact && body.coarse.size() == 1 && body.coarse.front().center == body.bound.center;
 }
