@@ -150,18 +150,14 @@ void BatchModel::add_obstacle(const BatchObstacle& o) {
   nearest_.push_back(distance - o.padding);
 }
 
-/// The box around an obstacle (of a field: around its grid) and the margin, which is larger than the kernel's errors.
+/// The box around the last obstacle (of a field: its grid) and the margin, which is larger than the kernel's errors.
 void BatchModel::add_box(const BatchObstacle& o, double margin) {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
-  switch (o.kind) {
-    case BatchObstacle::Kind::sphere: break;
-    case BatchObstacle::Kind::box: half = o.size / 2; break;
-    case BatchObstacle::Kind::cylinder: half = {o.size[0], o.size[0], o.size[1] / 2}; break;
-    case BatchObstacle::Kind::capsule: half.z() = o.size[1] / 2; break;
-    case BatchObstacle::Kind::field:
-      for (int i = 0; i < 3; ++i) half[i] = o.field->cell() * (o.field->size()[i] - 1) / 2;
-      center = o.field->corner() + half - o.field_center;
-      break;
+  const batch::KernelObstacle& kernel = obstacles.back();
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d half(kernel.half[0], kernel.cylinder ? kernel.half[0] : kernel.half[1], kernel.half[2]);
+  if (o.field) {
+    for (int i = 0; i < 3; ++i) half[i] = o.field->cell() * (o.field->size()[i] - 1) / 2;
+    center = o.field->corner() + half - o.field_center;
   }
   center = o.pose * center;
   half = o.pose.linear().cwiseAbs() * half;
