@@ -42,11 +42,17 @@ inline V sub(V a, V b) {
 inline V mul(V a, V b) {
   return count_arithmetic(), each([&](int i) { return a.lane[i] * b.lane[i]; });
 }
+inline V quotient(V a, V b) {
+  return count_arithmetic(), each([&](int i) { return a.lane[i] / b.lane[i]; });
+}
 inline V max0(V a) {
   return count_arithmetic(), each([&](int i) { return a.lane[i] > 0.0f ? a.lane[i] : 0.0f; });
 }
 inline V min(V a, V b) {
   return count_arithmetic(), each([&](int i) { return std::min(a.lane[i], b.lane[i]); });
+}
+inline V max(V a, V b) {
+  return count_arithmetic(), each([&](int i) { return std::max(a.lane[i], b.lane[i]); });
 }
 /// Counted as what a tree of exchanges takes.
 template <class F>

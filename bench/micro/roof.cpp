@@ -88,7 +88,7 @@ Block random_block(const RobotModel& robot, const BatchModel& model, bool moving
       if (!actuated.prismatic) value -= 2 * M_PI * std::nearbyint(value / (2 * M_PI));
       const std::size_t at = k * kLanes + static_cast<std::size_t>(lane);
       block.values[at] = static_cast<float>(value);
-      block.half_widths[at] = static_cast<float>(std::abs(change) / (2 * kLanes) * 1.0001);
+      block.half_widths[at] = static_cast<float>(change / (2 * kLanes) * 1.0001);
     }
   }
   return block;

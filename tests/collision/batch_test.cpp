@@ -130,10 +130,11 @@ std::vector<std::vector<PlacedSphere>> true_bodies(const BatchWorld& world, std:
 /// Smallest distance over all pairs, less padding; pairs of `skip_obstacle` and `skip_self` left out.
 double clearance(const BatchWorld& world, std::span<const double> q, const std::vector<UndecidedPair>& skip = {}) {
   const auto bodies = true_bodies(world, q);
+  std::vector<char> skipped_pairs(world.obstacle_pairs.size() + world.self_pairs.size());
+  for (const UndecidedPair& u : skip)
+    skipped_pairs[(u.self ? world.obstacle_pairs.size() : 0) + static_cast<std::size_t>(u.pair)] = true;
   const auto skipped = [&](bool self, std::size_t i) {
-    for (const UndecidedPair& u : skip)
-      if (u.self == self && u.pair == static_cast<int>(i)) return true;
-    return false;
+    return skipped_pairs[(self ? world.obstacle_pairs.size() : 0) + i];
   };
   double smallest = 1e9;
   for (std::size_t i = 0; i < world.obstacle_pairs.size(); ++i) {
@@ -352,16 +353,17 @@ BOOST_AUTO_TEST_CASE(what_is_found_of_a_motion_does_not_depend_on_those_before) 
   BOOST_TEST(others > 100);
 }
 
-BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
+/// Pairs of bodies that a checker leaves out of an interval stay apart in it. Returns how many motions were undecided.
+int check_that_pairs_left_out_stay_apart(unsigned worlds, double length, const BatchChecker::MotionOptions& options) {
   std::mt19937 random(6);
   int seen = 0;
-  for (unsigned seed = 0; seed < 12; ++seed) {
+  for (unsigned seed = 0; seed < worlds; ++seed) {
     const BatchWorld world = random_world(seed, 2.0);
     const BatchChecker checker(world);
     const auto workspace = checker.make_workspace();
     for (int i = 0; i < 30; ++i) {
-      const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, 0.2);
-      if (checker.motion(a, d, *workspace, {.refinements = 1 + i % 3}) != CollisionStatus::undecided) continue;
+      const auto a = random_q(random, 7, 2.0), d = random_q(random, 7, length);
+      if (checker.motion(a, d, *workspace, options) != CollisionStatus::undecided) continue;
       ++seen;
       const auto undecided = checker.undecided(*workspace);
       for (int s = 0; s <= 100; ++s) {
@@ -374,7 +376,49 @@ BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
       }
     }
   }
-  BOOST_TEST(seen > 10);
+  return seen;
+}
+
+BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
+  for (const int refinements : {1, 2, 3})
+    BOOST_TEST(check_that_pairs_left_out_stay_apart(12, 0.2, {.refinements = refinements}) > 10);
+}
+
+/// Where paths of points bend by centimetres to decimetres.
+BOOST_AUTO_TEST_CASE(undecided_pairs_of_long_intervals_are_all_that_may_touch) {
+  const double long_step = 1e9;
+  for (const double length : {1.0, 3.0, 6.0})
+    BOOST_TEST(check_that_pairs_left_out_stay_apart(20, length, {.step = long_step, .refinements = 0}) > 10);
+}
+
+/// A body that moves along a wall, or along another body, 2 mm from it, needs no subdivision.
+BOOST_AUTO_TEST_CASE(what_moves_along_without_coming_nearer_is_free_at_once) {
+  BatchWorld world;
+  world.dof = 2;
+  for (std::size_t k = 0; k < 2; ++k) {
+    BatchActuatedJoint along_x;
+    along_x.frame.linear() = Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    along_x.frame.translation().z() = 0.2 * static_cast<double>(k);
+    along_x.prismatic = true;
+    along_x.max_travel = 2.0;
+    along_x.joint = k;
+    world.actuated_joints.push_back(along_x);
+    const PlacedSphere sphere{Eigen::Vector3d::Zero(), 0.099};
+    world.bodies.push_back({.actuated_joint = static_cast<int>(k), .bound = sphere, .coarse = {sphere}, .exact = true});
+  }
+  BatchObstacle wall;
+  wall.kind = BatchObstacle::Kind::box;
+  wall.size = {4.0, 4.0, 0.1};
+  wall.pose.translation().z() = -0.151;
+  world.obstacles = {wall};
+  world.obstacle_pairs = {{0, 0}, {1, 0}};
+  world.self_pairs = {{0, 1, 0.0}};
+  const BatchChecker checker(world);
+  const auto workspace = checker.make_workspace();
+  const std::vector<double> start{-1.0, -1.0};
+  const BatchChecker::MotionOptions at_once{.step = 1e9, .refinements = 0, .max_blocks = 1};
+  for (const double other : {2.0, 1.0, 0.0, -1.0})
+    BOOST_CHECK(checker.motion(start, std::vector<double>{2.0, other}, *workspace, at_once) == CollisionStatus::free);
 }
 
 BOOST_AUTO_TEST_CASE(batch_checker_refuses_nonsense) {

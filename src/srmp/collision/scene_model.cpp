@@ -11,7 +11,7 @@ namespace {
 /// Where spheres are the bodies, subdividing down to them decides the check. Elsewhere the batch stops early, because
 /// Coal resolves what is left open, pair by pair, in less time than more blocks would take.
 BatchChecker::MotionOptions batch_options_for(const BatchRobotModel& robot) {
-  return {.step = robot.exact ? 0.12 : 0.07, .refinements = robot.exact ? 4 : 1, .max_blocks = 64};
+  return {.step = robot.exact ? 0.2 : 0.14, .refinements = robot.exact ? 4 : 1, .max_blocks = 64};
 }
 
 using Tables = std::vector<std::shared_ptr<const PairTables>>;

@@ -204,7 +204,7 @@ class BatchChecker::Workspace {
       for (int i = 0; i < kLanes; ++i) to_values[i] = static_cast<float>(at + lanes[i].t * change);
       // A little wider: for the float rounding of this number and of the bound made of it.
       const auto half_width = [&](double half) {
-        return static_cast<float>(std::abs(change) * half * (1 + 1e-4) + 1e-12);
+        return static_cast<float>(change * half * (1 + 1e-4) + std::copysign(1e-12, change));
       };
       if (same)
         std::fill_n(to_widths, kLanes, half_width(lanes[0].half));

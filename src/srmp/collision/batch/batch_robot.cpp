@@ -145,6 +145,7 @@ void BatchRobotModel::add_body(const BatchBody& body) {
   const double error = body_error(body);
   kernel.x = bound.x, kernel.y = bound.y, kernel.z = bound.z, kernel.radius = bound.radius;
   kernel.reach_radius = above((is_sphere(body) ? 0.0 : body.bound.radius) + 2 * error);
+  kernel.rounding = above(4 * error);
   kernel.padding = above(body.padding);
   kernel.exact = body.exact;
   kernel.capacity = body.hollow ? above(2 * body.bound.radius + 1e-3) : 0.0f;

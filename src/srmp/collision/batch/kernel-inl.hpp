@@ -2,14 +2,10 @@
 // a lane depends on this lane alone, so it does not depend on how many lanes an instruction set has.
 
 #include "srmp/collision/batch/kernel.hpp"
-#include "srmp/collision/batch/simd-inl.hpp"
+#include "srmp/collision/batch/obstacle-inl.hpp"
 
 namespace srmp::batch {
 namespace {
-
-struct V3 {
-  V x, y, z;
-};
 
 /// Is a lane found that is not free, where one such lane decides the request?
 SRMP_INLINE bool is_decided(const KernelRequest& request, const KernelResult& result) {
@@ -30,8 +26,7 @@ class Slice {
     frames_ = scratch;
     centers_ = frames_ + 12 * kWidth * m_.node_count;
     stages_ = centers_ + 3 * kWidth * m_.body_count;
-    margins_ = stages_ + kWidth * m_.stage_count;
-    spheres_ = margins_ + kWidth * m_.body_count;
+    spheres_ = stages_ + 8 * kWidth * m_.stage_count;
     near_ = spheres_ + 3 * kWidth * m_.coarse_count;
     near_radii_ = near_ + 3 * kWidth * m_.max_children;
     near_lanes_ = near_radii_ + m_.max_children;
@@ -128,7 +123,7 @@ class Slice {
     V moved = all(0.0f);
     if (request_.half_widths)
       for (int n = m_.node_count - 1; n > 0; --n) {
-        const V width = load(request_.half_widths + m_.nodes[n].actuated_joint * kLanes + lane_);
+        const V width = abs(signed_width(n));
         moved = add(moved, m_.nodes[n].prismatic ? width : mul(width, add(all(m_.nodes[n].reach), moved)));
       }
     any_moved_ = moved;
@@ -148,122 +143,86 @@ class Slice {
     return {row(centers_, 3 * i), row(centers_, 3 * i + 1), row(centers_, 3 * i + 2)};
   }
 
-  /// Computes, when first needed, how far the body can move: joints from the distal to the proximal, each turning what
-  /// it carries, which may have moved already.
+  /// How far the joint of a node is from its value at the ends of the interval.
+  SRMP_INLINE V signed_width(int node) const {
+    return load(request_.half_widths + m_.nodes[node].actuated_joint * kLanes + lane_);
+  }
+
+  /// How a body moves: its point that is at x in the middle of the interval moves by no more than `reach`, and is
+  /// within `bend` of a place x + s (velocity + turn x (x - center)), |s| <= 1.
+  struct Motion {
+    V3 velocity, turn;
+    V reach, bend;
+  };
+
+  SRMP_INLINE Motion motion(int stage) const {
+    const float* m = stages_ + 8 * kWidth * stage;
+    return {{row(m, 0), row(m, 1), row(m, 2)}, {row(m, 3), row(m, 4), row(m, 5)}, row(m, 6), row(m, 7)};
+  }
+  SRMP_INLINE void set_motion(int stage, const Motion& motion) const {
+    float* m = stages_ + 8 * kWidth * stage;
+    set_row(m, 0, motion.velocity.x), set_row(m, 1, motion.velocity.y), set_row(m, 2, motion.velocity.z);
+    set_row(m, 3, motion.turn.x), set_row(m, 4, motion.turn.y), set_row(m, 5, motion.turn.z);
+    set_row(m, 6, motion.reach), set_row(m, 7, motion.bend);
+  }
+  /// That of a body relative to the base.
+  SRMP_INLINE Motion motion(const KernelBody& body) const { return motion(body.first_stage + body.depth - 1); }
+  SRMP_INLINE static V3 velocity_at(const Motion& m, const V3& from_center) {
+    return m.velocity + cross(m.turn, from_center);
+  }
+
+  /// Computes, when first needed, how the body moves relative to each node below it: joints from the distal to the
+  /// proximal, each turning what it carries, which may have moved already. The acceleration of a point is at most the
+  /// sum of w_i (w_i l_i + 2 sum of w_j l_j, joints j beyond i) over the joints i, which turn by w at distances l.
   __attribute__((noinline)) void move_body(int i) {
     if (moved_[i] != 0.0f) return;
     moved_[i] = 1.0f;
     const KernelBody& body = m_.bodies[i];
     const V3 c = center(i);
-    V moved = all(0.0f);
+    const V zero = all(0.0f);
+    Motion m{{zero, zero, zero}, {zero, zero, zero}, zero, zero};
     int stage = body.first_stage;
     for (int n = body.node; n != 0; n = m_.nodes[n].parent) {
-      set_row(stages_, stage++, moved);
+      set_motion(stage++, m);
       if (!request_.half_widths) continue;
-      const V width = load(request_.half_widths + m_.nodes[n].actuated_joint * kLanes + lane_);
+      const V signed_by = signed_width(n), width = abs(signed_by);
+      const float* f = frames_ + 12 * kWidth * n;
+      const V3 axis{row(f, 2), row(f, 5), row(f, 8)}, step = axis * signed_by;
       if (m_.nodes[n].prismatic) {
-        moved = add(moved, width);
+        m.velocity = m.velocity + step;
+        m.reach = add(m.reach, width);
+        m.bend = add(m.bend, mul(width, all(1e-5f)));
         continue;
       }
-      const float* f = frames_ + 12 * kWidth * n;
-      const V dx = sub(c.x, row(f, 9)), dy = sub(c.y, row(f, 10)), dz = sub(c.z, row(f, 11));
-      const V ax = row(f, 2), ay = row(f, 5), az = row(f, 8);
-      const V x = sub(mul(dy, az), mul(dz, ay)), y = sub(mul(dz, ax), mul(dx, az)), z = sub(mul(dx, ay), mul(dy, ax));
-      const V lever = add(sqrt(sum(mul(x, x), mul(y, y), mul(z, z))), all(body.reach_radius));
-      moved = add(moved, mul(width, add(lever, moved)));
+      const V3 by_turn = cross(axis, c - V3{row(f, 9), row(f, 10), row(f, 11)});
+      const V lever = add(sqrt(squared_norm(by_turn)), all(body.reach_radius));
+      const V further = mul(width, add(lever, m.reach));
+      m.velocity = m.velocity + by_turn * signed_by;
+      m.turn = m.turn + step;
+      m.bend =
+          sum(m.bend, mul(width, sum(mul(all(0.5f), further), m.reach, all(body.rounding))), mul(further, all(1e-5f)));
+      m.reach = add(m.reach, further);
     }
-    set_row(stages_, stage, moved);
-    set_row(margins_, i, moved);
+    set_motion(stage, m);
   }
 
-  SRMP_INLINE V3 local(const KernelObstacle& o, const V3& c) const {
-    if (o.aligned) return {add(c.x, all(o.offset[0])), add(c.y, all(o.offset[1])), add(c.z, all(o.offset[2]))};
-    const float* r = o.rotation;
-    return {add(sum(mul(c.x, all(r[0])), mul(c.y, all(r[1])), mul(c.z, all(r[2]))), all(o.offset[0])),
-            add(sum(mul(c.x, all(r[3])), mul(c.y, all(r[4])), mul(c.z, all(r[5]))), all(o.offset[1])),
-            add(sum(mul(c.x, all(r[6])), mul(c.y, all(r[7])), mul(c.z, all(r[8]))), all(o.offset[2]))};
-  }
-
-  /// A place on a field's grid: coordinates in cells, clamped to the grid.
-  struct GridPlace {
-    V3 at;
-    V squared_off;  // of the distance from there to the grid's box
-  };
-  SRMP_INLINE GridPlace grid_place(const KernelObstacle& o, const V3& c) const {
-    const KernelField& f = o.field;
-    const V3 p = local(o, c);
-    const V x = mul(p.x, all(f.per_cell)), y = mul(p.y, all(f.per_cell)), z = mul(p.z, all(f.per_cell));
-    const V3 at{min(max0(x), all(f.last[0])), min(max0(y), all(f.last[1])), min(max0(z), all(f.last[2]))};
-    const V dx = mul(sub(x, at.x), all(f.cell)), dy = mul(sub(y, at.y), all(f.cell)),
-            dz = mul(sub(z, at.z), all(f.cell));
-    return {at, sum(mul(dx, dx), mul(dy, dy), mul(dz, dz))};
-  }
-
-  /// A lower bound, see DistanceField.
-  __attribute__((noinline)) V squared_distance_to_field(const KernelField& f, const GridPlace& place) const {
-    const V one = all(1.0f);
-    const V x = truncate(min(place.at.x, all(f.last[0] - 1.0f))), y = truncate(min(place.at.y, all(f.last[1] - 1.0f))),
-            z = truncate(min(place.at.z, all(f.last[2] - 1.0f)));
-    const V tx = sub(place.at.x, x), ty = sub(place.at.y, y), tz = sub(place.at.z, z);
-    const V low = sum(x, mul(y, all(f.row)), mul(z, all(f.layer)));  // whole numbers below 2^24: exact
-    const auto along_x = [&](V index) {
-      const V a = gather(f.squared, index), b = gather(f.squared, add(index, one));
-      return add(a, mul(tx, sub(b, a)));
-    };
-    const auto along_y = [&](V index) {
-      const V a = along_x(index), b = along_x(add(index, all(f.row)));
-      return add(a, mul(ty, sub(b, a)));
-    };
-    const V a = along_y(low), b = along_y(add(low, all(f.layer)));
-    const V bend = sum(mul(tx, sub(one, tx)), mul(ty, sub(one, ty)), mul(tz, sub(one, tz)));
-    const V inside = sub(add(a, mul(tz, sub(b, a))), mul(all(f.cell * f.cell), bend));
-    return add(max0(inside), place.squared_off);
-  }
-
-  /// Lanes surely nearer than the radius to what a field describes: an upper bound of the distance through the nearest
-  /// grid point.
-  SRMP_INLINE unsigned surely_within(const KernelObstacle& o, const V3& c, float radius) const {
-    const KernelField& f = o.field;
-    const GridPlace place = grid_place(o, c);
-    const V x = round(place.at.x), y = round(place.at.y), z = round(place.at.z);
-    const V squared = max0(gather(f.squared, sum(x, mul(y, all(f.row)), mul(z, all(f.layer)))));
-    const V dx = sub(place.at.x, x), dy = sub(place.at.y, y), dz = sub(place.at.z, z);
-    const V to_grid = mul(all(f.cell), sqrt(sum(mul(dx, dx), mul(dy, dy), mul(dz, dz))));
-    const V distance = sum(sqrt(squared), to_grid, add(sqrt(place.squared_off), all(f.error)));
-    return bits(less(distance, all(radius < f.reach ? radius : f.reach)));
-  }
-
-  /// Of an obstacle without a field.
-  SRMP_INLINE V squared_distance(const KernelObstacle& o, const V3& c) const {
-    auto [x, y, z] = local(o, c);
-    z = max0(sub(abs(z), all(o.half[2])));
-    if (o.cylinder) {
-      const V side = max0(sub(sqrt(add(mul(x, x), mul(y, y))), all(o.half[0])));
-      return add(mul(side, side), mul(z, z));
-    }
-    x = max0(sub(abs(x), all(o.half[0])));
-    y = max0(sub(abs(y), all(o.half[1])));
-    return sum(mul(x, x), mul(y, y), mul(z, z));
-  }
-
-  /// Lanes in which a distance is not proved to exceed the limit.
-  SRMP_INLINE unsigned within(V squared, V limit) const { return bits(not_greater(squared, mul(limit, limit))); }
-
-  /// Those of the lanes in which a point is not proved farther away than the limit.
-  SRMP_INLINE unsigned near(const KernelObstacle& o, const V3& c, V limit, unsigned lanes) const {
-    if (!o.field.squared) return within(squared_distance(o, c), limit) & lanes;
-    const GridPlace place = grid_place(o, c);
-    lanes &= within(place.squared_off, limit);
-    return lanes == 0 ? 0 : within(squared_distance_to_field(o.field, place), limit) & lanes;
+  /// Those of the lanes in which a sphere of a body is not proved to stay away from an obstacle. Where that is convex,
+  /// it is beyond the plane through its nearest point, and only the velocity towards that counts.
+  SRMP_INLINE unsigned comes_near(const KernelObstacle& o, int i, const V3& x, float radius, unsigned lanes) const {
+    const Motion m = motion(m_.bodies[i]);
+    const V kept = all(radius + m_.bodies[i].padding + o.radius);
+    lanes = near(o, x, add(m.reach, kept), lanes);
+    if (lanes == 0 || o.field.squared || !request_.half_widths) return lanes;
+    return approaches(from_nearest(o, x), turned(o, velocity_at(m, x - center(i))), add(m.bend, kept), lanes);
   }
 
   /// A box around something in all lanes, each number in every lane.
   struct Box {
     V3 low, high;
   };
-  SRMP_INLINE Box box_around(const V3& c, V reach) const {
-    return {{lowest(sub(c.x, reach)), lowest(sub(c.y, reach)), lowest(sub(c.z, reach))},
-            {highest(add(c.x, reach)), highest(add(c.y, reach)), highest(add(c.z, reach))}};
+  SRMP_INLINE Box box_around(const V3& c, const V3& reach) const {
+    const V3 low = c - reach, high = c + reach;
+    return {{lowest(low.x), lowest(low.y), lowest(low.z)}, {highest(high.x), highest(high.y), highest(high.z)}};
   }
 
   /// Which of the next kWidth pairs of a body have an obstacle that is not apart from the box.
@@ -279,12 +238,23 @@ class Slice {
 
   void check_obstacles(int i, const V3& c) {
     const KernelBody& body = m_.bodies[i];
-    const Box box = box_around(c, sum(any_moved_, all(body.padding), all(body.radius)));
+    const V size = all(body.padding + body.radius), far = add(any_moved_, size);
+    Box box = box_around(c, {far, far, far});
+    bool tight = false;  // is the box made of how this body moves?
     for (int k = 0; k < body.pairs; k += kWidth) {
       const float* obstacles = m_.pair_boxes + body.first_box + k / kLanes * (6 * kLanes) + k % kLanes;
       const int count = body.pairs - k;
-      unsigned left = near_box(box, obstacles);
-      if (count < kWidth) left &= (1u << count) - 1;  // an endless motion is not apart from where there is no pair
+      // An endless motion is not apart from where there is no pair.
+      const unsigned pairs = count < kWidth ? (1u << count) - 1 : all_lanes;
+      unsigned left = near_box(box, obstacles) & pairs;
+      if (left != 0 && !tight && request_.half_widths) {
+        move_body(i);
+        const Motion m = motion(body);
+        const V rest = add(m.bend, size);
+        box = box_around(c, {add(abs(m.velocity.x), rest), add(abs(m.velocity.y), rest), add(abs(m.velocity.z), rest)});
+        tight = true;
+        left = near_box(box, obstacles) & pairs;
+      }
       for (; left != 0; left &= left - 1) {
         const int pair = body.first_pair + k + __builtin_ctz(left);
         if (is_open(pair) && check_obstacle(i, c, pair)) return;
@@ -297,10 +267,9 @@ class Slice {
     const KernelBody& body = m_.bodies[i];
     const KernelObstacle& o = m_.obstacles[m_.pair_obstacles[pair]];
     move_body(i);
-    const V margin = add(row(margins_, i), all(body.padding));
-    const unsigned pending = near(o, c, sum(margin, all(body.radius), all(o.radius)), alive_);
+    const unsigned pending = comes_near(o, i, c, body.radius, alive_);
     if (pending == 0) return false;
-    check_closely(i, o, pair, pending, margin);
+    check_closely(i, o, pair, pending);
     return done();
   }
 
@@ -360,16 +329,14 @@ class Slice {
     return false;
   }
 
-  __attribute__((noinline)) void check_closely(int i, const KernelObstacle& o, int pair, unsigned pending, V margin) {
+  __attribute__((noinline)) void check_closely(int i, const KernelObstacle& o, int pair, unsigned pending) {
     const KernelBody& body = m_.bodies[i];
     current_ = {pair, i};
     place_spheres(i);
-    const V limit = add(margin, all(o.radius));
     unsigned undecided = 0;
     for (int b = body.first_sphere; b < body.first_sphere + body.spheres; ++b) {
       const KernelSphere& sphere = m_.spheres[b];
-      const unsigned around =
-          near(o, coarse(b), add(limit, all(sphere.radius)), body.exact ? pending : pending & ~undecided);
+      const unsigned around = comes_near(o, i, coarse(b), sphere.radius, body.exact ? pending : pending & ~undecided);
       if (around == 0) continue;
       if (body.exact && o.exact && hits_obstacle(o, body, b, coarse(b), around)) return;
       if (sphere.children == 0) {
@@ -378,7 +345,7 @@ class Slice {
       }
       for (int k = 0; k < sphere.children && (around & ~undecided); ++k) {
         const KernelSphere& child = m_.spheres[m_.children[sphere.first_child + k]];
-        undecided |= near(o, fine(body, child), add(limit, all(child.radius)), around & ~undecided);
+        undecided |= comes_near(o, i, fine(body, child), child.radius, around & ~undecided);
       }
     }
     if (undecided == 0) return;
@@ -424,58 +391,75 @@ class Slice {
     alive_ &= ~(lanes & proofs_only_);
   }
 
-  static SRMP_INLINE V between(const V3& a, const V3& b) {
-    const V x = sub(a.x, b.x), y = sub(a.y, b.y), z = sub(a.z, b.z);
-    return sum(mul(x, x), mul(y, y), mul(z, z));
+  static SRMP_INLINE V between(const V3& a, const V3& b) { return squared_norm(a - b); }
+
+  /// Two bodies that move relative to each other: from where their last common node is.
+  struct TwoBodies {
+    int a, b;
+    Motion motion_a, motion_b;
+    V reach, bend;  // of both, with what is kept clear between them
+  };
+
+  /// Those of the lanes in which a sphere of a and one of b are not proved to stay apart.
+  SRMP_INLINE unsigned come_near(const TwoBodies& two, const V3& xa, const V3& xb, float radii, unsigned lanes) const {
+    lanes &= within(between(xa, xb), add(two.reach, all(radii)));
+    if (lanes == 0 || !request_.half_widths) return lanes;
+    const V3 away = xa - xb;
+    const V3 velocity = velocity_at(two.motion_a, xa - center(two.a)) - velocity_at(two.motion_b, xb - center(two.b));
+    return within(squared_norm(nearest_to_zero(away, velocity)), add(two.bend, all(radii))) & lanes;
   }
 
   void check_self() {
-    for (int k = 0; k < m_.self_pair_count; ++k) {
+    for (int k = m_.self_pair_count - 1; k >= 0; --k) {  // the farther from the base, the likelier a hit
       if (!is_open(m_.pair_count + k)) continue;
       const KernelSelfPair& pair = m_.self_pairs[k];
       const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
-      const V padding = all(pair.padding + pair.error), radii = all(a.radius + b.radius);
-      const V squared = between(center(pair.a), center(pair.b));
-      if ((within(squared, add(add(any_moved_, padding), radii)) & alive_) == 0) continue;
+      const V padding = all(pair.padding + pair.error);
+      const float radii = a.radius + b.radius;
+      const V3 ca = center(pair.a), cb = center(pair.b);
+      if ((within(between(ca, cb), sum(any_moved_, padding, all(radii))) & alive_) == 0) continue;
       move_body(pair.a);
       move_body(pair.b);
-      const V limit = sum(row(stages_, pair.stage_a), row(stages_, pair.stage_b), padding);
-      const unsigned pending = within(squared, add(limit, radii)) & alive_;
+      TwoBodies two{pair.a, pair.b, motion(pair.stage_a), motion(pair.stage_b), padding, padding};
+      two.reach = sum(two.motion_a.reach, two.motion_b.reach, padding);
+      two.bend = sum(two.motion_a.bend, two.motion_b.bend, padding);
+      const unsigned pending = come_near(two, ca, cb, radii, alive_);
       if (pending == 0) continue;
-      check_self_closely(k, pair, pending, limit);
+      check_self_closely(k, pair, pending, two);
       if (done()) return;
     }
   }
 
-  __attribute__((noinline)) void check_self_closely(int k, const KernelSelfPair& pair, unsigned pending, V limit) {
+  __attribute__((noinline)) void check_self_closely(int k, const KernelSelfPair& pair, unsigned pending,
+                                                    const TwoBodies& two) {
     const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
     current_ = {m_.pair_count + k, -1};
-    place_spheres(pair.a);
     place_spheres(pair.b);
     const V3 ca = center(pair.a), cb = center(pair.b);
     int count = 0;  // spheres of b near the one around a
     for (int j = b.first_sphere; j < b.first_sphere + b.spheres; ++j) {
-      const unsigned lanes = within(between(ca, coarse(j)), add(limit, all(m_.spheres[j].radius + a.radius))) & pending;
+      const unsigned lanes = come_near(two, ca, coarse(j), m_.spheres[j].radius + a.radius, pending);
       if (lanes == 0) continue;
       self_near_[2 * count] = static_cast<float>(j);
       self_near_[2 * count++ + 1] = static_cast<float>(lanes);
     }
     if (count == 0) return;
+    place_spheres(pair.a);
     unsigned undecided = 0;
     for (int i = a.first_sphere; i < a.first_sphere + a.spheres && !(undecided & ends_); ++i) {
       const V3 ci = coarse(i);
       const float ri = m_.spheres[i].radius;
-      const unsigned around = within(between(ci, cb), add(limit, all(ri + b.radius))) & pending & ~undecided;
+      const unsigned around = come_near(two, ci, cb, ri + b.radius, pending & ~undecided);
       if (around == 0) continue;
       for (int n = 0; n < count; ++n) {
-        const unsigned both = around & static_cast<unsigned>(self_near_[2 * n + 1]);
+        const unsigned both = around & static_cast<unsigned>(self_near_[2 * n + 1]) & ~undecided;
         if (both == 0) continue;
         const int j = static_cast<int>(self_near_[2 * n]);
-        const V squared = between(ci, coarse(j));
-        const unsigned near = within(squared, add(limit, all(ri + m_.spheres[j].radius))) & both & ~undecided;
+        const V3 cj = coarse(j);
+        const unsigned near = come_near(two, ci, cj, ri + m_.spheres[j].radius, both);
         if (near == 0) continue;
-        if (pair.exact && a.exact && b.exact && hits_body(pair, i, j, squared, near)) return;
-        undecided |= finer(a, m_.spheres[i], ci, b, m_.spheres[j], coarse(j), limit, near);
+        if (pair.exact && a.exact && b.exact && hits_body(pair, i, j, between(ci, cj), near)) return;
+        undecided |= finer(two, m_.spheres[i], ci, m_.spheres[j], cj, near);
       }
     }
     if (undecided == 0) return;
@@ -489,16 +473,16 @@ class Slice {
   /// once, however many spheres of the other body it is compared with.
   class NearChildren {
    public:
-    SRMP_INLINE NearChildren(const Slice& slice, const KernelBody& body, const KernelSphere& parent, const V3& other,
-                             V reach, unsigned near)
-        : slice_(slice), body_(body), parent_(parent), other_(other), reach_(reach), near_(near) {}
+    SRMP_INLINE NearChildren(const Slice& slice, const TwoBodies& two, const KernelSphere& parent, const V3& other,
+                             float radius, unsigned near)
+        : slice_(slice), two_(two), parent_(parent), other_(other), radius_(radius), near_(near) {}
 
     /// Is there one more, at `index`?
     SRMP_INLINE bool has(int index) {
       for (; index == found_ && next_ < parent_.children; ++next_) {
         const KernelSphere& child = slice_.m_.spheres[slice_.m_.children[parent_.first_child + next_]];
-        const V3 c = slice_.fine(body_, child);
-        const unsigned lanes = slice_.within(between(other_, c), add(reach_, all(child.radius))) & near_;
+        const V3 c = slice_.fine(slice_.m_.bodies[two_.b], child);
+        const unsigned lanes = slice_.come_near(two_, other_, c, radius_ + child.radius, near_);
         if (lanes == 0) continue;
         slice_.set_row(slice_.near_, 3 * found_, c.x);
         slice_.set_row(slice_.near_, 3 * found_ + 1, c.y);
@@ -517,19 +501,19 @@ class Slice {
 
    private:
     const Slice& slice_;
-    const KernelBody& body_;
+    const TwoBodies& two_;
     const KernelSphere& parent_;
     const V3 other_;
-    const V reach_;
+    const float radius_;
     const unsigned near_;
     int next_{}, found_{};
   };
 
   /// Two coarse spheres are near: their children, or the sphere itself where there is none.
-  unsigned finer(const KernelBody& a, const KernelSphere& sphere_a, const V3& ca, const KernelBody& b,
-                 const KernelSphere& sphere_b, const V3& cb, V limit, unsigned near) const {
+  unsigned finer(const TwoBodies& two, const KernelSphere& sphere_a, const V3& ca, const KernelSphere& sphere_b,
+                 const V3& cb, unsigned near) const {
     if (sphere_a.children == 0 && sphere_b.children == 0) return near;
-    NearChildren of_b(*this, b, sphere_b, ca, add(limit, all(sphere_a.radius)), near);
+    NearChildren of_b(*this, two, sphere_b, ca, sphere_a.radius, near);
     unsigned undecided = 0;
     if (sphere_a.children == 0) {
       for (int j = 0; (near & ~undecided) && of_b.has(j); ++j) undecided |= of_b.lanes(j);
@@ -537,17 +521,16 @@ class Slice {
     }
     for (int i = 0; i < sphere_a.children && (near & ~undecided); ++i) {
       const KernelSphere& fine_a = m_.spheres[m_.children[sphere_a.first_child + i]];
-      const V3 ci = fine(a, fine_a);
-      const V reach = add(limit, all(fine_a.radius));
-      const unsigned left = within(between(ci, cb), add(reach, all(sphere_b.radius))) & near & ~undecided;
+      const V3 ci = fine(m_.bodies[two.a], fine_a);
+      const unsigned left = come_near(two, ci, cb, fine_a.radius + sphere_b.radius, near & ~undecided);
       if (left == 0) continue;
       if (sphere_b.children == 0) {
         undecided |= left;
         continue;
       }
       for (int j = 0; (left & ~undecided) && of_b.has(j); ++j)
-        if (of_b.lanes(j) & left & ~undecided)
-          undecided |= within(between(ci, of_b.center(j)), add(reach, all(of_b.radius(j)))) & of_b.lanes(j) & left;
+        if (const unsigned both = of_b.lanes(j) & left & ~undecided)
+          undecided |= come_near(two, ci, of_b.center(j), fine_a.radius + of_b.radius(j), both);
     }
     return undecided;
   }
@@ -560,8 +543,7 @@ class Slice {
   unsigned alive_{all_lanes};          // lanes that are not decided yet
   KernelPair current_{};               // what is being checked
   V any_moved_;                        // an upper bound of how far a body can move
-  float *frames_, *centers_, *stages_, *margins_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_, *moved_,
-      *self_near_;
+  float *frames_, *centers_, *stages_, *spheres_, *near_, *near_radii_, *near_lanes_, *placed_, *moved_, *self_near_;
 };
 
 }  // namespace

@@ -34,10 +34,11 @@ struct KernelSphere {
 struct KernelBody {
   int node;
   int depth;        // nodes from this one up to the base, both counted
-  int first_stage;  // row of its margins in the scratch memory; depth rows
+  int first_stage;  // of how it moves relative to each of them, from its own to the base, in the scratch memory
   float x, y, z;    // sphere around all, in the node's frame
   float radius;
   float reach_radius;         // of the core (0: a sphere), for motion bounds: float error included
+  float rounding;             // float error of a point that turns by 1 rad
   float padding;              // kept clear of obstacles
   int first_sphere, spheres;  // coarse
   int first_inner, inners;    // spheres inside
@@ -73,7 +74,7 @@ struct KernelObstacle {
 struct KernelSelfPair {
   int a, b;
   int exact;
-  int stage_a, stage_b;  // margins of the two relative to their last common node
+  int stage_a, stage_b;  // of how the two move relative to their last common node
   float padding;         // kept clear between the two
   float error;
 };
@@ -111,7 +112,8 @@ struct KernelHit {
 
 struct KernelRequest {
   const float* values;       // [actuated joint][kLanes]: angle (|.| <= 2 pi) or travel
-  const float* half_widths;  // [actuated joint][kLanes]: how far it may be from there, >= 0; null: exactly there
+  const float* half_widths;  // [actuated joint][kLanes]: how far it may be from there, with the sign in which it moves,
+                             // all at constant velocity; null: exactly there
   int every_lane;            // go on after a collision, until it is known which lanes collide
   int proofs_only;           // only whether lanes are free matters: one undecided pair decides that of a lane
   LaneMask decisive;         // lanes in which it ends the run; none with every_lane
@@ -135,7 +137,7 @@ using KernelFunction = void (*)(const KernelModel&, const KernelRequest&, float*
 
 /// Floats of scratch memory (64-byte aligned) that a kernel needs.
 inline int scratch_floats(const KernelModel& m) {
-  return kLanes * (12 * m.node_count + 3 * m.body_count + m.stage_count + m.body_count + 3 * m.coarse_count +
+  return kLanes * (12 * m.node_count + 3 * m.body_count + 8 * m.stage_count + 3 * m.coarse_count +
                    3 * m.max_children) +
          2 * m.max_children + 2 * m.body_count + 2 * m.coarse_count;
 }

@@ -25,6 +25,7 @@ SRMP_INLINE V all(float x) { return _mm512_set1_ps(x); }
 SRMP_INLINE V add(V a, V b) { return _mm512_add_ps(a, b); }
 SRMP_INLINE V sub(V a, V b) { return _mm512_sub_ps(a, b); }
 SRMP_INLINE V mul(V a, V b) { return _mm512_mul_ps(a, b); }
+SRMP_INLINE V quotient(V a, V b) { return _mm512_div_ps(a, b); }
 SRMP_INLINE V max0(V a) { return _mm512_max_ps(a, _mm512_setzero_ps()); }
 SRMP_INLINE V min(V a, V b) { return _mm512_min_ps(a, b); }
 SRMP_INLINE V max(V a, V b) { return _mm512_max_ps(a, b); }
@@ -52,6 +53,7 @@ SRMP_INLINE V all(float x) { return _mm256_set1_ps(x); }
 SRMP_INLINE V add(V a, V b) { return _mm256_add_ps(a, b); }
 SRMP_INLINE V sub(V a, V b) { return _mm256_sub_ps(a, b); }
 SRMP_INLINE V mul(V a, V b) { return _mm256_mul_ps(a, b); }
+SRMP_INLINE V quotient(V a, V b) { return _mm256_div_ps(a, b); }
 SRMP_INLINE V max0(V a) { return _mm256_max_ps(a, _mm256_setzero_ps()); }
 SRMP_INLINE V min(V a, V b) { return _mm256_min_ps(a, b); }
 SRMP_INLINE V max(V a, V b) { return _mm256_max_ps(a, b); }
@@ -85,12 +87,14 @@ SRMP_INLINE V all(float x) { return V{x, x, x, x}; }
 SRMP_INLINE V add(V a, V b) { return a + b; }
 SRMP_INLINE V sub(V a, V b) { return a - b; }
 SRMP_INLINE V mul(V a, V b) { return a * b; }
+SRMP_INLINE V quotient(V a, V b) { return a / b; }
 SRMP_INLINE M less(V a, V b) { return a < b; }
 SRMP_INLINE M not_greater(V a, V b) { return ~(a > b); }
 SRMP_INLINE M either(M a, M b) { return a | b; }
 SRMP_INLINE V choose(M m, V a, V b) { return (V)((m & (M)a) | (~m & (M)b)); }
 SRMP_INLINE V max0(V a) { return choose(a > V{}, a, V{}); }
 SRMP_INLINE V min(V a, V b) { return choose(a < b, a, b); }
+SRMP_INLINE V max(V a, V b) { return choose(a > b, a, b); }
 SRMP_INLINE V lowest(V a) {
   a = min(a, V{a[2], a[3], a[0], a[1]});
   return min(a, V{a[1], a[0], a[3], a[2]});
