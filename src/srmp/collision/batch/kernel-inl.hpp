@@ -167,8 +167,9 @@ class Slice {
   }
   /// That of a body relative to the base.
   SRMP_INLINE Motion motion(const KernelBody& body) const { return motion(body.first_stage + body.depth - 1); }
-  SRMP_INLINE static V3 velocity_at(const Motion& m, const V3& from_center) {
-    return m.velocity + cross(m.turn, from_center);
+  /// Of a point of a body, at x.
+  SRMP_INLINE V3 velocity_of(int body, const Motion& m, const V3& x) const {
+    return m.velocity + cross(m.turn, x - center(body));
   }
 
   /// Computes, when first needed, how the body moves relative to each node below it: joints from the distal to the
@@ -195,7 +196,7 @@ class Slice {
         continue;
       }
       const V3 by_turn = cross(axis, c - V3{row(f, 9), row(f, 10), row(f, 11)});
-      const V lever = add(sqrt(squared_norm(by_turn)), all(body.reach_radius));
+      const V lever = add(norm(by_turn), all(body.reach_radius));
       const V further = mul(width, add(lever, m.reach));
       m.velocity = m.velocity + by_turn * signed_by;
       m.turn = m.turn + step;
@@ -213,7 +214,7 @@ class Slice {
     const V kept = all(radius + m_.bodies[i].padding + o.radius);
     lanes = near(o, x, add(m.reach, kept), lanes);
     if (lanes == 0 || o.field.squared || !request_.half_widths) return lanes;
-    return approaches(from_nearest(o, x), turned(o, velocity_at(m, x - center(i))), add(m.bend, kept), lanes);
+    return approaches(from_nearest(o, x), turned(o, velocity_of(i, m, x)), add(m.bend, kept), lanes);
   }
 
   /// A box around something in all lanes, each number in every lane.
@@ -405,7 +406,7 @@ class Slice {
     lanes &= within(between(xa, xb), add(two.reach, all(radii)));
     if (lanes == 0 || !request_.half_widths) return lanes;
     const V3 away = xa - xb;
-    const V3 velocity = velocity_at(two.motion_a, xa - center(two.a)) - velocity_at(two.motion_b, xb - center(two.b));
+    const V3 velocity = velocity_of(two.a, two.motion_a, xa) - velocity_of(two.b, two.motion_b, xb);
     return within(squared_norm(nearest_to_zero(away, velocity)), add(two.bend, all(radii))) & lanes;
   }
 

@@ -14,6 +14,7 @@ SRMP_INLINE V3 operator-(const V3& a, const V3& b) { return {sub(a.x, b.x), sub(
 SRMP_INLINE V3 operator*(const V3& a, V b) { return {mul(a.x, b), mul(a.y, b), mul(a.z, b)}; }
 SRMP_INLINE V dot(const V3& a, const V3& b) { return sum(mul(a.x, b.x), mul(a.y, b.y), mul(a.z, b.z)); }
 SRMP_INLINE V squared_norm(const V3& a) { return dot(a, a); }
+SRMP_INLINE V norm(const V3& a) { return sqrt(squared_norm(a)); }
 SRMP_INLINE V3 cross(const V3& a, const V3& b) {
   return {sub(mul(a.y, b.z), mul(a.z, b.y)), sub(mul(a.z, b.x), mul(a.x, b.z)), sub(mul(a.x, b.y), mul(a.y, b.x))};
 }

@@ -16,7 +16,6 @@ namespace srmp {
 
 namespace {
 
-constexpr char not_checked = 2;                      // an entry of Pair::collision_free
 constexpr std::size_t max_vertex_numbers = 1 << 16;  // that fit into the keys of Pair::edges_collision_free
 
 }  // namespace
@@ -193,12 +192,20 @@ void CompositeRoadmap::compute_cost_to_go(std::size_t robot) {
   Roadmap& map = maps_[robot];
   if (world_.task(robot).anywhere) {
     map.cost_to_go.assign(map.vertices.size(), 0.0);
+    map.to_goal.assign(map.vertices.size(), std::nullopt);
     return;
   }
   const Vertex goals[]{map.goal};
   map.cost_to_go = search::costs_to_go<double>(map.vertices.size(), goals, [&](Vertex to, auto&& relax) {
     for (const Roadmap::Edge& edge : map.edges[to]) relax(edge.to, edge.length);  // edges go both ways
   });
+  map.to_goal.assign(map.vertices.size(), std::nullopt);
+  for (std::size_t from = 0; from < map.vertices.size(); ++from)
+    for (double least = map.cost_to_go[from]; const Roadmap::Edge& edge : map.edges[from])
+      if (map.cost_to_go[edge.to] < least) {
+        least = map.cost_to_go[edge.to];
+        map.to_goal[from] = edge;
+      }
 }
 
 std::vector<Eigen::VectorXd> CompositeRoadmap::retreats(std::size_t robot) const {
@@ -209,13 +216,12 @@ std::vector<Eigen::VectorXd> CompositeRoadmap::retreats(std::size_t robot) const
 
 // --- pairs
 
-bool CompositeRoadmap::collision_free(Pair& pair, Vertex p, Vertex q) {
+bool CompositeRoadmap::check_collision_free(Pair& pair, Vertex p, Vertex q) {
   if (pair.collision_free.size() <= p) pair.collision_free.resize(maps_[pair.a].vertices.size());
   std::vector<char>& row = pair.collision_free[p];
-  const bool known = q < row.size() && row[q] != not_checked;
-  if (!known) check_block(pair, row, p, q);
+  check_block(pair, row, p, q);
   const bool free = row[q];
-  if (!known && world_.is_stopped()) row.clear();
+  if (world_.is_stopped()) row.clear();
   return free;
 }
 
@@ -304,23 +310,20 @@ class CompositeRoadmap::Query {
       int moved = 0;
       for (std::size_t n = 0; n < robots_.size(); ++n) {
         const std::size_t i = backward ? robots_.size() - 1 - n : n;
-        const Roadmap::Edge* edge = edge_to_goal(i, from[i]);
-        if (!edge) continue;
+        const std::optional<Roadmap::Edge>& edge = map(i).to_goal[from[i]];
+        if (!edge || !is_collision_free(all, i, edge->to)) continue;
         all[i] = static_cast<char16_t>(edge->to);
-        if (is_collision_free(all, i)) {
-          length += edge->length;
-          ++moved;
-        } else {
-          all[i] = from[i];
-        }
+        length += edge->length;
+        ++moved;
       }
       if (moved > 1) add(all, cost + length, id);
     }
     for (std::size_t i = 0; i < robots_.size(); ++i)
       for (const Roadmap::Edge& edge : map(i).edges[from[i]]) {
+        if (!is_collision_free(from, i, edge.to)) continue;
         State one = from;
         one[i] = static_cast<char16_t>(edge.to);
-        if (is_collision_free(one, i)) add(one, cost + edge.length, id);
+        add(one, cost + edge.length, id);
       }
   }
 
@@ -345,11 +348,11 @@ class CompositeRoadmap::Query {
     search_.add({state, cost, cost_to_go}, cost + budget_.weight * cost_to_go, parent);
   }
 
-  /// Robot i, at its vertex of the state, and each of the others.
-  bool is_collision_free(const State& state, std::size_t i) {
+  /// Robot i at a vertex, and each of the others where the state has them.
+  bool is_collision_free(const State& state, std::size_t i, Vertex at) {
     for (std::size_t k = 0; k < robots_.size(); ++k)
-      if (Pair* both = pair(i, k); both && !(i < k ? maps_.collision_free(*both, state[i], state[k])
-                                                   : maps_.collision_free(*both, state[k], state[i])))
+      if (Pair* both = pair(i, k);
+          both && !(i < k ? maps_.collision_free(*both, at, state[k]) : maps_.collision_free(*both, state[k], at)))
         return false;
     return true;
   }
@@ -361,19 +364,6 @@ class CompositeRoadmap::Query {
                                      !maps_.edges_collision_free(*both, from[i], to[i], from[k], to[k]))
           return false;
     return true;
-  }
-
-  /// The first edge of robot i's shortest path to its goal; null: it is there.
-  const Roadmap::Edge* edge_to_goal(std::size_t i, Vertex from) const {
-    const Roadmap& map = this->map(i);
-    const Roadmap::Edge* best = nullptr;
-    double least = map.cost_to_go[from];
-    for (const Roadmap::Edge& edge : map.edges[from])
-      if (map.cost_to_go[edge.to] < least) {
-        least = map.cost_to_go[edge.to];
-        best = &edge;
-      }
-    return best;
   }
 
   JointPath path_to(search::NodeId goal) const {

@@ -46,8 +46,9 @@ struct Roadmap {
   std::vector<Eigen::VectorXd> vertices;  ///< free configurations; 0: the start
   std::vector<std::vector<Edge>> edges;   ///< by vertex: free straight motions, in both directions
   std::uint32_t goal{};
-  std::vector<std::uint32_t> retreats;  ///< vertices
-  std::vector<double> cost_to_go;       ///< by vertex: length of the shortest path to the goal
+  std::vector<std::uint32_t> retreats;       ///< vertices
+  std::vector<double> cost_to_go;            ///< by vertex: length of the shortest path to the goal
+  std::vector<std::optional<Edge>> to_goal;  ///< by vertex: the first edge of that path; none at the goal
 };
 
 /// Robots on roadmaps of their own, searched jointly: weighted best-first search with lazy edges over the product of
@@ -85,6 +86,8 @@ class CompositeRoadmap {
   using Vertex = std::uint32_t;
   class Query;
 
+  static constexpr char not_checked = 2;  ///< an entry of Pair::collision_free
+
   /// What is known of two robots that may conflict: a < b.
   struct Pair {
     Pair(std::size_t first, std::size_t second) : a(first), b(second) {}
@@ -109,7 +112,12 @@ class CompositeRoadmap {
   void add_retreats(std::size_t robot, const Deadline& deadline);
   void compute_cost_to_go(std::size_t robot);
 
-  bool collision_free(Pair& pair, Vertex p, Vertex q);
+  bool collision_free(Pair& pair, Vertex p, Vertex q) {
+    if (p < pair.collision_free.size())
+      if (const std::vector<char>& row = pair.collision_free[p]; q < row.size() && row[q] != not_checked) return row[q];
+    return check_collision_free(pair, p, q);
+  }
+  bool check_collision_free(Pair& pair, Vertex p, Vertex q);
   void check_block(Pair& pair, std::vector<char>& row, Vertex p, Vertex q);
   bool edges_collision_free(Pair& pair, Vertex from_a, Vertex to_a, Vertex from_b, Vertex to_b);
 
