@@ -51,23 +51,10 @@ Eigen::Vector3d ask_for_first_support() {
     ask_for_first_support<coal::details::SupportOptions::NoSweptSphere>(),
     ask_for_first_support<coal::details::SupportOptions::WithSweptSphere>()};
 
-/// The nearest point of the box around a body.
-Eigen::Vector3d nearest_of_box(const Placed& body, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d from_center =
-      body.pose.linear().transpose() * (point - body.pose.translation()) - body.bounds.box_center;
-  return body.pose *
-         (body.bounds.box_center + from_center.cwiseMin(body.bounds.box_half).cwiseMax(-body.bounds.box_half));
-}
-
-/// The first direction for GJK, in the frame of a: to its centre from the nearest point of the box around b, as that
-/// often is the direction of the distance.
+/// The first direction for GJK, in the frame of a.
 Eigen::Vector3d first_guess(const Placed& a, const Placed& b) {
-  const Eigen::Matrix3d to_a = a.pose.linear().transpose();
-  for (const Eigen::Vector3d& from : {nearest_of_box(b, a.center), b.center}) {
-    const Eigen::Vector3d guess = to_a * (a.center - from);
-    if (guess.squaredNorm() > 1e-12) return guess;
-  }
-  return {1, 0, 0};
+  const Eigen::Vector3d guess = a.pose.linear().transpose() * (a.center - b.center);
+  return guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0);
 }
 
 /// Coal also keeps the last support vertex inside the functor; only "cached guess" resets that at every query, and a

@@ -71,6 +71,8 @@ class BatchChecker::Workspace {
     undecided.reserve(1024);
     open.reserve(4096);
     next.reserve(4096);
+    open_pairs.reserve(1024);
+    next_open_pairs.reserve(1024);
   }
 
   AlignedFloats values, half_widths, scratch;
