@@ -221,9 +221,9 @@ class Slice {
   struct Box {
     V3 low, high;
   };
-  SRMP_INLINE Box box_around(const V3& c, const V3& reach) const {
-    const V3 low = c - reach, high = c + reach;
-    return {{lowest(low.x), lowest(low.y), lowest(low.z)}, {highest(high.x), highest(high.y), highest(high.z)}};
+  SRMP_INLINE Box box_around(const V3& c, V reach) const {
+    return {{lowest(sub(c.x, reach)), lowest(sub(c.y, reach)), lowest(sub(c.z, reach))},
+            {highest(add(c.x, reach)), highest(add(c.y, reach)), highest(add(c.z, reach))}};
   }
 
   /// Which of the next kWidth pairs of a body have an obstacle that is not apart from the box.
@@ -237,25 +237,16 @@ class Slice {
            all_lanes;
   }
 
+  /// The box leaves out only what the lanes would leave out one by one: what is nearer than the farthest that anything
+  /// moves is left to them.
   void check_obstacles(int i, const V3& c) {
     const KernelBody& body = m_.bodies[i];
-    const V size = all(body.padding + body.radius), far = add(any_moved_, size);
-    Box box = box_around(c, {far, far, far});
-    bool tight = false;  // is the box made of how this body moves?
+    const Box box = box_around(c, sum(any_moved_, all(body.padding), all(body.radius)));
     for (int k = 0; k < body.pairs; k += kWidth) {
       const float* obstacles = m_.pair_boxes + body.first_box + k / kLanes * (6 * kLanes) + k % kLanes;
       const int count = body.pairs - k;
-      // An endless motion is not apart from where there is no pair.
-      const unsigned pairs = count < kWidth ? (1u << count) - 1 : all_lanes;
-      unsigned left = near_box(box, obstacles) & pairs;
-      if (left != 0 && !tight && request_.half_widths) {
-        move_body(i);
-        const Motion m = motion(body);
-        const V rest = add(m.bend, size);
-        box = box_around(c, {add(abs(m.velocity.x), rest), add(abs(m.velocity.y), rest), add(abs(m.velocity.z), rest)});
-        tight = true;
-        left = near_box(box, obstacles) & pairs;
-      }
+      unsigned left = near_box(box, obstacles);
+      if (count < kWidth) left &= (1u << count) - 1;  // an endless motion is not apart from where there is no pair
       for (; left != 0; left &= left - 1) {
         const int pair = body.first_pair + k + __builtin_ctz(left);
         if (is_open(pair) && check_obstacle(i, c, pair)) return;
