@@ -382,14 +382,15 @@ int check_that_pairs_left_out_stay_apart(unsigned worlds, double length, const B
 
 BOOST_AUTO_TEST_CASE(undecided_pairs_of_a_motion_are_all_that_may_touch) {
   for (const int refinements : {1, 2, 3})
-    BOOST_TEST(check_that_pairs_left_out_stay_apart(12, 0.2, {.refinements = refinements}) > 10);
+    BOOST_TEST(check_that_pairs_left_out_stay_apart(amount(12u), 0.2, {.refinements = refinements}) > amount(10));
 }
 
 /// Where paths of points bend by centimetres to decimetres.
 BOOST_AUTO_TEST_CASE(undecided_pairs_of_long_intervals_are_all_that_may_touch) {
   const double long_step = 1e9;
   for (const double length : {1.0, 3.0, 6.0})
-    BOOST_TEST(check_that_pairs_left_out_stay_apart(20, length, {.step = long_step, .refinements = 0}) > 10);
+    BOOST_TEST(check_that_pairs_left_out_stay_apart(amount(20u), length, {.step = long_step, .refinements = 0}) >
+               amount(10));
 }
 
 /// Spheres of radius 0.1, each carried by a joint of its own along the axis, `apart` from each other across it.
