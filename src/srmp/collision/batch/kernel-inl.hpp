@@ -143,7 +143,7 @@ class Slice {
     return {row(centers_, 3 * i), row(centers_, 3 * i + 1), row(centers_, 3 * i + 2)};
   }
 
-  /// How far the joint of a node is from its value at the ends of the interval.
+  /// By how much the joint of a node changes from the middle of the interval to its end, at most, with its sign.
   SRMP_INLINE V signed_width(int node) const {
     return load(request_.half_widths + m_.nodes[node].actuated_joint * kLanes + lane_);
   }
@@ -394,9 +394,9 @@ class Slice {
 
   /// Those of the lanes in which a sphere of a and one of b are not proved to stay apart.
   SRMP_INLINE unsigned come_near(const TwoBodies& two, const V3& xa, const V3& xb, float radii, unsigned lanes) const {
-    lanes &= within(between(xa, xb), add(two.reach, all(radii)));
-    if (lanes == 0 || !request_.half_widths) return lanes;
     const V3 away = xa - xb;
+    lanes &= within(squared_norm(away), add(two.reach, all(radii)));
+    if (lanes == 0 || !request_.half_widths) return lanes;
     const V3 velocity = velocity_of(two.a, two.motion_a, xa) - velocity_of(two.b, two.motion_b, xb);
     return within(squared_norm(nearest_to_zero(away, velocity)), add(two.bend, all(radii))) & lanes;
   }
@@ -412,9 +412,9 @@ class Slice {
       if ((within(between(ca, cb), sum(any_moved_, padding, all(radii))) & alive_) == 0) continue;
       move_body(pair.a);
       move_body(pair.b);
-      TwoBodies two{pair.a, pair.b, motion(pair.stage_a), motion(pair.stage_b), padding, padding};
-      two.reach = sum(two.motion_a.reach, two.motion_b.reach, padding);
-      two.bend = sum(two.motion_a.bend, two.motion_b.bend, padding);
+      const Motion of_a = motion(pair.stage_a), of_b = motion(pair.stage_b);
+      const TwoBodies two{
+          pair.a, pair.b, of_a, of_b, sum(of_a.reach, of_b.reach, padding), sum(of_a.bend, of_b.bend, padding)};
       const unsigned pending = come_near(two, ca, cb, radii, alive_);
       if (pending == 0) continue;
       check_self_closely(k, pair, pending, two);

@@ -190,16 +190,15 @@ void CompositeRoadmap::add_retreats(std::size_t robot, const Deadline& deadline)
 
 void CompositeRoadmap::compute_cost_to_go(std::size_t robot) {
   Roadmap& map = maps_[robot];
+  map.to_goal.assign(map.vertices.size(), std::nullopt);
   if (world_.task(robot).anywhere) {
     map.cost_to_go.assign(map.vertices.size(), 0.0);
-    map.to_goal.assign(map.vertices.size(), std::nullopt);
     return;
   }
   const Vertex goals[]{map.goal};
   map.cost_to_go = search::costs_to_go<double>(map.vertices.size(), goals, [&](Vertex to, auto&& relax) {
     for (const Roadmap::Edge& edge : map.edges[to]) relax(edge.to, edge.length);  // edges go both ways
   });
-  map.to_goal.assign(map.vertices.size(), std::nullopt);
   for (std::size_t from = 0; from < map.vertices.size(); ++from)
     for (double least = map.cost_to_go[from]; const Roadmap::Edge& edge : map.edges[from])
       if (map.cost_to_go[edge.to] < least) {
@@ -410,7 +409,7 @@ std::size_t CompositeRoadmap::memory() const {
     for (const std::vector<char>& row : pair.collision_free) sum += memory_of(row);
   }
   for (const Roadmap& map : maps_) {
-    sum += memory_of_all(map.vertices) + memory_of(map.edges) + memory_of(map.cost_to_go);
+    sum += memory_of_all(map.vertices) + memory_of(map.edges) + memory_of(map.cost_to_go) + memory_of(map.to_goal);
     for (const std::vector<Roadmap::Edge>& edges : map.edges) sum += memory_of(edges);
   }
   return sum;
