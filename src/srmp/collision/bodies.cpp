@@ -185,6 +185,7 @@ Bodies::Bodies(const Scene& scene, const RobotGroup& group, const CheckerOptions
 
   for (const FixedBody& body : fixed) max_fixed_padding = std::max(max_fixed_padding, body.padding + clearance());
   build_tree();
+  add_envelopes();
   add_pairs(scene);
   if (clearance() > 0.0) exempt_close_links();
 }
@@ -294,6 +295,42 @@ void Bodies::add_other_robots(const Scene& scene) {
     for (std::size_t i = 0; i < instance.model->geometries().size(); ++i)
       add_fixed(link_body(instance, i), to_base * instance.base.isometry() * instance.model->geometry_pose(*data, i));
   }
+}
+
+void Bodies::add_envelopes() {
+  std::map<std::pair<int, std::uint64_t>, std::vector<std::uint32_t>> by_support;
+  for (std::uint32_t i = 0; i < moving.size(); ++i) by_support[{moving[i].robot, moving[i].support}].push_back(i);
+  envelope_of.resize(moving.size());
+  for (const auto& [support, bodies] : by_support) {
+    const auto number = static_cast<std::uint32_t>(moving.size() + envelopes.size());
+    for (const std::uint32_t i : bodies) envelope_of[i] = bodies.size() > 1 ? number : i;
+    if (bodies.size() > 1) envelopes.push_back(envelope_around(bodies));
+  }
+}
+
+MovingBody Bodies::envelope_around(std::span<const std::uint32_t> bodies) const {
+  const MovingBody& first = moving[bodies.front()];
+  const Eigen::Isometry3d to_first = pose_of(first, group_, data_).inverse();
+  std::vector<Eigen::Vector3d> centers;
+  Eigen::AlignedBox3d box;
+  for (const std::uint32_t i : bodies) {
+    const Bounds& bounds = moving[i].bounds;
+    centers.push_back(to_first * (pose_of(moving[i], group_, data_) * bounds.center));
+    box.extend(Eigen::AlignedBox3d(centers.back().array() - bounds.radius, centers.back().array() + bounds.radius));
+  }
+  MovingBody envelope{};
+  envelope.robot = first.robot;
+  envelope.support = first.support;
+  envelope.kind = first.kind;
+  envelope.source = first.source;
+  envelope.in_link = first.in_link;
+  envelope.bounds.center = box.center();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const double reach = (centers[i] - envelope.bounds.center).norm() + moving[bodies[i]].bounds.radius;
+    envelope.bounds.radius = std::max(envelope.bounds.radius, reach);
+  }
+  envelope.core = {Eigen::Vector3d::Zero(), envelope.bounds.radius};
+  return envelope;
 }
 
 void Bodies::add_pairs(const Scene& scene) {

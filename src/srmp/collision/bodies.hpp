@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -88,11 +89,19 @@ struct Bodies {
     if (is_fixed) return fixed[index];
     return moving[index];
   }
+  /// Body `index` of `moving`, or the envelope that counts after those.
+  const MovingBody& moving_body(std::size_t index) const {
+    return index < moving.size() ? moving[index] : envelopes[index - moving.size()];
+  }
 
   struct Side;
 
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
+  /// Spheres around all moving bodies that the same joints move, which stand still relative to each other. They have no
+  /// geometry, and count after those of `moving`.
+  std::vector<MovingBody> envelopes;
+  std::vector<std::uint32_t> envelope_of;  // by moving body; itself where it is alone
   std::vector<Pair> pairs;
   std::vector<Pair> apart;                  // pairs whose tables prove that they never collide; not in `pairs`
   std::vector<std::int32_t> fixed_pair;     // [moving * fixed.size() + fixed] → pair, or -1
@@ -115,6 +124,8 @@ struct Bodies {
   void add_other_robots(const Scene& scene);
   void add_fixed(Body body, const Eigen::Isometry3d& pose);
   void build_tree();
+  void add_envelopes();
+  MovingBody envelope_around(std::span<const std::uint32_t> bodies) const;
   void add_pairs(const Scene& scene);
   void add_pair(const Side& a, std::size_t ia, const Side& b, bool b_fixed, std::size_t ib);
   void add_rigid_pair(bool a_fixed, std::size_t ia, bool b_fixed, std::size_t ib);

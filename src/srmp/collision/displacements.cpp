@@ -44,7 +44,7 @@ void Displacements::limit(std::span<const double> change, std::span<const double
 }
 
 void Displacements::place(const RobotGroup::Data& data) {
-  const std::size_t moving = model_.bodies.moving.size();
+  const std::size_t moving = model_.bodies.moving.size() + model_.bodies.envelopes.size();
   for (std::size_t k : active_list_) axes_[k] = model_.group.actuated_joint_axis(data, k);
   chains_.assign(moving, Chain{});
   arms_.resize(moving * joints_);  // not before: most motions are decided by spheres alone
@@ -57,7 +57,7 @@ const Displacements::Arm& Displacements::arm(std::size_t body, const Place& plac
   if (known >> joint & 1) return arm;
   known |= std::uint64_t{1} << joint;
   const auto& [point, axis] = axes_[joint];
-  const Core& core = model_.bodies.moving[body].core;
+  const Core& core = model_.bodies.moving_body(body).core;
   const Eigen::Vector3d center = place.center - point;
   arm.across = axis.cross(center);
   if (core.half.isZero(0.0)) {
@@ -70,32 +70,28 @@ const Displacements::Arm& Displacements::arm(std::size_t body, const Place& plac
   return arm;
 }
 
-/// What the joint adds to the deeper ones.
-Displacements::Step Displacements::step_of(std::size_t joint, const Step& deeper, const Arm* arm,
-                                           double half_width) const {
-  Step step = deeper;
+/// Adds to `step`, of the deeper joints, what the joint moves.
+void Displacements::add_joint(std::size_t joint, const Arm* arm, double half_width, Step& step) const {
   step.support |= std::uint64_t{1} << joint;
-  step.change = speed_[joint] * half_width;
-  step.prismatic = arm == nullptr;
+  const double change = speed_[joint] * half_width, linear = linear_[joint] * half_width;
   const Eigen::Vector3d& axis = axes_[joint].second;
-  const double linear = linear_[joint] * half_width;
-  if (step.prismatic) {
+  if (!arm) {
     step.velocity += linear * axis;
     step.rest += rest_[joint];
-    step.moved += step.change;
-    return step;
+    step.moved += change;
+    return;
   }
-  step.farthest = arm->reach + deeper.moved;
+  const double swept = change * (arm->reach + step.moved);  // by the point that is the farthest from the axis
   step.velocity += linear * arm->across;
   step.turn += linear * axis;
   step.rest += rest_[joint] * arm->reach;
-  step.moved += step.change * step.farthest;
-  return step;
+  step.bent += change * (swept + 2.0 * step.moved);
+  step.moved += swept;
 }
 
-/// Of the joints of `support`, which move: the deepest ones of the body's chain, for every pair's.
-std::span<const Displacements::Step> Displacements::steps(std::size_t body, const Place& place, std::uint64_t support,
-                                                          double half_width) {
+/// What the joints of `support` add up to, which move: the deepest ones of the body's chain, for every pair's.
+const Displacements::Step& Displacements::sum(std::size_t body, const Place& place, std::uint64_t support,
+                                              double half_width) {
   Chain& chain = chains_[body];
   Step* steps = steps_.data() + body * (joints_ + 1);
   const auto begin = [&](double width) {
@@ -108,17 +104,17 @@ std::span<const Displacements::Step> Displacements::steps(std::size_t body, cons
       const std::size_t joint = active_list_[chain.next];
       if (!(among >> joint & 1)) continue;
       const Arm* own = model_.group.actuated_joints()[joint].prismatic ? nullptr : &arm(body, place, joint);
-      steps[chain.steps + 1] = step_of(joint, steps[chain.steps], own, half_width);
-      ++chain.steps;
+      steps[chain.steps + 1] = steps[chain.steps];
+      add_joint(joint, own, half_width, steps[++chain.steps]);
     }
   };
   if (chain.half_width != half_width) begin(half_width);
-  go_on(model_.bodies.moving[body].support);
+  go_on(model_.bodies.moving_body(body).support);
   if (steps[count].support != support) {  // others: known for this call alone
     begin(-1.0);
     go_on(support);
   }
-  return {steps + 1, count};
+  return steps[count];
 }
 
 /// The smaller of two bounds. The first is what the joints add up to, from the deepest to the shallowest: each one
@@ -130,20 +126,8 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
                          const Eigen::Vector3d* direction) {
   support &= active_;
   if (support == 0) return 0.0;
-  const std::span<const Step> all = steps(body, place, support, half_width);
-  double bent = 0.0, shallower = 0.0;
-  for (const Step& step : all)
-    if (!step.prismatic) shallower += step.change;
-  for (const Step& step : all) {
-    if (step.prismatic) {
-      bent += 2.0 * step.change * shallower;
-      continue;
-    }
-    shallower -= step.change;
-    bent += step.change * step.farthest * (step.change + 2.0 * shallower);
-  }
-  const Core& core = model_.bodies.moving[body].core;
-  const Step& last = all.back();
+  const Step& last = sum(body, place, support, half_width);
+  const Core& core = model_.bodies.moving_body(body).core;
   double linear = 0.0;
   if (core.half.isZero(0.0)) {
     linear = direction ? std::abs(last.velocity.dot(*direction)) : last.velocity.norm();
@@ -156,7 +140,7 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
                        : std::max((last.velocity + at_end).norm(), (last.velocity - at_end).norm()) +
                              core.radius * last.turn.norm();
   }
-  return std::min(linear + last.rest + bent / 2.0, last.moved);
+  return std::min(linear + last.rest + last.bent / 2.0, last.moved);
 }
 
 }  // namespace srmp::detail

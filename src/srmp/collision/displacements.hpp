@@ -16,7 +16,8 @@ struct Place {
   Eigen::Vector3d center;  // of its bounding sphere
 };
 
-/// How far the joints of a motion move the bodies from where they are. Once warm, nothing is allocated.
+/// How far the joints of a motion move the bodies and their envelopes from where they are. Once warm, nothing is
+/// allocated.
 class Displacements {
  public:
   /// The model outlives this.
@@ -49,10 +50,9 @@ class Displacements {
   struct Step {
     std::uint64_t support{};                                              // these joints
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the centre, over half of the motion
-    double change{};                                                      // of this joint
-    double farthest{};  // of a point from its axis, if it is revolute, after the deeper ones have moved
-    double rest{}, moved{};
-    bool prismatic{};
+    double rest{};
+    double moved{};  // one joint after the other, from the deepest: by no more than this
+    double bent{};   // twice what paths deviate from straight lines by, at most
   };
   /// The steps of a body's chain that are known.
   struct Chain {
@@ -61,8 +61,8 @@ class Displacements {
     std::uint32_t steps{}, next{};  // how many; where in active_list_ to go on
   };
 
-  std::span<const Step> steps(std::size_t body, const Place& place, std::uint64_t support, double half_width);
-  Step step_of(std::size_t joint, const Step& deeper, const Arm* arm, double half_width) const;
+  const Step& sum(std::size_t body, const Place& place, std::uint64_t support, double half_width);
+  void add_joint(std::size_t joint, const Arm* arm, double half_width, Step& step) const;
   const Arm& arm(std::size_t body, const Place& place, std::size_t joint);
 
   const SceneModel& model_;

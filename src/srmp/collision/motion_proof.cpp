@@ -4,15 +4,19 @@
 #include <cmath>
 #include <functional>
 
+#include "srmp/collision/cubic_segments.hpp"
+#include "srmp/collision/pair_groups.hpp"
 #include "srmp/collision/scene_workspace.hpp"
 #include "srmp/core/error.hpp"
 #include "srmp/core/interruption.hpp"
 
 namespace srmp {
 
+using detail::CubicSegments;
 using detail::infinity;
 using detail::NarrowPhase;
 using detail::Pair;
+using detail::PairGroups;
 using detail::SceneModel;
 using detail::SceneWorkspace;
 using detail::Separation;
@@ -25,165 +29,11 @@ constexpr double likely_gain =
     0.1;  // of an interval's motion: by so much its parts may be farther apart in the middle than it is
 constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter intervals are left unproved
 constexpr int max_levels = 3;                                  // of halving at once
-constexpr int max_samples = 200'000;              // configurations: the proof of an endless motion ends too
-constexpr int max_sharpening = 256;               // checks of each pass that raises the proved clearance
-constexpr double largest = 1e100;                 // [rad or m] beyond it, squares overflow
-constexpr Eigen::Index max_linear_segments = 64;  // a line is fitted to no more of them
-
-/// Rows from, ..., to of a motion; or, of the segment between two rows, the part from u to v of [0, 1].
-struct Interval {
-  Eigen::Index from{}, to{};
-  double u{0.0}, v{1.0};
-  bool in_one_segment() const { return to == from + 1; }
-  /// About as short as doubles resolve. Only of segments that move bodies by more than 10^13 m are parts so short
-  /// halved any further.
-  bool is_indivisible() const { return in_one_segment() && v - u < 0x1p-60; }
-  std::pair<Interval, Interval> halves() const {
-    Interval left = *this, right = *this;
-    if (in_one_segment())
-      left.v = right.u = (u + v) / 2.0;
-    else
-      left.to = right.from = (from + to) / 2;
-    return {left, right};
-  }
-};
-
-/// The segments' Bernstein coefficients: each joint stays between the smallest and the largest of them.
-class Segments {
- public:
-  explicit Segments(const CubicMotion& motion) : motion_(motion) {
-    for (Eigen::Index first = motion.positions.rows() - 1; first > 0; first /= 2) ++levels_;
-    build();
-  }
-
-  /// Where the joints get in an interval.
-  struct Range {
-    explicit Range(Eigen::Index dof)
-        : middle(dof), change(static_cast<std::size_t>(dof)), linear(change.size()), rest(change.size()) {}
-
-    Eigen::VectorXd middle;      // the configuration in the middle
-    double time{};               // of it
-    std::vector<double> change;  // of each joint from there, at most
-    /// From the middle each joint moves by s * linear, where s in [-1, 1] is the same for all, and by `rest` at most
-    /// besides.
-    std::vector<double> linear, rest;
-  };
-
-  void range(const Interval& at, Range& range) const {
-    if (at.in_one_segment()) return range_of_segment(at, range);
-    const Eigen::Index mid = (at.from + at.to) / 2;
-    range.middle = motion_.positions.row(mid).transpose();
-    range.time = motion_.times[mid];
-    std::fill(range.change.begin(), range.change.end(), 0.0);
-    for_each_block(at.from, at.to, [&](const double* low, const double* high) {
-      for (std::size_t j = 0; j < range.change.size(); ++j) {
-        const double middle = range.middle[static_cast<Eigen::Index>(j)];
-        range.change[j] = std::max({range.change[j], high[j] - middle, middle - low[j]});
-      }
-    });
-    if (at.to - at.from <= max_linear_segments) return fit_line(at, range);
-    std::fill(range.linear.begin(), range.linear.end(), 0.0);
-    range.rest = range.change;
-  }
-
-  double time(const Interval& at, double fraction) const {
-    return (1.0 - fraction) * motion_.times[at.from] + fraction * motion_.times[at.to];  // those of rows bit for bit
-  }
-
- private:
-  std::array<double, 4> coefficients(Eigen::Index segment, Eigen::Index joint) const {
-    const double a = motion_.positions(segment, joint), b = motion_.positions(segment + 1, joint);
-    if (motion_.velocities.rows() == 0) return {a, a + (b - a) / 3.0, b - (b - a) / 3.0, b};
-    const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
-    const double arrival =
-        motion_.arrivals ? (*motion_.arrivals)(segment + 1, joint) : motion_.velocities(segment + 1, joint);
-    return {a, a + third * motion_.velocities(segment, joint), b - third * arrival, b};
-  }
-
-  /// The polynomial's coefficient for the arguments r, s, t (its polar form).
-  static double blossom(const std::array<double, 4>& c, double r, double s, double t) {
-    const auto mix = [](double x, double y, double w) { return x + w * (y - x); };
-    const double a = mix(c[0], c[1], r), b = mix(c[1], c[2], r), d = mix(c[2], c[3], r);
-    return mix(mix(a, b, s), mix(b, d, s), t);
-  }
-
-  void range_of_segment(const Interval& at, Range& range) const {
-    const double m = (at.u + at.v) / 2.0;
-    range.time = this->time(at, m);
-    for (Eigen::Index j = 0; j < range.middle.size(); ++j) {
-      const auto c = coefficients(at.from, j),
-                 part = std::array{blossom(c, at.u, at.u, at.u), blossom(c, at.u, at.u, at.v),
-                                   blossom(c, at.u, at.v, at.v), blossom(c, at.v, at.v, at.v)};
-      const double middle = range.middle[j] = blossom(c, m, m, m), linear = (part[3] - part[0]) / 2.0;
-      double change = 0.0, rest = 0.0;
-      for (std::size_t i = 0; i < part.size(); ++i) {
-        change = std::max(change, std::abs(part[i] - middle));
-        rest = std::max(rest, std::abs(part[i] - middle - (static_cast<double>(i) / 1.5 - 1.0) * linear));
-      }
-      const auto joint = static_cast<std::size_t>(j);
-      range.change[joint] = change, range.linear[joint] = linear, range.rest[joint] = rest;
-    }
-  }
-
-  /// Fits a line through the middle to several segments.
-  void fit_line(const Interval& at, Range& range) const {
-    const double duration = motion_.times[at.to] - motion_.times[at.from];
-    const double half = std::max(range.time - motion_.times[at.from], motion_.times[at.to] - range.time);
-    Eigen::Map<Eigen::VectorXd> slope(range.linear.data(), range.middle.size()), rest(range.rest.data(), slope.size());
-    slope = (motion_.positions.row(at.to) - motion_.positions.row(at.from)).transpose() / duration;
-    rest.setZero();
-    for (Eigen::Index segment = at.from; segment < at.to; ++segment) {
-      const double start = motion_.times[segment] - range.time;
-      const double third = (motion_.times[segment + 1] - motion_.times[segment]) / 3.0;
-      for (Eigen::Index j = 0; j < slope.size(); ++j) {
-        const auto c = coefficients(segment, j);
-        for (std::size_t i = 0; i < c.size(); ++i)
-          rest[j] =
-              std::max(rest[j], std::abs(c[i] - range.middle[j] - slope[j] * (start + static_cast<double>(i) * third)));
-      }
-    }
-    slope *= half;
-  }
-
-  /// Computes the ranges of 1, 2, 4, … segments, so that any run of segments is a few blocks.
-  void build() {
-    const Eigen::Index segments = motion_.positions.rows() - 1, dof = motion_.positions.cols();
-    low_.resize(static_cast<std::size_t>(levels_));
-    high_ = low_;
-    for (std::size_t level = 0; level < low_.size(); ++level) {
-      const Eigen::Index count = segments >> level;
-      RowMatrix &low = low_[level], &high = high_[level];
-      low.resize(count, dof);
-      high.resize(count, dof);
-      for (Eigen::Index i = 0; i < count; ++i)
-        for (Eigen::Index j = 0; j < dof; ++j) {
-          if (level == 0) {
-            const auto c = coefficients(i, j);
-            std::tie(low(i, j), high(i, j)) = std::minmax({c[0], c[1], c[2], c[3]});
-          } else {
-            low(i, j) = std::min(low_[level - 1](2 * i, j), low_[level - 1](2 * i + 1, j));
-            high(i, j) = std::max(high_[level - 1](2 * i, j), high_[level - 1](2 * i + 1, j));
-          }
-        }
-    }
-  }
-
-  template <class Visit>
-  void for_each_block(Eigen::Index from, Eigen::Index to, Visit&& visit) const {
-    while (from < to) {
-      std::size_t level = 0;
-      while (level + 1 < low_.size() && from % (Eigen::Index{2} << level) == 0 &&
-             from + (Eigen::Index{2} << level) <= to)
-        ++level;
-      visit(low_[level].row(from >> level).data(), high_[level].row(from >> level).data());
-      from += Eigen::Index{1} << level;
-    }
-  }
-
-  const CubicMotion& motion_;
-  int levels_{};
-  std::vector<RowMatrix> low_, high_;  // [level](block, joint)
-};
+constexpr double longest_group_motion =
+    3.0;                              // of the room between envelopes: groups that need it shorter are taken apart
+constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
+constexpr int max_sharpening = 256;   // checks of each pass that raises the proved clearance
+constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
 
 /// Branch and bound over the time of one motion: first until the motion is proved free, by the clearance that is to be
 /// known where that takes few more checks; then, where least is proved, until it is known well enough.
@@ -192,21 +42,24 @@ class Prover {
   Prover(const SceneModel& model, const CubicMotion& motion, SceneWorkspace& workspace, const ProofOptions& options)
       : model_(model),
         motion_(motion),
+        groups_(model.bodies),
         segments_(motion),
         workspace_(workspace),
         fraction_(1.0 - options.gap_tolerance),
         deadline_(options.deadline),
         range_(motion.positions.cols()) {
-    displacements_.resize(model.bodies.moving.size());
+    displacements_.resize(model.bodies.moving.size() + model.bodies.envelopes.size());
     separations_.resize(model.bodies.pairs.size());
-    open_.reserve(4 * model.bodies.pairs.size());
+    open_.reserve(4 * groups_.size());
   }
 
   MotionProof run();
 
  private:
+  using Interval = CubicSegments::Interval;
+
   struct Open {
-    std::uint32_t pair;
+    std::uint32_t pair;  // or the number of pairs and that of a group
     int levels;          // of halving before it is worth another check
     double bound{-1.0};  // a clearance that the pair is proved to keep, less than the goal; below 0: none
   };
@@ -244,9 +97,11 @@ class Prover {
   void find_nearest_at(Eigen::Index row, double enough);
   bool prove(const Interval& interval, std::size_t first, std::size_t count);
   bool prove_halves(const Interval& interval, std::size_t first, std::size_t count);
+  bool prove_group(const Open& open, const Interval& interval);
   bool prove_pair(Open open, const Interval& interval);
   void close(const Open& open, const Interval& interval, bool measured);
   bool sharpen();
+  double bound_left(const Pair& pair, double motion, double bound, const Eigen::Vector3d& direction, double required);
   Check check(const Pair& pair, double motion, double required);
   Check measure(const Pair& pair, double motion, double required);
   static int levels_for(double room, double motion) {
@@ -266,14 +121,26 @@ class Prover {
   void leave_unproved(const Interval& interval, std::uint32_t pair);
   bool refine_nearest();
   MotionProof report(bool free) const;
-  double time_of(const Interval& at, bool end) const {
-    if (!at.in_one_segment()) return motion_.times[end ? at.to : at.from];
-    return segments_.time(at, end ? at.v : at.u);
+  std::uint32_t number_of_group(std::size_t group) const {
+    return static_cast<std::uint32_t>(model_.bodies.pairs.size() + group);
+  }
+  bool is_group(std::uint32_t number) const { return number >= model_.bodies.pairs.size(); }
+  std::span<const std::uint32_t> members(std::uint32_t group) const {
+    return groups_.members(group - model_.bodies.pairs.size());
+  }
+  const Pair& pair_of(std::uint32_t number) const {
+    return is_group(number) ? groups_.around(number - model_.bodies.pairs.size()) : model_.bodies.pairs[number];
+  }
+  /// The group by its number, or the only pair in it.
+  std::uint32_t whole(std::size_t group) const {
+    const auto members = groups_.members(group);
+    return members.size() == 1 ? members.front() : number_of_group(group);
   }
 
   const SceneModel& model_;
   const CubicMotion& motion_;
-  Segments segments_;
+  PairGroups groups_;
+  CubicSegments segments_;
   SceneWorkspace& workspace_;
   double fraction_;  // of the clearance that is to be proved
   const Deadline* deadline_;
@@ -285,8 +152,8 @@ class Prover {
   int samples_{};
   unsigned checks_{};  // that bounds did not decide, since the last look at the clock
   int raising_{};      // of pairs that were proved free, but less than the goal
-  Segments::Range range_;
-  std::vector<Displacement> displacements_;  // by moving body, in the current interval
+  CubicSegments::Range range_;
+  std::vector<Displacement> displacements_;  // by moving body and envelope, in the current interval
   std::vector<Separation> separations_;      // by pair
   std::vector<Open> open_;                   // a stack: those of the current interval on top
   std::vector<Proved> to_sharpen_;           // a heap: less than the goal is proved of these
@@ -324,19 +191,26 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
   range_.middle = motion_.positions.row(row).transpose();
   workspace_.place(range_.middle);
   order_.clear();
-  for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) {
-    const Pair& pair = model_.bodies.pairs[i];
-    const double bound = workspace_.distance_bound(pair) - pair.padding;
-    if (bound < clearance_) order_.emplace_back(bound, i);
-  }
   const auto nearest_first = std::greater<>();  // of a heap
-  std::make_heap(order_.begin(), order_.end(), nearest_first);
+  const auto add = [&](std::uint32_t number) {
+    const double bound = workspace_.distance_bound(pair_of(number)) - pair_of(number).padding;
+    if (bound >= clearance_) return;
+    order_.emplace_back(bound, number);
+    std::push_heap(order_.begin(), order_.end(), nearest_first);
+  };
+  for (std::size_t i = 0; i < groups_.size(); ++i) add(whole(i));
   const bool may_stop = motion_.positions.rows() > 1;  // a single row has no other check
-  for (bool first = true; !order_.empty(); order_.pop_back(), first = false) {
+  for (bool first = true; !order_.empty();) {
     std::pop_heap(order_.begin(), order_.end(), nearest_first);
     const auto [bound, i] = order_.back();
+    order_.pop_back();
     if (bound >= clearance_ || (may_stop && !first && stopped())) return;
-    const Pair& pair = model_.bodies.pairs[i];
+    if (is_group(i)) {
+      for (const std::uint32_t member : members(i)) add(member);
+      continue;
+    }
+    first = false;
+    const Pair& pair = pair_of(i);
     const double margin = clearance_ + pair.padding;
     if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
     const double found = workspace_.distance(pair, margin, enough);
@@ -364,10 +238,21 @@ void Prover::place_at(const Interval& interval) {
   std::fill(displacements_.begin(), displacements_.end(), Displacement{});
 }
 
+/// A clearance that the pair keeps over the interval around the current configuration: bounding volumes are `bound`
+/// apart here, across planes with this normal. Negative where that proves nothing.
+double Prover::bound_left(const Pair& pair, double motion, double bound, const Eigen::Vector3d& direction,
+                          double required) {
+  const double apart = bound - pair.padding - NarrowPhase::tolerance;
+  if (apart - motion > required || apart <= required) return apart - motion;
+  return apart - workspace_.approach(pair, 1.0, &direction);
+}
+
 /// Checks a pair over the interval around the current configuration. A clearance of `required` will do, though
 /// distances are computed as far as the goal.
 Prover::Check Prover::check(const Pair& pair, double motion, double required) {
-  const double bound = workspace_.distance_bound(pair), left = bound - pair.padding - motion - NarrowPhase::tolerance;
+  Eigen::Vector3d direction;
+  const double bound = workspace_.distance_bound(pair, &direction),
+               left = bound_left(pair, motion, bound, direction, required);
   if (left > required) return {CollisionStatus::free, left, false};
   if (seldom_stopped(pair)) return {CollisionStatus::undecided, 0.0, false};
   if (motion < Checker::motion_floor || motion <= workspace_.likely_max_distance(pair, bound))
@@ -409,7 +294,7 @@ Prover::Check Prover::measure(const Pair& pair, double motion, double required) 
 }
 
 void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
-  const std::pair<double, double> part{time_of(interval, false), time_of(interval, true)};
+  const std::pair<double, double> part{segments_.time_of(interval, false), segments_.time_of(interval, true)};
   proved_ = 0.0;
   for (auto& [known, known_part] : unproved_)
     if (known == pair && known_part.second >= part.first) {
@@ -421,10 +306,34 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
 
 /// Notes what is proved of the pair over the interval, which is not halved for it.
 void Prover::close(const Open& open, const Interval& interval, bool measured) {
-  if (open.bound >= 0.0)
+  if (is_group(open.pair))
+    for (const std::uint32_t member : members(open.pair)) leave_unproved(interval, member);
+  else if (open.bound >= 0.0)
     note_proved({open.bound, interval, open.pair, measured});
   else
     leave_unproved(interval, open.pair);
+}
+
+/// Proves the pairs of a group over the interval around the current configuration, together if their envelopes are far
+/// enough apart, or leaves them open; false at a contact.
+bool Prover::prove_group(const Open& open, const Interval& interval) {
+  const Pair& around = pair_of(open.pair);
+  Eigen::Vector3d direction;
+  const double motion = approach(around), bound = workspace_.distance_bound(around, &direction),
+               left = bound_left(around, motion, bound, direction, goal());
+  if (left > goal()) {
+    note_proved({left, interval, open.pair, false});
+    return true;
+  }
+  const double room = bound - around.padding - NarrowPhase::tolerance - goal(),
+               looseness = workspace_.likely_max_distance(around, 0.0) / 2.0;  // by which members may be farther apart
+  const double longest = std::max(room, 0.0) + looseness;                      // for which they may be proved
+  if ((motion > longest || motion < longest_group_motion * room) && !interval.is_indivisible()) {
+    open_.push_back({open.pair, levels_for(longest, motion)});
+    return true;
+  }
+  return std::ranges::all_of(members(open.pair),
+                             [&](std::uint32_t member) { return prove_pair({.pair = member, .levels = 0}, interval); });
 }
 
 /// Proves the pair over the interval around the current configuration, or leaves it open; false at a contact. While
@@ -462,7 +371,7 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
     const Open open = open_[i];
     if (open.levels > 0)
       open_.push_back({open.pair, open.levels - 1, open.bound});
-    else if (!prove_pair(open, interval))
+    else if (!(is_group(open.pair) ? prove_group(open, interval) : prove_pair(open, interval)))
       return false;
   }
   const std::size_t still_open = open_.size() - kept;
@@ -523,8 +432,8 @@ MotionProof Prover::run() {
   bool free = refine_nearest();
   if (free && last > 0) {
     open_.clear();
-    for (std::uint32_t i = 0; i < model_.bodies.pairs.size(); ++i) open_.push_back({.pair = i, .levels = 0});
-    free = prove({0, last}, 0, model_.bodies.pairs.size()) && (!unproved_.empty() || sharpen());
+    for (std::size_t i = 0; i < groups_.size(); ++i) open_.push_back({.pair = whole(i), .levels = 0});
+    free = prove({0, last}, 0, groups_.size()) && (!unproved_.empty() || sharpen());
   }
   return report(free && refine_nearest());
 }

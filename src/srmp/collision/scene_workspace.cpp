@@ -60,7 +60,7 @@ SceneWorkspace::SceneWorkspace(const SceneModel& model)
   span_of_.assign(bodies_.pairs.size(), {1.0, 0.0});
   open_.reserve(1024);
   next_.reserve(1024);
-  places_.resize(bodies_.moving.size());
+  places_.resize(bodies_.moving.size() + bodies_.envelopes.size());
   const auto dof = static_cast<Eigen::Index>(model_.group.joints().size());
   start_ = delta_ = q_ = here_ = Eigen::VectorXd::Zero(dof);
 }
@@ -75,7 +75,7 @@ void SceneWorkspace::place(ConstVector q) {
 const Place& SceneWorkspace::place_of(std::size_t body) {
   Place& place = places_[body];
   if (place.known) return place;
-  const MovingBody& moving = bodies_.moving[body];
+  const MovingBody& moving = bodies_.moving_body(body);
   place.pose = pose_of(moving, model_.group, data_);
   place.center = place.pose * moving.bounds.center;
   place.known = true;
@@ -101,19 +101,27 @@ Contact SceneWorkspace::contact(const Body& a, const Body& b, const Proximity& f
 // --- one configuration
 
 /// From a sphere around a, and a box or a sphere around b.
-double SceneWorkspace::distance_bound(const Pair& pair) {
+double SceneWorkspace::distance_bound(const Pair& pair, Eigen::Vector3d* direction) {
   const Eigen::Vector3d& center = place_of(pair.a).center;
-  const double radius = bodies_.moving[pair.a].bounds.radius;
-  if (!pair.b_fixed) return (center - place_of(pair.b).center).norm() - radius - bodies_.moving[pair.b].bounds.radius;
+  const double radius = bodies_.moving_body(pair.a).bounds.radius;
+  if (!pair.b_fixed) {
+    const Eigen::Vector3d apart = center - place_of(pair.b).center;
+    const double distance = apart.norm();
+    if (direction) *direction = apart / distance;
+    return distance - radius - bodies_.moving_body(pair.b).bounds.radius;
+  }
   const FixedBody& b = bodies_.fixed[pair.b];
   const Eigen::Vector3d local = b.pose.linear().transpose() * (center - b.pose.translation()) - b.bounds.box_center;
-  return (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0).norm() - radius;
+  const Eigen::Vector3d outside = (local.cwiseAbs() - b.bounds.box_half).cwiseMax(0.0);
+  const double distance = outside.norm();
+  if (direction) *direction = b.pose.linear() * outside.cwiseProduct(local.cwiseSign()) / distance;
+  return distance - radius;
 }
 
 /// A body usually has points on all sides of its bounding sphere's centre, or near it.
 double SceneWorkspace::likely_max_distance(const Pair& pair, double bound) const {
-  const double a = bodies_.moving[pair.a].bounds.radius;
-  return bound + 2.0 * (pair.b_fixed ? a : a + bodies_.moving[pair.b].bounds.radius);
+  const double a = bodies_.moving_body(pair.a).bounds.radius;
+  return bound + 2.0 * (pair.b_fixed ? a : a + bodies_.moving_body(pair.b).bounds.radius);
 }
 
 double SceneWorkspace::query_distance(const Pair& pair, const Placed& a, const Placed& b, double margin, double enough,

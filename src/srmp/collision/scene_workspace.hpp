@@ -28,8 +28,10 @@ class SceneWorkspace final : public Checker::Workspace {
 
   /// Places the bodies at q: what follows is about them there.
   void place(ConstVector q);
-  /// A lower bound of the pair's distance from bounding volumes; padding not counted.
-  double distance_bound(const Pair& pair);
+  /// A lower bound of the pair's distance from bounding volumes; padding not counted. The moving bodies of the pair may
+  /// be envelopes. `direction`, where the bound is positive: a unit vector from b to a, the normal of planes that
+  /// separate the two by that much.
+  double distance_bound(const Pair& pair, Eigen::Vector3d* direction = nullptr);
   /// The pair's distance is rarely more than this, given its distance_bound.
   double likely_max_distance(const Pair& pair, double bound) const;
   /// A lower bound of the pair's distance, padding not counted, from convex solids around the two; infinity when it
@@ -120,7 +122,7 @@ class SceneWorkspace final : public Checker::Workspace {
   const Bodies& bodies_;
   RobotGroup::Data data_;
   NarrowPhase narrow_;
-  std::vector<Place> places_;  // of moving bodies
+  std::vector<Place> places_;  // of moving bodies and envelopes
   Eigen::VectorXd start_, delta_, q_, here_;
   Displacements displacements_;
   BatchChecker::WorkspacePtr batch_;

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "srmp/collision/bodies.hpp"
+
+namespace srmp::detail {
+
+/// The pairs of bodies, those between the same two envelopes together, or between an envelope and a fixed body: what
+/// keeps the envelopes apart keeps each of these pairs apart. Pairs of bodies without envelopes are groups of one.
+class PairGroups {
+ public:
+  /// The bodies outlive this.
+  explicit PairGroups(const Bodies& bodies);
+
+  std::size_t size() const { return around_.size(); }
+  /// The envelopes as a pair, with the largest padding of the group's pairs; of a group of one, its pair.
+  const Pair& around(std::size_t group) const { return around_[group]; }
+  /// Numbers of the group's pairs.
+  std::span<const std::uint32_t> members(std::size_t group) const {
+    return {members_.data() + first_[group], first_[group + 1] - first_[group]};
+  }
+
+ private:
+  std::vector<Pair> around_;
+  std::vector<std::uint32_t> first_;    // [group], and the end
+  std::vector<std::uint32_t> members_;  // of the groups, one after the other
+};
+
+}  // namespace srmp::detail
