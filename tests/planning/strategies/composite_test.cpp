@@ -87,6 +87,27 @@ BOOST_AUTO_TEST_CASE(roadmaps_give_shorter_paths_for_smaller_weights) {
   BOOST_TEST((run({.max_expansions = 1, .max_checks = 10'000}).status == srmp::Status::timed_out));
 }
 
+BOOST_AUTO_TEST_CASE(robots_that_need_only_wait_for_each_other_need_no_retreats) {
+  const srmp::CompositeRoadmap::SearchBudget with{.max_expansions = 10'000, .max_checks = 10'000},
+      without{.max_expansions = 10'000, .max_checks = 10'000, .path_expansions = 1'000};
+  FacingArms waiting;
+  srmp::CompositeRoadmap roadmaps(*waiting.world);
+  const auto found = roadmaps.run(both, without, {});
+  BOOST_REQUIRE(found.status == srmp::Status::solved);
+  waiting.check_free(found.path);
+  for (const std::size_t robot : both) BOOST_TEST(roadmaps.retreats(robot).empty());
+  BOOST_TEST((roadmaps.run(both, with, {}).status == srmp::Status::solved));
+  for (const std::size_t robot : both) BOOST_TEST(!roadmaps.retreats(robot).empty());
+
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
+  FacingArms passing({up, {down}, {up, down}}, {straight, {straight}, {straight}});  // one is in the other's way
+  srmp::CompositeRoadmap tried(*passing.world), untried(*passing.world);
+  const auto late = tried.run(both, without, {}), early = untried.run(both, with, {});
+  BOOST_REQUIRE(late.status == srmp::Status::solved);
+  BOOST_TEST(late.cost == early.cost);
+  BOOST_TEST(late.expansions > early.expansions);
+}
+
 BOOST_AUTO_TEST_CASE(checks_that_the_deadline_cuts_off_are_not_remembered_as_collisions) {
   FacingArms pair;
   const srmp::GroupCheckers checkers(pair.planner.scene(), {"left", "right"}, {}, 1,

@@ -241,6 +241,7 @@ class Slice {
   /// moves is left to them.
   void check_obstacles(int i, const V3& c) {
     const KernelBody& body = m_.bodies[i];
+    if (body.pairs == 0) return;
     const Box box = box_around(c, sum(any_moved_, all(body.padding), all(body.radius)));
     for (int k = 0; k < body.pairs; k += kWidth) {
       const float* obstacles = m_.pair_boxes + body.first_box + k / kLanes * (6 * kLanes) + k % kLanes;

@@ -389,11 +389,23 @@ class CompositeRoadmap::Query {
 
 CompositeRoadmap::Result CompositeRoadmap::run(const std::vector<std::size_t>& robots, const SearchBudget& budget,
                                                const Deadline& deadline) {
+  std::uint64_t tried = 0;
+  if (budget.path_expansions > 0) {
+    for (const std::size_t robot : robots)
+      if (!has_retreats_[robot]) compute_cost_to_go(robot);
+    SearchBudget few = budget;
+    few.max_expansions = std::min(budget.path_expansions, budget.max_expansions);
+    const Result found = Query(*this, robots, few).run(deadline);
+    if (found.status == Status::solved) return found;
+    tried = found.expansions;
+  }
   for (const std::size_t robot : robots) {
     add_retreats(robot, deadline);
     if (const auto stop = stop_status(deadline)) return {*stop, {}, 0.0, 0};
   }
-  return Query(*this, robots, budget).run(deadline);
+  Result found = Query(*this, robots, budget).run(deadline);
+  found.expansions += tried;
+  return found;
 }
 
 std::size_t CompositeRoadmap::memory() const {

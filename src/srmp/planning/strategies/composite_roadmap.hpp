@@ -73,10 +73,12 @@ class CompositeRoadmap {
   struct SearchBudget {
     std::uint64_t max_expansions{};
     std::uint64_t max_checks{};         ///< of simultaneous motions of two robots
+    std::uint64_t path_expansions{};    ///< on the robots' own paths, before retreats are found and added; 0: none
     double weight{12.0};                ///< of the cost-to-go, >= 1
     double max_cost{search::infinity};  ///< only paths that cost less
   };
-  /// `robots`: numbers in the world, increasing.
+  /// `robots`: numbers in the world, increasing. Where they need only wait for each other, retreats would be found in
+  /// vain: SearchBudget::path_expansions says how long to try without.
   Result run(const std::vector<std::size_t>& robots, const SearchBudget& budget, const Deadline& deadline);
   /// Configurations of a robot; none while run() has not needed them.
   std::vector<Eigen::VectorXd> retreats(std::size_t robot) const;

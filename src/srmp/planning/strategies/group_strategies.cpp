@@ -18,9 +18,11 @@ namespace {
 
 /// Work of the first round; it grows fourfold from round to round.
 struct GroupBudget {
-  std::uint64_t roadmap_expansions{16'000};       ///< the same in every round
-  std::uint64_t roadmap_checks{2'000};            ///< of motions of two robots, until there is a path
-  std::uint64_t shorter_checks{8'000};            ///< for each search after it; the same in every round
+  std::uint64_t path_expansions{512};             ///< before there are retreats
+  std::uint64_t roadmap_expansions{8'192};        ///< until there is a path; the same in every round
+  std::uint64_t roadmap_checks{8'000};            ///< of motions of two robots, until there is a path
+  std::uint64_t shorter_expansions{16'000};       ///< of each search after it; the same in every round
+  std::uint64_t shorter_checks{8'000};            ///< of each search after it; the same in every round
   std::vector<double> shorter_weights{3.0, 1.5};  ///< of those searches
   double worth_shortening{1.05};            ///< only if the path is longer by this factor than the robots' paths alone
   std::uint64_t rrt_attempts{2'048};        ///< of the shortest trees, too
@@ -68,13 +70,19 @@ std::optional<JointPath> CompositeRoadmapStrategy::find(std::size_t level, const
     note_memory(statistics_, found.memory);
     return found;
   };
-  CompositeRoadmap::Result best = run({budgets.roadmap_expansions, budgets.roadmap_checks * growth(budget)});
+  CompositeRoadmap::Result best = run({.max_expansions = budgets.roadmap_expansions,
+                                       .max_checks = budgets.roadmap_checks * growth(budget),
+                                       .path_expansions = level == 0 ? budgets.path_expansions : 0});
   if (best.status != Status::solved || best.path.length() > budget.max_cost) return std::nullopt;
   for (const std::size_t last = std::min(level + 1, RoadmapLevels::count - 1); level <= last; ++level)
     for (const double weight : budgets.shorter_weights) {
       if (!may_be_shorter(best.path) || deadline.stop_requested()) return std::move(best.path);
       const double max_cost = std::min(best.cost, budget.max_cost);
-      CompositeRoadmap::Result found = run({budgets.roadmap_expansions, budgets.shorter_checks, weight, max_cost});
+      CompositeRoadmap::Result found = run({.max_expansions = budgets.shorter_expansions,
+                                            .max_checks = budgets.shorter_checks,
+                                            .weight = weight,
+                                            .max_cost = max_cost});
+      if (found.status == Status::exhausted) break;  // no weight finds a shorter path on this level
       if (found.status == Status::solved) best = std::move(found);
     }
   return std::move(best.path);
