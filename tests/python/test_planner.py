@@ -80,12 +80,14 @@ def test_solutions_get_better_and_never_worse(arm, ready, options):
 
 def test_rounds_of_improvement_are_the_same_every_time(arm, ready):
     goal = srmp.GoalConstraint(srmp.GoalType.JOINTS, mirrored(ready))
-    costs = []
+    costs, samples = [], []
     for rounds in (0, 1, 2):
         arm.make_planner("arm", srmp.Auto(improve_rounds=rounds, time_limit=60))
         paths = [arm.plan("arm", ready, goal).waypoints for _ in range(2)]
         np.testing.assert_array_equal(*paths)
         costs.append(arm.get_planning_stats()["path_cost_rad"])
+        samples.append(arm.get_planning_stats()["samples"])
+    assert samples[0] < samples[1] < samples[2]  # each round grows trees of other samples
     assert costs == sorted(costs, reverse=True)
     assert costs[1] < costs[0]
 

@@ -4,6 +4,7 @@
 
 #include "srmp/planning/phase_timer.hpp"
 #include "srmp/planning/strategies/lattice_portfolio.hpp"
+#include "srmp/planning/strategies/rrt_connect.hpp"
 
 namespace srmp {
 
@@ -11,8 +12,10 @@ namespace {
 
 class Anytime {
  public:
-  Anytime(RobotContext& context, RobotLattices& lattices, BestPath& best, double direct, const AnytimeOptions& options)
+  Anytime(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
+          double direct, const AnytimeOptions& options)
       : context_(context),
+        endpoints_(endpoints),
         lattices_(lattices),
         best_(best),
         direct_(direct),
@@ -23,15 +26,38 @@ class Anytime {
   void run(FoundPath first) {
     if (!best_.take(std::move(first), until_)) return;  // now with all the care that shortening can take
     std::uint64_t expansions = options_.first_expansions;
+    std::uint64_t tree_checks = options_.trees ? options_.first_tree_checks : 0;
     double finer = 1.0;
     for (int round = 0; improvement_.goes_on_after(round); ++round) {
-      if (!run_round(expansions, finer)) return;
+      if (!grow_trees(tree_checks) || !run_round(expansions, finer)) return;
+      tree_checks = std::min(options_.tree_growth * tree_checks, options_.max_expansions);
       expansions = std::min(options_.growth * expansions, options_.max_expansions);
       finer = std::max(options_.refinement * finer, options_.min_scale);
     }
   }
 
  private:
+  /// As run_round.
+  bool grow_trees(std::uint64_t checks) {
+    for (std::uint64_t spent = 0; spent < checks;) {
+      if (best_.good_enough(improvement_.final_weight, direct_) || until_.stop_requested()) return false;
+      const std::uint64_t before = context_.checks.motions(),
+                          most = std::min(options_.checks_of_a_tree, checks - spent);
+      RrtConnectStrategy trees(context_, endpoints_, direct_,
+                               {.alone = false, .fraction = 0.0, .first_checks = most, .seed = ++seed_});
+      Attempt found = grow(trees);
+      const bool is_path = found.status == Status::solved;
+      if (is_path && !best_.take(std::move(found.found), until_)) return false;
+      spent += std::max(context_.checks.motions() - before, is_path ? 1 : most);  // attempts may check nothing
+    }
+    return true;
+  }
+
+  Attempt grow(RrtConnectStrategy& trees) {
+    const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
+    return trees.attempt({}, until_);
+  }
+
   /// False: no better path is needed, or none can be found.
   bool run_round(std::uint64_t expansions, double finer) {
     for (const double fraction : options_.fractions)
@@ -60,6 +86,8 @@ class Anytime {
   double best_cost() const { return context_.statistics.path_cost_rad; }
 
   RobotContext& context_;
+  const SearchEndpoints& endpoints_;
+  std::uint64_t seed_{};  // of the trees that were grown last
   RobotLattices& lattices_;
   BestPath& best_;
   const double direct_;
@@ -70,9 +98,9 @@ class Anytime {
 
 }  // namespace
 
-void improve_path(RobotContext& context, RobotLattices& lattices, BestPath& best, FoundPath first, double direct,
-                  const AnytimeOptions& options) {
-  Anytime(context, lattices, best, direct, options).run(std::move(first));
+void improve_path(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
+                  FoundPath first, double direct, const AnytimeOptions& options) {
+  Anytime(context, endpoints, lattices, best, direct, options).run(std::move(first));
 }
 
 }  // namespace srmp

@@ -6,6 +6,7 @@
 namespace srmp {
 
 struct AnytimeOptions {
+  bool trees{true};  ///< false: lattices alone
   /// Of what the best path is longer than the straight line, each round asks for paths that save so much: 1 - fraction.
   /// Small fractions find much better paths or exhaust their lattices, which proves a bound; 1 takes whatever is
   /// better.
@@ -13,17 +14,21 @@ struct AnytimeOptions {
   std::uint64_t first_expansions{64};  ///< of one search in the first round
   std::uint64_t growth{4};             ///< of that number, from one round to the next
   std::uint64_t max_expansions{std::uint64_t{1} << 40};
-  double refinement{0.87};  ///< lattice steps of a round, as a multiple of those of the round before
-  double min_scale{0.01};   ///< lattices are refined down to this multiple of those of the first path
+  double refinement{0.87};                ///< lattice steps of a round, as a multiple of those of the round before
+  double min_scale{0.01};                 ///< lattices are refined down to this multiple of those of the first path
+  std::uint64_t first_tree_checks{4096};  ///< motions checked for trees and to shorten their paths, in the first round
+  std::uint64_t tree_growth{2};           ///< of that number, from one round to the next
+  std::uint64_t checks_of_a_tree{512};    ///< then other samples are tried
 };
 
-/// Shorter and shorter paths than the first one, for as many rounds or as long as asked. Each round searches only where
-/// a path could be shorter than the best by a good part of what it is longer than the straight line (Gammell,
+/// Shorter and shorter paths than the first one, for as many rounds or as long as asked. A round begins with trees of
+/// other samples: their shortened paths often pass obstacles on another side. Then it searches lattices, only where a
+/// path could be shorter than the best by a good part of what it is longer than the straight line (Gammell,
 /// Srinivasa, Barfoot 2014, "Informed RRT*"); a lattice exhausted there proves that its optimum is longer. When a round
 /// finds nothing, the next ones have more expansions, in finer lattices.
 ///
 /// `direct`: joint-space distance from the start to the nearest goal.
-void improve_path(RobotContext& context, RobotLattices& lattices, BestPath& best, FoundPath first, double direct,
-                  const AnytimeOptions& options = {});
+void improve_path(RobotContext& context, const SearchEndpoints& endpoints, RobotLattices& lattices, BestPath& best,
+                  FoundPath first, double direct, const AnytimeOptions& options = {});
 
 }  // namespace srmp

@@ -76,7 +76,8 @@ class PathSearch {
     best_.bound(direct_, "every path");
     FoundPath first = find_first(options);
     if (best_.take(first, context_.deadline, quick_shortcut) && improvement(context_.options).requested())
-      improve_path(context_, lattices_, best_, std::move(first), direct_);
+      improve_path(context_, search_endpoints_, lattices_, best_, std::move(first), direct_,
+                   {.trees = wants_rrt_connect()});
   }
 
   FoundPath find_first(const Auto& options) {

@@ -15,7 +15,7 @@ RrtConnectStrategy::RrtConnectStrategy(RobotContext& context, const SearchEndpoi
       direct_(direct),
       budget_(budget),
       checked_before_(context.checks.motions()),
-      trees_(space()) {}
+      trees_(space(), budget.seed) {}
 
 RrtConnectStrategy::~RrtConnectStrategy() {
   context_.statistics.samples += trees_.attempts();

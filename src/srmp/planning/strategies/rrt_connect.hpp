@@ -19,6 +19,7 @@ struct RrtConnectBudget {
   double fraction{15.0 / 16.0};
   std::uint64_t first_checks{128};       ///< motions
   std::uint64_t attempts_per_check{16};  ///< attempts between two checks of the budget
+  std::uint64_t seed{};                  ///< other samples, and most often another path
 };
 
 /// Two trees that grow towards each other through one robot's joint space (Kuffner, LaValle 2000), by samples that are
