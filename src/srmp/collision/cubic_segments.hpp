@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "srmp/collision/motion_proof.hpp"
+#include "srmp/collision/cubic_motion.hpp"
 
 namespace srmp::detail {
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "srmp/collision/checker.hpp"
+#include "srmp/collision/cubic_motion.hpp"
 
 // The independent proof that a motion is free. It is a twin of the checker's own motion check (SceneWorkspace) on
 // purpose: the certificate of a motion must not rest on the code that planned it. The two share Coal's distances, the
@@ -13,17 +14,6 @@
 // are checked, subdivided and called free.
 
 namespace srmp {
-
-/// A motion of all joints of a checker: between two rows every joint follows the cubic polynomial with their positions
-/// and velocities, a straight line if there are no velocities. References outlive the call.
-struct CubicMotion {
-  const Eigen::VectorXd& times;  ///< n [s], strictly increasing
-  ConstRows positions;           ///< n x dof [rad or m]
-  ConstRows velocities;          ///< n x dof, or no rows
-  /// Where velocities jump at rows: those with which each row is reached, n x dof; `velocities` are those with which it
-  /// is left. Null: they are the same.
-  const RowMatrix* arrivals{};
-};
 
 struct MotionProof {
   bool free{};                 ///< no contact was found

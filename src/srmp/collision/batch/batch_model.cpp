@@ -213,8 +213,10 @@ void BatchModel::add_self_pair(const BatchSelfPair& pair) {
     ++(from_a ? up_a : up_b);
   }
   const double here = 2 * robot->error_bound + 24 * unit * (robot->reach + 1.0);
+  const float padding = above(pair.padding), error = above(here);
   self_pairs.push_back({pair.a, pair.b, pair.exact, bodies[pair.a].first_stage + up_a,
-                        bodies[pair.b].first_stage + up_b, above(pair.padding), above(here)});
+                        bodies[pair.b].first_stage + up_b, padding, error, padding + error,
+                        bodies[pair.a].radius + bodies[pair.b].radius});
 }
 
 }  // namespace srmp

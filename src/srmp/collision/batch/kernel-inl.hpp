@@ -406,17 +406,15 @@ class Slice {
     for (int k = m_.self_pair_count - 1; k >= 0; --k) {  // the farther from the base, the likelier a hit
       if (!is_open(m_.pair_count + k)) continue;
       const KernelSelfPair& pair = m_.self_pairs[k];
-      const KernelBody &a = m_.bodies[pair.a], &b = m_.bodies[pair.b];
-      const V padding = all(pair.padding + pair.error);
-      const float radii = a.radius + b.radius;
+      const V kept = all(pair.kept);
       const V3 ca = center(pair.a), cb = center(pair.b);
-      if ((within(between(ca, cb), sum(any_moved_, padding, all(radii))) & alive_) == 0) continue;
+      if ((within(between(ca, cb), sum(any_moved_, kept, all(pair.radii))) & alive_) == 0) continue;
       move_body(pair.a);
       move_body(pair.b);
       const Motion of_a = motion(pair.stage_a), of_b = motion(pair.stage_b);
       const TwoBodies two{
-          pair.a, pair.b, of_a, of_b, sum(of_a.reach, of_b.reach, padding), sum(of_a.bend, of_b.bend, padding)};
-      const unsigned pending = come_near(two, ca, cb, radii, alive_);
+          pair.a, pair.b, of_a, of_b, sum(of_a.reach, of_b.reach, kept), sum(of_a.bend, of_b.bend, kept)};
+      const unsigned pending = come_near(two, ca, cb, pair.radii, alive_);
       if (pending == 0) continue;
       check_self_closely(k, pair, pending, two);
       if (done()) return;

@@ -77,6 +77,7 @@ struct KernelSelfPair {
   int stage_a, stage_b;  // of how the two move relative to their last common node
   float padding;         // kept clear between the two
   float error;
+  float kept, radii;  // padding and error, and the radii of both bodies' spheres, each added up
 };
 
 struct KernelModel {

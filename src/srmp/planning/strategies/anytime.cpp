@@ -48,7 +48,8 @@ class Anytime {
       Attempt found = grow(trees);
       const bool is_path = found.status == Status::solved;
       if (is_path && !best_.take(std::move(found.found), until_)) return false;
-      spent += std::max(context_.checks.motions() - before, is_path ? 1 : most);  // attempts may check nothing
+      spent += std::max(context_.checks.motions() - before,
+                        is_path ? options_.least_of_a_tree : most);  // attempts may check nothing
     }
     return true;
   }

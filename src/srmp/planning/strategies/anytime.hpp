@@ -19,6 +19,7 @@ struct AnytimeOptions {
   std::uint64_t first_tree_checks{4096};  ///< motions checked for trees and to shorten their paths, in the first round
   std::uint64_t tree_growth{2};           ///< of that number, from one round to the next
   std::uint64_t checks_of_a_tree{512};    ///< then other samples are tried
+  std::uint64_t least_of_a_tree{128};     ///< counted for one that finds a path, and its shortening
 };
 
 /// Shorter and shorter paths than the first one, for as many rounds or as long as asked. A round begins with trees of
