@@ -89,7 +89,7 @@ struct Bodies {
     if (is_fixed) return fixed[index];
     return moving[index];
   }
-  /// Body `index` of `moving`, or the envelope that counts after those.
+  /// Body `index` of `moving`, or the envelope that is numbered after those.
   const MovingBody& moving_body(std::size_t index) const {
     return index < moving.size() ? moving[index] : envelopes[index - moving.size()];
   }
@@ -99,7 +99,7 @@ struct Bodies {
   std::vector<MovingBody> moving;
   std::vector<FixedBody> fixed;
   /// Spheres around all moving bodies that the same joints move, which stand still relative to each other. They have no
-  /// geometry, and count after those of `moving`.
+  /// geometry, and are numbered after those of `moving`.
   std::vector<MovingBody> envelopes;
   std::vector<std::uint32_t> envelope_of;  // by moving body; itself where it is alone
   std::vector<Pair> pairs;

@@ -16,9 +16,12 @@ class CubicSegments {
     Eigen::Index from{}, to{};
     double u{0.0}, v{1.0};
     bool in_one_segment() const { return to == from + 1; }
-    /// About as short as doubles resolve. Only of segments that move bodies by more than 10^13 m are parts so short
+    /// About as short as doubles resolve. Only of segments that move bodies by more than 10^10 m are parts so short
     /// halved any further.
-    bool is_indivisible() const { return in_one_segment() && v - u < 0x1p-60; }
+    bool is_indivisible() const {
+      const double middle = (u + v) / 2.0;
+      return in_one_segment() && (v - u < 0x1p-60 || middle <= u || middle >= v);
+    }
     std::pair<Interval, Interval> halves() const;
   };
 

@@ -29,8 +29,8 @@ constexpr double likely_gain =
     0.1;  // of an interval's motion: by so much its parts may be farther apart in the middle than it is
 constexpr double finest_motion = Checker::motion_floor / 4.0;  // [m]; shorter intervals are left unproved
 constexpr int max_levels = 3;                                  // of halving at once
-constexpr double longest_group_motion =
-    3.0;                              // of the room between envelopes: groups that need it shorter are taken apart
+/// A group that moves by less than this multiple of the room between its envelopes is halved; others are taken apart.
+constexpr double longest_group_motion = 3.0;
 constexpr int max_samples = 200'000;  // configurations: the proof of an endless motion ends too
 constexpr int max_sharpening = 256;   // checks of each pass that raises the proved clearance
 constexpr double largest = 1e100;     // [rad or m] beyond it, squares overflow
@@ -239,7 +239,7 @@ void Prover::place_at(const Interval& interval) {
 }
 
 /// A clearance that the pair keeps over the interval around the current configuration: bounding volumes are `bound`
-/// apart here, across planes with this normal. Negative where that proves nothing.
+/// apart here, across planes with this normal. No more than `required` where that does not prove as much.
 double Prover::bound_left(const Pair& pair, double motion, double bound, const Eigen::Vector3d& direction,
                           double required) {
   const double apart = bound - pair.padding - NarrowPhase::tolerance;
@@ -325,10 +325,12 @@ bool Prover::prove_group(const Open& open, const Interval& interval) {
     note_proved({left, interval, open.pair, false});
     return true;
   }
+  // Members are rarely farther apart than the envelopes by more than `looseness`: over longer motions they are not
+  // tried.
   const double room = bound - around.padding - NarrowPhase::tolerance - goal(),
-               looseness = workspace_.likely_max_distance(around, 0.0) / 2.0;  // by which members may be farther apart
-  const double longest = std::max(room, 0.0) + looseness;                      // for which they may be proved
-  if ((motion > longest || motion < longest_group_motion * room) && !interval.is_indivisible()) {
+               looseness = workspace_.likely_max_distance(around, 0.0) / 2.0, longest = std::max(room, 0.0) + looseness;
+  const bool is_halved = motion > longest || motion < longest_group_motion * room;
+  if (is_halved && motion >= finest_motion && !interval.is_indivisible()) {
     open_.push_back({open.pair, levels_for(longest, motion)});
     return true;
   }

@@ -40,14 +40,16 @@ struct ProofOptions {
 
 /// Proves that a motion is free, between rows too, and finds how near the bodies come to each other.
 ///
-/// Branch and bound over time, each pair of bodies by itself: a distance of Coal's at a configuration, less what the
-/// two can approach each other anywhere in an interval around it (from the range of the polynomials' Bernstein
-/// coefficients and the kinematic tree), bounds their distance all through it; intervals where that is not above 0 are
-/// halved (conservative advancement: Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004).
-/// Intervals of less than a quarter of Checker::motion_floor of motion are not (a checker may decide between two
-/// floors, where this proof has to follow): they go to `unproved`, and so does all that is open when time is up, or
-/// after 200 000 configurations. Where nothing is left open, bounds that are still too low are raised, the least first
-/// (best-first branch and bound), as far as ProofOptions::gap_tolerance asks.
+/// Branch and bound over time, each pair of bodies or group of pairs by itself: a distance of Coal's at a
+/// configuration, less what the two can approach each other anywhere in an interval around it (from the range of the
+/// polynomials' Bernstein coefficients and the kinematic tree), bounds their distance all through it. Where bounding
+/// volumes suffice, only the motion across planes between them counts, and bodies that the same joints move are checked
+/// together, by a sphere around them. Intervals where the bound is not above 0 are halved (conservative advancement:
+/// Schwarzer, Saha, Latombe, "Exact collision checking of robot paths", 2004). Intervals of less than a quarter of
+/// Checker::motion_floor of motion are not (a checker may decide between two floors, where this proof has to follow):
+/// they go to `unproved`, and so does all that is open when time is up, or after 200 000 configurations. Where nothing
+/// is left open, bounds that are still too low are raised, the least first (best-first branch and bound), as far as
+/// ProofOptions::gap_tolerance asks.
 ///
 /// With a checker of CheckMode::coal, no pair was left out because of a table either. The result depends on the
 /// arguments alone. Stops at the first contact. Throws InvalidArgument for no rows, sizes that do not match

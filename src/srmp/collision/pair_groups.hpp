@@ -9,14 +9,14 @@
 namespace srmp::detail {
 
 /// The pairs of bodies, those between the same two envelopes together, or between an envelope and a fixed body: what
-/// keeps the envelopes apart keeps each of these pairs apart. Pairs of bodies without envelopes are groups of one.
+/// keeps the envelopes apart keeps each of these pairs apart. Pairs of two bodies without envelopes are groups of one.
 class PairGroups {
  public:
   /// The bodies outlive this.
   explicit PairGroups(const Bodies& bodies);
 
   std::size_t size() const { return around_.size(); }
-  /// The envelopes as a pair, with the largest padding of the group's pairs; of a group of one, its pair.
+  /// The envelopes as a pair, with the largest padding of the group's pairs.
   const Pair& around(std::size_t group) const { return around_[group]; }
   /// Numbers of the group's pairs.
   std::span<const std::uint32_t> members(std::size_t group) const {

@@ -37,15 +37,13 @@ class Anytime {
   }
 
  private:
-  /// As run_round.
+  /// False: as of run_round.
   bool grow_trees(std::uint64_t checks) {
     for (std::uint64_t spent = 0; spent < checks;) {
       if (best_.good_enough(improvement_.final_weight, direct_) || until_.stop_requested()) return false;
       const std::uint64_t before = context_.checks.motions(),
                           most = std::min(options_.checks_of_a_tree, checks - spent);
-      RrtConnectStrategy trees(context_, endpoints_, direct_,
-                               {.alone = false, .fraction = 0.0, .first_checks = most, .seed = ++seed_});
-      Attempt found = grow(trees);
+      Attempt found = grow_tree(most);
       const bool is_path = found.status == Status::solved;
       if (is_path && !best_.take(std::move(found.found), until_)) return false;
       spent += std::max(context_.checks.motions() - before,
@@ -54,9 +52,15 @@ class Anytime {
     return true;
   }
 
-  Attempt grow(RrtConnectStrategy& trees) {
+  Attempt grow_tree(std::uint64_t checks) {
     const PhaseTimer timer(context_.deadline, context_.statistics.search_time_s);
-    return trees.attempt({}, until_);
+    std::uint64_t& memory = context_.statistics.memory_bytes;
+    const std::uint64_t before = memory;
+    Attempt found = RrtConnectStrategy(context_, endpoints_, direct_,
+                                       {.alone = false, .fraction = 0.0, .first_checks = checks, .seed = ++seed_})
+                        .attempt({}, until_);
+    memory = std::max(before, memory - before);  // the trees before are gone
+    return found;
   }
 
   /// False: no better path is needed, or none can be found.

@@ -11,14 +11,14 @@ struct AnytimeOptions {
   /// Small fractions find much better paths or exhaust their lattices, which proves a bound; 1 takes whatever is
   /// better.
   std::vector<double> fractions{0.5, 0.75, 0.9, 1.0};
-  std::uint64_t first_expansions{64};  ///< of one search in the first round
-  std::uint64_t growth{4};             ///< of that number, from one round to the next
-  std::uint64_t max_expansions{std::uint64_t{1} << 40};
+  std::uint64_t first_expansions{64};                    ///< of one search in the first round
+  std::uint64_t growth{4};                               ///< of that number, from one round to the next
+  std::uint64_t max_expansions{std::uint64_t{1} << 40};  ///< and of tree checks
   double refinement{0.87};                ///< lattice steps of a round, as a multiple of those of the round before
   double min_scale{0.01};                 ///< lattices are refined down to this multiple of those of the first path
   std::uint64_t first_tree_checks{4096};  ///< motions checked for trees and to shorten their paths, in the first round
   std::uint64_t tree_growth{2};           ///< of that number, from one round to the next
-  std::uint64_t checks_of_a_tree{512};    ///< then other samples are tried
+  std::uint64_t checks_of_a_tree{512};    ///< > 0; then other samples are tried
   std::uint64_t least_of_a_tree{128};     ///< counted for one that finds a path, and its shortening
 };
 

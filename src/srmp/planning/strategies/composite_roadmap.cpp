@@ -389,22 +389,23 @@ class CompositeRoadmap::Query {
 
 CompositeRoadmap::Result CompositeRoadmap::run(const std::vector<std::size_t>& robots, const SearchBudget& budget,
                                                const Deadline& deadline) {
-  std::uint64_t tried = 0;
-  if (budget.path_expansions > 0) {
+  Result tried;
+  const auto has_none = [&](std::size_t robot) { return !has_retreats_[robot]; };
+  if (budget.path_expansions > 0 && std::ranges::any_of(robots, has_none)) {
     for (const std::size_t robot : robots)
-      if (!has_retreats_[robot]) compute_cost_to_go(robot);
+      if (has_none(robot)) compute_cost_to_go(robot);
     SearchBudget few = budget;
     few.max_expansions = std::min(budget.path_expansions, budget.max_expansions);
-    const Result found = Query(*this, robots, few).run(deadline);
-    if (found.status == Status::solved) return found;
-    tried = found.expansions;
+    tried = Query(*this, robots, few).run(deadline);
+    if (tried.status == Status::solved) return tried;
   }
   for (const std::size_t robot : robots) {
+    if (const auto stop = stop_status(deadline)) return {*stop, {}, 0.0, tried.expansions, tried.memory};
     add_retreats(robot, deadline);
-    if (const auto stop = stop_status(deadline)) return {*stop, {}, 0.0, 0};
   }
   Result found = Query(*this, robots, budget).run(deadline);
-  found.expansions += tried;
+  found.expansions += tried.expansions;
+  found.memory = std::max(found.memory, tried.memory);
   return found;
 }
 

@@ -72,8 +72,9 @@ class CompositeRoadmap {
   };
   struct SearchBudget {
     std::uint64_t max_expansions{};
-    std::uint64_t max_checks{};         ///< of simultaneous motions of two robots
-    std::uint64_t path_expansions{};    ///< on the robots' own paths, before retreats are found and added; 0: none
+    std::uint64_t max_checks{};  ///< of simultaneous motions of two robots
+    /// Of a search before it, which has as many checks: without retreats of the robots that have none yet. 0: none.
+    std::uint64_t path_expansions{};
     double weight{12.0};                ///< of the cost-to-go, >= 1
     double max_cost{search::infinity};  ///< only paths that cost less
   };

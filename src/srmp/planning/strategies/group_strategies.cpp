@@ -18,7 +18,7 @@ namespace {
 
 /// Work of the first round; it grows fourfold from round to round.
 struct GroupBudget {
-  std::uint64_t path_expansions{512};             ///< before there are retreats
+  std::uint64_t path_expansions{512};             ///< of the first level, before there are retreats; the same
   std::uint64_t roadmap_expansions{8'192};        ///< until there is a path; the same in every round
   std::uint64_t roadmap_checks{8'000};            ///< of motions of two robots, until there is a path
   std::uint64_t shorter_expansions{16'000};       ///< of each search after it; the same in every round

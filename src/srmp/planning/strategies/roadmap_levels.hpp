@@ -24,7 +24,7 @@ class RoadmapLevels {
     return *slot;
   }
 
-  /// Retreat configurations of the first level, by index in the world; none of robots that were not planned on it.
+  /// Retreat configurations of the first level, by index in the world; none of robots that did not need them.
   std::vector<std::vector<Eigen::VectorXd>> retreats(const std::vector<std::size_t>& robots) const {
     std::vector<std::vector<Eigen::VectorXd>> found(world_.size());
     if (const CompositeRoadmap* first = levels_.front().get())
