@@ -298,8 +298,8 @@ void Bodies::add_other_robots(const Scene& scene) {
 }
 
 void Bodies::add_envelopes() {
-  std::map<std::pair<int, std::uint64_t>, std::vector<std::uint32_t>> by_support;
-  for (std::uint32_t i = 0; i < moving.size(); ++i) by_support[{moving[i].robot, moving[i].support}].push_back(i);
+  std::map<std::uint64_t, std::vector<std::uint32_t>> by_support;  // each is of one robot
+  for (std::uint32_t i = 0; i < moving.size(); ++i) by_support[moving[i].support].push_back(i);
   envelope_of.resize(moving.size());
   for (const auto& [support, bodies] : by_support) {
     const auto number = static_cast<std::uint32_t>(moving.size() + envelopes.size());

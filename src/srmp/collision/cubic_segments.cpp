@@ -28,11 +28,6 @@ std::pair<CubicSegments::Interval, CubicSegments::Interval> CubicSegments::Inter
   return {left, right};
 }
 
-CubicSegments::CubicSegments(const CubicMotion& motion) : motion_(motion) {
-  for (Eigen::Index first = motion.positions.rows() - 1; first > 0; first /= 2) ++levels_;
-  build();
-}
-
 template <class Visit>
 void CubicSegments::for_each_block(Eigen::Index from, Eigen::Index to, Visit&& visit) const {
   while (from < to) {
@@ -81,7 +76,7 @@ CubicSegments::Coefficients CubicSegments::coefficients(Eigen::Index segment, Ei
 
 void CubicSegments::range_of_segment(const Interval& at, Range& range) const {
   const double m = (at.u + at.v) / 2.0;
-  range.time = this->time(at, m);
+  range.time = time(at, m);
   for (Eigen::Index j = 0; j < range.middle.size(); ++j) {
     const Coefficients &c = of(at.from, j),
                        part = std::array{blossom(c, at.u, at.u, at.u), blossom(c, at.u, at.u, at.v),
@@ -123,13 +118,9 @@ void CubicSegments::build() {
   coefficients_.reserve(static_cast<std::size_t>(segments * dof));
   for (Eigen::Index i = 0; i < segments; ++i)
     for (Eigen::Index j = 0; j < dof; ++j) coefficients_.push_back(coefficients(i, j));
-  low_.resize(static_cast<std::size_t>(levels_));
-  high_ = low_;
-  for (std::size_t level = 0; level < low_.size(); ++level) {
+  for (std::size_t level = 0; segments >> level > 0; ++level) {
     const Eigen::Index count = segments >> level;
-    RowMatrix &low = low_[level], &high = high_[level];
-    low.resize(count, dof);
-    high.resize(count, dof);
+    RowMatrix &low = low_.emplace_back(count, dof), &high = high_.emplace_back(count, dof);
     for (Eigen::Index i = 0; i < count; ++i)
       for (Eigen::Index j = 0; j < dof; ++j) {
         if (level == 0) {

@@ -39,7 +39,7 @@ class CubicSegments {
   };
 
   /// The motion outlives this.
-  explicit CubicSegments(const CubicMotion& motion);
+  explicit CubicSegments(const CubicMotion& motion) : motion_(motion) { build(); }
 
   void range(const Interval& at, Range& range) const;
   /// When the interval begins or ends: at rows, their times bit for bit.
@@ -60,7 +60,6 @@ class CubicSegments {
   void for_each_block(Eigen::Index from, Eigen::Index to, Visit&& visit) const;
 
   const CubicMotion& motion_;
-  int levels_{};
   std::vector<Coefficients> coefficients_;  // [segment * joints + joint]
   std::vector<RowMatrix> low_, high_;       // [level](block, joint)
 };

@@ -59,7 +59,7 @@ class Prover {
   using Interval = CubicSegments::Interval;
 
   struct Open {
-    std::uint32_t pair;  // or the number of pairs and that of a group
+    std::uint32_t pair;  // or a group: a number of groups_
     int levels;          // of halving before it is worth another check
     double bound{-1.0};  // a clearance that the pair is proved to keep, less than the goal; below 0: none
   };
@@ -121,22 +121,6 @@ class Prover {
   void leave_unproved(const Interval& interval, std::uint32_t pair);
   bool refine_nearest();
   MotionProof report(bool free) const;
-  std::uint32_t number_of_group(std::size_t group) const {
-    return static_cast<std::uint32_t>(model_.bodies.pairs.size() + group);
-  }
-  bool is_group(std::uint32_t number) const { return number >= model_.bodies.pairs.size(); }
-  std::span<const std::uint32_t> members(std::uint32_t group) const {
-    return groups_.members(group - model_.bodies.pairs.size());
-  }
-  const Pair& pair_of(std::uint32_t number) const {
-    return is_group(number) ? groups_.around(number - model_.bodies.pairs.size()) : model_.bodies.pairs[number];
-  }
-  /// The group by its number, or the only pair in it.
-  std::uint32_t whole(std::size_t group) const {
-    const auto members = groups_.members(group);
-    return members.size() == 1 ? members.front() : number_of_group(group);
-  }
-
   const SceneModel& model_;
   const CubicMotion& motion_;
   PairGroups groups_;
@@ -193,24 +177,24 @@ void Prover::find_nearest_at(Eigen::Index row, double enough) {
   order_.clear();
   const auto nearest_first = std::greater<>();  // of a heap
   const auto add = [&](std::uint32_t number) {
-    const double bound = workspace_.distance_bound(pair_of(number)) - pair_of(number).padding;
+    const double bound = workspace_.distance_bound(groups_.pair_of(number)) - groups_.pair_of(number).padding;
     if (bound >= clearance_) return;
     order_.emplace_back(bound, number);
     std::push_heap(order_.begin(), order_.end(), nearest_first);
   };
-  for (std::size_t i = 0; i < groups_.size(); ++i) add(whole(i));
+  for (std::size_t i = 0; i < groups_.size(); ++i) add(groups_.number(i));
   const bool may_stop = motion_.positions.rows() > 1;  // a single row has no other check
   for (bool first = true; !order_.empty();) {
     std::pop_heap(order_.begin(), order_.end(), nearest_first);
     const auto [bound, i] = order_.back();
     order_.pop_back();
     if (bound >= clearance_ || (may_stop && !first && stopped())) return;
-    if (is_group(i)) {
-      for (const std::uint32_t member : members(i)) add(member);
+    if (groups_.is_group(i)) {
+      for (const std::uint32_t member : groups_.members_of(i)) add(member);
       continue;
     }
     first = false;
-    const Pair& pair = pair_of(i);
+    const Pair& pair = groups_.pair_of(i);
     const double margin = clearance_ + pair.padding;
     if (!pair.solid && margin < infinity && workspace_.hull_distance(pair, margin, infinity) == infinity) continue;
     const double found = workspace_.distance(pair, margin, enough);
@@ -306,8 +290,8 @@ void Prover::leave_unproved(const Interval& interval, std::uint32_t pair) {
 
 /// Notes what is proved of the pair over the interval, which is not halved for it.
 void Prover::close(const Open& open, const Interval& interval, bool measured) {
-  if (is_group(open.pair))
-    for (const std::uint32_t member : members(open.pair)) leave_unproved(interval, member);
+  if (groups_.is_group(open.pair))
+    for (const std::uint32_t member : groups_.members_of(open.pair)) leave_unproved(interval, member);
   else if (open.bound >= 0.0)
     note_proved({open.bound, interval, open.pair, measured});
   else
@@ -317,7 +301,7 @@ void Prover::close(const Open& open, const Interval& interval, bool measured) {
 /// Proves the pairs of a group over the interval around the current configuration, together if their envelopes are far
 /// enough apart, or leaves them open; false at a contact.
 bool Prover::prove_group(const Open& open, const Interval& interval) {
-  const Pair& around = pair_of(open.pair);
+  const Pair& around = groups_.pair_of(open.pair);
   Eigen::Vector3d direction;
   const double motion = approach(around), bound = workspace_.distance_bound(around, &direction),
                left = bound_left(around, motion, bound, direction, goal());
@@ -334,7 +318,7 @@ bool Prover::prove_group(const Open& open, const Interval& interval) {
     open_.push_back({open.pair, levels_for(longest, motion)});
     return true;
   }
-  return std::ranges::all_of(members(open.pair),
+  return std::ranges::all_of(groups_.members_of(open.pair),
                              [&](std::uint32_t member) { return prove_pair({.pair = member, .levels = 0}, interval); });
 }
 
@@ -373,7 +357,7 @@ bool Prover::prove(const Interval& interval, std::size_t first, std::size_t coun
     const Open open = open_[i];
     if (open.levels > 0)
       open_.push_back({open.pair, open.levels - 1, open.bound});
-    else if (!(is_group(open.pair) ? prove_group(open, interval) : prove_pair(open, interval)))
+    else if (!(groups_.is_group(open.pair) ? prove_group(open, interval) : prove_pair(open, interval)))
       return false;
   }
   const std::size_t still_open = open_.size() - kept;
@@ -434,7 +418,7 @@ MotionProof Prover::run() {
   bool free = refine_nearest();
   if (free && last > 0) {
     open_.clear();
-    for (std::size_t i = 0; i < groups_.size(); ++i) open_.push_back({.pair = whole(i), .levels = 0});
+    for (std::size_t i = 0; i < groups_.size(); ++i) open_.push_back({.pair = groups_.number(i), .levels = 0});
     free = prove({0, last}, 0, groups_.size()) && (!unproved_.empty() || sharpen());
   }
   return report(free && refine_nearest());

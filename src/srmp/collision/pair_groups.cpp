@@ -4,7 +4,7 @@
 
 namespace srmp::detail {
 
-PairGroups::PairGroups(const Bodies& bodies) {
+PairGroups::PairGroups(const Bodies& bodies) : bodies_(bodies) {
   const std::size_t moving = bodies.moving.size() + bodies.envelopes.size(), others = bodies.fixed.size() + moving;
   std::vector<std::int32_t> group_between(moving * others, -1);
   std::vector<std::uint32_t> group_of;

@@ -23,7 +23,23 @@ class PairGroups {
     return {members_.data() + first_[group], first_[group + 1] - first_[group]};
   }
 
+  // --- one numbering of pairs and groups: pairs come first
+
+  /// The number of the group, or of the only pair in it.
+  std::uint32_t number(std::size_t group) const {
+    const auto pairs = members(group);
+    return pairs.size() == 1 ? pairs.front() : static_cast<std::uint32_t>(bodies_.pairs.size() + group);
+  }
+  bool is_group(std::uint32_t number) const { return number >= bodies_.pairs.size(); }
+  const Pair& pair_of(std::uint32_t number) const {
+    return is_group(number) ? around(number - bodies_.pairs.size()) : bodies_.pairs[number];
+  }
+  std::span<const std::uint32_t> members_of(std::uint32_t number) const {
+    return members(number - bodies_.pairs.size());
+  }
+
  private:
+  const Bodies& bodies_;
   std::vector<Pair> around_;
   std::vector<std::uint32_t> first_;    // [group], and the end
   std::vector<std::uint32_t> members_;  // of the groups, one after the other
