@@ -4,6 +4,7 @@
 #include "srmp/planning/strategies/composite_roadmap.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
 #include "srmp/planning/strategies/composite_search.hpp"
+#include "srmp/planning/strategies/one_by_one.hpp"
 #include "support/facing_arms.hpp"
 
 namespace {
@@ -60,6 +61,42 @@ BOOST_AUTO_TEST_CASE(no_path_leads_to_goals_in_collision) {
   FacingArms apart(Vector2d(0.0, 0.0));  // both straight: the robots collide
   const srmp::CompositeSpace nowhere(*apart.world, both);
   BOOST_TEST(!srmp::search::RrtConnect(srmp::rrt_space(nowhere)).grow(1'000, {}).has_value());
+}
+
+BOOST_AUTO_TEST_CASE(robots_move_one_after_the_other_around_those_that_stand) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0), bent(0.3, 2.0);
+  // The left arm passes the right one, which is straight at its start and bent at its goal: it has to move first.
+  FacingArms pair({up, {down}, {up, down}}, {straight, {bent}, {straight, bent}});
+  const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, {}, {});
+  BOOST_REQUIRE(found.path.has_value());
+  pair.check_free(*found.path);
+  BOOST_TEST((found.path->positions[0].bottomRows(1).transpose() - down).norm() < 1e-12);
+  BOOST_TEST((found.path->positions[1].bottomRows(1).transpose() - bent).norm() < 1e-12);
+  for (Eigen::Index row = 1; row < found.path->positions[0].rows(); ++row)  // never both at the same time
+    BOOST_TEST(((found.path->positions[0].row(row) == found.path->positions[0].row(row - 1)) ||
+                (found.path->positions[1].row(row) == found.path->positions[1].row(row - 1))));
+}
+
+BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
+  const Vector2d up(1.2, 0.0), down(-1.2, 0.0), straight(0.0, 0.0);
+  FacingArms pair({up, {down}, {up, down}}, {straight, {straight}, {straight, Vector2d(0.05, 0.0), straight}});
+  const srmp::OneByOneOptions without{.retreats = 0},
+      with{.attempts_of_all = 16'384, .max_expansions = 4'096, .retreats = 32};
+  BOOST_TEST(!srmp::one_by_one(*pair.world, both, without, {}).path.has_value());
+  const srmp::OneByOneResult found = srmp::one_by_one(*pair.world, both, with, {});
+  BOOST_REQUIRE(found.path.has_value());
+  pair.check_free(*found.path);
+  BOOST_TEST((found.path->positions[0].bottomRows(1).transpose() - down).norm() < 1e-12);
+  BOOST_TEST((found.path->positions[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
+  // The same question, the same path.
+  const srmp::OneByOneResult again = srmp::one_by_one(*pair.world, both, with, {});
+  BOOST_TEST((again.path->positions[0] == found.path->positions[0]));
+  BOOST_TEST((again.path->positions[1] == found.path->positions[1]));
+}
+
+BOOST_AUTO_TEST_CASE(no_order_of_robots_leads_to_goals_in_collision) {
+  FacingArms apart(Vector2d(0.0, 0.0));  // both straight: the robots collide
+  BOOST_TEST(!srmp::one_by_one(*apart.world, both, {}, {}).path.has_value());
 }
 
 BOOST_AUTO_TEST_CASE(roadmaps_give_shorter_paths_for_smaller_weights) {
@@ -142,7 +179,7 @@ BOOST_AUTO_TEST_CASE(roadmaps_refuse_options_out_of_range) {
                                                   {.max_vertices = 65'536},
                                                   {.block = 0},
                                                   {.step_cost = -1.0},
-                                                  {.joint_offsets = {NAN}}})
+                                                  {.offsets = {.joint = {NAN}}}})
     BOOST_CHECK_THROW(srmp::CompositeRoadmap(*pair.world, options), srmp::InvalidArgument);
 }
 

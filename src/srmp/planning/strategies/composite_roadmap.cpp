@@ -47,8 +47,8 @@ void CompositeRoadmap::require_options() const {
           "less than 65536");
   require(options_.step_cost >= 0.0 && std::isfinite(options_.step_cost), "step_cost", to_text(options_.step_cost),
           "0 or above");
-  require_finite(options_.joint_offsets, "joint_offsets");
-  require_finite(options_.second_joint_offsets, "second_joint_offsets");
+  require_finite(options_.offsets.joint, "offsets.joint");
+  require_finite(options_.offsets.second_joint, "offsets.second_joint");
 }
 
 // --- roadmaps
@@ -95,38 +95,12 @@ std::vector<CompositeRoadmap::Vertex> CompositeRoadmap::branch_points(const Road
   return vertices;
 }
 
-/// Configurations around the branch points with one or two joints displaced, those of the shortest detour first.
-std::vector<Eigen::VectorXd> CompositeRoadmap::retreat_candidates(std::size_t robot_number) const {
-  const RobotModel& robot = world_.model(robot_number);
-  const Roadmap& map = maps_[robot_number];
-  const Eigen::VectorXd &start = map.vertices.front(), &goal = map.vertices[map.goal];
-  const auto dof = static_cast<Eigen::Index>(robot.dof());
-  std::vector<Eigen::VectorXd> candidates;
-  const auto add = [&](Eigen::VectorXd q) {
-    if (!robot.limit_violation(q)) candidates.push_back(std::move(q));
-  };
-  for (const Vertex branch_point : branch_points(map))
-    for (Eigen::Index j = 0; j < dof; ++j)
-      for (const double offset : options_.joint_offsets) {
-        Eigen::VectorXd q = map.vertices[branch_point];
-        q[j] += offset;
-        add(q);
-        for (Eigen::Index k = j + 1; k < dof; ++k)
-          for (const double second_offset : options_.second_joint_offsets) {
-            Eigen::VectorXd both = q;
-            both[k] += second_offset;
-            add(both);
-          }
-      }
-  const auto detour = [&](const Eigen::VectorXd& q) {
-    return robot.difference(start, q).norm() + robot.difference(q, goal).norm();
-  };
-  std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < candidates.size(); ++i) order.emplace_back(detour(candidates[i]), i);
-  std::sort(order.begin(), order.end());
-  std::vector<Eigen::VectorXd> sorted;
-  for (const auto& [cost, i] : order) sorted.push_back(candidates[i]);
-  return sorted;
+std::vector<Eigen::VectorXd> CompositeRoadmap::candidates_of(std::size_t robot) const {
+  const Roadmap& map = maps_[robot];
+  std::vector<Eigen::VectorXd> around;
+  for (const Vertex branch_point : branch_points(map)) around.push_back(map.vertices[branch_point]);
+  return retreat_candidates(world_.model(robot), map.vertices.front(), map.vertices[map.goal], around,
+                            options_.offsets);
 }
 
 /// The fraction of the vertices of other robots' paths with which the robot at q is surely collision-free.
@@ -162,7 +136,7 @@ std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::
 void CompositeRoadmap::add_retreats(std::size_t robot, const Deadline& deadline) {
   if (std::exchange(has_retreats_[robot], true)) return;
   Roadmap& map = maps_[robot];
-  const std::vector<Eigen::VectorXd> candidates = retreat_candidates(robot);
+  const std::vector<Eigen::VectorXd> candidates = candidates_of(robot);
   const std::vector<std::size_t> best_first = ranked(robot, candidates, deadline);
   std::vector<std::size_t> kept;  // of the candidates: those that became map.retreats
   for (const Vertex branch_point : branch_points(map)) {

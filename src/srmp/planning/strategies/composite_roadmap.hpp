@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "srmp/core/status.hpp"
+#include "srmp/planning/strategies/retreats.hpp"
 #include "srmp/planning/world_paths.hpp"
 #include "srmp/search/graph.hpp"
 
@@ -31,9 +32,7 @@ struct CompositeRoadmapOptions {
   std::size_t block{16};
   /// Cost of a step in itself [rad], >= 0: more makes robots move at the same time rather than one after the other.
   double step_cost{0.02};
-  /// Displacements [rad, prismatic joints m] of one joint, and of a second one beside it, from a branch point: they
-  /// span the retreat candidates.
-  std::vector<double> joint_offsets{-1.2, -0.8, -0.4, 0.4, 0.8, 1.2}, second_joint_offsets{-0.8, 0.8};
+  RetreatOffsets offsets{};  ///< of the retreat candidates from a branch point
 };
 
 /// One robot's factor of a CompositeRoadmap: its single-robot path from start to goal, and edges from it to retreat
@@ -108,7 +107,7 @@ class CompositeRoadmap {
   void add_edge(Roadmap& map, std::size_t robot, Vertex from, const Eigen::VectorXd& q,
                 std::optional<Vertex> known = {}) const;
   std::vector<Vertex> branch_points(const Roadmap& map) const;
-  std::vector<Eigen::VectorXd> retreat_candidates(std::size_t robot) const;
+  std::vector<Eigen::VectorXd> candidates_of(std::size_t robot) const;
   double collision_free_fraction(std::size_t robot, const Eigen::VectorXd& q);
   std::vector<std::size_t> ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates,
                                   const Deadline& deadline);

@@ -11,8 +11,11 @@ using Sampler = std::function<Eigen::VectorXd(search::RandomSequence&)>;
 /// Of each robot as if it were alone.
 std::vector<Sampler> samplers(const CompositeSpace& space) {
   std::vector<Sampler> found;
-  for (std::size_t i = 0; i < space.size(); ++i)
-    found.push_back(rrt_space(space.model(i), space.task(i).start, space.task(i).targets).sample);
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    std::vector<Eigen::VectorXd> targets;
+    for (const Eigen::VectorXd& target : space.targets()) targets.push_back(space.part(target, i));
+    found.push_back(rrt_space(space.model(i), space.part(space.start(), i), std::move(targets)).sample);
+  }
   return found;
 }
 
@@ -22,8 +25,8 @@ Eigen::VectorXd sample(const CompositeSpace& space, const std::vector<Sampler>& 
   for (std::size_t i = 0; i < space.size(); ++i) {
     const double choice = random.next();
     if (choice < stay_fraction) continue;
-    if (choice < 2 * stay_fraction && !space.task(i).anywhere)
-      space.part(q, i) = space.task(i).targets.front();
+    if (choice < 2 * stay_fraction && !space.targets().empty())
+      space.part(q, i) = space.part(space.targets().front(), i);
     else
       space.part(q, i) = alone[i](random);
   }

@@ -6,21 +6,46 @@ namespace srmp {
 
 CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others,
                                const CompositeSpaceOptions& options)
-    : world_(world), robots_(std::move(robots)), others_(std::move(others)), max_targets_(options.max_targets) {
-  for (const std::size_t robot : robots_) {
-    const std::vector<Joint>& joints = world.model(robot).joints();
-    first_.push_back(std::ssize(joints_));
-    joints_.insert(joints_.end(), joints.begin(), joints.end());
-  }
-  first_.push_back(std::ssize(joints_));
+    : world_(world), robots_(std::move(robots)), others_(std::move(others)), options_(options) {
+  add_joints();
   start_.resize(std::ssize(joints_));
   for (std::size_t i = 0; i < size(); ++i) part(start_, i) = task(i).start;
   add_targets(0, start_);
 }
 
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Eigen::VectorXd start,
+                               Eigen::VectorXd goal, Others others, const CompositeSpaceOptions& options)
+    : world_(world),
+      robots_(std::move(robots)),
+      others_(std::move(others)),
+      start_(std::move(start)),
+      targets_{std::move(goal)},
+      options_(options) {
+  add_joints();
+  for (Standing& other : others_) other.near_ends = !is_clear_of_ends(other);
+}
+
+/// By spheres alone.
+bool CompositeSpace::is_clear_of_ends(const Standing& other) const {
+  const Eigen::VectorXd ends[]{other.q};
+  for (std::size_t i = 0; i < size(); ++i)
+    for (const Eigen::VectorXd* q : {&start_, &targets_.front()})
+      if (!world_.collision_free_with(robots_[i], part(*q, i), other.robot, ends).front()) return false;
+  return true;
+}
+
+void CompositeSpace::add_joints() {
+  for (const std::size_t robot : robots_) {
+    const std::vector<Joint>& joints = world_.model(robot).joints();
+    first_.push_back(std::ssize(joints_));
+    joints_.insert(joints_.end(), joints.begin(), joints.end());
+  }
+  first_.push_back(std::ssize(joints_));
+}
+
 /// The first goals of each robot first.
 void CompositeSpace::add_targets(std::size_t i, Eigen::VectorXd q) {
-  if (targets_.size() >= max_targets_) return;
+  if (targets_.size() >= options_.max_targets) return;
   if (i == size()) {
     targets_.push_back(std::move(q));
     return;
@@ -42,7 +67,7 @@ bool CompositeSpace::is_end(const Eigen::VectorXd& q) const {
 }
 
 bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  const bool by_spheres = !is_end(a) && !is_end(b);
+  const bool at_end = is_end(a) || is_end(b), by_spheres = !at_end;
   std::vector<char> moves(size());
   for (std::size_t i = 0; i < size(); ++i) {
     moves[i] = part(a, i) != part(b, i);
@@ -56,7 +81,7 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   for (std::size_t i = 0; i < size(); ++i)
     for (const Standing& other : others_)
       if (moves[i] && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), other.robot, other.q, other.q,
-                                                 {.start_is_free = true}))
+                                                 {true, options_.others_by_spheres && !(at_end && other.near_ends)}))
         return false;
   return true;
 }

@@ -9,6 +9,8 @@ namespace srmp {
 struct CompositeSpaceOptions {
   /// Combinations of the robots' goals, > 0: more find a goal that is easier to reach, and take longer to search.
   std::size_t max_targets{16};
+  /// Between the ends only spheres tell whether the others are clear of the robots: quicker, and less is free.
+  bool others_by_spheres{false};
 };
 
 /// Robots as one robot with all their joints: where it begins, where it may end, and which of its motions are free.
@@ -19,11 +21,15 @@ class CompositeSpace {
   struct Standing {
     std::size_t robot{};
     Eigen::VectorXd q;
+    bool near_ends{};  ///< do spheres leave open whether it is clear of the robots at their start or goal?
   };
   using Others = std::vector<Standing>;
   /// The world outlives this.
   CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {},
                  const CompositeSpaceOptions& options = {});
+  /// From and to where the robots are collision-free, whatever their tasks: all of their joints.
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Eigen::VectorXd start, Eigen::VectorXd goal,
+                 Others others, const CompositeSpaceOptions& options = {});
 
   std::size_t size() const { return robots_.size(); }
   const MultiRobotWorld& world() const { return world_; }
@@ -50,6 +56,8 @@ class CompositeSpace {
   JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
 
  private:
+  void add_joints();
+  bool is_clear_of_ends(const Standing& other) const;
   void add_targets(std::size_t i, Eigen::VectorXd q);
   bool is_end(const Eigen::VectorXd& q) const;
 
@@ -60,7 +68,7 @@ class CompositeSpace {
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;
   std::vector<Eigen::VectorXd> targets_;
-  std::size_t max_targets_;
+  CompositeSpaceOptions options_;
 };
 
 }  // namespace srmp

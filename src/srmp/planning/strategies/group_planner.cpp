@@ -19,12 +19,13 @@ FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadl
   const bool trees_alone = std::holds_alternative<RRTConnect>(options_);
   std::optional<CompositeSpace> space;
   Strategies strategies;
-  if (portfolio)
-    strategies.push_back(std::make_unique<CompositeRoadmapStrategy>(world_, robots, roadmaps_, statistics));
+  if (portfolio) strategies.push_back(std::make_unique<OneByOneStrategy>(world_, robots, statistics));
   if (portfolio || trees_alone) {
     space.emplace(world_, robots);
     strategies.push_back(std::make_unique<CompositeRrtStrategy>(world_, *space, common_options(options_), statistics));
   }
+  if (portfolio)
+    strategies.push_back(std::make_unique<CompositeRoadmapStrategy>(world_, robots, roadmaps_, statistics));
   if (trees_alone) return attempt_in_rounds(strategies, direct(robots), search::infinity, deadline);
   if (std::holds_alternative<XECBS>(options_))
     strategies.push_back(std::make_unique<ExperienceConflictSearch>(world_, robots, options_, statistics));

@@ -25,7 +25,8 @@ class GroupPlanner {
       : world_(world), options_(options), roadmaps_(world) {}
 
   /// By the strategies that the planner's options name: conflict-based search alone, or RRT-Connect alone; for
-  /// `auto` a portfolio of composite roadmaps, RRT-Connect, conflict-based search and composite lattices. Throws
+  /// `auto` a portfolio of robots one after the other, RRT-Connect, composite roadmaps, conflict-based search and
+  /// composite lattices. Throws
   /// PlanningError.
   FoundPath find(const std::vector<std::size_t>& robots, const Deadline& deadline, PlanStatistics& statistics);
 

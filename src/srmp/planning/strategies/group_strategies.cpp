@@ -8,6 +8,7 @@
 #include "srmp/planning/smoothing/joint_shortcut.hpp"
 #include "srmp/planning/strategies/composite_sampling.hpp"
 #include "srmp/planning/strategies/composite_search.hpp"
+#include "srmp/planning/strategies/one_by_one.hpp"
 #include "srmp/planning/trace_recorders.hpp"
 #include "srmp/planning/world_paths.hpp"
 #include "srmp/planning/world_subset.hpp"
@@ -16,16 +17,17 @@ namespace srmp {
 
 namespace {
 
-/// Work of the first round; it grows fourfold from round to round.
+/// Work of the first round; it grows fourfold from round to round, of robots that move one after the other twofold.
 struct GroupBudget {
   std::uint64_t path_expansions{512};             ///< of the first level, before there are retreats; the same
-  std::uint64_t roadmap_expansions{8'192};        ///< until there is a path; the same in every round
-  std::uint64_t roadmap_checks{8'000};            ///< of motions of two robots, until there is a path
+  std::uint64_t roadmap_expansions{4'096};        ///< until there is a path; the same in every round
+  std::uint64_t roadmap_checks{2'000};            ///< of motions of two robots, until there is a path
   std::uint64_t shorter_expansions{16'000};       ///< of each search after it; the same in every round
   std::uint64_t shorter_checks{8'000};            ///< of each search after it; the same in every round
   std::vector<double> shorter_weights{3.0, 1.5};  ///< of those searches
-  double worth_shortening{1.05};            ///< only if the path is longer by this factor than the robots' paths alone
-  std::uint64_t rrt_attempts{2'048};        ///< of the shortest trees, too
+  double worth_shortening{1.05};  ///< only if the path is longer by this factor than the robots' paths alone
+  std::uint64_t rrt_attempts{4'096};
+  std::uint64_t shortest_trees{1'024};      ///< attempts before trees begin anew for the first time; the same
   std::uint64_t conflict_evaluations{128};  ///< of lattice edges
   /// Of each search of the composite lattices, which rarely find what other trees do not: it grows twofold.
   std::uint64_t lattice_expansions{16};
@@ -52,6 +54,22 @@ std::string stopped_reason(Status status, const CommonOptions& options, const st
 }
 
 }  // namespace
+
+// --- one robot after the other
+
+Attempt OneByOneStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
+  OneByOneOptions options;
+  for (std::uint64_t* attempts :
+       {&options.attempts, &options.attempts_of_all, &options.pair_attempts, &options.pair_attempts_of_all})
+    *attempts <<= budget.round;
+  options.seed = static_cast<std::uint64_t>(budget.round);
+  OneByOneResult found = one_by_one(world_, robots_, options, deadline);
+  statistics_.expansions += found.expansions;
+  statistics_.samples += found.attempts;
+  note_memory(statistics_, found.memory);
+  if (!found.path || found.path->length() > budget.max_cost) return {};
+  return accepted(std::move(*found.path), "one robot after the other");
+}
 
 // --- roadmaps
 
@@ -113,7 +131,7 @@ std::uint64_t luby(std::uint64_t n) {
 std::optional<std::vector<Eigen::VectorXd>> CompositeRrtStrategy::grow_trees(std::uint64_t attempts,
                                                                              const Deadline& deadline) {
   while (attempts > 0 && !deadline.stop_requested()) {
-    const std::uint64_t now = std::min(attempts, budgets.rrt_attempts * luby(restarts_));
+    const std::uint64_t now = std::min(attempts, budgets.shortest_trees * luby(restarts_));
     const std::uint64_t seed = restarts_++ << 16;  // none of those that GroupPlanner::replan takes
     search::RrtConnect trees(rrt_space(space_), seed);
     const auto rows = trees.grow(now, deadline);

@@ -12,6 +12,21 @@
 // outlive them; they add their work to the statistics.
 namespace srmp {
 
+/// Robots that move one after the other (one_by_one.hpp): quickest where they need not move at the same time.
+class OneByOneStrategy : public Strategy {
+ public:
+  OneByOneStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots, PlanStatistics& statistics)
+      : world_(world), robots_(robots), statistics_(statistics) {}
+
+  Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
+  bool can_exhaust() const override { return false; }
+
+ private:
+  MultiRobotWorld& world_;
+  const std::vector<std::size_t>& robots_;
+  PlanStatistics& statistics_;
+};
+
 /// Roadmaps of the robots, searched jointly (composite_roadmap.hpp): quick where robots need only wait or retreat. Each
 /// round goes to richer roadmaps. After the first path the same product is searched again less greedily, there and on
 /// the next richer roadmaps: where robots may pass each other in many ways, similar problems get similar paths only if

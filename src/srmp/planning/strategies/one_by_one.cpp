@@ -1,0 +1,336 @@
+#include "srmp/planning/strategies/one_by_one.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "srmp/core/memory_of.hpp"
+#include "srmp/planning/strategies/composite_sampling.hpp"
+#include "srmp/planning/strategies/retreats.hpp"
+#include "srmp/planning/strategies/robot_sampling.hpp"
+#include "srmp/search/best_first.hpp"
+#include "srmp/search/rrt_connect.hpp"
+#include "srmp/trajectory/path.hpp"
+#include "srmp/trajectory/shortcut.hpp"
+
+namespace srmp {
+
+namespace {
+
+using Path = std::vector<Eigen::VectorXd>;
+
+/// The search over the robots' places; a search::BestFirstProblem.
+class PlacesSearch {
+ public:
+  /// By robot: the number of its place: its start, its goal, then its retreats.
+  using State = std::vector<signed char>;
+  static constexpr signed char at_start = 0, at_goal = 1, no_place = -1;
+  struct Node {
+    State places;
+    double detour;       // of all motions so far, beyond the robots' own paths
+    std::size_t motion;  // that led here, in motions_; not_found: not searched for yet
+  };
+
+  PlacesSearch(MultiRobotWorld& world, const std::vector<std::size_t>& robots, const OneByOneOptions& options,
+               const Deadline& deadline)
+      : world_(world), robots_(robots), options_(options), deadline_(deadline) {
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      const WorldTask& task = world.task(robots[i]);
+      const Path own = task.anywhere ? Path{task.start} : task.single_robot_path;
+      motions_.push_back({{i}, own});
+      own_length_.push_back(length({i}, own));
+      if (!own.empty()) places_.push_back({own.front(), own.back()});
+    }
+  }
+
+  OneByOneResult run() {
+    result_.path = find();
+    return std::move(result_);
+  }
+
+  bool is_dominated(const Node& node) const { return closed_.dominates(node.places, node.detour); }
+  bool is_valid(search::NodeId id) {
+    const search::NodeId parent = search_->parent(id);
+    if (parent == search::no_node || (*search_)[id].motion != not_found) return true;
+    Node node = (*search_)[id];
+    const Node& from = (*search_)[parent];
+    node.motion = motion_between(from.places, node.places);
+    if (node.motion == not_found) return false;
+    const Motion& motion = motions_[node.motion];
+    const double detour = length(motion.robots, motion.rows) - shorter_left(from.places, node.places);
+    node.detour = from.detour + std::max(0.0, detour);
+    add(std::move(node), parent);
+    return false;
+  }
+  void close(const Node& node) { closed_.close(node.places, node.detour); }
+  bool is_goal(const Node& node) const { return left(node.places) == 0; }
+  bool may_expand(std::uint64_t expansions) const {
+    return expansions <= options_.max_expansions &&
+           result_.attempts - attempts_before_ < (in_pairs_ ? options_.pair_attempts_of_all : options_.attempts_of_all);
+  }
+
+  void expand(search::NodeId id) {
+    const Node from = (*search_)[id];
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      if (is_there(i, from.places)) continue;
+      const auto end = static_cast<signed char>(from.places[i] == at_start ? places_[i].size() : at_goal + 1);
+      for (signed char to = at_goal; to < end; ++to) add_move(id, from, {{i, to}});
+      for (std::size_t k = i + 1; in_pairs_ && k < robots_.size(); ++k)
+        if (!is_there(k, from.places) && world_.may_conflict(robots_[i], robots_[k]))
+          add_move(id, from, {{i, at_goal}, {k, at_goal}});
+    }
+  }
+
+ private:
+  /// Of some robots, while the others stand; rows of all their joints.
+  struct Motion {
+    std::vector<std::size_t> robots;
+    Path rows;
+  };
+  static constexpr std::size_t not_found = static_cast<std::size_t>(-1);
+
+  std::optional<JointPath> find() {
+    if (places_.size() < robots_.size()) return std::nullopt;  // a robot has no path of its own
+    if (auto path = search()) return path;
+    for (std::size_t i = 0; i < robots_.size(); ++i) add_retreats(i);
+    greed_ = options_.greed_with_retreats;
+    if (auto path = search()) return path;
+    in_pairs_ = true;
+    return robots_.size() > 2 ? search() : std::nullopt;
+  }
+
+  std::optional<JointPath> search() {
+    search_.emplace();
+    closed_ = {};
+    attempts_before_ = result_.attempts;
+    add({State(robots_.size(), at_start), 0.0, not_found}, search::no_node);
+    const search::BestFirstResult found = search_->run(*this, deadline_);
+    result_.expansions += found.expansions;
+    result_.memory = std::max(result_.memory, search_->memory() + memory_of(closed_.costs()) + memory_of(motions_));
+    if (found.status != Status::solved) return std::nullopt;
+    return path_to(found.goal);
+  }
+
+  void add(Node node, search::NodeId parent) {
+    const std::size_t count = left(node.places);
+    search_->add(std::move(node), {node.detour + greed_ * static_cast<double>(count), count}, parent);
+  }
+
+  void add_move(search::NodeId id, const Node& from, const std::vector<std::pair<std::size_t, signed char>>& moves) {
+    Node to = from;
+    for (const auto& [i, place] : moves) to.places[i] = place;
+    for (const auto& [i, place] : moves)
+      if (!is_place_free(i, to.places)) return;
+    double least = -shorter_left(from.places, to.places);
+    for (const auto& [i, place] : moves) least += distance(i, from.places[i], place);
+    to.motion = not_found;
+    const std::size_t i = moves.front().first;
+    if (moves.size() == 1 && from.places[i] == at_start && moves.front().second == at_goal &&
+        std::ranges::count(blockers(from.places, to.places), no_place) == std::ssize(robots_))
+      to.motion = i;
+    else
+      to.detour += std::max(least, options_.expected_detour);
+    add(std::move(to), id);
+  }
+
+  // --- costs
+
+  bool is_there(std::size_t i, const State& places) const {
+    return places[i] == at_goal || motions_[i].rows.size() == 1;
+  }
+  std::size_t left(const State& places) const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < robots_.size(); ++i) count += !is_there(i, places);
+    return count;
+  }
+  const RobotModel& model(std::size_t i) const { return world_.model(robots_[i]); }
+  double distance(std::size_t i, signed char from, signed char to) const {
+    return model(i).difference(place(i, from), place(i, to)).norm();
+  }
+  double length(const std::vector<std::size_t>& robots, const Path& rows) const {
+    double sum = 0.0;
+    for (std::size_t k = 1; k < rows.size(); ++k)
+      for (Eigen::Index first = 0; const std::size_t i : robots) {
+        const auto dof = static_cast<Eigen::Index>(model(i).dof());
+        sum += model(i).difference(rows[k - 1].segment(first, dof), rows[k].segment(first, dof)).norm();
+        first += dof;
+      }
+    return sum;
+  }
+  /// Of a robot from where it stands, at least, as if the others were not there.
+  double own_left(std::size_t i, const State& places) const {
+    if (is_there(i, places)) return 0.0;
+    return places[i] == at_start ? own_length_[i] : distance(i, places[i], at_goal);
+  }
+  double shorter_left(const State& from, const State& to) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < robots_.size(); ++i) sum += own_left(i, from) - own_left(i, to);
+    return sum;
+  }
+
+  // --- places
+
+  const Eigen::VectorXd& place(std::size_t i, signed char number) const {
+    return places_[i][static_cast<std::size_t>(number)];
+  }
+  bool may_conflict(std::size_t i, std::size_t k) const {
+    return i != k && world_.may_conflict(robots_[i], robots_[k]);
+  }
+
+  void add_retreats(std::size_t i) {
+    const std::vector<Eigen::VectorXd> candidates =
+        retreat_candidates(model(i), place(i, at_start), place(i, at_goal), {place(i, at_start), place(i, at_goal)});
+    const std::size_t tried = std::min(options_.retreat_candidates, candidates.size());
+    for (std::size_t n = 0; n < tried && places_[i].size() < 2 + options_.retreats; ++n) {
+      if (deadline_.stop_requested()) return;
+      const Eigen::VectorXd& q = candidates[n * candidates.size() / tried];
+      if (world_.is_free_for_one(robots_[i], q) && is_clear_of_ends(i, q)) places_[i].push_back(q);
+    }
+  }
+  /// Of the others' starts and goals.
+  bool is_clear_of_ends(std::size_t i, const Eigen::VectorXd& q) {
+    for (std::size_t k = 0; k < robots_.size(); ++k)
+      if (may_conflict(i, k))
+        for (const char free : world_.collision_free_with(robots_[i], q, robots_[k], std::span(places_[k]).first(2)))
+          if (!free) return false;
+    return true;
+  }
+  /// Where robot i is to be, of the others.
+  bool is_place_free(std::size_t i, const State& places) {
+    for (std::size_t k = 0; k < robots_.size(); ++k) {
+      if (!may_conflict(i, k)) continue;
+      const auto [known, added] = places_free_.try_emplace({i, k, places[i], places[k]}, false);
+      const Eigen::VectorXd &q = place(i, places[i]), &other = place(k, places[k]);
+      if (added) known->second = world_.are_collision_free(robots_[i], q, q, robots_[k], other, other);
+      if (!known->second) return false;
+    }
+    return true;
+  }
+
+  // --- motions
+
+  /// By robot: the place where it stands, if a robot that moves would collide with it there on its own path, or
+  /// straight where it has none.
+  State blockers(const State& from, const State& to) {
+    State found(robots_.size(), no_place);
+    for (std::size_t i = 0; i < robots_.size(); ++i)
+      for (std::size_t k = 0; k < robots_.size() && from[i] != to[i]; ++k)
+        if (from[k] == to[k] && may_conflict(i, k) && !is_direct_free(i, from[i], to[i], k, to[k])) found[k] = to[k];
+    return found;
+  }
+  bool is_direct_free(std::size_t i, signed char from, signed char to, std::size_t k, signed char other) {
+    const auto [known, added] = direct_free_.try_emplace({i, k, from, to, other}, true);
+    if (!added) return known->second;
+    const Path direct = from == at_start && to == at_goal ? motions_[i].rows : Path{place(i, from), place(i, to)};
+    const Eigen::VectorXd& q = place(k, other);
+    for (std::size_t row = 1; row < direct.size() && known->second; ++row)
+      known->second = world_.are_collision_free(robots_[i], direct[row - 1], direct[row], robots_[k], q, q,
+                                                {.start_is_free = true});
+    return known->second;
+  }
+
+  /// Of the robots whose places differ. One that was not found past some robots is not searched for past these again,
+  /// wherever the others stand.
+  std::size_t motion_between(const State& from, const State& to) {
+    const auto [known, added] = found_.try_emplace({from, to}, not_found);
+    if (!added) return known->second;
+    State failure = blockers(from, to);
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      failure.push_back(from[i] == to[i] ? no_place : from[i]);
+      failure.push_back(from[i] == to[i] ? no_place : to[i]);
+    }
+    if (failed_.contains(failure)) return not_found;
+    if (std::optional<Motion> motion = search_motion(from, to)) {
+      known->second = motions_.size();
+      motions_.push_back(std::move(*motion));
+    } else {
+      failed_.insert(std::move(failure));
+    }
+    return known->second;
+  }
+
+  std::optional<Motion> search_motion(const State& from, const State& to) {
+    Motion motion;
+    CompositeSpace::Others others;
+    std::vector<std::size_t> numbers;
+    std::vector<double> start, goal;
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      const Eigen::VectorXd &a = place(i, from[i]), &b = place(i, to[i]);
+      if (from[i] == to[i]) {
+        others.push_back({robots_[i], a});
+        continue;
+      }
+      motion.robots.push_back(i);
+      numbers.push_back(robots_[i]);
+      start.insert(start.end(), a.begin(), a.end());
+      goal.insert(goal.end(), b.begin(), b.end());
+    }
+    const auto joined = [](const std::vector<double>& q) {
+      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(q.data(), std::ssize(q)));
+    };
+    const CompositeSpace space(world_, numbers, joined(start), joined(goal), std::move(others),
+                               {.others_by_spheres = true});
+    const auto is_free = [&space](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+      return space.is_motion_free(a, b);
+    };
+    const bool alone = numbers.size() == 1;
+    search::RrtSpace to_grow = alone ? rrt_space(space.model(0), space.start(), space.targets()) : rrt_space(space);
+    to_grow.is_motion_free = is_free;
+    search::RrtConnect trees(std::move(to_grow), options_.seed);
+    const auto rows = trees.grow(alone ? options_.attempts : options_.pair_attempts, deadline_);
+    result_.attempts += trees.attempts();
+    result_.memory = std::max(result_.memory, trees.memory());
+    if (!rows) return std::nullopt;
+    ShortcutOptions shorter{.max_rounds = 0, .continuous = {}};
+    for (const Joint& joint : space.joints()) shorter.continuous.push_back(joint.kind == JointKind::continuous);
+    motion.rows = unstack_waypoints(
+        shortcut(unwrap_waypoints(stack_waypoints(*rows), shorter.continuous), is_free, deadline_, shorter).waypoints);
+    return motion;
+  }
+
+  JointPath path_to(search::NodeId goal) const {
+    std::vector<Path> rows(robots_.size());
+    for (std::size_t i = 0; i < robots_.size(); ++i) rows[i].push_back(place(i, at_start));
+    for (const search::NodeId id : search_->path_to(goal)) {
+      if (search_->parent(id) == search::no_node) continue;
+      const Motion& motion = motions_[(*search_)[id].motion];
+      for (std::size_t row = 1; row < motion.rows.size(); ++row) {
+        for (Path& path : rows) path.push_back(Eigen::VectorXd(path.back()));
+        for (Eigen::Index first = 0; const std::size_t i : motion.robots) {
+          rows[i].back() = motion.rows[row].segment(first, rows[i].back().size());
+          first += rows[i].back().size();
+        }
+      }
+    }
+    return joint_path(world_, robots_, rows);
+  }
+
+  MultiRobotWorld& world_;
+  const std::vector<std::size_t>& robots_;
+  const OneByOneOptions& options_;
+  const Deadline& deadline_;
+  std::vector<Path> places_;        // by robot
+  std::vector<double> own_length_;  // by robot
+  std::vector<Motion> motions_;     // the robots' own, then others
+  double greed_{options_.greed};
+  bool in_pairs_{};
+  std::map<std::tuple<std::size_t, std::size_t, signed char, signed char>, bool> places_free_;
+  std::map<std::tuple<std::size_t, std::size_t, signed char, signed char, signed char>, bool> direct_free_;
+  std::map<std::pair<State, State>, std::size_t> found_;
+  std::set<State> failed_;
+  std::optional<search::BestFirstSearch<Node, std::pair<double, std::size_t>>> search_;
+  search::ClosedCosts<std::map<State, double>> closed_;
+  std::uint64_t attempts_before_{};
+  OneByOneResult result_;
+};
+
+}  // namespace
+
+OneByOneResult one_by_one(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+                          const OneByOneOptions& options, const Deadline& deadline) {
+  return PlacesSearch(world, robots, options, deadline).run();
+}
+
+}  // namespace srmp
