@@ -88,7 +88,7 @@ BOOST_AUTO_TEST_CASE(robots_that_cannot_pass_at_once_retreat) {
   pair.check_free(*found.path);
   BOOST_TEST((found.path->positions[0].bottomRows(1).transpose() - down).norm() < 1e-12);
   BOOST_TEST((found.path->positions[1].bottomRows(1).transpose() - straight).norm() < 1e-12);
-  // The same question, the same path.
+  // The same problem, the same path.
   const srmp::OneByOneResult again = srmp::one_by_one(*pair.world, both, with, {});
   BOOST_TEST((again.path->positions[0] == found.path->positions[0]));
   BOOST_TEST((again.path->positions[1] == found.path->positions[1]));

@@ -8,30 +8,36 @@ CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> 
                                const CompositeSpaceOptions& options)
     : world_(world), robots_(std::move(robots)), others_(std::move(others)), options_(options) {
   add_joints();
-  start_.resize(std::ssize(joints_));
   for (std::size_t i = 0; i < size(); ++i) part(start_, i) = task(i).start;
   add_targets(0, start_);
+  find_others_near_ends();
 }
 
-CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Eigen::VectorXd start,
-                               Eigen::VectorXd goal, Others others, const CompositeSpaceOptions& options)
-    : world_(world),
-      robots_(std::move(robots)),
-      others_(std::move(others)),
-      start_(std::move(start)),
-      targets_{std::move(goal)},
-      options_(options) {
+CompositeSpace::CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots,
+                               const std::vector<Eigen::VectorXd>& starts, const std::vector<Eigen::VectorXd>& goals,
+                               Others others, const CompositeSpaceOptions& options)
+    : world_(world), robots_(std::move(robots)), others_(std::move(others)), options_(options) {
   add_joints();
-  for (Standing& other : others_) other.near_ends = !is_clear_of_ends(other);
+  targets_ = {start_};
+  for (std::size_t i = 0; i < size(); ++i) {
+    part(start_, i) = starts[i];
+    part(targets_.front(), i) = goals[i];
+  }
+  find_others_near_ends();
+}
+
+void CompositeSpace::find_others_near_ends() {
+  for (const Standing& other : others_) near_ends_.push_back(!options_.others_by_spheres || !is_clear_of_ends(other));
 }
 
 /// By spheres alone.
 bool CompositeSpace::is_clear_of_ends(const Standing& other) const {
-  const Eigen::VectorXd ends[]{other.q};
-  for (std::size_t i = 0; i < size(); ++i)
-    for (const Eigen::VectorXd* q : {&start_, &targets_.front()})
-      if (!world_.collision_free_with(robots_[i], part(*q, i), other.robot, ends).front()) return false;
-  return true;
+  const auto is_clear = [&](const Eigen::VectorXd& end) {
+    for (std::size_t i = 0; i < size(); ++i)
+      if (!world_.collision_free_with(robots_[i], part(end, i), other.robot, {&other.q, 1}).front()) return false;
+    return true;
+  };
+  return is_clear(start_) && std::ranges::all_of(targets_, is_clear);
 }
 
 void CompositeSpace::add_joints() {
@@ -41,6 +47,7 @@ void CompositeSpace::add_joints() {
     joints_.insert(joints_.end(), joints.begin(), joints.end());
   }
   first_.push_back(std::ssize(joints_));
+  start_.resize(std::ssize(joints_));
 }
 
 /// The first goals of each robot first.
@@ -67,7 +74,7 @@ bool CompositeSpace::is_end(const Eigen::VectorXd& q) const {
 }
 
 bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
-  const bool at_end = is_end(a) || is_end(b), by_spheres = !at_end;
+  const bool at_end = is_end(a) || is_end(b);
   std::vector<char> moves(size());
   for (std::size_t i = 0; i < size(); ++i) {
     moves[i] = part(a, i) != part(b, i);
@@ -76,13 +83,16 @@ bool CompositeSpace::is_motion_free(const Eigen::VectorXd& a, const Eigen::Vecto
   for (std::size_t i = 0; i < size(); ++i)
     for (std::size_t k = i + 1; k < size(); ++k)
       if ((moves[i] || moves[k]) && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), robots_[k],
-                                                               part(a, k), part(b, k), {true, by_spheres}))
+                                                               part(a, k), part(b, k), {true, !at_end}))
         return false;
   for (std::size_t i = 0; i < size(); ++i)
-    for (const Standing& other : others_)
+    for (std::size_t k = 0; k < others_.size(); ++k) {
+      const Standing& other = others_[k];
+      const bool by_spheres = options_.others_by_spheres && !(at_end && near_ends_[k]);
       if (moves[i] && !world_.are_collision_free(robots_[i], part(a, i), part(b, i), other.robot, other.q, other.q,
-                                                 {true, options_.others_by_spheres && !(at_end && other.near_ends)}))
+                                                 {true, by_spheres}))
         return false;
+    }
   return true;
 }
 

@@ -21,15 +21,14 @@ class CompositeSpace {
   struct Standing {
     std::size_t robot{};
     Eigen::VectorXd q;
-    bool near_ends{};  ///< do spheres leave open whether it is clear of the robots at their start or goal?
   };
   using Others = std::vector<Standing>;
   /// The world outlives this.
   CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Others others = {},
                  const CompositeSpaceOptions& options = {});
-  /// From and to where the robots are collision-free, whatever their tasks: all of their joints.
-  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, Eigen::VectorXd start, Eigen::VectorXd goal,
-                 Others others, const CompositeSpaceOptions& options = {});
+  /// From and to where the robots are collision-free, whatever their tasks: a start and a goal of each.
+  CompositeSpace(MultiRobotWorld& world, std::vector<std::size_t> robots, const std::vector<Eigen::VectorXd>& starts,
+                 const std::vector<Eigen::VectorXd>& goals, Others others, const CompositeSpaceOptions& options = {});
 
   std::size_t size() const { return robots_.size(); }
   const MultiRobotWorld& world() const { return world_; }
@@ -57,6 +56,7 @@ class CompositeSpace {
 
  private:
   void add_joints();
+  void find_others_near_ends();
   bool is_clear_of_ends(const Standing& other) const;
   void add_targets(std::size_t i, Eigen::VectorXd q);
   bool is_end(const Eigen::VectorXd& q) const;
@@ -64,6 +64,7 @@ class CompositeSpace {
   MultiRobotWorld& world_;
   std::vector<std::size_t> robots_;
   Others others_;
+  std::vector<char> near_ends_;  // by other: may only the exact geometry tell that the ends are clear of it?
   std::vector<Joint> joints_;
   std::vector<Eigen::Index> first_;
   Eigen::VectorXd start_;

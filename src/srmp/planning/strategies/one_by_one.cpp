@@ -39,9 +39,9 @@ class PlacesSearch {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       const WorldTask& task = world.task(robots[i]);
       const Path own = task.anywhere ? Path{task.start} : task.single_robot_path;
-      motions_.push_back({{i}, own});
-      own_length_.push_back(length({i}, own));
-      if (!own.empty()) places_.push_back({own.front(), own.back()});
+      if (own.empty()) continue;
+      motions_.push_back(joint_path(world, robots[i], own));
+      places_.push_back({own.front(), own.back()});
     }
   }
 
@@ -58,8 +58,7 @@ class PlacesSearch {
     const Node& from = (*search_)[parent];
     node.motion = motion_between(from.places, node.places);
     if (node.motion == not_found) return false;
-    const Motion& motion = motions_[node.motion];
-    const double detour = length(motion.robots, motion.rows) - shorter_left(from.places, node.places);
+    const double detour = motions_[node.motion].length() - shorter_left(from.places, node.places);
     node.detour = from.detour + std::max(0.0, detour);
     add(std::move(node), parent);
     return false;
@@ -78,24 +77,18 @@ class PlacesSearch {
       const auto end = static_cast<signed char>(from.places[i] == at_start ? places_[i].size() : at_goal + 1);
       for (signed char to = at_goal; to < end; ++to) add_move(id, from, {{i, to}});
       for (std::size_t k = i + 1; in_pairs_ && k < robots_.size(); ++k)
-        if (!is_there(k, from.places) && world_.may_conflict(robots_[i], robots_[k]))
-          add_move(id, from, {{i, at_goal}, {k, at_goal}});
+        if (!is_there(k, from.places) && may_conflict(i, k)) add_move(id, from, {{i, at_goal}, {k, at_goal}});
     }
   }
 
  private:
-  /// Of some robots, while the others stand; rows of all their joints.
-  struct Motion {
-    std::vector<std::size_t> robots;
-    Path rows;
-  };
   static constexpr std::size_t not_found = static_cast<std::size_t>(-1);
 
   std::optional<JointPath> find() {
     if (places_.size() < robots_.size()) return std::nullopt;  // a robot has no path of its own
     if (auto path = search()) return path;
     for (std::size_t i = 0; i < robots_.size(); ++i) add_retreats(i);
-    greed_ = options_.greed_with_retreats;
+    goal_weight_ = options_.goal_weight_with_retreats;
     if (auto path = search()) return path;
     in_pairs_ = true;
     return robots_.size() > 2 ? search() : std::nullopt;
@@ -115,7 +108,7 @@ class PlacesSearch {
 
   void add(Node node, search::NodeId parent) {
     const std::size_t count = left(node.places);
-    search_->add(std::move(node), {node.detour + greed_ * static_cast<double>(count), count}, parent);
+    search_->add(std::move(node), {node.detour + goal_weight_ * static_cast<double>(count), count}, parent);
   }
 
   void add_move(search::NodeId id, const Node& from, const std::vector<std::pair<std::size_t, signed char>>& moves) {
@@ -137,9 +130,7 @@ class PlacesSearch {
 
   // --- costs
 
-  bool is_there(std::size_t i, const State& places) const {
-    return places[i] == at_goal || motions_[i].rows.size() == 1;
-  }
+  bool is_there(std::size_t i, const State& places) const { return places[i] == at_goal || motions_[i].size() == 1; }
   std::size_t left(const State& places) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < robots_.size(); ++i) count += !is_there(i, places);
@@ -149,20 +140,10 @@ class PlacesSearch {
   double distance(std::size_t i, signed char from, signed char to) const {
     return model(i).difference(place(i, from), place(i, to)).norm();
   }
-  double length(const std::vector<std::size_t>& robots, const Path& rows) const {
-    double sum = 0.0;
-    for (std::size_t k = 1; k < rows.size(); ++k)
-      for (Eigen::Index first = 0; const std::size_t i : robots) {
-        const auto dof = static_cast<Eigen::Index>(model(i).dof());
-        sum += model(i).difference(rows[k - 1].segment(first, dof), rows[k].segment(first, dof)).norm();
-        first += dof;
-      }
-    return sum;
-  }
   /// Of a robot from where it stands, at least, as if the others were not there.
   double own_left(std::size_t i, const State& places) const {
     if (is_there(i, places)) return 0.0;
-    return places[i] == at_start ? own_length_[i] : distance(i, places[i], at_goal);
+    return places[i] == at_start ? world_.alone(robots_[i]) : distance(i, places[i], at_goal);
   }
   double shorter_left(const State& from, const State& to) const {
     double sum = 0.0;
@@ -223,7 +204,8 @@ class PlacesSearch {
   bool is_direct_free(std::size_t i, signed char from, signed char to, std::size_t k, signed char other) {
     const auto [known, added] = direct_free_.try_emplace({i, k, from, to, other}, true);
     if (!added) return known->second;
-    const Path direct = from == at_start && to == at_goal ? motions_[i].rows : Path{place(i, from), place(i, to)};
+    const Path direct = from == at_start && to == at_goal ? unstack_waypoints(motions_[i].positions.front())
+                                                          : Path{place(i, from), place(i, to)};
     const Eigen::VectorXd& q = place(k, other);
     for (std::size_t row = 1; row < direct.size() && known->second; ++row)
       known->second = world_.are_collision_free(robots_[i], direct[row - 1], direct[row], robots_[k], q, q,
@@ -242,7 +224,7 @@ class PlacesSearch {
       failure.push_back(from[i] == to[i] ? no_place : to[i]);
     }
     if (failed_.contains(failure)) return not_found;
-    if (std::optional<Motion> motion = search_motion(from, to)) {
+    if (std::optional<JointPath> motion = search_motion(from, to)) {
       known->second = motions_.size();
       motions_.push_back(std::move(*motion));
     } else {
@@ -251,43 +233,34 @@ class PlacesSearch {
     return known->second;
   }
 
-  std::optional<Motion> search_motion(const State& from, const State& to) {
-    Motion motion;
+  std::optional<JointPath> search_motion(const State& from, const State& to) {
     CompositeSpace::Others others;
-    std::vector<std::size_t> numbers;
-    std::vector<double> start, goal;
+    std::vector<std::size_t> moved;
+    Path starts, goals;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
-      const Eigen::VectorXd &a = place(i, from[i]), &b = place(i, to[i]);
       if (from[i] == to[i]) {
-        others.push_back({robots_[i], a});
+        others.push_back({robots_[i], place(i, from[i])});
         continue;
       }
-      motion.robots.push_back(i);
-      numbers.push_back(robots_[i]);
-      start.insert(start.end(), a.begin(), a.end());
-      goal.insert(goal.end(), b.begin(), b.end());
+      moved.push_back(robots_[i]);
+      starts.push_back(place(i, from[i]));
+      goals.push_back(place(i, to[i]));
     }
-    const auto joined = [](const std::vector<double>& q) {
-      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(q.data(), std::ssize(q)));
-    };
-    const CompositeSpace space(world_, numbers, joined(start), joined(goal), std::move(others),
-                               {.others_by_spheres = true});
+    const CompositeSpace space(world_, std::move(moved), starts, goals, std::move(others), {.others_by_spheres = true});
     const auto is_free = [&space](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
       return space.is_motion_free(a, b);
     };
-    const bool alone = numbers.size() == 1;
+    const bool alone = space.size() == 1;
     search::RrtSpace to_grow = alone ? rrt_space(space.model(0), space.start(), space.targets()) : rrt_space(space);
     to_grow.is_motion_free = is_free;
+    const ShortcutOptions waypoints_only{.max_rounds = 0, .continuous = {to_grow.wraps.begin(), to_grow.wraps.end()}};
     search::RrtConnect trees(std::move(to_grow), options_.seed);
     const auto rows = trees.grow(alone ? options_.attempts : options_.pair_attempts, deadline_);
     result_.attempts += trees.attempts();
     result_.memory = std::max(result_.memory, trees.memory());
     if (!rows) return std::nullopt;
-    ShortcutOptions shorter{.max_rounds = 0, .continuous = {}};
-    for (const Joint& joint : space.joints()) shorter.continuous.push_back(joint.kind == JointKind::continuous);
-    motion.rows = unstack_waypoints(
-        shortcut(unwrap_waypoints(stack_waypoints(*rows), shorter.continuous), is_free, deadline_, shorter).waypoints);
-    return motion;
+    const RowMatrix unwrapped = unwrap_waypoints(stack_waypoints(*rows), waypoints_only.continuous);
+    return space.path(unstack_waypoints(shortcut(unwrapped, is_free, deadline_, waypoints_only).waypoints));
   }
 
   JointPath path_to(search::NodeId goal) const {
@@ -295,14 +268,15 @@ class PlacesSearch {
     for (std::size_t i = 0; i < robots_.size(); ++i) rows[i].push_back(place(i, at_start));
     for (const search::NodeId id : search_->path_to(goal)) {
       if (search_->parent(id) == search::no_node) continue;
-      const Motion& motion = motions_[(*search_)[id].motion];
-      for (std::size_t row = 1; row < motion.rows.size(); ++row) {
-        for (Path& path : rows) path.push_back(Eigen::VectorXd(path.back()));
-        for (Eigen::Index first = 0; const std::size_t i : motion.robots) {
-          rows[i].back() = motion.rows[row].segment(first, rows[i].back().size());
-          first += rows[i].back().size();
+      const JointPath& motion = motions_[(*search_)[id].motion];
+      for (Eigen::Index row = 1; row < std::ssize(motion.steps); ++row)
+        for (std::size_t i = 0; i < robots_.size(); ++i) {
+          const auto moved = std::ranges::find(motion.robots, robots_[i]) - motion.robots.begin();
+          const bool stands = moved == std::ssize(motion.robots);
+          Eigen::VectorXd q = rows[i].back();
+          if (!stands) q = motion.positions[static_cast<std::size_t>(moved)].row(row).transpose();
+          rows[i].push_back(std::move(q));
         }
-      }
     }
     return joint_path(world_, robots_, rows);
   }
@@ -312,9 +286,8 @@ class PlacesSearch {
   const OneByOneOptions& options_;
   const Deadline& deadline_;
   std::vector<Path> places_;        // by robot
-  std::vector<double> own_length_;  // by robot
-  std::vector<Motion> motions_;     // the robots' own, then others
-  double greed_{options_.greed};
+  std::vector<JointPath> motions_;  // the robots' own, then others: of those that move
+  double goal_weight_{options_.goal_weight};
   bool in_pairs_{};
   std::map<std::tuple<std::size_t, std::size_t, signed char, signed char>, bool> places_free_;
   std::map<std::tuple<std::size_t, std::size_t, signed char, signed char, signed char>, bool> direct_free_;

@@ -15,7 +15,7 @@ struct OneByOneOptions {
   /// Attempts to extend the trees of a motion of one robot, > 0: more find narrower passages beside the robots that
   /// stand, and take longer where there is none.
   std::uint64_t attempts{64};
-  std::uint64_t attempts_of_all{512};  ///< of all motions of a search; both searches end with as many
+  std::uint64_t attempts_of_all{512};  ///< of all motions of a search, which ends with as many
   std::uint64_t pair_attempts{512};    ///< the same for motions of two robots
   std::uint64_t pair_attempts_of_all{1'024};
   std::uint64_t seed{};               ///< of the trees
@@ -23,9 +23,9 @@ struct OneByOneOptions {
   /// Of a motion around others that is not known yet [rad, prismatic joints m]: more searches for fewer such motions,
   /// and finds orders with longer detours.
   double expected_detour{0.5};
-  /// What each robot that is not at its goal counts in addition to detours: more gets to goals sooner, by longer
-  /// detours.
-  double greed{0.5}, greed_with_retreats{4.0};
+  /// Of each robot that is not at its goal, in addition to detours [rad, prismatic joints m], without retreats and with
+  /// them: more reaches the goals with fewer motions searched for, by longer detours.
+  double goal_weight{0.5}, goal_weight_with_retreats{4.0};
   std::size_t retreats{2};             ///< of a robot, at most: more can let more robots pass each other
   std::size_t retreat_candidates{64};  ///< of a robot, that are checked
 };
