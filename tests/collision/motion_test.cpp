@@ -182,6 +182,25 @@ BOOST_AUTO_TEST_CASE(a_wide_corridor_is_free_and_a_clearance_of_a_tenth_of_a_mil
   BOOST_TEST(checker.is_motion_free(Vector2d(-1, 0.5), Vector2d(1, -0.5), *workspace));
 }
 
+BOOST_AUTO_TEST_CASE(meshes_that_pass_each_other_closely_take_few_distances) {
+  for (const double gap : {4e-5, -4e-5}) {  // [m] of an angle iron that slides along in another
+    const auto robot = slide();
+    Scene scene;
+    scene.add_robot(robot);
+    scene.set_qpos("slide", Eigen::Vector3d(0, 0, 0));
+    const Pose held = at(-0.5, 0, 0.5);
+    scene.add_object("held", angle_iron(), {});
+    scene.attach_object("held", "slide", "cart", {}, held);
+    const double corner = 0.03 + gap;  // the irons are 3 cm thick
+    scene.add_object("rail", angle_iron(), scene.link_pose("slide", "cart") * held * at(-corner, 0, -corner));
+    const SceneChecker checker(scene, "slide");
+    const auto workspace = checker.make_workspace();
+    const bool is_free = checker.is_motion_free(Eigen::Vector3d(-0.05, 0, 0), Eigen::Vector3d(0.06, 0, 0), *workspace);
+    BOOST_TEST(is_free == (gap > 0));
+    BOOST_TEST(checker.statistics(*workspace).narrow_phase <= 300u);  // by distances alone 5 000
+  }
+}
+
 BOOST_AUTO_TEST_CASE(a_long_check_stops_at_the_deadline_and_a_short_one_need_not) {
   Scene scene;
   scene.add_robot(robots::planar());

@@ -1,5 +1,6 @@
 #include "srmp/collision/pair_table.hpp"
 
+#include <bit>
 #include <boost/test/unit_test.hpp>
 
 #include "collision/worlds.hpp"
@@ -94,6 +95,32 @@ BOOST_AUTO_TEST_CASE(what_a_table_calls_free_is_free) {
   }
   BOOST_TEST(contacts > amount(100));
   BOOST_TEST(far_dropped);
+}
+
+BOOST_AUTO_TEST_CASE(a_table_knows_meshes_that_turn_beside_each_other) {
+  for (const double gap : {1e-4, 1e-5}) {  // [m] between the bases of two pyramids, of which one turns on its base
+    const TemporaryDirectory directory;
+    const auto pyramid = [&](const std::string& name, double top) {
+      const Mesh mesh{{{0, 0, 0}, {0.2, 0, 0}, {0, 0.2, 0}, {0.05, 0.05, top}},
+                      {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+      return "<link name='" + name + "'><collision><geometry><mesh filename='" +
+             directory.write(name + ".stl", stl(mesh)) + "'/></geometry></collision></link>";
+    };
+    RobotDescription description;
+    description.urdf_text = "<robot name='pyramids'><link name='base'/>" + pyramid("lower", -0.1) +
+                            pyramid("upper", 0.1) + robots::joint("f", "fixed", "base", "lower", "0 0 0", "0 0 1", "") +
+                            robots::joint("a", "revolute", "base", "upper", "0 0 " + std::to_string(gap), "0 0 1",
+                                          "<limit lower='-3' upper='3' velocity='2' effort='1'/>") +
+                            "</robot>";
+    description.srdf_text = "<robot name='pyramids'><enable_collisions link1='lower' link2='upper'/></robot>";
+    description.end_effector = "upper";
+    const auto robot = RobotModel::load(description);
+    const auto tables = PairTableStore("").tables(robot, parts_of_all(*robot));
+    BOOST_REQUIRE(tables->size() == 1u);
+    int proved = 0;
+    for (const std::uint64_t word : tables->front().free) proved += std::popcount(word);
+    BOOST_TEST((gap > PairTable::reserve ? proved > 0.9 * PairTable::cells : proved < 0.6 * PairTable::cells), proved);
+  }
 }
 
 BOOST_AUTO_TEST_CASE(checkers_with_tables_give_the_same_results) {

@@ -143,4 +143,15 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
   return std::min(linear + last.rest + last.bent / 2.0, last.moved);
 }
 
+double Displacements::of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+                         const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part) {
+  support &= active_;
+  if (support == 0) return 0.0;
+  const Step& last = sum(body, place, support, half_width);
+  double linear = 0.0;
+  for (const Eigen::Vector3d& point : part)
+    linear = std::max(linear, std::abs((last.velocity + last.turn.cross(point - place.center)).dot(direction)));
+  return std::min(linear + last.rest + last.bent / 2.0, last.moved);
+}
+
 }  // namespace srmp::detail

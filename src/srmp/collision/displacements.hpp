@@ -39,6 +39,10 @@ class Displacements {
   /// `half_width` of the motion; with a unit vector, along it.
   double of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
             const Eigen::Vector3d* direction);
+  /// The same of a part of the body along a unit vector: of the convex hull of these points, which are where `place`
+  /// has them.
+  double of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
+            const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part);
 
  private:
   /// Of a joint and a body, here.

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 
 namespace srmp::detail {
@@ -176,6 +177,30 @@ class PrimitiveShape {
   coal::Box cube_;
 };
 
+/// GJK is not needed for the distance of these.
+bool is_cube_and_sphere(const PrimitiveBvh& tree, const Placed& solid) {
+  return tree.of_cubes() && solid.geometry->getNodeType() == coal::GEOM_SPHERE;
+}
+
+/// The corners of a primitive, or none.
+struct Corners {
+  std::array<Eigen::Vector3d, 8> points;
+  std::size_t count{};
+
+  Corners() = default;
+  Corners(const PrimitiveBvh& tree, std::size_t primitive, const Eigen::Isometry3d& pose) {
+    if (!tree.of_cubes()) {
+      for (const Eigen::Vector3d& corner : tree.triangles()[primitive]) points[count++] = pose * corner;
+      return;
+    }
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5})
+        for (const double z : {-0.5, 0.5})
+          points[count++] = pose * (tree.cubes()[primitive] + tree.edge() * Eigen::Vector3d(x, y, z));
+  }
+  std::span<const Eigen::Vector3d> all() const { return {points.data(), count}; }
+};
+
 }  // namespace
 
 struct NarrowPhase::Impl {
@@ -189,6 +214,7 @@ struct NarrowPhase::Impl {
     std::uint32_t a, b;
   };
   std::vector<Open> open;
+  int asked{};  // in this query
   coal::Box box{1, 1, 1};
   std::function<void()> poll = [] {};
   unsigned steps{};
@@ -204,8 +230,11 @@ struct NarrowPhase::Impl {
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
   double solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
                        double margin);
-  double solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough);
-  double primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough);
+  bool known_apart(const Eigen::Isometry3d& pose, const Corners& a, const Corners& b, const StayApart& stay_apart);
+  double solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough,
+                             const StayApart& stay_apart);
+  double primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough,
+                                  const StayApart& stay_apart);
   void push_nearer_last(const Open& one, const Open& other, double limit);
 };
 
@@ -286,17 +315,30 @@ double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed&
   return std::max(0.0, result.distance_lower_bound + margin);
 }
 
-double NarrowPhase::primitives(const Placed& a, const Placed& b, double margin, double enough) {
-  if (!a.bvh) return impl_->solid_to_primitives(a, b, margin, enough);
-  if (!b.bvh) return impl_->solid_to_primitives(b, a, margin, enough);
-  return impl_->primitives_to_primitives(a, b, margin, enough);
+double NarrowPhase::primitives(const Placed& a, const Placed& b, double margin, double enough,
+                               const StayApart& stay_apart) {
+  if (!a.bvh) return impl_->solid_to_primitives(a, b, margin, enough, stay_apart);
+  if (b.bvh) return impl_->primitives_to_primitives(a, b, margin, enough, stay_apart);
+  if (!stay_apart) return impl_->solid_to_primitives(b, a, margin, enough, stay_apart);
+  const auto swapped = [&](const SeparatedParts& parts) {
+    return stay_apart({parts.direction, parts.gap, parts.b, parts.a});
+  };
+  return impl_->solid_to_primitives(b, a, margin, enough, std::cref(swapped));
+}
+
+/// Are the two of `difference`, which GJK found apart last, known to stay so? `pose`: of the first one's frame.
+bool NarrowPhase::Impl::known_apart(const Eigen::Isometry3d& pose, const Corners& a, const Corners& b,
+                                    const StayApart& stay_apart) {
+  if (!stay_apart || ++asked > max_asked) return false;
+  const double gap = gap_across(gjk.ray);
+  return gap > 0.0 && stay_apart({pose.linear() * gjk.ray.normalized(), gap, a.all(), b.all()});
 }
 
 /// `to_tree`: from the solid's frame.
 double NarrowPhase::Impl::solid_to_primitive(const Placed& solid, const PrimitiveBvh& tree, std::size_t primitive,
                                              const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin) {
   const Eigen::Vector3d origin = shape.set(primitive);
-  if (tree.of_cubes() && solid.geometry->getNodeType() == coal::GEOM_SPHERE) {
+  if (is_cube_and_sphere(tree, solid)) {
     const Eigen::Vector3d off = (to_tree.translation() - origin).cwiseAbs();
     const double distance = (off.array() - tree.edge() / 2).cwiseMax(0.0).matrix().norm() - solid.bounds.radius;
     return distance <= margin + contact_distance ? std::max(0.0, distance) : infinity;
@@ -326,14 +368,17 @@ void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, dou
   if (near.squared_distance_bound <= limit * limit) open.push_back(near);
 }
 
-double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough) {
+double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough,
+                                              const StayApart& stay_apart) {
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
   PrimitiveShape shape(tree);
+  const bool by_gjk = !is_cube_and_sphere(tree, solid);
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
   const double size = solid.bounds.box_half.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
+  asked = 0;
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
   while (!open.empty()) {
@@ -351,7 +396,11 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
     }
     for (std::size_t i = node.first; i < node.first + node.size; ++i) {
       if (!tree.of_cubes() && box.beyond_plane(tree.triangles()[i], limit)) continue;
-      best = std::min(best, solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best)));
+      const double found = solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best));
+      if (found >= best) continue;
+      if (by_gjk && found > contact_distance && known_apart(solid.pose, {}, {tree, i, other.pose}, stay_apart))
+        continue;
+      best = found;
       if (best < infinity && best <= enough) return best;
       limit = std::min(limit, best + tolerance);
     }
@@ -359,11 +408,13 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   return best;
 }
 
-double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough) {
+double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough,
+                                                   const StayApart& stay_apart) {
   const PrimitiveBvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
   PrimitiveShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
+  asked = 0;
   const auto entry = [&](std::uint32_t i, std::uint32_t j) {
     return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
   };
@@ -389,8 +440,12 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
         difference.set(shape_a.shape(), shape_b.shape(), coal::Transform3s(Eigen::Matrix3d::Identity(), origin_a),
                        coal::Transform3s(to_a.linear(), to_a * origin_b));
         const Eigen::Vector3d guess = node_a.center - to_a * node_b.center;
-        best = std::min(
-            best, run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best)));
+        const double found =
+            run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best));
+        if (found >= best) continue;
+        if (found > contact_distance && known_apart(a.pose, {tree_a, i, a.pose}, {tree_b, j, b.pose}, stay_apart))
+          continue;
+        best = found;
         if (best < infinity && best <= enough) return best;
         limit = std::min(limit, best + tolerance);
       }

@@ -20,7 +20,7 @@ using namespace detail;
 namespace {
 
 constexpr std::string_view extension = ".pairs";
-constexpr std::uint64_t table_version = 3;   // raise when the same pair gets another table, or the layout changes
+constexpr std::uint64_t table_version = 4;   // raise when the same pair gets another table, or the layout changes
 constexpr int coarsest = 32;                 // cells along an edge of the blocks that are tried first
 constexpr int max_distance_checks = 60'000;  // of a pair; then the rest is not proved
 constexpr double turn = 2 * std::numbers::pi;
@@ -119,28 +119,59 @@ class TableBuilder {
     const Eigen::Isometry3d pose_a = model_.geometry_pose(*data_, a_.index),
                             pose_b = model_.geometry_pose(*data_, b_.index);
     const Eigen::Vector3d center_a = pose_a * a_.bounds.center, center_b = pose_b * b_.bounds.center;
-    const double change = half * cell + 1e-9;
-    const double margin = moved(turning_.of_a, center_a, a_.bounds.radius, change) +
-                          moved(turning_.of_b, center_b, b_.bounds.radius, change) + NarrowPhase::tolerance +
-                          PairTable::reserve;
+    const double change = half * cell + 1e-9, reserve = NarrowPhase::tolerance + PairTable::reserve;
+    const Motion of_a = motion(turning_.of_a, center_a, a_.bounds.radius, change),
+                 of_b = motion(turning_.of_b, center_b, b_.bounds.radius, change);
+    const double margin = of_a.length + of_b.length + reserve;
     if ((center_a - center_b).norm() - a_.bounds.radius - b_.bounds.radius > margin) return true;
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (a_.solid && b_.solid &&
         narrow_->solids(formula_, {a_.solid, nullptr, a_.bounds, pose_a, center_a},
                         {b_.solid, nullptr, b_.bounds, pose_b, center_b}, margin) == infinity)
       return true;
+    const auto stay_apart = [&](const SeparatedParts& parts) {
+      return parts.gap > along(turning_.of_a, of_a, change, parts.direction, parts.a) +
+                             along(turning_.of_b, of_b, change, parts.direction, parts.b) + reserve;
+    };
+    // Blocks of cells are too large for anything but the distance.
+    const StayApart within_a_cell = half > 0.5 ? StayApart{} : StayApart{std::cref(stay_apart)};
     return narrow_->primitives({a_.shape, a_.bvh, a_.bounds, pose_a, center_a},
-                               {b_.shape, b_.bvh, b_.bounds, pose_b, center_b}, margin, infinity) == infinity;
+                               {b_.shape, b_.bvh, b_.bounds, pose_b, center_b}, margin, infinity,
+                               within_a_cell) == infinity;
   }
 
-  double moved(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,
-               double change) const {
-    double sum = 0;
+  /// What joints do to a geometry, at most, as in Displacements.
+  struct Motion {
+    double length{};  ///< [m] it moves by no more than this
+    double bent{};    ///< [m] twice what its points deviate from straight lines by
+  };
+
+  Motion motion(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,
+                double change) const {
+    Motion sum;
     for (const std::size_t k : actuated_joints) {
-      const auto [point, direction] = model_.actuated_joint_axis(*data_, k);
-      sum += change * ((center - point).cross(direction).norm() + radius + sum);
+      const auto [point, axis] = model_.actuated_joint_axis(*data_, k);
+      const double swept = change * ((center - point).cross(axis).norm() + radius + sum.length);
+      sum.bent += change * (swept + 2.0 * sum.length);
+      sum.length += swept;
     }
     return sum;
+  }
+
+  /// The same along a unit vector, of the hull of these points; none: of all of it.
+  double along(const std::vector<std::size_t>& actuated_joints, const Motion& all, double change,
+               const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part) const {
+    if (part.empty()) return all.length;
+    double farthest = 0.0;
+    for (const Eigen::Vector3d& corner : part) {
+      double linear = 0.0;
+      for (const std::size_t k : actuated_joints) {
+        const auto [point, axis] = model_.actuated_joint_axis(*data_, k);
+        linear += change * std::abs(axis.cross(corner - point).dot(direction));
+      }
+      farthest = std::max(farthest, linear);
+    }
+    return std::min(all.length, farthest + all.bent / 2.0);
   }
 
   const RobotModel& model_;

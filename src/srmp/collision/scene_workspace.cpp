@@ -268,7 +268,7 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
     if (found > limit - 0.9 * motion && !at_floor) return subdivide_for(found);
   }
   const double touching = pair.padding + NarrowPhase::contact_distance, enough = pair.padding + rough_distance * motion;
-  const double found = distance(pair, margin, enough);
+  const double found = pair.solid ? distance(pair, margin, enough) : distance_left(pair, half_width, margin, enough);
   if (found == infinity) return CollisionStatus::free;
   if (found <= touching || (!pair.solid && found <= enough && distance(pair, pair.padding, touching) < infinity))
     return CollisionStatus::colliding;
@@ -278,6 +278,22 @@ CollisionStatus SceneWorkspace::check_pair(const Pair& pair, double half_width, 
   }
   if (pair.solid && free_gap(pair, separate(pair, margin), half_width) > reserve_) return CollisionStatus::free;
   return subdivide_for(found);
+}
+
+/// The same as distance(), of those primitives that the interval around here does not keep apart.
+double SceneWorkspace::distance_left(const Pair& pair, double half_width, double margin, double enough) {
+  const auto motion_of = [&](std::size_t body, std::uint64_t support, const Eigen::Vector3d& direction,
+                             std::span<const Eigen::Vector3d> part) {
+    return part.empty() ? displacements_.of(body, place_of(body), support, half_width, &direction)
+                        : displacements_.of(body, place_of(body), support, half_width, direction, part);
+  };
+  const auto stay_apart = [&](const SeparatedParts& parts) {
+    const double needed = pair.padding + NarrowPhase::tolerance + reserve_;
+    const double left = parts.gap - needed - motion_of(pair.a, pair.support_a, parts.direction, parts.a);
+    return left > 0.0 && (pair.b_fixed || left > motion_of(pair.b, pair.support_b, parts.direction, parts.b));
+  };
+  ++statistics.narrow_phase;
+  return narrow_.primitives(placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough, std::cref(stay_apart));
 }
 
 /// Checks the pair over an interval around here, and subdivides the interval when that is undecided. False: the motion

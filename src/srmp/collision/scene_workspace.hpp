@@ -101,6 +101,7 @@ class SceneWorkspace final : public Checker::Workspace {
   bool for_each_fixed_near(std::size_t body, double margin, Visit&& visit);
 
   bool table_proves(const Pair& pair, double from, double to);
+  double distance_left(const Pair& pair, double half_width, double margin, double enough);
   CollisionStatus check_pair(const Pair& pair, double half_width, Undecided& undecided);
   bool process(std::uint32_t pair, double t, double half_width);
   void subdivide(const Interval& whole, int parts);
