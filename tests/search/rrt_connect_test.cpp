@@ -160,6 +160,27 @@ BOOST_AUTO_TEST_CASE(directions_lead_out_of_a_passage_that_samples_seldom_leave)
   BOOST_TEST(10 * with_directions < by_samples);
 }
 
+BOOST_AUTO_TEST_CASE(trees_that_follow_a_path_only_search_where_it_is_not_free) {
+  const auto known = RrtConnect(maze()).grow(many, {});
+  BOOST_REQUIRE(known.has_value());
+  RrtSpace space = maze();
+  space.is_motion_free = [&](const VectorXd& a, const VectorXd& b) {  // a post between the walls stands in the path
+    for (int i = 0; i <= 1000; ++i)
+      if (const VectorXd q = a + (b - a) * (i / 1000.0); std::abs(q[0] - 0.5) < 0.05 && std::abs(q[1] - 0.5) < 0.3)
+        return false;
+    return is_motion_free(a, b);
+  };
+  RrtConnect anew(space), along(space);
+  along.follow(*known);
+  const auto found_anew = anew.grow(many, {}), found_along = along.grow(many, {});
+  BOOST_REQUIRE((found_anew.has_value() && found_along.has_value()));
+  check(*found_along, space);
+  BOOST_TEST(along.attempts() < anew.attempts() / 4);
+  RrtConnect free(maze());
+  free.follow(*known);
+  check(*free.grow(many, {}), maze());
+}
+
 BOOST_AUTO_TEST_CASE(rrt_connect_stops_after_its_attempts_and_at_the_deadline) {
   RrtSpace closed = maze();
   closed.is_motion_free = [](const VectorXd&, const VectorXd&) { return false; };

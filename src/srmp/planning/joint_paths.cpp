@@ -93,33 +93,42 @@ class IndependenceDetection {
             .found_by = "each robot alone"};
   }
 
-  void add_groups(const std::vector<std::vector<std::size_t>>& all) {
+  /// Robots that are to be planned jointly, and paths of some of them.
+  struct Joint {
+    std::vector<std::size_t> robots;
+    std::vector<const JointPath*> known{};
+  };
+
+  void add_groups(const std::vector<Joint>& all) {
     std::vector<FoundPath> found(all.size());
     work_.run(all.size(), deadline_, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
-      found[k] = planner_->find(all[k], deadline, statistics);
+      found[k] = planner_->find(all[k].robots, all[k].known, deadline, statistics);
     });
     for (FoundPath& path : found) add_group(std::move(path));
   }
 
   /// Pairs of groups become groups.
   void merge(const std::vector<std::pair<std::size_t, std::size_t>>& pairs) {
-    std::vector<std::vector<std::size_t>> all;
+    std::vector<Joint> all;
     std::vector<char> merged(groups_.size(), false);
     for (const auto& [i, j] : pairs) {
-      const auto &a = groups_[i].found.path.robots, &b = groups_[j].found.path.robots;
-      std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all.emplace_back()));
+      const JointPath &a = groups_[i].found.path, &b = groups_[j].found.path;
+      Joint& joint = all.emplace_back();
+      std::ranges::merge(a.robots, b.robots, std::back_inserter(joint.robots));
+      joint.known = {&a, &b};
       merged[i] = merged[j] = true;
     }
-    std::vector<Group> kept;
-    for (std::size_t g = 0; g < groups_.size(); ++g)
-      if (!merged[g]) kept.push_back(std::move(groups_[g]));
-    groups_ = std::move(kept);
+    std::vector<Group> before = std::exchange(groups_, {});
     add_groups(all);
+    std::vector<Group> joined = std::exchange(groups_, {});
+    for (std::size_t g = 0; g < before.size(); ++g)
+      if (!merged[g]) groups_.push_back(std::move(before[g]));
+    std::ranges::move(joined, std::back_inserter(groups_));
   }
 
   /// Robots that can reach each other, directly or by way of others.
-  std::vector<std::vector<std::size_t>> connected() const {
-    std::vector<std::vector<std::size_t>> all;
+  std::vector<Joint> connected() const {
+    std::vector<Joint> all;
     std::vector<char> taken(count_, false);
     for (std::size_t i = 0; i < count_; ++i) {
       if (taken[i]) continue;
@@ -132,7 +141,7 @@ class IndependenceDetection {
             taken[j] = true;
           }
       std::sort(robots.begin(), robots.end());
-      all.push_back(std::move(robots));
+      all.push_back({std::move(robots)});
     }
     return all;
   }

@@ -75,6 +75,19 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
   return std::nullopt;
 }
 
+void RrtConnect::follow(const std::vector<Eigen::VectorXd>& path) {
+  follow(trees_[0], path);
+  follow(trees_[1], {path.rbegin(), path.rend()});
+}
+
+void RrtConnect::follow(Tree& tree, const std::vector<Eigen::VectorXd>& path) {
+  std::size_t at = tree.nodes.nearest(path.front());
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (!space_.is_motion_free(tree.nodes[at], path[i])) return;
+    at = tree.nodes.add(path[i], at);
+  }
+}
+
 std::size_t RrtConnect::memory() const {
   std::size_t sum = 0;
   for (const Tree& tree : trees_) sum += tree.nodes.memory();

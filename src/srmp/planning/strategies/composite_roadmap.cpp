@@ -103,18 +103,6 @@ std::vector<Eigen::VectorXd> CompositeRoadmap::candidates_of(std::size_t robot) 
                             options_.offsets);
 }
 
-/// The fraction of the vertices of other robots' paths with which the robot at q is surely collision-free.
-double CompositeRoadmap::collision_free_fraction(std::size_t robot, const Eigen::VectorXd& q) {
-  std::ptrdiff_t all = 0, free = 0;
-  for (std::size_t other = 0; other < world_.size(); ++other) {
-    if (other == robot || !world_.may_conflict(robot, other)) continue;
-    const std::vector<char> found = world_.collision_free_with(robot, q, other, paths_[other]);
-    all += std::ssize(found);
-    free += std::count(found.begin(), found.end(), 1);
-  }
-  return all ? static_cast<double>(free) / static_cast<double>(all) : 1.0;
-}
-
 /// Numbers of those candidates that are free, the ones that leave most room to the other robots first. Only some are
 /// checked, evenly spread.
 std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates,
@@ -124,7 +112,7 @@ std::vector<std::size_t> CompositeRoadmap::ranked(std::size_t robot, const std::
   for (std::size_t n = 0; n < checked && !deadline.stop_requested(); ++n) {
     const std::size_t i = n * candidates.size() / checked;
     if (world_.is_free_for_one(robot, candidates[i]))
-      order.emplace_back(-collision_free_fraction(robot, candidates[i]), i);
+      order.emplace_back(-collision_free_fraction(world_, robot, candidates[i], paths_), i);
   }
   std::sort(order.begin(), order.end());
   std::vector<std::size_t> numbers;

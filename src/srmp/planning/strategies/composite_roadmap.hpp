@@ -108,7 +108,6 @@ class CompositeRoadmap {
                 std::optional<Vertex> known = {}) const;
   std::vector<Vertex> branch_points(const Roadmap& map) const;
   std::vector<Eigen::VectorXd> candidates_of(std::size_t robot) const;
-  double collision_free_fraction(std::size_t robot, const Eigen::VectorXd& q);
   std::vector<std::size_t> ranked(std::size_t robot, const std::vector<Eigen::VectorXd>& candidates,
                                   const Deadline& deadline);
   void add_retreats(std::size_t robot, const Deadline& deadline);

@@ -110,4 +110,17 @@ JointPath CompositeSpace::path(const std::vector<Eigen::VectorXd>& rows) const {
   return joint_path(world_, robots_, paths);
 }
 
+std::vector<Eigen::VectorXd> CompositeSpace::configurations(const JointPath& path) const {
+  constexpr int parts = 4;  // of a motion between rows
+  std::vector<Eigen::VectorXd> found;
+  const auto add = [&](double step) {
+    Eigen::VectorXd& q = found.emplace_back(first_.back());
+    for (std::size_t i = 0; i < robots_.size(); ++i) part(q, i) = position_at(path, i, step);
+  };
+  add(path.steps.front());
+  for (std::size_t row = 1; row < path.size(); ++row)
+    for (int k = 1; k <= parts; ++k) add(path.steps[row - 1] + (path.steps[row] - path.steps[row - 1]) * k / parts);
+  return found;
+}
+
 }  // namespace srmp

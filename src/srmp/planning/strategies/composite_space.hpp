@@ -53,6 +53,8 @@ class CompositeSpace {
   bool is_free_of_others(const Eigen::VectorXd& q) const;
 
   JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
+  /// Configurations along a path of these robots: its rows and some between.
+  std::vector<Eigen::VectorXd> configurations(const JointPath& path) const;
 
  private:
   void add_joints();

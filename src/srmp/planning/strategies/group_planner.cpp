@@ -12,17 +12,18 @@
 
 namespace srmp {
 
-FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const Deadline& deadline,
-                             PlanStatistics& statistics) {
+FoundPath GroupPlanner::find(const std::vector<std::size_t>& robots, const std::vector<const JointPath*>& known,
+                             const Deadline& deadline, PlanStatistics& statistics) {
   const PhaseTimer timer(deadline, statistics.search_time_s);
   const bool portfolio = std::holds_alternative<Auto>(options_) && !constrained(robots);
   const bool trees_alone = std::holds_alternative<RRTConnect>(options_);
   std::optional<CompositeSpace> space;
   Strategies strategies;
-  if (portfolio) strategies.push_back(std::make_unique<OneByOneStrategy>(world_, robots, statistics));
+  if (portfolio) strategies.push_back(std::make_unique<OneByOneStrategy>(world_, robots, known, statistics));
   if (portfolio || trees_alone) {
     space.emplace(world_, robots);
-    strategies.push_back(std::make_unique<CompositeRrtStrategy>(world_, *space, common_options(options_), statistics));
+    strategies.push_back(std::make_unique<CompositeRrtStrategy>(
+        world_, *space, portfolio ? known : std::vector<const JointPath*>{}, common_options(options_), statistics));
   }
   if (portfolio)
     strategies.push_back(std::make_unique<CompositeRoadmapStrategy>(world_, robots, roadmaps_, statistics));

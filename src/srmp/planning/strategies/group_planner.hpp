@@ -27,7 +27,9 @@ class GroupPlanner {
   /// By the strategies that the planner's options name: conflict-based search alone, or RRT-Connect alone; for
   /// `auto` a portfolio of robots one after the other, RRT-Connect, composite roadmaps, conflict-based search and
   /// composite lattices. Throws PlanningError.
-  FoundPath find(const std::vector<std::size_t>& robots, const Deadline& deadline, PlanStatistics& statistics);
+  /// `known`: paths of some of the robots, which collide with each other.
+  FoundPath find(const std::vector<std::size_t>& robots, const std::vector<const JointPath*>& known,
+                 const Deadline& deadline, PlanStatistics& statistics);
 
   /// As short as it can be while no more than one robot changes its path at a time.
   JointPath reroute_each(JointPath path, const Deadline& deadline);

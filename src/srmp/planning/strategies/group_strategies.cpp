@@ -60,10 +60,11 @@ std::string stopped_reason(Status status, const CommonOptions& options, const st
 Attempt OneByOneStrategy::attempt(const AttemptBudget& budget, const Deadline& deadline) {
   OneByOneOptions options;
   for (std::uint64_t* attempts :
-       {&options.attempts, &options.attempts_of_all, &options.pair_attempts, &options.pair_attempts_of_all})
+       {&options.attempts, &options.attempts_of_all, &options.pair_attempts, &options.pair_attempts_of_all,
+        &options.known_attempts, &options.known_attempts_of_all})
     *attempts <<= budget.round;
   options.seed = static_cast<std::uint64_t>(budget.round);
-  OneByOneResult found = one_by_one(world_, robots_, options, deadline);
+  OneByOneResult found = one_by_one(world_, robots_, known_, options, deadline);
   statistics_.expansions += found.expansions;
   statistics_.samples += found.attempts;
   note_memory(statistics_, found.memory);
@@ -130,10 +131,12 @@ std::uint64_t luby(std::uint64_t n) {
 
 std::optional<std::vector<Eigen::VectorXd>> CompositeRrtStrategy::grow_trees(std::uint64_t attempts,
                                                                              const Deadline& deadline) {
+  const JointPath known = side_by_side(known_);
   while (attempts > 0 && !deadline.stop_requested()) {
     const std::uint64_t now = std::min(attempts, budgets.shortest_trees * luby(restarts_));
-    const std::uint64_t seed = restarts_++ << 16;  // none of those that GroupPlanner::replan takes
+    const std::uint64_t number = restarts_++, seed = number << 16;  // none of those that GroupPlanner::replan takes
     search::RrtConnect trees(rrt_space(space_), seed);
+    if (known.robots.size() == space_.size() && number % 2 == 1) trees.follow(space_.configurations(known));
     const auto rows = trees.grow(now, deadline);
     statistics_.samples += trees.attempts();
     note_memory(statistics_, trees.memory());

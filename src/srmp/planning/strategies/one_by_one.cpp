@@ -21,6 +21,24 @@ namespace {
 
 using Path = std::vector<Eigen::VectorXd>;
 
+constexpr int points_of_path = 16;  // where retreats are to leave it free
+
+/// Of the path of one robot.
+Path points_along(const JointPath& path) {
+  Path points;
+  for (int n = 0; n <= points_of_path; ++n)
+    points.push_back(position_at(path, 0, path.steps.back() * n / points_of_path));
+  return points;
+}
+
+/// Do two robots move at the same time?
+bool move_together(const JointPath& path) {
+  for (Eigen::Index row = 1; row < std::ssize(path.steps); ++row)
+    if (std::ranges::count_if(path.positions, [&](const RowMatrix& q) { return q.row(row) != q.row(row - 1); }) > 1)
+      return true;
+  return false;
+}
+
 /// The search over the robots' places; a search::BestFirstProblem.
 class PlacesSearch {
  public:
@@ -33,8 +51,8 @@ class PlacesSearch {
     std::size_t motion;  // that led here, in motions_; not_found: not searched for yet
   };
 
-  PlacesSearch(MultiRobotWorld& world, const std::vector<std::size_t>& robots, const OneByOneOptions& options,
-               const Deadline& deadline)
+  PlacesSearch(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
+               const std::vector<const JointPath*>& known, const OneByOneOptions& options, const Deadline& deadline)
       : world_(world), robots_(robots), options_(options), deadline_(deadline) {
     for (std::size_t i = 0; i < robots.size(); ++i) {
       const WorldTask& task = world.task(robots[i]);
@@ -43,6 +61,8 @@ class PlacesSearch {
       motions_.push_back(joint_path(world, robots[i], own));
       places_.push_back({own.front(), own.back()});
     }
+    for (const JointPath* path : known)
+      if (places_.size() == robots.size() && move_together(*path)) add_known(*path);
   }
 
   OneByOneResult run() {
@@ -66,17 +86,20 @@ class PlacesSearch {
   void close(const Node& node) { closed_.close(node.places, node.detour); }
   bool is_goal(const Node& node) const { return left(node.places) == 0; }
   bool may_expand(std::uint64_t expansions) const {
-    return expansions <= options_.max_expansions &&
-           result_.attempts - attempts_before_ < (in_pairs_ ? options_.pair_attempts_of_all : options_.attempts_of_all);
+    return expansions <= options_.max_expansions && result_.attempts - attempts_before_ < attempts_of_all();
   }
 
   void expand(search::NodeId id) {
     const Node from = (*search_)[id];
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       if (is_there(i, from.places)) continue;
+      if (const Known* known = as_known(i)) {
+        if (i == known->robots.front()) add_known_move(id, from, *known);
+        continue;
+      }
       const auto end = static_cast<signed char>(from.places[i] == at_start ? places_[i].size() : at_goal + 1);
       for (signed char to = at_goal; to < end; ++to) add_move(id, from, {{i, to}});
-      for (std::size_t k = i + 1; in_pairs_ && k < robots_.size(); ++k)
+      for (std::size_t k = i + 1; stage_.in_pairs && k < robots_.size(); ++k)
         if (!is_there(k, from.places) && may_conflict(i, k)) add_move(id, from, {{i, at_goal}, {k, at_goal}});
     }
   }
@@ -84,14 +107,53 @@ class PlacesSearch {
  private:
   static constexpr std::size_t not_found = static_cast<std::size_t>(-1);
 
+  /// A path on which robots move at the same time.
+  struct Known {
+    std::vector<std::size_t> robots;
+    std::size_t motion{};  // in motions_
+  };
+  /// Which motions there are.
+  struct Stage {
+    bool as_known{};  // robots that have a known path move together
+    bool by_trees{};  // also where others stand in it
+    bool in_pairs{};  // of two robots
+  };
+
+  /// Of the robots that have to move, if the path ends at the goals of their own paths.
+  void add_known(const JointPath& path) {
+    Known known{{}, motions_.size()};
+    for (std::size_t n = 0; n < path.robots.size(); ++n) {
+      const auto i = static_cast<std::size_t>(std::ranges::find(robots_, path.robots[n]) - robots_.begin());
+      const RowMatrix& q = path.positions[n];
+      if (model(i).difference(q.row(q.rows() - 1).transpose(), place(i, at_goal)).norm() > 1e-12) return;
+      if (motions_[i].size() > 1) known.robots.push_back(i);
+    }
+    known_.push_back(std::move(known));
+    motions_.push_back(path);
+  }
+
   std::optional<JointPath> find() {
     if (places_.size() < robots_.size()) return std::nullopt;  // a robot has no path of its own
-    if (auto path = search()) return path;
+    if (auto path = search_as_known_first()) return path;
     for (std::size_t i = 0; i < robots_.size(); ++i) add_retreats(i);
     goal_weight_ = options_.goal_weight_with_retreats;
-    if (auto path = search()) return path;
-    in_pairs_ = true;
+    if (auto path = search_as_known_first()) return path;
+    if (auto path = search_as_known({.by_trees = true})) return path;
+    stage_ = {.in_pairs = true};
     return robots_.size() > 2 ? search() : std::nullopt;
+  }
+
+  std::optional<JointPath> search_as_known_first() {
+    if (auto path = search_as_known({})) return path;
+    return search();
+  }
+  std::optional<JointPath> search_as_known(Stage stage) {
+    if (known_.empty()) return std::nullopt;
+    stage.as_known = true;
+    stage_ = stage;
+    auto path = search();
+    stage_ = {};
+    return path;
   }
 
   std::optional<JointPath> search() {
@@ -104,6 +166,11 @@ class PlacesSearch {
     result_.memory = std::max(result_.memory, search_->memory() + memory_of(closed_.costs()) + memory_of(motions_));
     if (found.status != Status::solved) return std::nullopt;
     return path_to(found.goal);
+  }
+
+  std::uint64_t attempts_of_all() const {
+    if (stage_.by_trees) return options_.known_attempts_of_all;
+    return stage_.in_pairs ? options_.pair_attempts_of_all : options_.attempts_of_all;
   }
 
   void add(Node node, search::NodeId parent) {
@@ -126,6 +193,21 @@ class PlacesSearch {
     else
       to.detour += std::max(least, options_.expected_detour);
     add(std::move(to), id);
+  }
+
+  /// All robots of a known path from their starts to their goals.
+  void add_known_move(search::NodeId id, const Node& from, const Known& known) {
+    Node to = from;
+    for (const std::size_t i : known.robots) to.places[i] = at_goal;
+    to.motion = not_found;
+    to.detour += motions_[known.motion].length() - shorter_left(from.places, to.places);
+    add(std::move(to), id);
+  }
+  /// The known path that the robot is to move along with others.
+  const Known* as_known(std::size_t i) const {
+    const auto found = std::ranges::find_if(
+        known_, [i](const Known& known) { return std::ranges::find(known.robots, i) != known.robots.end(); });
+    return stage_.as_known && found != known_.end() ? &*found : nullptr;
   }
 
   // --- costs
@@ -164,11 +246,24 @@ class PlacesSearch {
     const std::vector<Eigen::VectorXd> candidates =
         retreat_candidates(model(i), place(i, at_start), place(i, at_goal), {place(i, at_start), place(i, at_goal)});
     const std::size_t tried = std::min(options_.retreat_candidates, candidates.size());
-    for (std::size_t n = 0; n < tried && places_[i].size() < 2 + options_.retreats; ++n) {
-      if (deadline_.stop_requested()) return;
-      const Eigen::VectorXd& q = candidates[n * candidates.size() / tried];
-      if (world_.is_free_for_one(robots_[i], q) && is_clear_of_ends(i, q)) places_[i].push_back(q);
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t n = 0; n < tried && !deadline_.stop_requested(); ++n) {
+      const std::size_t number = n * candidates.size() / tried;
+      const Eigen::VectorXd& q = candidates[number];
+      if (world_.is_free_for_one(robots_[i], q) && is_clear_of_ends(i, q))
+        order.emplace_back(-collision_free_fraction(world_, robots_[i], q, own_points()), number);
     }
+    std::ranges::sort(order);
+    for (std::size_t n = 0; n < std::min(options_.retreats, order.size()); ++n)
+      places_[i].push_back(candidates[order[n].second]);
+  }
+  /// Of the robots' own paths, by number in the world.
+  const std::vector<Path>& own_points() {
+    if (own_points_.empty()) {
+      own_points_.resize(world_.size());
+      for (std::size_t i = 0; i < robots_.size(); ++i) own_points_[robots_[i]] = points_along(motions_[i]);
+    }
+    return own_points_;
   }
   /// Of the others' starts and goals.
   bool is_clear_of_ends(std::size_t i, const Eigen::VectorXd& q) {
@@ -216,6 +311,11 @@ class PlacesSearch {
   /// Of the robots whose places differ. One that was not found past some robots is not searched for past these again,
   /// wherever the others stand.
   std::size_t motion_between(const State& from, const State& to) {
+    const Known* moves = nullptr;
+    for (std::size_t i = 0; i < robots_.size(); ++i)
+      if (from[i] != to[i] && as_known(i)) moves = as_known(i);
+    if (moves && is_free_of_others(motions_[moves->motion], from, to)) return moves->motion;
+    if (moves && !stage_.by_trees) return not_found;
     const auto [known, added] = found_.try_emplace({from, to}, not_found);
     if (!added) return known->second;
     State failure = blockers(from, to);
@@ -224,7 +324,7 @@ class PlacesSearch {
       failure.push_back(from[i] == to[i] ? no_place : to[i]);
     }
     if (failed_.contains(failure)) return not_found;
-    if (std::optional<JointPath> motion = search_motion(from, to)) {
+    if (std::optional<JointPath> motion = search_motion(from, to, moves ? &motions_[moves->motion] : nullptr)) {
       known->second = motions_.size();
       motions_.push_back(std::move(*motion));
     } else {
@@ -233,7 +333,16 @@ class PlacesSearch {
     return known->second;
   }
 
-  std::optional<JointPath> search_motion(const State& from, const State& to) {
+  /// Of those that stand.
+  bool is_free_of_others(const JointPath& motion, const State& from, const State& to) {
+    for (std::size_t k = 0; k < robots_.size(); ++k)
+      if (from[k] == to[k] && in_conflict(world_, motion, joint_path(world_, robots_[k], {place(k, to[k])})))
+        return false;
+    return true;
+  }
+
+  /// `known`: in which others stand; null: none.
+  std::optional<JointPath> search_motion(const State& from, const State& to, const JointPath* known) {
     CompositeSpace::Others others;
     std::vector<std::size_t> moved;
     Path starts, goals;
@@ -255,7 +364,12 @@ class PlacesSearch {
     to_grow.is_motion_free = is_free;
     const ShortcutOptions waypoints_only{.max_rounds = 0, .continuous = {to_grow.wraps.begin(), to_grow.wraps.end()}};
     search::RrtConnect trees(std::move(to_grow), options_.seed);
-    const auto rows = trees.grow(alone ? options_.attempts : options_.pair_attempts, deadline_);
+    std::uint64_t attempts = alone ? options_.attempts : options_.pair_attempts;
+    if (known) {
+      attempts = options_.known_attempts;
+      trees.follow(space.configurations(*known));
+    }
+    const auto rows = trees.grow(attempts, deadline_);
     result_.attempts += trees.attempts();
     result_.memory = std::max(result_.memory, trees.memory());
     if (!rows) return std::nullopt;
@@ -286,9 +400,11 @@ class PlacesSearch {
   const OneByOneOptions& options_;
   const Deadline& deadline_;
   std::vector<Path> places_;        // by robot
+  std::vector<Path> own_points_;    // along their own paths, by number in the world; empty until needed
   std::vector<JointPath> motions_;  // the robots' own, then others: of those that move
   double goal_weight_{options_.goal_weight};
-  bool in_pairs_{};
+  std::vector<Known> known_;
+  Stage stage_{};
   std::map<std::tuple<std::size_t, std::size_t, signed char, signed char>, bool> places_free_;
   std::map<std::tuple<std::size_t, std::size_t, signed char, signed char, signed char>, bool> direct_free_;
   std::map<std::pair<State, State>, std::size_t> found_;
@@ -302,8 +418,9 @@ class PlacesSearch {
 }  // namespace
 
 OneByOneResult one_by_one(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
-                          const OneByOneOptions& options, const Deadline& deadline) {
-  return PlacesSearch(world, robots, options, deadline).run();
+                          const std::vector<const JointPath*>& known, const OneByOneOptions& options,
+                          const Deadline& deadline) {
+  return PlacesSearch(world, robots, known, options, deadline).run();
 }
 
 }  // namespace srmp

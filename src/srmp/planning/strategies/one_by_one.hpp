@@ -18,6 +18,8 @@ struct OneByOneOptions {
   std::uint64_t attempts_of_all{512};  ///< of all motions of a search, which ends with as many
   std::uint64_t pair_attempts{512};    ///< the same for motions of two robots
   std::uint64_t pair_attempts_of_all{1'024};
+  std::uint64_t known_attempts{2'048};  ///< the same for motions of robots with a known path, where others stand in it
+  std::uint64_t known_attempts_of_all{4'096};
   std::uint64_t seed{};               ///< of the trees
   std::uint64_t max_expansions{256};  ///< of a search
   /// Of a motion around others that is not known yet [rad, prismatic joints m]: more searches for fewer such motions,
@@ -27,7 +29,7 @@ struct OneByOneOptions {
   /// them: more reaches the goals with fewer motions searched for, by longer detours.
   double goal_weight{0.5}, goal_weight_with_retreats{4.0};
   std::size_t retreats{2};             ///< of a robot, at most: more can let more robots pass each other
-  std::size_t retreat_candidates{64};  ///< of a robot, that are checked
+  std::size_t retreat_candidates{64};  ///< of a robot, that are checked: more leave the others more room
 };
 
 struct OneByOneResult {
@@ -38,8 +40,9 @@ struct OneByOneResult {
 
 /// Robots that move one after the other while the others stand: each along its own path where they leave it free, or
 /// around them, in the order of the least detours. Where there is none in which each moves once, from its start to its
-/// goal, robots may first go to retreats, which are clear of the others' starts and goals; then two may move at the
-/// same time. So no search is in the joints of more than two robots.
+/// goal, robots may first go to retreats, which are clear of the others' starts and goals and leave their own paths as
+/// free as can be; then two may move at the same time. So no search is in the joints of more than two robots, or of
+/// those with a known path.
 ///
 /// Papers: van den Berg, Snoeyink, Lin, Manocha 2009, "Centralized path planning for multiple robots: Optimal
 /// decoupling into sequential plans" (the order, and robots that have to move jointly); Wang, Miao, Bekris 2021,
@@ -47,8 +50,11 @@ struct OneByOneResult {
 /// what has moved, and places in between). Best-first search over the robots' places; motions are found by RRT-Connect,
 /// and only when the search asks for them. Guarantee: the path is free. That none is found says nothing.
 ///
-/// `robots`: numbers in the world, increasing. Robots that may end anywhere stay where they start.
+/// `robots`: numbers in the world, increasing. Robots that may end anywhere stay where they start. `known`: paths of
+/// some of them, from their starts to their goals, no two of the same robot. Robots that move at the same time there do
+/// so here first: along this path; then, if everything else but pairs fails, by trees that begin with it.
 OneByOneResult one_by_one(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
-                          const OneByOneOptions& options, const Deadline& deadline);
+                          const std::vector<const JointPath*>& known, const OneByOneOptions& options,
+                          const Deadline& deadline);
 
 }  // namespace srmp

@@ -39,4 +39,16 @@ std::vector<Eigen::VectorXd> retreat_candidates(const RobotModel& robot, const E
   return sorted;
 }
 
+double collision_free_fraction(MultiRobotWorld& world, std::size_t robot, const Eigen::VectorXd& q,
+                               const std::vector<std::vector<Eigen::VectorXd>>& paths) {
+  std::ptrdiff_t all = 0, free = 0;
+  for (std::size_t other = 0; other < paths.size(); ++other) {
+    if (other == robot || !world.may_conflict(robot, other)) continue;
+    const std::vector<char> found = world.collision_free_with(robot, q, other, paths[other]);
+    all += std::ssize(found);
+    free += std::count(found.begin(), found.end(), 1);
+  }
+  return all ? static_cast<double>(free) / static_cast<double>(all) : 1.0;
+}
+
 }  // namespace srmp

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "srmp/planning/multi_robot_world.hpp"
 #include "srmp/robot/robot_model.hpp"
 
 namespace srmp {
@@ -18,5 +19,10 @@ std::vector<Eigen::VectorXd> retreat_candidates(const RobotModel& robot, const E
                                                 const Eigen::VectorXd& goal,
                                                 const std::vector<Eigen::VectorXd>& branch_points,
                                                 const RetreatOffsets& offsets = {});
+
+/// The fraction of the points of other robots' paths (by number in the world; none: left out) with which the robot at q
+/// is surely collision-free.
+double collision_free_fraction(MultiRobotWorld& world, std::size_t robot, const Eigen::VectorXd& q,
+                               const std::vector<std::vector<Eigen::VectorXd>>& paths);
 
 }  // namespace srmp
