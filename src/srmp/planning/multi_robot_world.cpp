@@ -224,7 +224,16 @@ class MultiRobotWorld::Pair {
   bool are_collision_free(const Eigen::VectorXd& from_a, const Eigen::VectorXd& to_a, const Eigen::VectorXd& from_b,
                           const Eigen::VectorXd& to_b, const MotionQuery& query) {
     const std::lock_guard lock(mutex_);
-    return check(from_a, to_a, from_b, to_b, query);
+    if (query.spheres_only) return check(from_a, to_a, from_b, to_b, query);
+    std::vector<std::uint64_t> key{query.start_is_free};
+    for (const Eigen::VectorXd* q : {&from_a, &to_a, &from_b, &to_b})
+      for (const double value : *q) key.push_back(std::bit_cast<std::uint64_t>(value));
+    if (const auto known = motions_free_.find(key); known != motions_free_.end()) return known->second;
+    const bool is_free = check(from_a, to_a, from_b, to_b, query);
+    if (may_be_cut_off(*exact_.workspace)) return is_free;
+    if (motions_free_.size() == max_motions) motions_free_.clear();
+    motions_free_.emplace(std::move(key), is_free);
+    return is_free;
   }
 
   void stop_at(const Deadline& deadline) {
@@ -273,7 +282,9 @@ class MultiRobotWorld::Pair {
   }
   std::size_t memory() const {
     const std::lock_guard lock(mutex_);
-    return memory_of(conflicts_);
+    std::size_t sum = memory_of(conflicts_) + memory_of(motions_free_);
+    for (const auto& [key, is_free] : motions_free_) sum += memory_of(key);
+    return sum;
   }
 
  private:
@@ -321,6 +332,10 @@ class MultiRobotWorld::Pair {
   /// Two moves of two robots, times since the later of their starts.
   using MovePair = std::array<std::uint32_t, 8>;
   std::unordered_map<MovePair, bool, NumberHash> conflicts_;  // as far as checked: is it one?
+  /// The last motions that were checked exactly, by the bits of their ends: paths are smoothed in rounds, and each
+  /// begins with motions of the one before.
+  std::unordered_map<std::vector<std::uint64_t>, bool, NumberHash> motions_free_;
+  static constexpr std::size_t max_motions = 4'096;
 };
 
 MultiRobotWorld::MultiRobotWorld(const GroupCheckers& checkers, std::vector<WorldTask> tasks, const Options& options)
