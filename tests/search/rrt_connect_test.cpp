@@ -171,14 +171,16 @@ BOOST_AUTO_TEST_CASE(trees_that_follow_a_path_only_search_where_it_is_not_free) 
     return is_motion_free(a, b);
   };
   RrtConnect anew(space), along(space);
-  along.follow(*known);
+  along.follow(*known, {});
   const auto found_anew = anew.grow(many, {}), found_along = along.grow(many, {});
   BOOST_REQUIRE((found_anew.has_value() && found_along.has_value()));
   check(*found_along, space);
   BOOST_TEST(along.attempts() < anew.attempts() / 4);
   RrtConnect free(maze());
-  free.follow(*known);
+  free.follow(*known, {});
   check(*free.grow(many, {}), maze());
+  BOOST_CHECK_THROW(free.follow({}, {}), srmp::InvalidArgument);
+  BOOST_CHECK_THROW(free.follow({VectorXd::Zero(3)}, {}), srmp::InvalidArgument);
 }
 
 BOOST_AUTO_TEST_CASE(rrt_connect_stops_after_its_attempts_and_at_the_deadline) {

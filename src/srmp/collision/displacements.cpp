@@ -143,6 +143,7 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
   return std::min(linear + last.rest + last.bent / 2.0, last.moved);
 }
 
+/// The motion along a direction is a convex function of the point, so the corners bound it.
 double Displacements::of(std::size_t body, const Place& place, std::uint64_t support, double half_width,
                          const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part) {
   support &= active_;

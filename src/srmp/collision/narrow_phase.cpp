@@ -138,15 +138,16 @@ OrientedBox transformed(const Eigen::Isometry3d& by, const PrimitiveBvh::Node& n
   return {by.linear() * node.axes, by * node.center, node.half};
 }
 
-/// A lower bound of the squared distance of two boxes: along the axes of either.
+/// A lower bound of the squared distance of two boxes: along the axes of either. Beyond `enough` any other will do.
 template <class A, class B>
-double squared_distance_bound(const A& a, const B& b) {
+double squared_distance_bound(const A& a, const B& b, double enough = infinity) {
   const Eigen::Vector3d offset = b.center - a.center;
   const Eigen::Matrix3d rotation = a.axes.transpose() * b.axes, absolute = rotation.cwiseAbs();
-  const Eigen::Vector3d along_a = a.axes.transpose() * offset, along_b = b.axes.transpose() * offset;
-  const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
-  const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
-  return std::max(of_a.squaredNorm(), of_b.squaredNorm());
+  const Eigen::Vector3d along_a = a.axes.transpose() * offset;
+  const double of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0).squaredNorm();
+  if (of_a > enough) return of_a;
+  const Eigen::Vector3d along_b = b.axes.transpose() * offset;
+  return std::max(of_a, (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0).squaredNorm());
 }
 
 Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
@@ -182,21 +183,30 @@ bool is_cube_and_sphere(const PrimitiveBvh& tree, const Placed& solid) {
   return tree.of_cubes() && solid.geometry->getNodeType() == coal::GEOM_SPHERE;
 }
 
-/// The corners of a primitive, or none.
+/// A primitive of a BVH at a pose; null: all of a solid.
+struct Part {
+  const PrimitiveBvh* tree{};
+  std::size_t primitive{};
+  const Eigen::Isometry3d* pose{};
+};
+
+/// The corners of a primitive; none of a solid.
 struct Corners {
   std::array<Eigen::Vector3d, 8> points;
   std::size_t count{};
 
-  Corners() = default;
-  Corners(const PrimitiveBvh& tree, std::size_t primitive, const Eigen::Isometry3d& pose) {
+  explicit Corners(const Part& part) {
+    if (!part.tree) return;
+    const PrimitiveBvh& tree = *part.tree;
+    const Eigen::Isometry3d& pose = *part.pose;
     if (!tree.of_cubes()) {
-      for (const Eigen::Vector3d& corner : tree.triangles()[primitive]) points[count++] = pose * corner;
+      for (const Eigen::Vector3d& corner : tree.triangles()[part.primitive]) points[count++] = pose * corner;
       return;
     }
     for (const double x : {-0.5, 0.5})
       for (const double y : {-0.5, 0.5})
         for (const double z : {-0.5, 0.5})
-          points[count++] = pose * (tree.cubes()[primitive] + tree.edge() * Eigen::Vector3d(x, y, z));
+          points[count++] = pose * (tree.cubes()[part.primitive] + tree.edge() * Eigen::Vector3d(x, y, z));
   }
   std::span<const Eigen::Vector3d> all() const { return {points.data(), count}; }
 };
@@ -214,7 +224,7 @@ struct NarrowPhase::Impl {
     std::uint32_t a, b;
   };
   std::vector<Open> open;
-  int asked{};  // in this query
+  int separation_queries{};  // in this query
   coal::Box box{1, 1, 1};
   std::function<void()> poll = [] {};
   unsigned steps{};
@@ -230,11 +240,12 @@ struct NarrowPhase::Impl {
                             const Eigen::Isometry3d& to_tree, PrimitiveShape& shape, double margin);
   double solid_to_node(const Placed& solid, const PrimitiveBvh::Node& node, const Eigen::Isometry3d& to_tree,
                        double margin);
-  bool known_apart(const Eigen::Isometry3d& pose, const Corners& a, const Corners& b, const StayApart& stay_apart);
+  bool is_kept_separated(const Eigen::Isometry3d& pose, const Part& a, const Part& b,
+                         const StaysSeparated& stays_separated);
   double solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough,
-                             const StayApart& stay_apart);
+                             const StaysSeparated& stays_separated);
   double primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough,
-                                  const StayApart& stay_apart);
+                                  const StaysSeparated& stays_separated);
   void push_nearer_last(const Open& one, const Open& other, double limit);
 };
 
@@ -316,22 +327,24 @@ double NarrowPhase::Impl::by_formula(int formula, const Placed& a, const Placed&
 }
 
 double NarrowPhase::primitives(const Placed& a, const Placed& b, double margin, double enough,
-                               const StayApart& stay_apart) {
-  if (!a.bvh) return impl_->solid_to_primitives(a, b, margin, enough, stay_apart);
-  if (b.bvh) return impl_->primitives_to_primitives(a, b, margin, enough, stay_apart);
-  if (!stay_apart) return impl_->solid_to_primitives(b, a, margin, enough, stay_apart);
+                               const StaysSeparated& stays_separated) {
+  if (!a.bvh) return impl_->solid_to_primitives(a, b, margin, enough, stays_separated);
+  if (b.bvh) return impl_->primitives_to_primitives(a, b, margin, enough, stays_separated);
+  if (!stays_separated) return impl_->solid_to_primitives(b, a, margin, enough, stays_separated);
   const auto swapped = [&](const SeparatedParts& parts) {
-    return stay_apart({parts.direction, parts.gap, parts.b, parts.a});
+    return stays_separated({parts.direction, parts.gap, parts.b, parts.a});
   };
   return impl_->solid_to_primitives(b, a, margin, enough, std::cref(swapped));
 }
 
 /// Are the two of `difference`, which GJK found apart last, known to stay so? `pose`: of the first one's frame.
-bool NarrowPhase::Impl::known_apart(const Eigen::Isometry3d& pose, const Corners& a, const Corners& b,
-                                    const StayApart& stay_apart) {
-  if (!stay_apart || ++asked > max_asked) return false;
+bool NarrowPhase::Impl::is_kept_separated(const Eigen::Isometry3d& pose, const Part& a, const Part& b,
+                                          const StaysSeparated& stays_separated) {
+  if (!stays_separated || ++separation_queries > max_separation_queries) return false;
   const double gap = gap_across(gjk.ray);
-  return gap > 0.0 && stay_apart({pose.linear() * gjk.ray.normalized(), gap, a.all(), b.all()});
+  if (!(gap > 0.0)) return false;
+  const Corners of_a(a), of_b(b);
+  return stays_separated({pose.linear() * gjk.ray.normalized(), gap, of_a.all(), of_b.all()});
 }
 
 /// `to_tree`: from the solid's frame.
@@ -369,7 +382,7 @@ void NarrowPhase::Impl::push_nearer_last(const Open& one, const Open& other, dou
 }
 
 double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed& other, double margin, double enough,
-                                              const StayApart& stay_apart) {
+                                              const StaysSeparated& stays_separated) {
   const PrimitiveBvh& tree = *other.bvh;
   const Eigen::Isometry3d to_tree = other.pose.inverse(Eigen::Isometry) * solid.pose;
   const OrientedBox box{to_tree.linear(), to_tree * solid.bounds.box_center, solid.bounds.box_half};
@@ -378,7 +391,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
   const bool fills_its_box_badly = dynamic_cast<const coal::ConvexBase*>(solid.geometry) != nullptr;
   const double size = solid.bounds.box_half.squaredNorm();  // hardly any larger box is beside the solid, not its box
   double best = infinity, limit = margin + tolerance;
-  asked = 0;
+  separation_queries = 0;
   const auto bound_to = [&](std::uint32_t node) { return squared_distance_bound(tree.nodes()[node], box); };
   open.assign(1, {bound_to(0), 0, 0});
   while (!open.empty()) {
@@ -398,7 +411,8 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
       if (!tree.of_cubes() && box.beyond_plane(tree.triangles()[i], limit)) continue;
       const double found = solid_to_primitive(solid, tree, i, to_tree, shape, std::min(margin, best));
       if (found >= best) continue;
-      if (by_gjk && found > contact_distance && known_apart(solid.pose, {}, {tree, i, other.pose}, stay_apart))
+      if (by_gjk && found > contact_distance &&
+          is_kept_separated(solid.pose, {}, {&tree, i, &other.pose}, stays_separated))
         continue;
       best = found;
       if (best < infinity && best <= enough) return best;
@@ -409,16 +423,17 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
 }
 
 double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed& b, double margin, double enough,
-                                                   const StayApart& stay_apart) {
+                                                   const StaysSeparated& stays_separated) {
   const PrimitiveBvh &tree_a = *a.bvh, &tree_b = *b.bvh;
   const Eigen::Isometry3d to_a = a.pose.inverse(Eigen::Isometry) * b.pose;
   PrimitiveShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
-  asked = 0;
-  const auto entry = [&](std::uint32_t i, std::uint32_t j) {
-    return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
+  separation_queries = 0;
+  const auto box_of = [&](std::uint32_t j) { return transformed(to_a, tree_b.nodes()[j]); };
+  const auto entry = [&](std::uint32_t i, std::uint32_t j, const OrientedBox& box) {
+    return Open{squared_distance_bound(tree_a.nodes()[i], box, limit * limit), i, j};
   };
-  open.assign(1, entry(0, 0));
+  open.assign(1, entry(0, 0, box_of(0)));
   while (!open.empty()) {
     count_step();
     const Open next = open.back();
@@ -427,11 +442,13 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
     if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
-      push_nearer_last(entry(next.a + 1, next.b), entry(node_a.right, next.b), limit);
+      const OrientedBox box = box_of(next.b);
+      push_nearer_last(entry(next.a + 1, next.b, box), entry(node_a.right, next.b, box), limit);
       continue;
     }
     if (!leaf_b) {
-      push_nearer_last(entry(next.a, next.b + 1), entry(next.a, node_b.right), limit);
+      push_nearer_last(entry(next.a, next.b + 1, box_of(next.b + 1)), entry(next.a, node_b.right, box_of(node_b.right)),
+                       limit);
       continue;
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
@@ -443,7 +460,8 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
         const double found =
             run_gjk(guess.squaredNorm() > 1e-12 ? guess : Eigen::Vector3d(1, 0, 0), std::min(margin, best));
         if (found >= best) continue;
-        if (found > contact_distance && known_apart(a.pose, {tree_a, i, a.pose}, {tree_b, j, b.pose}, stay_apart))
+        if (found > contact_distance &&
+            is_kept_separated(a.pose, {&tree_a, i, &a.pose}, {&tree_b, j, &b.pose}, stays_separated))
           continue;
         best = found;
         if (best < infinity && best <= enough) return best;

@@ -63,12 +63,12 @@ struct Separation {
 
 /// Parts of two bodies, with planes between them; in the frame of the poses' parent.
 struct SeparatedParts {
-  Eigen::Vector3d direction;              ///< a unit vector across the planes
+  Eigen::Vector3d direction;              ///< a unit vector across the planes, either way
   double gap{};                           ///< [m] between the planes
-  std::span<const Eigen::Vector3d> a, b;  ///< vertices of the part; none: all of the body
+  std::span<const Eigen::Vector3d> a, b;  ///< corners of the part; none: all of the body
 };
-/// Is it known that these two parts stay apart?
-using StayApart = std::function<bool(const SeparatedParts&)>;
+/// Is it known that these two parts stay separated?
+using StaysSeparated = std::function<bool(const SeparatedParts&)>;
 
 /// The kinds of solids for whose distance Coal has a formula, so that it does not use GJK.
 class FormulaTable {
@@ -97,15 +97,16 @@ class NarrowPhase {
   static constexpr double contact_distance = 1e-6;
   /// A pair reported farther apart than a margin may be nearer by this much [m], contact_distance included.
   static constexpr double tolerance = 2e-6;
-  /// Of this many pairs of primitives is it asked whether they stay apart: two bodies that pass each other have few
+  /// Queries of whether primitives stay separated, in one query of primitives: two bodies that pass each other have few
   /// that are near, and where many are, parts of the motion are quicker.
-  static constexpr int max_asked = 64;
+  static constexpr int max_separation_queries = 64;
 
   /// The distance of two convex solids, 0 in contact; infinity when it exceeds `margin` + contact_distance.
   double solids(int formula, const Placed& a, const Placed& b, double margin, Separation* separation = nullptr);
   /// The same for two geometries of which at least one has a BVH: branch and bound over the primitives. May return the
-  /// distance of any two primitives once it is at most `enough`. Primitives that stay apart are left out.
-  double primitives(const Placed& a, const Placed& b, double margin, double enough, const StayApart& stay_apart = {});
+  /// distance of any two primitives once it is at most `enough`. Primitives that stay separated are left out.
+  double primitives(const Placed& a, const Placed& b, double margin, double enough,
+                    const StaysSeparated& stays_separated = {});
 
   /// From now on the queries above call `poll` every some microseconds, whichever query it is then; what it throws
   /// ends that one.

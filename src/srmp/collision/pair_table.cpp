@@ -110,7 +110,8 @@ class TableBuilder {
   }
 
   /// Are the two proved apart while each joint is within `half` cells of these? As the checker proves a part of a
-  /// motion: in the middle they must be farther apart than both can move.
+  /// motion: in the middle they must be farther apart than both can move; within a
+  /// cell, primitives that are nearer must be separated by planes farther apart than these move across them.
   bool apart(double first, double second, double half) {
     constexpr double cell = turn / PairTable::cells;
     q_[turning_.joints[0]] = first * cell;
@@ -129,12 +130,12 @@ class TableBuilder {
         narrow_->solids(formula_, {a_.solid, nullptr, a_.bounds, pose_a, center_a},
                         {b_.solid, nullptr, b_.bounds, pose_b, center_b}, margin) == infinity)
       return true;
-    const auto stay_apart = [&](const SeparatedParts& parts) {
+    const auto stays_separated = [&](const SeparatedParts& parts) {
       return parts.gap > along(turning_.of_a, of_a, change, parts.direction, parts.a) +
                              along(turning_.of_b, of_b, change, parts.direction, parts.b) + reserve;
     };
     // Blocks of cells are too large for anything but the distance.
-    const StayApart within_a_cell = half > 0.5 ? StayApart{} : StayApart{std::cref(stay_apart)};
+    const StaysSeparated within_a_cell = half > 0.5 ? StaysSeparated{} : StaysSeparated{std::cref(stays_separated)};
     return narrow_->primitives({a_.shape, a_.bvh, a_.bounds, pose_a, center_a},
                                {b_.shape, b_.bvh, b_.bounds, pose_b, center_b}, margin, infinity,
                                within_a_cell) == infinity;

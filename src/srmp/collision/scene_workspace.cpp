@@ -287,13 +287,14 @@ double SceneWorkspace::distance_left(const Pair& pair, double half_width, double
     return part.empty() ? displacements_.of(body, place_of(body), support, half_width, &direction)
                         : displacements_.of(body, place_of(body), support, half_width, direction, part);
   };
-  const auto stay_apart = [&](const SeparatedParts& parts) {
+  const auto stays_separated = [&](const SeparatedParts& parts) {
     const double needed = pair.padding + NarrowPhase::tolerance + reserve_;
     const double left = parts.gap - needed - motion_of(pair.a, pair.support_a, parts.direction, parts.a);
     return left > 0.0 && (pair.b_fixed || left > motion_of(pair.b, pair.support_b, parts.direction, parts.b));
   };
   ++statistics.narrow_phase;
-  return narrow_.primitives(placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough, std::cref(stay_apart));
+  return narrow_.primitives(placed(false, pair.a), placed(pair.b_fixed, pair.b), margin, enough,
+                            std::cref(stays_separated));
 }
 
 /// Checks the pair over an interval around here, and subdivides the interval when that is undecided. False: the motion

@@ -94,12 +94,12 @@ class IndependenceDetection {
   }
 
   /// Robots that are to be planned jointly, and paths of some of them.
-  struct Joint {
+  struct Coupled {
     std::vector<std::size_t> robots;
     std::vector<const JointPath*> known{};
   };
 
-  void add_groups(const std::vector<Joint>& all) {
+  void add_groups(const std::vector<Coupled>& all) {
     std::vector<FoundPath> found(all.size());
     work_.run(all.size(), deadline_, [&](std::size_t k, const Deadline& deadline, PlanStatistics& statistics) {
       found[k] = planner_->find(all[k].robots, all[k].known, deadline, statistics);
@@ -109,26 +109,24 @@ class IndependenceDetection {
 
   /// Pairs of groups become groups.
   void merge(const std::vector<std::pair<std::size_t, std::size_t>>& pairs) {
-    std::vector<Joint> all;
+    std::vector<Coupled> all;
     std::vector<char> merged(groups_.size(), false);
     for (const auto& [i, j] : pairs) {
       const JointPath &a = groups_[i].found.path, &b = groups_[j].found.path;
-      Joint& joint = all.emplace_back();
-      std::ranges::merge(a.robots, b.robots, std::back_inserter(joint.robots));
-      joint.known = {&a, &b};
+      Coupled& both = all.emplace_back();
+      std::ranges::merge(a.robots, b.robots, std::back_inserter(both.robots));
+      both.known = {&a, &b};
       merged[i] = merged[j] = true;
     }
     std::vector<Group> before = std::exchange(groups_, {});
-    add_groups(all);
-    std::vector<Group> joined = std::exchange(groups_, {});
     for (std::size_t g = 0; g < before.size(); ++g)
       if (!merged[g]) groups_.push_back(std::move(before[g]));
-    std::ranges::move(joined, std::back_inserter(groups_));
+    add_groups(all);  // from paths of `before`
   }
 
   /// Robots that can reach each other, directly or by way of others.
-  std::vector<Joint> connected() const {
-    std::vector<Joint> all;
+  std::vector<Coupled> connected() const {
+    std::vector<Coupled> all;
     std::vector<char> taken(count_, false);
     for (std::size_t i = 0; i < count_; ++i) {
       if (taken[i]) continue;

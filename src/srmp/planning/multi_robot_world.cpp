@@ -332,8 +332,8 @@ class MultiRobotWorld::Pair {
   /// Two moves of two robots, times since the later of their starts.
   using MovePair = std::array<std::uint32_t, 8>;
   std::unordered_map<MovePair, bool, NumberHash> conflicts_;  // as far as checked: is it one?
-  /// The last motions that were checked exactly, by the bits of their ends: paths are smoothed in rounds, and each
-  /// begins with motions of the one before.
+  /// Motions that were checked exactly, by the bits of their ends, up to max_motions; then it begins anew. Paths are
+  /// smoothed in rounds, and each begins with motions of the one before.
   std::unordered_map<std::vector<std::uint64_t>, bool, NumberHash> motions_free_;
   static constexpr std::size_t max_motions = 4'096;
 };

@@ -75,15 +75,21 @@ std::optional<std::vector<Eigen::VectorXd>> RrtConnect::grow(std::uint64_t attem
   return std::nullopt;
 }
 
-void RrtConnect::follow(const std::vector<Eigen::VectorXd>& path) {
-  follow(trees_[0], path);
-  follow(trees_[1], {path.rbegin(), path.rend()});
+void RrtConnect::follow(const std::vector<Eigen::VectorXd>& path, const Deadline& deadline) {
+  if (path.empty()) throw InvalidArgument("the path to follow has no configurations, it must have at least one");
+  if (space_.starts.empty() || space_.goals.empty()) return;
+  for (const Eigen::VectorXd& q : path)
+    if (q.size() != space_.starts.front().size())
+      throw InvalidArgument("the path to follow has configurations of " + std::to_string(q.size()) +
+                            " components, starts and goals have " + std::to_string(space_.starts.front().size()));
+  follow(trees_[0], path, deadline);
+  follow(trees_[1], {path.rbegin(), path.rend()}, deadline);
 }
 
-void RrtConnect::follow(Tree& tree, const std::vector<Eigen::VectorXd>& path) {
+void RrtConnect::follow(Tree& tree, const std::vector<Eigen::VectorXd>& path, const Deadline& deadline) {
   std::size_t at = tree.nodes.nearest(path.front());
   for (std::size_t i = 1; i < path.size(); ++i) {
-    if (!space_.is_motion_free(tree.nodes[at], path[i])) return;
+    if (deadline.stop_requested() || !space_.is_motion_free(tree.nodes[at], path[i])) return;
     at = tree.nodes.add(path[i], at);
   }
 }

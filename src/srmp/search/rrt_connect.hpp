@@ -52,8 +52,9 @@ class RrtConnect {
   explicit RrtConnect(RrtSpace space, std::uint64_t seed = 0);
 
   /// Grows both trees along this path, from the first configuration, a start, and from the last one, a goal, each as
-  /// far as it is free.
-  void follow(const std::vector<Eigen::VectorXd>& path);
+  /// far as it is free, or until the deadline. Its motions may be longer than max_step. Throws InvalidArgument for an
+  /// empty path, and for configurations of another size than the starts and goals.
+  void follow(const std::vector<Eigen::VectorXd>& path, const Deadline& deadline);
   /// Grows the trees until there is a path, from a start to a goal, or `attempts` were made since construction. May be
   /// called again with more attempts.
   std::optional<std::vector<Eigen::VectorXd>> grow(std::uint64_t attempts, const Deadline& deadline);
@@ -68,7 +69,7 @@ class RrtConnect {
     std::size_t next_direction{};  // of RrtSpace::directions
   };
 
-  void follow(Tree& tree, const std::vector<Eigen::VectorXd>& path);
+  void follow(Tree& tree, const std::vector<Eigen::VectorXd>& path, const Deadline& deadline);
   bool extend(Tree& tree, std::size_t from, const Eigen::VectorXd& towards);
   bool extend_projected(Tree& tree, std::size_t from, Eigen::VectorXd to, const Eigen::VectorXd& towards);
   bool grows_in_directions(const Tree& tree) const;

@@ -111,15 +111,21 @@ JointPath CompositeSpace::path(const std::vector<Eigen::VectorXd>& rows) const {
 }
 
 std::vector<Eigen::VectorXd> CompositeSpace::configurations(const JointPath& path) const {
-  constexpr int parts = 4;  // of a motion between rows
+  constexpr int parts = 4;           // of a motion between rows
+  std::vector<std::size_t> numbers;  // of the robots in the path
+  for (const std::size_t robot : robots_)
+    numbers.push_back(static_cast<std::size_t>(std::ranges::find(path.robots, robot) - path.robots.begin()));
   std::vector<Eigen::VectorXd> found;
   const auto add = [&](double step) {
     Eigen::VectorXd& q = found.emplace_back(first_.back());
-    for (std::size_t i = 0; i < robots_.size(); ++i) part(q, i) = position_at(path, i, step);
+    for (std::size_t i = 0; i < robots_.size(); ++i) part(q, i) = position_at(path, numbers[i], step);
   };
   add(path.steps.front());
-  for (std::size_t row = 1; row < path.size(); ++row)
-    for (int k = 1; k <= parts; ++k) add(path.steps[row - 1] + (path.steps[row] - path.steps[row - 1]) * k / parts);
+  for (std::size_t row = 1; row < path.size(); ++row) {
+    const double from = path.steps[row - 1], to = path.steps[row];
+    for (int k = 1; k < parts; ++k) add(from + (to - from) * k / parts);
+    add(to);
+  }
   return found;
 }
 

@@ -53,7 +53,7 @@ class CompositeSpace {
   bool is_free_of_others(const Eigen::VectorXd& q) const;
 
   JointPath path(const std::vector<Eigen::VectorXd>& rows) const;
-  /// Configurations along a path of these robots: its rows and some between.
+  /// Configurations along a path of these robots, and maybe others: its rows and some between.
   std::vector<Eigen::VectorXd> configurations(const JointPath& path) const;
 
  private:

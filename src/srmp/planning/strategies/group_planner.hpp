@@ -27,7 +27,7 @@ class GroupPlanner {
   /// By the strategies that the planner's options name: conflict-based search alone, or RRT-Connect alone; for
   /// `auto` a portfolio of robots one after the other, RRT-Connect, composite roadmaps, conflict-based search and
   /// composite lattices. Throws PlanningError.
-  /// `known`: paths of some of the robots, which collide with each other.
+  /// `known`: paths of groups of these robots, in conflict with each other.
   FoundPath find(const std::vector<std::size_t>& robots, const std::vector<const JointPath*>& known,
                  const Deadline& deadline, PlanStatistics& statistics);
 

@@ -129,14 +129,21 @@ std::uint64_t luby(std::uint64_t n) {
 
 }  // namespace
 
+CompositeRrtStrategy::CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space,
+                                           const std::vector<const JointPath*>& known, const CommonOptions& options,
+                                           PlanStatistics& statistics)
+    : world_(world), space_(space), options_(options), statistics_(statistics) {
+  const JointPath all = side_by_side(known);
+  if (!known.empty() && all.robots.size() == space.size()) known_ = space.configurations(all);
+}
+
 std::optional<std::vector<Eigen::VectorXd>> CompositeRrtStrategy::grow_trees(std::uint64_t attempts,
                                                                              const Deadline& deadline) {
-  const JointPath known = side_by_side(known_);
   while (attempts > 0 && !deadline.stop_requested()) {
     const std::uint64_t now = std::min(attempts, budgets.shortest_trees * luby(restarts_));
     const std::uint64_t number = restarts_++, seed = number << 16;  // none of those that GroupPlanner::replan takes
     search::RrtConnect trees(rrt_space(space_), seed);
-    if (known.robots.size() == space_.size() && number % 2 == 1) trees.follow(space_.configurations(known));
+    if (number % 2 == 1 && !known_.empty()) trees.follow(known_, deadline);
     const auto rows = trees.grow(now, deadline);
     statistics_.samples += trees.attempts();
     note_memory(statistics_, trees.memory());

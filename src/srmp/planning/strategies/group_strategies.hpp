@@ -15,10 +15,10 @@ namespace srmp {
 /// Robots that move one after the other (one_by_one.hpp): quickest where they need not move at the same time.
 class OneByOneStrategy : public Strategy {
  public:
-  /// `known`: paths of some of the robots.
-  OneByOneStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots,
-                   const std::vector<const JointPath*>& known, PlanStatistics& statistics)
-      : world_(world), robots_(robots), known_(known), statistics_(statistics) {}
+  /// `known`: paths of some of the robots, which outlive this.
+  OneByOneStrategy(MultiRobotWorld& world, const std::vector<std::size_t>& robots, std::vector<const JointPath*> known,
+                   PlanStatistics& statistics)
+      : world_(world), robots_(robots), known_(std::move(known)), statistics_(statistics) {}
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
   bool can_exhaust() const override { return false; }
@@ -26,7 +26,7 @@ class OneByOneStrategy : public Strategy {
  private:
   MultiRobotWorld& world_;
   const std::vector<std::size_t>& robots_;
-  const std::vector<const JointPath*>& known_;
+  const std::vector<const JointPath*> known_;
   PlanStatistics& statistics_;
 };
 
@@ -62,9 +62,8 @@ class CompositeRoadmapStrategy : public Strategy {
 class CompositeRrtStrategy : public Strategy {
  public:
   /// `known`: paths of some of the robots, or none. If all have one, every second pair of trees begins along these.
-  CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space, std::vector<const JointPath*> known,
-                       const CommonOptions& options, PlanStatistics& statistics)
-      : world_(world), space_(space), known_(std::move(known)), options_(options), statistics_(statistics) {}
+  CompositeRrtStrategy(MultiRobotWorld& world, const CompositeSpace& space, const std::vector<const JointPath*>& known,
+                       const CommonOptions& options, PlanStatistics& statistics);
 
   Attempt attempt(const AttemptBudget& budget, const Deadline& deadline) override;
   bool can_exhaust() const override { return false; }
@@ -74,7 +73,7 @@ class CompositeRrtStrategy : public Strategy {
 
   MultiRobotWorld& world_;
   const CompositeSpace& space_;
-  const std::vector<const JointPath*> known_;
+  std::vector<Eigen::VectorXd> known_;  // configurations along the known paths, or none
   const CommonOptions& options_;
   PlanStatistics& statistics_;
   std::uint64_t restarts_{};

@@ -115,7 +115,7 @@ class PlacesSearch {
   /// Which motions there are.
   struct Stage {
     bool as_known{};  // robots that have a known path move together
-    bool by_trees{};  // also where others stand in it
+    bool by_trees{};  // also where their path is in conflict with robots that stand
     bool in_pairs{};  // of two robots
   };
 
@@ -314,7 +314,7 @@ class PlacesSearch {
     const Known* moves = nullptr;
     for (std::size_t i = 0; i < robots_.size(); ++i)
       if (from[i] != to[i] && as_known(i)) moves = as_known(i);
-    if (moves && is_free_of_others(motions_[moves->motion], from, to)) return moves->motion;
+    if (moves && is_free_of_others(*moves, to)) return moves->motion;
     if (moves && !stage_.by_trees) return not_found;
     const auto [known, added] = found_.try_emplace({from, to}, not_found);
     if (!added) return known->second;
@@ -333,15 +333,18 @@ class PlacesSearch {
     return known->second;
   }
 
-  /// Of those that stand.
-  bool is_free_of_others(const JointPath& motion, const State& from, const State& to) {
-    for (std::size_t k = 0; k < robots_.size(); ++k)
-      if (from[k] == to[k] && in_conflict(world_, motion, joint_path(world_, robots_[k], {place(k, to[k])})))
-        return false;
+  bool is_free_of_others(const Known& known, const State& places) {
+    const JointPath& motion = motions_[known.motion];
+    for (std::size_t k = 0; k < robots_.size(); ++k) {
+      if (std::ranges::find(motion.robots, robots_[k]) != motion.robots.end()) continue;
+      const auto [is_free, added] = known_free_.try_emplace({known.motion, k, places[k]}, false);
+      if (added) is_free->second = !in_conflict(world_, motion, joint_path(world_, robots_[k], {place(k, places[k])}));
+      if (!is_free->second) return false;
+    }
     return true;
   }
 
-  /// `known`: in which others stand; null: none.
+  /// `known`: a path that is in conflict with robots that stand; null: none.
   std::optional<JointPath> search_motion(const State& from, const State& to, const JointPath* known) {
     CompositeSpace::Others others;
     std::vector<std::size_t> moved;
@@ -367,7 +370,7 @@ class PlacesSearch {
     std::uint64_t attempts = alone ? options_.attempts : options_.pair_attempts;
     if (known) {
       attempts = options_.known_attempts;
-      trees.follow(space.configurations(*known));
+      trees.follow(space.configurations(*known), deadline_);
     }
     const auto rows = trees.grow(attempts, deadline_);
     result_.attempts += trees.attempts();
@@ -407,6 +410,7 @@ class PlacesSearch {
   Stage stage_{};
   std::map<std::tuple<std::size_t, std::size_t, signed char, signed char>, bool> places_free_;
   std::map<std::tuple<std::size_t, std::size_t, signed char, signed char, signed char>, bool> direct_free_;
+  std::map<std::tuple<std::size_t, std::size_t, signed char>, bool> known_free_;
   std::map<std::pair<State, State>, std::size_t> found_;
   std::set<State> failed_;
   std::optional<search::BestFirstSearch<Node, std::pair<double, std::size_t>>> search_;

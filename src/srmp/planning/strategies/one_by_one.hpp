@@ -18,7 +18,7 @@ struct OneByOneOptions {
   std::uint64_t attempts_of_all{512};  ///< of all motions of a search, which ends with as many
   std::uint64_t pair_attempts{512};    ///< the same for motions of two robots
   std::uint64_t pair_attempts_of_all{1'024};
-  std::uint64_t known_attempts{2'048};  ///< the same for motions of robots with a known path, where others stand in it
+  std::uint64_t known_attempts{2'048};  ///< the same for robots with a known path that is in conflict
   std::uint64_t known_attempts_of_all{4'096};
   std::uint64_t seed{};               ///< of the trees
   std::uint64_t max_expansions{256};  ///< of a search
