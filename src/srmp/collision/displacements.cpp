@@ -78,15 +78,13 @@ void Displacements::add_joint(std::size_t joint, const Arm* arm, double half_wid
   if (!arm) {
     step.velocity += linear * axis;
     step.rest += rest_[joint];
-    step.moved += change;
+    step.sweep.moved += change;
     return;
   }
-  const double swept = change * (arm->reach + step.moved);  // by the point that is the farthest from the axis
   step.velocity += linear * arm->across;
   step.turn += linear * axis;
   step.rest += rest_[joint] * arm->reach;
-  step.bent += change * (swept + 2.0 * step.moved);
-  step.moved += swept;
+  step.sweep.add_turn(change, arm->reach);
 }
 
 /// What the joints of `support` add up to, which move: the deepest ones of the body's chain, for every pair's.
@@ -140,7 +138,7 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
                        : std::max((last.velocity + at_end).norm(), (last.velocity - at_end).norm()) +
                              core.radius * last.turn.norm();
   }
-  return std::min(linear + last.rest + last.bent / 2.0, last.moved);
+  return last.sweep.bound(linear + last.rest);
 }
 
 /// The motion along a direction is a convex function of the point, so the corners bound it.
@@ -152,7 +150,7 @@ double Displacements::of(std::size_t body, const Place& place, std::uint64_t sup
   double linear = 0.0;
   for (const Eigen::Vector3d& point : part)
     linear = std::max(linear, std::abs((last.velocity + last.turn.cross(point - place.center)).dot(direction)));
-  return std::min(linear + last.rest + last.bent / 2.0, last.moved);
+  return last.sweep.bound(linear + last.rest);
 }
 
 }  // namespace srmp::detail

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "srmp/collision/scene_model.hpp"
+#include "srmp/collision/sweep.hpp"
 
 namespace srmp::detail {
 
@@ -55,8 +56,7 @@ class Displacements {
     std::uint64_t support{};                                              // these joints
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turn = velocity;  // of the centre, over half of the motion
     double rest{};
-    double moved{};  // one joint after the other, from the deepest: by no more than this
-    double bent{};   // twice what paths deviate from straight lines by, at most
+    Sweep sweep;
   };
   /// The steps of a body's chain that are known.
   struct Chain {

@@ -138,16 +138,15 @@ OrientedBox transformed(const Eigen::Isometry3d& by, const PrimitiveBvh::Node& n
   return {by.linear() * node.axes, by * node.center, node.half};
 }
 
-/// A lower bound of the squared distance of two boxes: along the axes of either. Beyond `enough` any other will do.
+/// A lower bound of the squared distance of two boxes: along the axes of either.
 template <class A, class B>
-double squared_distance_bound(const A& a, const B& b, double enough = infinity) {
+double squared_distance_bound(const A& a, const B& b) {
   const Eigen::Vector3d offset = b.center - a.center;
   const Eigen::Matrix3d rotation = a.axes.transpose() * b.axes, absolute = rotation.cwiseAbs();
-  const Eigen::Vector3d along_a = a.axes.transpose() * offset;
-  const double of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0).squaredNorm();
-  if (of_a > enough) return of_a;
-  const Eigen::Vector3d along_b = b.axes.transpose() * offset;
-  return std::max(of_a, (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0).squaredNorm());
+  const Eigen::Vector3d along_a = a.axes.transpose() * offset, along_b = b.axes.transpose() * offset;
+  const Eigen::Vector3d of_a = (along_a.cwiseAbs() - a.half - absolute * b.half).cwiseMax(0.0);
+  const Eigen::Vector3d of_b = (along_b.cwiseAbs() - b.half - absolute.transpose() * a.half).cwiseMax(0.0);
+  return std::max(of_a.squaredNorm(), of_b.squaredNorm());
 }
 
 Eigen::Vector3d middle_of(const PrimitiveBvh& tree, std::size_t primitive) {
@@ -415,7 +414,7 @@ double NarrowPhase::Impl::solid_to_primitives(const Placed& solid, const Placed&
           is_kept_separated(solid.pose, {}, {&tree, i, &other.pose}, stays_separated))
         continue;
       best = found;
-      if (best < infinity && best <= enough) return best;
+      if (best <= enough) return best;
       limit = std::min(limit, best + tolerance);
     }
   }
@@ -429,11 +428,10 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
   PrimitiveShape shape_a(tree_a), shape_b(tree_b);
   double best = infinity, limit = margin + tolerance;
   separation_queries = 0;
-  const auto box_of = [&](std::uint32_t j) { return transformed(to_a, tree_b.nodes()[j]); };
-  const auto entry = [&](std::uint32_t i, std::uint32_t j, const OrientedBox& box) {
-    return Open{squared_distance_bound(tree_a.nodes()[i], box, limit * limit), i, j};
+  const auto entry = [&](std::uint32_t i, std::uint32_t j) {
+    return Open{squared_distance_bound(tree_a.nodes()[i], transformed(to_a, tree_b.nodes()[j])), i, j};
   };
-  open.assign(1, entry(0, 0, box_of(0)));
+  open.assign(1, entry(0, 0));
   while (!open.empty()) {
     count_step();
     const Open next = open.back();
@@ -442,13 +440,11 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
     const PrimitiveBvh::Node &node_a = tree_a.nodes()[next.a], &node_b = tree_b.nodes()[next.b];
     const bool leaf_a = node_a.size > 0, leaf_b = node_b.size > 0;
     if (!leaf_a && (leaf_b || node_a.half.squaredNorm() >= node_b.half.squaredNorm())) {
-      const OrientedBox box = box_of(next.b);
-      push_nearer_last(entry(next.a + 1, next.b, box), entry(node_a.right, next.b, box), limit);
+      push_nearer_last(entry(next.a + 1, next.b), entry(node_a.right, next.b), limit);
       continue;
     }
     if (!leaf_b) {
-      push_nearer_last(entry(next.a, next.b + 1, box_of(next.b + 1)), entry(next.a, node_b.right, box_of(node_b.right)),
-                       limit);
+      push_nearer_last(entry(next.a, next.b + 1), entry(next.a, node_b.right), limit);
       continue;
     }
     for (std::size_t i = node_a.first; i < node_a.first + node_a.size; ++i)
@@ -464,7 +460,7 @@ double NarrowPhase::Impl::primitives_to_primitives(const Placed& a, const Placed
             is_kept_separated(a.pose, {&tree_a, i, &a.pose}, {&tree_b, j, &b.pose}, stays_separated))
           continue;
         best = found;
-        if (best < infinity && best <= enough) return best;
+        if (best <= enough) return best;
         limit = std::min(limit, best + tolerance);
       }
   }

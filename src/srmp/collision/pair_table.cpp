@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "srmp/collision/narrow_phase.hpp"
+#include "srmp/collision/sweep.hpp"
 #include "srmp/core/cache_file.hpp"
 #include "srmp/core/interruption.hpp"
 #include "srmp/core/low_discrepancy.hpp"
@@ -121,9 +122,9 @@ class TableBuilder {
                             pose_b = model_.geometry_pose(*data_, b_.index);
     const Eigen::Vector3d center_a = pose_a * a_.bounds.center, center_b = pose_b * b_.bounds.center;
     const double change = half * cell + 1e-9, reserve = NarrowPhase::tolerance + PairTable::reserve;
-    const Motion of_a = motion(turning_.of_a, center_a, a_.bounds.radius, change),
-                 of_b = motion(turning_.of_b, center_b, b_.bounds.radius, change);
-    const double margin = of_a.length + of_b.length + reserve;
+    const Sweep of_a = sweep(turning_.of_a, center_a, a_.bounds.radius, change),
+                of_b = sweep(turning_.of_b, center_b, b_.bounds.radius, change);
+    const double margin = of_a.moved + of_b.moved + reserve;
     if ((center_a - center_b).norm() - a_.bounds.radius - b_.bounds.radius > margin) return true;
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (a_.solid && b_.solid &&
@@ -141,28 +142,20 @@ class TableBuilder {
                                within_a_cell) == infinity;
   }
 
-  /// What joints do to a geometry, at most, as in Displacements.
-  struct Motion {
-    double length{};  ///< [m] it moves by no more than this
-    double bent{};    ///< [m] twice what its points deviate from straight lines by
-  };
-
-  Motion motion(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,
-                double change) const {
-    Motion sum;
+  Sweep sweep(const std::vector<std::size_t>& actuated_joints, const Eigen::Vector3d& center, double radius,
+              double change) const {
+    Sweep all;
     for (const std::size_t k : actuated_joints) {
       const auto [point, axis] = model_.actuated_joint_axis(*data_, k);
-      const double swept = change * ((center - point).cross(axis).norm() + radius + sum.length);
-      sum.bent += change * (swept + 2.0 * sum.length);
-      sum.length += swept;
+      all.add_turn(change, (center - point).cross(axis).norm() + radius);
     }
-    return sum;
+    return all;
   }
 
-  /// The same along a unit vector, of the hull of these points; none: of all of it.
-  double along(const std::vector<std::size_t>& actuated_joints, const Motion& all, double change,
+  /// How far it moves along a unit vector, of the hull of these points; none: of all of it.
+  double along(const std::vector<std::size_t>& actuated_joints, const Sweep& all, double change,
                const Eigen::Vector3d& direction, std::span<const Eigen::Vector3d> part) const {
-    if (part.empty()) return all.length;
+    if (part.empty()) return all.moved;
     double farthest = 0.0;
     for (const Eigen::Vector3d& corner : part) {
       double linear = 0.0;
@@ -172,7 +165,7 @@ class TableBuilder {
       }
       farthest = std::max(farthest, linear);
     }
-    return std::min(all.length, farthest + all.bent / 2.0);
+    return all.bound(farthest);
   }
 
   const RobotModel& model_;
